@@ -1,0 +1,48 @@
+# The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
+.PHONY: all demo test validate fuzz tsan format format-check clean
+.DEFAULT_GOAL := all
+
+sources = $(shell find include src tests examples -name '*.[ch]' -o -name '*.cpp')
+
+all:
+	@scripts/setup.sh
+	@scripts/build.sh release
+
+# Installs what is missing, builds, renders out/demo.exr and out/demo.png.
+demo:
+	@scripts/setup.sh
+	@scripts/build.sh release tyndall_cli
+	@mkdir -p out
+	@build/release/bin/tyndall render builtin:demo -o out/demo.exr --png out/demo.png
+
+# Installs what is missing, builds, runs all quick tests, also under sanitizers.
+test:
+	@scripts/setup.sh
+	@scripts/test.sh
+
+# The long comparisons with published and converged results.
+validate:
+	@scripts/setup.sh
+	@scripts/build.sh release
+	@ctest --test-dir build/release -C Validate -L validate --output-on-failure
+
+# Every fuzz target for FUZZ_SECONDS (default 600).
+fuzz:
+	@scripts/setup.sh build fuzz
+	@scripts/fuzz.sh
+
+tsan:
+	@scripts/setup.sh
+	@scripts/build.sh tsan
+	@ctest --preset tsan
+
+format:
+	@scripts/setup.sh format
+	@clang-format -i $(sources)
+
+format-check:
+	@scripts/setup.sh format
+	@clang-format --dry-run --Werror $(sources)
+
+clean:
+	rm -rf build out

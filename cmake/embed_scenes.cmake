@@ -1,0 +1,23 @@
+# cmake -DLIST=file -DOUTPUT=file.c -P embed_scenes.cmake: LIST holds one scene file a line.
+include("${CMAKE_CURRENT_LIST_DIR}/embed_bytes.cmake")
+file(STRINGS "${LIST}" inputs)
+list(SORT inputs)
+set(texts "")
+set(rows "")
+foreach(input IN LISTS inputs)
+  get_filename_component(name "${input}" NAME)
+  string(REGEX REPLACE "\\.json$" "" name "${name}")
+  string(MAKE_C_IDENTIFIER "text_${name}" symbol)
+  embed_bytes("${input}" bytes)
+  string(APPEND texts "static const char ${symbol}[] = {\n    ${bytes}};\n\n")
+  string(APPEND rows "    {\"${name}\", ${symbol}, sizeof ${symbol} - 1},\n")
+endforeach()
+file(WRITE "${OUTPUT}" "/* Made from scenes/builtin. */
+#include \"io/builtin.h\"
+
+#include <stddef.h>
+
+${texts}const ty_builtin_scene ty_builtin_scenes[] = {
+${rows}    {NULL, NULL, 0},
+};
+")

@@ -1,0 +1,37 @@
+# What `cmake --install` puts where: library, headers, tool, pkg-config file, CMake package.
+include(CMakePackageConfigHelpers)
+
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/tyndall")
+install(TARGETS tyndall EXPORT tyndallTargets
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/tyndall" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+  FILES_MATCHING PATTERN "*.h")
+if(TYNDALL_CLI)
+  install(TARGETS tyndall_cli RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+install(EXPORT tyndallTargets NAMESPACE tyndall:: DESTINATION "${package_dir}")
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/tyndallConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/package/tyndallConfig.cmake" INSTALL_DESTINATION "${package_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/package/tyndallConfigVersion.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  "${PROJECT_BINARY_DIR}/package/tyndallConfig.cmake"
+  "${PROJECT_BINARY_DIR}/package/tyndallConfigVersion.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/tyndallDependencies.cmake"
+  DESTINATION "${package_dir}")
+
+# A static library's users link what it is made of; a shared one brings it along.
+set(TYNDALL_PC_REQUIRES "")
+set(TYNDALL_PC_LIBS "")
+if(NOT BUILD_SHARED_LIBS)
+  set(TYNDALL_PC_REQUIRES "jansson libpng")
+  set(TYNDALL_PC_LIBS " -lembree3 -lOpenEXRCore -lopenvdb -ltbb -lImath -lstdc++ -lm -pthread")
+endif()
+file(RELATIVE_PATH TYNDALL_PC_UP "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+file(RELATIVE_PATH TYNDALL_PC_LIBDIR "${CMAKE_INSTALL_PREFIX}" "${CMAKE_INSTALL_FULL_LIBDIR}")
+file(RELATIVE_PATH TYNDALL_PC_INCLUDEDIR "${CMAKE_INSTALL_PREFIX}" "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
+configure_file("${PROJECT_SOURCE_DIR}/cmake/tyndall.pc.in" "${PROJECT_BINARY_DIR}/package/tyndall.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/package/tyndall.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")

@@ -1,0 +1,110 @@
+/* Tyndall: results, contexts, progress. Apache-2.0.
+ *
+ * Everything hangs off a ty_context; there are no globals. Fallible calls return a ty_result and hand
+ * results out by pointer; on failure nothing is handed out and the context keeps the first message. */
+#ifndef TYNDALL_BASE_H
+#define TYNDALL_BASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define TY_API __attribute__((visibility("default")))
+#else
+#define TY_API
+#endif
+
+#define TY_VERSION_MAJOR 0
+#define TY_VERSION_MINOR 1
+#define TY_VERSION_PATCH 0
+#define TY_VERSION "0.1.0"
+
+/* code, name, text */
+#define TY_RESULT_LIST(X)                                                                                    \
+    X(0, TY_OK, "done")                                                                                      \
+    X(1, TY_CANCELLED, "cancelled by the progress callback; what was handed out is a valid partial result")  \
+    X(2, TY_ERROR_ARGUMENT, "an argument of the call is wrong")                                              \
+    X(3, TY_ERROR_INPUT, "the content of a file is wrong")                                                   \
+    X(4, TY_ERROR_FILE, "a file cannot be opened, read or written")                                          \
+    X(5, TY_ERROR_MEMORY, "not enough memory")                                                               \
+    X(6, TY_ERROR_UNSUPPORTED, "not available in this build or on this machine")                             \
+    X(7, TY_ERROR_INTERNAL, "a library below failed unexpectedly")
+
+typedef enum ty_result {
+#define TY_RESULT_ENUM(code, name, text) name = code,
+    TY_RESULT_LIST(TY_RESULT_ENUM)
+#undef TY_RESULT_ENUM
+} ty_result;
+
+/* The name ("TY_ERROR_INPUT") and the text of a result; "unknown" for any other number. */
+TY_API const char* ty_result_name(ty_result result);
+TY_API const char* ty_result_text(ty_result result);
+
+/* The version of the library that runs ("0.1.0"). */
+TY_API const char* ty_version(void);
+
+typedef struct ty_context ty_context;
+
+typedef enum ty_log_level { TY_LOG_INFO = 0, TY_LOG_WARNING = 1, TY_LOG_ERROR = 2 } ty_log_level;
+
+/* Called with one finished line without a newline. May be called from any thread, one call at a time. */
+typedef void (*ty_log_fn)(void* user, ty_log_level level, const char* text);
+
+/* size > 0; returns memory aligned to 64 bytes, or NULL. */
+typedef void* (*ty_alloc_fn)(void* user, size_t size);
+/* pointer as returned by the allocation, with the same size. */
+typedef void (*ty_free_fn)(void* user, void* pointer, size_t size);
+
+typedef struct ty_context_def {
+    uint32_t cookie;   /* set by ty_default_context_def; checked */
+    int32_t threads;   /* threads for long work, 1..1024, or 0 (default) for one per available processor */
+    ty_log_fn log;     /* default NULL: warnings and errors are only kept, not printed */
+    void* log_user;    /* default NULL */
+    ty_alloc_fn alloc; /* default NULL: aligned_alloc; alloc and free are given together */
+    ty_free_fn free;   /* default NULL: free */
+    void* alloc_user;  /* default NULL */
+} ty_context_def;
+
+TY_API ty_context_def ty_default_context_def(void);
+
+/* Errors: TY_ERROR_ARGUMENT (def not made by its default function, or a field out of range), TY_ERROR_MEMORY. */
+TY_API ty_result ty_context_create(const ty_context_def* def, ty_context** out);
+/* Everything made with the context must be destroyed before. NULL is allowed. */
+TY_API void ty_context_destroy(ty_context* context);
+
+/* The first message since the context was created or cleared, "" if there is none:
+ * "scene.json:14: media[0].g: 1.2 is outside (-1, 1)". Valid until the next call with this context. */
+TY_API const char* ty_last_error(const ty_context* context);
+TY_API void ty_clear_error(ty_context* context);
+
+/* The number of threads long work uses. */
+TY_API int32_t ty_context_threads(const ty_context* context);
+
+/* What long work reports. */
+typedef struct ty_progress {
+    const char* stage; /* "path", "fluence", ... */
+    double fraction;   /* of the whole work, 0..1 */
+    double seconds;    /* since the work began */
+    double remaining;  /* seconds, estimated; negative while unknown */
+    uint64_t done;     /* samples per pixel finished in full */
+    uint64_t total;    /* samples per pixel asked for; 0 if only time or error bounds the work */
+} ty_progress;
+
+/* Called about ten times a second, from one thread at a time. Return false to cancel: the work then stops
+ * within a few milliseconds and returns TY_CANCELLED with a valid partial result. */
+typedef bool (*ty_progress_fn)(void* user, const ty_progress* progress);
+
+/* Runs body(user, index, worker) for every index in [0, count) over the context's threads; worker is in
+ * [0, threads). Which thread takes which index is not fixed, so a body writes only what its index owns. */
+typedef void (*ty_parallel_fn)(void* user, int64_t index, int32_t worker);
+TY_API void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

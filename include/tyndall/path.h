@@ -1,0 +1,71 @@
+/* Tyndall: the truth, unbiased volumetric path tracing. Apache-2.0.
+ *
+ * docs/method/path.md explains what is computed and how. The result does not depend on the number of threads. */
+#ifndef TYNDALL_PATH_H
+#define TYNDALL_PATH_H
+
+#include <tyndall/base.h>
+#include <tyndall/grid.h>
+#include <tyndall/image.h>
+#include <tyndall/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ty_path_def {
+    uint32_t cookie;      /* set by ty_default_path_def; checked */
+    int32_t spp;          /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
+    uint64_t seed;        /* any; images of different seeds are independent; default 0 */
+    int32_t max_depth;    /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
+    double seconds;       /* stop after this time, > 0; 0 (default): no bound */
+    double error;         /* stop when the estimated relative error (standard error of the pixels, root mean
+                             square, over the mean) is below this, > 0; 0 (default): no bound */
+    int32_t width, height; /* 0 (default): the camera's resolution. Both or neither */
+    ty_progress_fn progress; /* default NULL */
+    void* progress_user;  /* default NULL */
+} ty_path_def;
+
+TY_API ty_path_def ty_default_path_def(void);
+
+/* What a run did. */
+typedef struct ty_path_stats {
+    double seconds;      /* wall clock */
+    double cpu_seconds;  /* over all threads */
+    double spp;          /* mean samples per pixel */
+    double error;        /* estimated relative error, as in ty_path_def */
+    uint64_t paths;      /* paths traced */
+    uint64_t vertices;   /* scatterings and reflections */
+    const char* isa;     /* "x86-64", "x86-64-v3" or "x86-64-v4": which build of the kernel ran */
+} ty_path_stats;
+
+/* Radiance through each pixel of the scene's camera: R, G, B, and variance.R, .G, .B (variance of the pixel's mean).
+ * On TY_CANCELLED *out is a valid image with fewer samples. stats may be NULL.
+ * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats);
+
+/* Radiance arriving along given rays. rays: count x 6 doubles (origin, m; direction of view, any length);
+ * radiance: count x 3, mean over def->spp samples; variance: count x 3, variance of that mean, or NULL.
+ * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED leaves the outputs undefined. */
+TY_API ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, int64_t count, const double* rays,
+                                  double* radiance, double* variance);
+
+/* Fluence (integral of radiance over all directions, W m^-2) averaged over each cell of a box of size[0] x size[1]
+ * x size[2] cells from lower to upper (m): total, and uncollided light alone if uncollided is not NULL.
+ * fluence, uncollided, variance (of the total; may be NULL): cells x 3, x fastest. A box without extent along an
+ * axis (lower == upper) gives the fluence on that plane, line or point.
+ * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED leaves the outputs undefined. */
+TY_API ty_result ty_path_fluence(const ty_scene* scene, const ty_path_def* def, const double lower[3],
+                                 const double upper[3], const int32_t size[3], double* fluence, double* uncollided,
+                                 double* variance);
+
+/* Transmittance exp(-optical depth) per channel of the media between two points, surfaces ignored: the mean of
+ * def->spp ratio-tracked estimates (exact where media are homogeneous).
+ * Errors: TY_ERROR_ARGUMENT. */
+TY_API ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, const double from[3],
+                                       const double to[3], double transmittance[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,12 @@
+/* Tyndall: light in fog, smoke, clouds, milk and water. Apache-2.0. The whole public face. */
+#ifndef TYNDALL_TYNDALL_H
+#define TYNDALL_TYNDALL_H
+
+#include <tyndall/base.h>
+#include <tyndall/grid.h>
+#include <tyndall/image.h>
+#include <tyndall/io.h>
+#include <tyndall/path.h>
+#include <tyndall/scene.h>
+
+#endif

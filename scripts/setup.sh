@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Installs what the build needs, if anything is missing (Debian and its relatives).
+# usage: scripts/setup.sh [build|fuzz|format]...   (default: build)
+set -euo pipefail
+
+build="gcc g++ make cmake ninja-build pkg-config libembree-dev libopenexr-dev libimath-dev libopenvdb-dev libtbb-dev
+  libpng-dev libjansson-dev libstb-dev libcmocka-dev"
+fuzz="clang libclang-rt-14-dev"
+format="clang-format"
+
+needed=""
+for group in "${@:-build}"; do
+  case "$group" in
+    build) needed+=" $build" ;;
+    fuzz) needed+=" $fuzz" ;;
+    format) needed+=" $format" ;;
+    *) echo "setup: unknown group '$group'; known: build, fuzz, format" >&2; exit 2 ;;
+  esac
+done
+
+if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
+  echo "setup: this is not Debian; install the equivalents of these packages, then use cmake directly:" $needed >&2
+  exit 2
+fi
+
+missing=()
+for package in $needed; do
+  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2> /dev/null || true)
+  [ "$status" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo > /dev/null; then
+    echo "setup: as root, run: apt-get install ${missing[*]}" >&2
+    exit 2
+  fi
+  as_root=(sudo)
+fi
+echo "setup: installing ${missing[*]}"
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0)
+if ! "${apt[@]}" update < /dev/null ||
+  ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" < /dev/null > /dev/null; then
+  echo "setup: could not install these packages: ${missing[*]}" >&2
+  exit 2
+fi

@@ -1,0 +1,197 @@
+/* Contexts: errors, logging, memory, clocks. */
+#define _GNU_SOURCE
+#include "base/context.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64, THREADS_MAX = 1024 };
+
+struct ty_context {
+    ty_context_def def;
+    int32_t threads;
+    pthread_mutex_t lock; /* guards message and the log callback */
+    char message[MESSAGE_SIZE];
+};
+
+const char* ty_result_name(ty_result result) {
+    switch (result) {
+#define TY_RESULT_NAME(code, name, text)                                                                     \
+    case name: return #name;
+        TY_RESULT_LIST(TY_RESULT_NAME)
+#undef TY_RESULT_NAME
+    }
+    return "unknown";
+}
+
+const char* ty_result_text(ty_result result) {
+    switch (result) {
+#define TY_RESULT_TEXT(code, name, text)                                                                     \
+    case name: return text;
+        TY_RESULT_LIST(TY_RESULT_TEXT)
+#undef TY_RESULT_TEXT
+    }
+    return "unknown";
+}
+
+const char* ty_version(void) {
+    return TY_VERSION;
+}
+
+static void* default_alloc(void* user, size_t size) {
+    (void)user;
+    return aligned_alloc(ALIGNMENT, (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
+}
+
+static void default_free(void* user, void* pointer, size_t size) {
+    (void)user;
+    (void)size;
+    free(pointer);
+}
+
+static int32_t available_processors(void) {
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) != 0) return 1;
+    const int count = CPU_COUNT(&set);
+    return count < 1 ? 1 : count > THREADS_MAX ? THREADS_MAX : count;
+}
+
+ty_context_def ty_default_context_def(void) {
+    return (ty_context_def){.cookie = TY_DEF_COOKIE};
+}
+
+ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
+    if (out == NULL || def == NULL || def->cookie != TY_DEF_COOKIE || def->threads < 0 ||
+        def->threads > THREADS_MAX || (def->alloc == NULL) != (def->free == NULL))
+        return TY_ERROR_ARGUMENT;
+    ty_context_def copy = *def;
+    if (copy.alloc == NULL) {
+        copy.alloc = default_alloc;
+        copy.free = default_free;
+    }
+    ty_context* context = copy.alloc(copy.alloc_user, sizeof *context);
+    if (context == NULL) return TY_ERROR_MEMORY;
+    memset(context, 0, sizeof *context);
+    context->def = copy;
+    context->threads = copy.threads > 0 ? copy.threads : available_processors();
+    pthread_mutex_init(&context->lock, NULL);
+    *out = context;
+    return TY_OK;
+}
+
+void ty_context_destroy(ty_context* context) {
+    if (context == NULL) return;
+    pthread_mutex_destroy(&context->lock);
+    const ty_context_def def = context->def;
+    def.free(def.alloc_user, context, sizeof *context);
+}
+
+const char* ty_last_error(const ty_context* context) {
+    return context == NULL ? "" : context->message;
+}
+
+void ty_clear_error(ty_context* context) {
+    if (context == NULL) return;
+    pthread_mutex_lock(&context->lock);
+    context->message[0] = '\0';
+    pthread_mutex_unlock(&context->lock);
+}
+
+int32_t ty_context_threads(const ty_context* context) {
+    return context->threads;
+}
+
+ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) {
+    if (context == NULL) return result;
+    char text[MESSAGE_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    pthread_mutex_lock(&context->lock);
+    if (context->message[0] == '\0') memcpy(context->message, text, sizeof text);
+    if (context->def.log != NULL) context->def.log(context->def.log_user, TY_LOG_ERROR, text);
+    pthread_mutex_unlock(&context->lock);
+    return result;
+}
+
+void ty_log(ty_context* context, ty_log_level level, const char* format, ...) {
+    if (context->def.log == NULL) return;
+    char text[MESSAGE_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    pthread_mutex_lock(&context->lock);
+    context->def.log(context->def.log_user, level, text);
+    pthread_mutex_unlock(&context->lock);
+}
+
+ty_result ty_check_def(ty_context* context, const void* def, const char* default_function) {
+    uint32_t cookie = 0;
+    if (def != NULL) memcpy(&cookie, def, sizeof cookie);
+    if (cookie == TY_DEF_COOKIE) return TY_OK;
+    return ty_fail(context, TY_ERROR_ARGUMENT, "a def was not made by %s()", default_function);
+}
+
+void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, bool zero) {
+    size_t size = 0;
+    void* pointer = NULL;
+    if (!__builtin_mul_overflow(count, element_size, &size) && size <= (size_t)PTRDIFF_MAX - ALIGNMENT)
+        pointer = context->def.alloc(context->def.alloc_user, size == 0 ? 1 : size);
+    if (pointer == NULL) {
+        ty_fail(context, TY_ERROR_MEMORY, "not enough memory for %.1f MiB", (double)count * (double)element_size / 1048576.0);
+        return NULL;
+    }
+    if (zero) memset(pointer, 0, size);
+    return pointer;
+}
+
+void ty_free_array(ty_context* context, void* pointer, size_t count, size_t element_size) {
+    if (pointer == NULL) return;
+    const size_t size = count * element_size;
+    context->def.free(context->def.alloc_user, pointer, size == 0 ? 1 : size);
+}
+
+char* ty_copy_text(ty_context* context, const char* text) {
+    if (text == NULL) text = "";
+    const size_t size = strlen(text) + 1;
+    char* copy = ty_alloc_array(context, size, 1, false);
+    if (copy != NULL) memcpy(copy, text, size);
+    return copy;
+}
+
+void ty_free_text(ty_context* context, char* text) {
+    if (text != NULL) ty_free_array(context, text, strlen(text) + 1, 1);
+}
+
+bool ty_grow_array(ty_context* context, void** items, size_t* capacity, size_t count, size_t element_size) {
+    if (count < *capacity) return true;
+    const size_t grown = *capacity == 0 ? 4 : 2 * *capacity;
+    void* moved = ty_alloc_array(context, grown, element_size, false);
+    if (moved == NULL) return false;
+    if (count > 0) memcpy(moved, *items, count * element_size);
+    ty_free_array(context, *items, *capacity, element_size);
+    *items = moved;
+    *capacity = grown;
+    return true;
+}
+
+static double clock_seconds(clockid_t clock) {
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double ty_wall_seconds(void) {
+    return clock_seconds(CLOCK_MONOTONIC);
+}
+
+double ty_cpu_seconds(void) {
+    return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+}

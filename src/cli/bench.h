@@ -1,0 +1,27 @@
+/* Benches: each has a name and a function; all share the options of `tyndall bench`. */
+#ifndef TY_CLI_BENCH_H
+#define TY_CLI_BENCH_H
+
+#include "cli/session.h"
+
+typedef struct bench_options {
+    bool json;
+    int32_t spp, size[2], runs;
+    const char* scenes;    /* names, comma-separated */
+    const char* reference; /* folder of NAME.exr, or NULL */
+} bench_options;
+
+typedef struct bench_session {
+    cli_session* session;
+    const bench_options* options;
+    json_writer* json; /* NULL: print text. Inside an open object that is the bench's own */
+} bench_session;
+
+/* Each returns CLI_DONE or an exit status after a message. */
+int bench_machine(const bench_session* bench);
+int bench_path(const bench_session* bench);
+
+/* The middle one of count values (the mean of the middle two); sorts them. */
+double bench_median(double* values, int count);
+
+#endif

@@ -1,0 +1,10 @@
+/* The commands: each gets the arguments after its name and returns an exit status. */
+#ifndef TY_CLI_COMMANDS_H
+#define TY_CLI_COMMANDS_H
+
+int cli_render(int count, char** arguments);
+int cli_info(int count, char** arguments);
+int cli_diff(int count, char** arguments);
+int cli_bench(int count, char** arguments);
+
+#endif

@@ -1,0 +1,218 @@
+/* tyndall info: what a file holds. */
+#include "cli/info.h"
+#include "cli/commands.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Memory of a grid read densely; 0 for types that are not read. */
+static double dense_bytes(const ty_vdb_entry* entry) {
+    const double value = strcmp(entry->type, "float") == 0 ? 4 : strcmp(entry->type, "half") == 0 ? 2 : 0;
+    double voxels = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        voxels *= entry->lower[axis] > entry->upper[axis] ? 0 : (double)entry->upper[axis] - entry->lower[axis] + 1;
+    return voxels * value;
+}
+
+static void print_grid(const ty_vdb_entry* entry) {
+    char bytes[24];
+    cli_format_bytes(dense_bytes(entry), bytes);
+    printf("%-16s %-8s %12" PRId64 " active voxels", entry->name, entry->type, entry->active_voxels);
+    if (entry->lower[0] <= entry->upper[0])
+        printf(" in (%d, %d, %d) to (%d, %d, %d)", entry->lower[0], entry->lower[1], entry->lower[2], entry->upper[0],
+               entry->upper[1], entry->upper[2]);
+    printf(", voxel %.6g x %.6g x %.6g", entry->voxel_size[0], entry->voxel_size[1], entry->voxel_size[2]);
+    if (dense_bytes(entry) > 0) printf(", %s when read", bytes);
+    printf("\n");
+}
+
+static void print_grids_json(const char* path, const ty_vdb_entry* entries, int32_t count) {
+    json_writer json = json_begin(stdout);
+    json_open_object(&json, NULL);
+    json_text(&json, "kind", "volume");
+    json_text(&json, "file", path);
+    json_open_array(&json, "grids");
+    for (int32_t i = 0; i < count; ++i) {
+        const ty_vdb_entry* entry = &entries[i];
+        json_open_object(&json, NULL);
+        json_text(&json, "name", entry->name);
+        json_text(&json, "type", entry->type);
+        json_integer(&json, "active_voxels", entry->active_voxels);
+        json_numbers(&json, "lower", (const double[]){entry->lower[0], entry->lower[1], entry->lower[2]}, 3);
+        json_numbers(&json, "upper", (const double[]){entry->upper[0], entry->upper[1], entry->upper[2]}, 3);
+        json_numbers(&json, "voxel_size", entry->voxel_size, 3);
+        json_number(&json, "dense_bytes", dense_bytes(entry));
+        json_close_object(&json);
+    }
+    json_close_array(&json);
+    json_close_object(&json);
+}
+
+int cli_info_volume(cli_session* session, const char* path, bool json) {
+    int32_t capacity = 16, count = 0;
+    ty_vdb_entry* entries = NULL;
+    do {
+        if (count > capacity) capacity = count;
+        free(entries);
+        entries = calloc((size_t)capacity, sizeof *entries);
+        if (entries == NULL) return cli_fail(CLI_FAILED, "not enough memory");
+        const ty_result result = ty_vdb_list(session->context, path, entries, capacity, &count);
+        if (result != TY_OK) {
+            free(entries);
+            return cli_fail_reading(session, result);
+        }
+    } while (count > capacity);
+    if (json) {
+        print_grids_json(path, entries, count);
+    } else {
+        printf("volume           %s\n", path);
+        for (int32_t i = 0; i < count; ++i) print_grid(&entries[i]);
+    }
+    free(entries);
+    return CLI_DONE;
+}
+
+typedef struct channel_summary {
+    double min, max, mean; /* of the finite values */
+    int64_t nan, infinite;
+} channel_summary;
+
+static channel_summary summarise(const float* values, int64_t count) {
+    channel_summary summary = {.min = INFINITY, .max = -INFINITY};
+    double sum = 0;
+    int64_t finite = 0;
+    for (int64_t i = 0; i < count; ++i) {
+        const double value = (double)values[i];
+        if (isnan(value)) {
+            ++summary.nan;
+        } else if (isinf(value)) {
+            ++summary.infinite;
+        } else {
+            if (value < summary.min) summary.min = value;
+            if (value > summary.max) summary.max = value;
+            sum += value;
+            ++finite;
+        }
+    }
+    summary.mean = finite > 0 ? sum / (double)finite : NAN;
+    return summary;
+}
+
+static void print_image(const ty_image* image, const char* path) {
+    const int32_t width = ty_image_width(image), height = ty_image_height(image);
+    printf("image            %s\nsize             %dx%d\n", path, width, height);
+    printf("%-16s %12s %12s %12s\n", "channel", "min", "mean", "max");
+    for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
+        const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
+        printf("%-16s %12.6g %12.6g %12.6g", ty_image_channel_name(image, i), summary.min, summary.mean, summary.max);
+        if (summary.nan > 0) printf("  %" PRId64 " NaN", summary.nan);
+        if (summary.infinite > 0) printf("  %" PRId64 " Inf", summary.infinite);
+        printf("\n");
+    }
+    for (int32_t i = 0; i < ty_image_metadata_count(image); ++i) {
+        const char* key = ty_image_metadata_key(image, i);
+        printf("%-16s %s\n", key, ty_image_get_metadata(image, key));
+    }
+}
+
+static void print_image_json(const ty_image* image, const char* path) {
+    const int32_t width = ty_image_width(image), height = ty_image_height(image);
+    json_writer json = json_begin(stdout);
+    json_open_object(&json, NULL);
+    json_text(&json, "kind", "image");
+    json_text(&json, "file", path);
+    json_integer(&json, "width", width);
+    json_integer(&json, "height", height);
+    json_open_array(&json, "channels");
+    for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
+        const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
+        json_open_object(&json, NULL);
+        json_text(&json, "name", ty_image_channel_name(image, i));
+        json_number(&json, "min", summary.min);
+        json_number(&json, "mean", summary.mean);
+        json_number(&json, "max", summary.max);
+        json_integer(&json, "nan", summary.nan);
+        json_integer(&json, "inf", summary.infinite);
+        json_close_object(&json);
+    }
+    json_close_array(&json);
+    json_open_object(&json, "metadata");
+    for (int32_t i = 0; i < ty_image_metadata_count(image); ++i) {
+        const char* key = ty_image_metadata_key(image, i);
+        json_text(&json, key, ty_image_get_metadata(image, key));
+    }
+    json_close_object(&json);
+    json_close_object(&json);
+}
+
+int cli_info_image(cli_session* session, const char* path, bool json) {
+    ty_image* image = NULL;
+    const ty_result result = ty_image_read(session->context, path, &image);
+    if (result != TY_OK) return cli_fail_reading(session, result);
+    if (json)
+        print_image_json(image, path);
+    else
+        print_image(image, path);
+    ty_image_destroy(image);
+    return CLI_DONE;
+}
+
+typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_IMAGE } file_kind;
+
+/* Told by the first bytes; JSON begins with a brace after blanks. */
+static file_kind kind_of(const unsigned char* head, size_t size) {
+    static const unsigned char vdb[4] = {0x20, 0x42, 0x44, 0x56}, exr[4] = {0x76, 0x2f, 0x31, 0x01};
+    if (size >= 4 && memcmp(head, vdb, 4) == 0) return FILE_VOLUME;
+    if (size >= 4 && memcmp(head, exr, 4) == 0) return FILE_IMAGE;
+    if (size >= 2 && head[0] == '#' && head[1] == '?') return FILE_IMAGE;
+    size_t i = 0;
+    while (i < size && memchr(" \t\r\n", head[i], 4) != NULL) ++i;
+    return i < size && head[i] == '{' ? FILE_SCENE : FILE_UNKNOWN;
+}
+
+static int info_of_file(cli_session* session, const char* path, const cli_list* overrides, bool json) {
+    if (strncmp(path, "builtin:", 8) == 0) return cli_info_scene(session, path, overrides, json);
+    FILE* file = fopen(path, "rb");
+    if (file == NULL) return cli_fail(CLI_USAGE, "%s: %s", path, strerror(errno));
+    unsigned char head[256];
+    const size_t size = fread(head, 1, sizeof head, file);
+    const bool failed = ferror(file) != 0;
+    fclose(file);
+    if (failed) return cli_fail(CLI_USAGE, "%s: cannot be read", path);
+    const file_kind kind = kind_of(head, size);
+    if (overrides->count > 0 && kind != FILE_SCENE)
+        return cli_usage_error("info", "-D is for scenes, and %s is none", path);
+    switch (kind) {
+    case FILE_SCENE: return cli_info_scene(session, path, overrides, json);
+    case FILE_VOLUME: return cli_info_volume(session, path, json);
+    case FILE_IMAGE: return cli_info_image(session, path, json);
+    case FILE_UNKNOWN: break;
+    }
+    return cli_fail(CLI_USAGE, "%s: neither a scene (.json) nor a volume (.vdb) nor an image (.exr, .hdr)", path);
+}
+
+int cli_info(int count, char** arguments) {
+    bool json = false;
+    cli_list overrides = {0};
+    const cli_option table[] = {
+        {"json", 0, CLI_FLAG, NULL, "print JSON", &json, 0, 0, NULL},
+        {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene first, as for render", &overrides, 0, 0, NULL},
+    };
+    const cli_syntax syntax = {"info",
+                               "FILE [options]",
+                               "Tells what a scene, an OpenVDB volume or an image (EXR, HDR) holds.",
+                               NULL,
+                               table,
+                               sizeof table / sizeof table[0],
+                               1,
+                               1};
+    cli_arguments given;
+    int status = cli_parse(&syntax, count, arguments, &given);
+    cli_session session;
+    if (status == CLI_GO) status = cli_session_open(&session, "info", &given.common);
+    if (status != CLI_GO) return status;
+    return cli_session_close(&session, info_of_file(&session, given.positional[0], &overrides, json));
+}

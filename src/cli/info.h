@@ -1,0 +1,11 @@
+/* The kinds of files tyndall info tells about; each prints to stdout and returns an exit status. */
+#ifndef TY_CLI_INFO_H
+#define TY_CLI_INFO_H
+
+#include "cli/session.h"
+
+int cli_info_scene(cli_session* session, const char* path, const cli_list* overrides, bool json);
+int cli_info_volume(cli_session* session, const char* path, bool json);
+int cli_info_image(cli_session* session, const char* path, bool json);
+
+#endif

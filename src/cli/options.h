@@ -1,0 +1,84 @@
+/* One option parser for all commands: tables say what there is, and --help is made from the same tables. */
+#ifndef TY_CLI_OPTIONS_H
+#define TY_CLI_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Exit statuses. cli_parse returns one of them, or CLI_GO when the command should run. */
+enum { CLI_GO = -1, CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
+
+enum { CLI_LIST_MAX = 256, CLI_POSITIONAL_MAX = 2 };
+
+typedef struct cli_list {
+    const char* items[CLI_LIST_MAX];
+    int32_t count;
+} cli_list;
+
+/* What a value looks like and what the target points to. */
+typedef enum cli_kind {
+    CLI_FLAG,   /* no value; bool */
+    CLI_TEXT,   /* const char* */
+    CLI_LIST,   /* cli_list; the option may be given again */
+    CLI_INT,    /* int32_t in [lower, upper] */
+    CLI_SEED,   /* uint64_t */
+    CLI_REAL,   /* double in [lower, upper] */
+    CLI_SIZE,   /* int32_t[2], "800x600", each in 1..65536 */
+    CLI_CHOICE, /* int: which word of `value`, "auto|plain|none" */
+} cli_kind;
+
+typedef struct cli_option {
+    const char* name; /* without dashes */
+    char letter;      /* 0: only the long form */
+    cli_kind kind;
+    const char* value; /* in --help: "FILE" */
+    const char* help;
+    void* target; /* keeps its default when the option is not given */
+    double lower, upper;
+    bool* given; /* may be NULL */
+} cli_option;
+
+typedef enum cli_progress_mode { CLI_AUTO = 0, CLI_PLAIN = 1, CLI_JSON = 2, CLI_NONE = 3 } cli_progress_mode;
+
+/* The options of all commands. */
+typedef struct cli_common {
+    int32_t threads; /* 0: one per processor */
+    uint64_t seed;
+    bool seed_given;
+    const char* stats; /* NULL: none */
+    int progress;      /* cli_progress_mode */
+    bool quiet, help, version;
+} cli_common;
+
+typedef struct cli_syntax {
+    const char* command; /* "render" */
+    const char* usage;   /* what follows the command: "SCENE -o OUT.exr" */
+    const char* summary; /* one line */
+    const char* details; /* further text of --help, or NULL */
+    const cli_option* options;
+    int option_count;
+    int positional_least, positional_most;
+} cli_syntax;
+
+/* What one command line says; cli_parse sets everything. */
+typedef struct cli_arguments {
+    cli_common common;
+    const char* positional[CLI_POSITIONAL_MAX];
+    int positional_count;
+} cli_arguments;
+
+/* arguments: what follows the command's name. Errors are one sentence on stderr and CLI_USAGE; --help and --version
+ * print to stdout and give CLI_DONE. */
+int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_arguments* out);
+
+/* Reports wrong usage of a command (printf-like) and returns CLI_USAGE. */
+int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Prints the options all commands share, as in --help. */
+void cli_print_common_options(void);
+
+/* The word nearest to text (edit distance at most a third of its length, at least 1), or NULL. */
+const char* cli_nearest(const char* text, const char* const* words, int count);
+
+#endif

@@ -1,0 +1,157 @@
+/* Sessions: contexts, messages, --stats, checks that commands share. */
+#define _GNU_SOURCE
+#include "cli/session.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+double cli_wall_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Errors come back as results and are printed there. */
+static void print_log(void* user, ty_log_level level, const char* text) {
+    cli_session* session = user;
+    if (level == TY_LOG_WARNING && !session->common.quiet) cli_progress_warn(&session->progress, text);
+}
+
+int cli_session_open(cli_session* session, const char* command, const cli_common* common) {
+    *session = (cli_session){.command = command, .common = *common, .started = cli_wall_seconds()};
+    session->progress = cli_progress_begin(common);
+    if (common->stats != NULL) {
+        const int status = cli_check_output(command, common->stats);
+        if (status != CLI_GO) return status;
+    }
+    ty_context_def def = ty_default_context_def();
+    def.threads = common->threads;
+    def.log = print_log;
+    def.log_user = session;
+    const ty_result result = ty_context_create(&def, &session->context);
+    if (result != TY_OK) return cli_fail(CLI_FAILED, "cannot start: %s", ty_result_text(result));
+    cli_catch_interrupts();
+    return CLI_GO;
+}
+
+static double timeval_seconds(struct timeval time) {
+    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
+}
+
+static bool write_stats_file(const cli_session* session, const char* path) {
+    FILE* file = fopen(path, "w");
+    if (file == NULL) return false;
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    json_writer json = json_begin(file);
+    json_open_object(&json, NULL);
+    json_text(&json, "version", ty_version());
+    json_text(&json, "command", session->command);
+    json_integer(&json, "threads", ty_context_threads(session->context));
+    if (session->stats != NULL) session->stats(&json, session->stats_user);
+    json_number(&json, "seconds", cli_wall_seconds() - session->started);
+    json_number(&json, "cpu_seconds", timeval_seconds(usage.ru_utime) + timeval_seconds(usage.ru_stime));
+    json_integer(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
+    json_close_object(&json);
+    const bool written = !ferror(file);
+    return fclose(file) == 0 && written;
+}
+
+/* Under a temporary name first, so that the file is whole or untouched. */
+static int write_stats(const cli_session* session) {
+    const char* path = session->common.stats;
+    char* temporary = NULL;
+    if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) return cli_fail(CLI_FAILED, "not enough memory");
+    int status = CLI_GO;
+    if (!write_stats_file(session, temporary) || rename(temporary, path) != 0) {
+        status = cli_fail(CLI_FAILED, "%s: cannot be written: %s", path, strerror(errno));
+        unlink(temporary);
+    }
+    free(temporary);
+    return status;
+}
+
+int cli_session_close(cli_session* session, int status) {
+    cli_progress_clear(&session->progress);
+    if (session->common.stats != NULL && session->context != NULL &&
+        (status == CLI_DONE || status == CLI_INTERRUPTED)) {
+        const int written = write_stats(session);
+        if (written != CLI_GO) status = written;
+    }
+    ty_context_destroy(session->context);
+    return status;
+}
+
+int cli_fail(int status, const char* format, ...) {
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "tyndall: %s\n", text);
+    return status;
+}
+
+static int fail_with_message(cli_session* session, ty_result result, int file_status) {
+    cli_progress_clear(&session->progress);
+    const char* message = ty_last_error(session->context);
+    if (message[0] == '\0') message = ty_result_text(result);
+    switch (result) {
+    case TY_CANCELLED: return cli_fail(CLI_INTERRUPTED, "interrupted");
+    case TY_ERROR_ARGUMENT:
+    case TY_ERROR_INPUT:
+    case TY_ERROR_UNSUPPORTED: return cli_fail(CLI_USAGE, "%s", message);
+    case TY_ERROR_FILE: return cli_fail(file_status, "%s", message);
+    default: return cli_fail(CLI_FAILED, "%s", message);
+    }
+}
+
+int cli_fail_reading(cli_session* session, ty_result result) {
+    return fail_with_message(session, result, CLI_USAGE);
+}
+
+int cli_fail_running(cli_session* session, ty_result result) {
+    return fail_with_message(session, result, CLI_FAILED);
+}
+
+int cli_check_output(const char* command, const char* path) {
+    const char* slash = strrchr(path, '/');
+    char* folder = slash == NULL ? strdup(".") : slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+    if (folder == NULL) return cli_fail(CLI_FAILED, "not enough memory");
+    struct stat status;
+    int result = CLI_GO;
+    if (slash != NULL && slash[1] == '\0')
+        result = cli_usage_error(command, "%s: is a folder; name a file", path);
+    else if (stat(folder, &status) != 0)
+        result = cli_usage_error(command, "%s: the folder %s: %s", path, folder, strerror(errno));
+    else if (!S_ISDIR(status.st_mode))
+        result = cli_usage_error(command, "%s: %s is not a folder", path, folder);
+    else if (access(folder, W_OK | X_OK) != 0)
+        result = cli_usage_error(command, "%s: the folder %s cannot be written to: %s", path, folder, strerror(errno));
+    else if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        result = cli_usage_error(command, "%s: is there already and is not a file", path);
+    free(folder);
+    return result;
+}
+
+bool cli_has_extension(const char* path, const char* extension) {
+    const size_t length = strlen(path), size = strlen(extension);
+    return length > size && strcasecmp(path + length - size, extension) == 0;
+}
+
+void cli_format_bytes(double bytes, char out[24]) {
+    static const char* const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
+    int unit = 0;
+    while (bytes >= 1024 && unit < 4) {
+        bytes /= 1024;
+        ++unit;
+    }
+    snprintf(out, 24, unit == 0 ? "%.0f %s" : "%.1f %s", bytes, units[unit]);
+}

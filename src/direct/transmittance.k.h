@@ -1,0 +1,58 @@
+/* Transmittance of all media between two points of a ray: exact where media are homogeneous, residual ratio tracking
+ * in grids (Novak et al. 2014), whose part below each brick's least density is exact too. */
+#ifndef TY_DIRECT_TRANSMITTANCE_K_H
+#define TY_DIRECT_TRANSMITTANCE_K_H
+
+#include "scene/medium.k.h"
+
+/* Multiplies transmittance[3] by an unbiased estimate for one medium over [enter, leave]; direction is unit. Estimates
+ * that fall below 0.1 are ended by Russian roulette. */
+TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction, float enter,
+                                  float leave, ty_random* random, float transmittance[3]) {
+    ty_bricks bricks;
+    float least = 0.0f; /* integral of the bricks' least density */
+    float left = ty_exponential(ty_random_white(random));
+    float track[3] = {1.0f, 1.0f, 1.0f};
+    ty_bricks_begin(&bricks, medium, origin, direction, enter, leave);
+    while (ty_bricks_next(&bricks)) {
+        const float range = bricks.high - bricks.low;
+        const float rate = range * medium->sigma_t_max;
+        float t = bricks.enter;
+        least += bricks.low * (bricks.leave - bricks.enter);
+        while (left < (bricks.leave - t) * rate) {
+            t += left / rate;
+            const float density = ty_bricks_density(&bricks, t, random);
+            const float fraction = (density - bricks.low) / rate;
+            for (int c = 0; c < 3; ++c) track[c] *= 1.0f - fraction * medium->sigma_t[c];
+            const float largest = ty_maxf(track[0], ty_maxf(track[1], track[2]));
+            if (largest < 0.1f) {
+                if (ty_random_white(random) * 0.2f >= largest) {
+                    for (int c = 0; c < 3; ++c) transmittance[c] = 0.0f;
+                    return;
+                }
+                for (int c = 0; c < 3; ++c) track[c] *= 0.2f / largest;
+            }
+            left = ty_exponential(ty_random_white(random));
+        }
+        left -= (bricks.leave - t) * rate;
+    }
+    for (int c = 0; c < 3; ++c) transmittance[c] *= track[c] * ty_expf(-least * medium->sigma_t[c]);
+}
+
+/* Transmittance per channel through media[0..count) over [0, far] of a ray with unit direction. */
+TY_FN void ty_transmittance(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
+                            float far, ty_random* random, float transmittance[3]) {
+    float depth[3] = {0.0f, 0.0f, 0.0f}; /* of the homogeneous media */
+    for (int c = 0; c < 3; ++c) transmittance[c] = 1.0f;
+    for (int32_t m = 0; m < count; ++m) {
+        float enter = 0.0f, leave = far;
+        if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
+        if (media[m].has_grid != 0)
+            ty_track_transmittance(&media[m], origin, direction, enter, leave, random, transmittance);
+        else
+            for (int c = 0; c < 3; ++c) depth[c] += media[m].sigma_t[c] * (leave - enter);
+    }
+    for (int c = 0; c < 3; ++c) transmittance[c] *= ty_expf(-depth[c]);
+}
+
+#endif

@@ -1,0 +1,35 @@
+/* The insides of dense grids: storage and the table of local extremes that null-collision tracking walks. */
+#ifndef TY_GRID_GRID_H
+#define TY_GRID_GRID_H
+
+#include "base/half.h"
+
+#include <tyndall/grid.h>
+
+/* Voxels along the edge of a brick: one cell of the table of extremes. */
+#define TY_BRICK 8
+
+struct ty_grid {
+    ty_context* context;
+    _Atomic int32_t owners;
+    int32_t size[3];
+    ty_grid_type type;
+    bool placed;
+    float background;
+    float min, max;
+    double mean;
+    ty_affine index_to_local;
+    void* values;
+    size_t voxels;
+    /* Extremes of the trilinear function over brick (i, j, k), which spans index coordinates
+     * [-1 + TY_BRICK i, -1 + TY_BRICK (i + 1)] and so on: pairs (min, max). Reconstruction reaches one voxel outside
+     * the grid, hence the -1. */
+    int32_t bricks[3];
+    float* extremes;
+};
+
+/* Takes over values, an array from ty_alloc_array of exactly the voxels' bytes (or NULL for zeros); def->values is
+ * not looked at. values is freed on failure. */
+ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out);
+
+#endif

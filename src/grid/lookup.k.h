@@ -1,0 +1,59 @@
+/* Looking values up in a dense grid. */
+#ifndef TY_GRID_LOOKUP_K_H
+#define TY_GRID_LOOKUP_K_H
+
+#include "base/half.h"
+#include "grid/grid.h"
+
+/* A grid as kernels see it: plain arrays. Exactly one of floats and halves is set. */
+typedef struct ty_grid_view {
+    TY_GLOBAL const float* floats;
+    TY_GLOBAL const uint16_t* halves;
+    TY_GLOBAL const float* extremes; /* pairs per brick, see ty_grid */
+    int32_t size[3];
+    int32_t bricks[3];
+    int32_t clamp; /* outside: 1 the nearest edge value, 0 background */
+    float background;
+} ty_grid_view;
+
+TY_FN ty_grid_view ty_grid_get_view(const ty_grid* grid) {
+    ty_grid_view view;
+    view.floats = grid->type == TY_GRID_F32 ? (const float*)grid->values : NULL;
+    view.halves = grid->type == TY_GRID_F16 ? (const uint16_t*)grid->values : NULL;
+    view.extremes = grid->extremes;
+    for (int a = 0; a < 3; ++a) {
+        view.size[a] = grid->size[a];
+        view.bricks[a] = grid->bricks[a];
+    }
+    view.clamp = grid->placed ? 0 : 1;
+    view.background = grid->background;
+    return view;
+}
+
+/* The value of voxel (i, j, k), which may lie outside. */
+TY_FN float ty_grid_fetch(const ty_grid_view* grid, int32_t i, int32_t j, int32_t k) {
+    const int32_t nx = grid->size[0], ny = grid->size[1], nz = grid->size[2];
+    if ((uint32_t)i >= (uint32_t)nx || (uint32_t)j >= (uint32_t)ny || (uint32_t)k >= (uint32_t)nz) {
+        if (grid->clamp == 0) return grid->background;
+        i = i < 0 ? 0 : i >= nx ? nx - 1 : i;
+        j = j < 0 ? 0 : j >= ny ? ny - 1 : j;
+        k = k < 0 ? 0 : k >= nz ? nz - 1 : k;
+    }
+    const size_t at = (size_t)i + (size_t)nx * ((size_t)j + (size_t)ny * (size_t)k);
+    return grid->floats != NULL ? grid->floats[at] : ty_half_to_float(grid->halves[at]);
+}
+
+/* Trilinear between the eight voxels from base on; weight in [0, 1] per axis. */
+TY_FN float ty_grid_trilinear(const ty_grid_view* grid, const int32_t base[3], const float weight[3]) {
+    float plane[2];
+    for (int k = 0; k < 2; ++k) {
+        float row[2];
+        for (int j = 0; j < 2; ++j)
+            row[j] = ty_lerpf(ty_grid_fetch(grid, base[0], base[1] + j, base[2] + k),
+                              ty_grid_fetch(grid, base[0] + 1, base[1] + j, base[2] + k), weight[0]);
+        plane[k] = ty_lerpf(row[0], row[1], weight[1]);
+    }
+    return ty_lerpf(plane[0], plane[1], weight[2]);
+}
+
+#endif

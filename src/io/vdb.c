@@ -1,0 +1,168 @@
+/* OpenVDB files: listing, reading and writing grids. */
+#include "io/vdb.h"
+
+#include "base/context.h"
+#include "grid/grid.h"
+#include "io/file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static bool is_tree(const ty_vdb_grid* grid, const char* value) {
+    char type[48];
+    snprintf(type, sizeof type, "Tree_%s_5_4_3", value);
+    return strcmp(grid->type, type) == 0;
+}
+
+/* 4 for float trees, 8 for double trees, 0 for all others. */
+static size_t value_size(const ty_vdb_grid* grid) {
+    return is_tree(grid, "float") ? sizeof(float) : is_tree(grid, "double") ? sizeof(double) : 0;
+}
+
+/* "Tree_vec3s_5_4_3" -> "vec3s"; a float grid stored as half is "half". */
+static void show_type(const ty_vdb_grid* grid, char* text, size_t size) {
+    const char* start = strncmp(grid->type, "Tree_", 5) == 0 ? grid->type + 5 : grid->type;
+    if (grid->half && is_tree(grid, "float")) start = "half";
+    snprintf(text, size, "%.*s", (int)strcspn(start, "_"), start);
+}
+
+static const ty_vdb_grid* find_grid(const ty_vdb_file* file, const char* name) {
+    for (size_t i = 0; i < file->count; ++i)
+        if (strcmp(file->grids[i].name, name) == 0) return &file->grids[i];
+    return NULL;
+}
+
+/* The grid whose tree is stored: the grid itself, or the one it is an instance of. */
+static const ty_vdb_grid* tree_owner(const ty_vdb_file* file, const ty_vdb_grid* grid) {
+    if (grid->parent[0] == '\0') return grid;
+    const ty_vdb_grid* parent = find_grid(file, grid->parent);
+    return parent != NULL && parent->parent[0] == '\0' ? parent : NULL;
+}
+
+/* Statistics that the file does not state are taken from the tree; -1 voxels when that cannot be read. */
+static ty_result complete_statistics(const ty_vdb_file* file, ty_vdb_grid* grid) {
+    if (grid->has_statistics) return TY_OK;
+    const ty_vdb_grid* owner = tree_owner(file, grid);
+    if (owner == NULL || owner->tree == 0 || value_size(owner) == 0) {
+        grid->active_voxels = -1;
+        for (int a = 0; a < 3; ++a) {
+            grid->lower[a] = 1;
+            grid->upper[a] = 0;
+        }
+        return TY_OK;
+    }
+    ty_vdb_grid measured = *owner;
+    ty_result result = ty_vdb_check_tree(file, owner, value_size(owner));
+    if (result == TY_OK) result = ty_openvdb_measure(file, &measured);
+    if (result != TY_OK) return result;
+    grid->active_voxels = measured.active_voxels;
+    memcpy(grid->lower, measured.lower, sizeof grid->lower);
+    memcpy(grid->upper, measured.upper, sizeof grid->upper);
+    return TY_OK;
+}
+
+ty_result ty_vdb_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity, int32_t* count) {
+    if (count == NULL || capacity < 0 || (entries == NULL && capacity > 0))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_list: entries or count is NULL, or capacity negative");
+    ty_vdb_file file;
+    ty_result result = ty_vdb_open(context, path, &file);
+    if (result != TY_OK) return result;
+    for (size_t i = 0; i < file.count && i < (size_t)capacity && result == TY_OK; ++i) {
+        ty_vdb_grid* grid = &file.grids[i];
+        result = complete_statistics(&file, grid);
+        ty_vdb_entry entry = {.active_voxels = grid->active_voxels};
+        memcpy(entry.name, grid->name, sizeof entry.name);
+        show_type(grid, entry.type, sizeof entry.type);
+        memcpy(entry.lower, grid->lower, sizeof entry.lower);
+        memcpy(entry.upper, grid->upper, sizeof entry.upper);
+        if (grid->active_voxels == 0)
+            for (int a = 0; a < 3; ++a) entry.upper[a] = entry.lower[a] - 1;
+        for (int a = 0; a < 3; ++a) {
+            const double* m = grid->index_to_world.m;
+            entry.voxel_size[a] = sqrt(m[a] * m[a] + m[4 + a] * m[4 + a] + m[8 + a] * m[8 + a]);
+        }
+        entries[i] = entry;
+    }
+    if (result == TY_OK) *count = (int32_t)file.count;
+    ty_vdb_close(&file);
+    return result;
+}
+
+static ty_result missing_grid(const ty_vdb_file* file, const char* name) {
+    char names[512] = "";
+    size_t length = 0;
+    for (size_t i = 0; i < file->count && length < sizeof names; ++i)
+        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i > 0 ? ", " : "",
+                                   file->grids[i].name);
+    return ty_fail(file->context, TY_ERROR_INPUT, "%s: no grid \"%s\"; there %s %s", file->path, name,
+                   file->count == 1 ? "is" : "are", file->count == 0 ? "none" : names);
+}
+
+/* Finds a grid that can be read as density, and the owner of its tree. */
+static ty_result choose_grid(const ty_vdb_file* file, const char* name, const ty_vdb_grid** grid,
+                             const ty_vdb_grid** owner) {
+    *grid = find_grid(file, name);
+    if (*grid == NULL) return missing_grid(file, name);
+    char type[32];
+    show_type(*grid, type, sizeof type);
+    if (value_size(*grid) == 0)
+        return ty_fail(file->context, TY_ERROR_INPUT, "%s: grid \"%s\" is of type %s, not float, half or double",
+                       file->path, name, type);
+    ty_affine inverse;
+    if (!(*grid)->affine)
+        return ty_fail(file->context, TY_ERROR_INPUT,
+                       "%s: grid \"%s\" has a frustum transform; only affine transforms can be read", file->path, name);
+    if (!ty_affine_invert(&(*grid)->index_to_world, &inverse))
+        return ty_fail(file->context, TY_ERROR_INPUT, "%s: the transform of grid \"%s\" cannot be inverted",
+                       file->path, name);
+    *owner = tree_owner(file, *grid);
+    if (*owner == NULL || (*owner)->tree == 0 || value_size(*owner) != value_size(*grid))
+        return ty_fail(file->context, TY_ERROR_INPUT, "%s: grid \"%s\" shares the tree of \"%s\", which cannot be read",
+                       file->path, name, (*grid)->parent);
+    return TY_OK;
+}
+
+ty_result ty_vdb_read(ty_context* context, const char* path, const char* grid_name, ty_grid** out) {
+    if (grid_name == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_read: grid_name or out is NULL");
+    ty_vdb_file file;
+    ty_result result = ty_vdb_open(context, path, &file);
+    if (result != TY_OK) return result;
+    const ty_vdb_grid *grid = NULL, *owner = NULL;
+    ty_vdb_dense dense = {0};
+    ty_grid_def def = ty_default_grid_def();
+    result = choose_grid(&file, grid_name, &grid, &owner);
+    if (result == TY_OK) result = ty_vdb_check_tree(&file, owner, value_size(owner));
+    if (result == TY_OK) result = ty_openvdb_read(&file, owner, &dense);
+    if (result == TY_OK) {
+        ty_affine offset = ty_affine_identity();
+        for (int a = 0; a < 3; ++a) {
+            def.size[a] = dense.size[a];
+            offset.m[4 * a + 3] = dense.lower[a];
+        }
+        def.type = dense.type;
+        def.background = dense.background;
+        def.placed = true;
+        def.index_to_local = ty_affine_multiply(&grid->index_to_world, &offset);
+    }
+    ty_vdb_close(&file);
+    return result == TY_OK ? ty_grid_adopt(context, &def, dense.values, out) : result;
+}
+
+ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,
+                       const char* path) {
+    if (grid == NULL || grid_name == NULL || grid_name[0] == '\0' || strlen(grid_name) >= TY_VDB_NAME_SIZE)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_write: the grid is NULL or its name not 1..%d characters",
+                       (int)TY_VDB_NAME_SIZE - 1);
+    if (codec == NULL || (strcmp(codec, "none") != 0 && strcmp(codec, "zip") != 0 && strcmp(codec, "blosc") != 0))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "the VDB codec is \"%s\", not none, zip or blosc",
+                       codec == NULL ? "" : codec);
+    ty_output output;
+    ty_result result = ty_output_open(context, path, &output);
+    if (result != TY_OK) return result;
+    result = ty_openvdb_write(context, grid, grid_name, codec, path, output.temporary);
+    if (result == TY_OK) return ty_output_commit(context, &output);
+    ty_output_discard(context, &output);
+    return result;
+}

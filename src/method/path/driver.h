@@ -1,0 +1,36 @@
+/* What rendering images, rays and cells share: options, kernels, time. */
+#ifndef TY_PATH_DRIVER_H
+#define TY_PATH_DRIVER_H
+
+#include "method/path/kernel.h"
+
+#include <tyndall/path.h>
+
+/* Accumulated samples of one item. */
+typedef struct ty_path_item {
+    ty_path_sums sums;
+    uint32_t count;
+} ty_path_item;
+
+typedef struct ty_path_run {
+    ty_context* context;
+    const ty_path_def* def;
+    const char* stage;
+    ty_path_request request;
+    ty_sobol sobol;
+    ty_path_item* items; /* item_count, zeroed */
+    int64_t item_count;
+    ty_path_stats stats; /* result */
+} ty_path_run;
+
+/* Checks def and the scene and fills in everything but kind, geometry and items. */
+ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run);
+
+/* Samples all items in passes until def's bounds are met. TY_OK or TY_CANCELLED; items are valid either way. */
+ty_result ty_path_sample(ty_path_run* run);
+
+/* The mean of an item's samples, and the variance of that mean (0 from fewer than two samples). */
+double ty_path_item_mean(const ty_path_item* item, int channel);
+double ty_path_item_variance(const ty_path_item* item, int channel);
+
+#endif

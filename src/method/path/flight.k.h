@@ -1,0 +1,214 @@
+/* Free flights: where along a ray light is scattered next.
+ *
+ * Colour: every random choice is made from a mixture over channels in proportion to the path's throughput, and the
+ * throughput is divided by the mixture's density. That is single-sample multiple importance sampling over wavelengths
+ * with the balance heuristic, carried along: the sum of the throughput over channels never grows. */
+#ifndef TY_PATH_FLIGHT_K_H
+#define TY_PATH_FLIGHT_K_H
+
+#include "direct/transmittance.k.h"
+
+/* Where media lie on a ray: one interval per medium, in no order. */
+typedef struct ty_spans {
+    int32_t count;
+    int32_t has_grid;
+    int32_t medium[TY_MEDIA_MAX];
+    float enter[TY_MEDIA_MAX], leave[TY_MEDIA_MAX];
+} ty_spans;
+
+typedef struct ty_collision {
+    float t;
+    int32_t medium;
+} ty_collision;
+
+TY_FN void ty_spans_find(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
+                         float far, ty_spans* spans) {
+    spans->count = 0;
+    spans->has_grid = 0;
+    for (int32_t m = 0; m < count; ++m) {
+        float enter = 0.0f, leave = far;
+        if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
+        spans->medium[spans->count] = m;
+        spans->enter[spans->count] = enter;
+        spans->leave[spans->count++] = leave;
+        spans->has_grid |= media[m].has_grid;
+    }
+}
+
+TY_FN float ty_sum3(const float v[3]) {
+    return v[0] + v[1] + v[2];
+}
+
+TY_FN float ty_max3(const float v[3]) {
+    return ty_maxf(v[0], ty_maxf(v[1], v[2]));
+}
+
+/* Picks an index in proportion to weights[0..count), whose sum is positive; *u is stretched back to [0, 1). */
+TY_FN int32_t ty_pick(const float* weights, int32_t count, float sum, float* u) {
+    float target = *u * sum;
+    int32_t i = 0;
+    while (i + 1 < count && target >= weights[i]) target -= weights[i++];
+    *u = ty_clampf(target / ty_maxf(weights[i], 1e-37f), 0.0f, 0x1.fffffep-1f);
+    return i;
+}
+
+/* ---- media that are all homogeneous: in closed form ---- */
+
+/* Optical depth per channel of homogeneous spans from the ray's origin to t. */
+TY_FN void ty_spans_depth(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float t, float depth[3]) {
+    for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
+    for (int32_t i = 0; i < spans->count; ++i) {
+        const float length = ty_minf(t, spans->leave[i]) - spans->enter[i];
+        if (length > 0.0f)
+            for (int c = 0; c < 3; ++c) depth[c] += media[spans->medium[i]].sigma_t[c] * length;
+    }
+}
+
+/* The t at which one channel's optical depth reaches `depth`, which is less than that of all spans. */
+TY_FN float ty_spans_invert(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, int32_t channel,
+                            float depth) {
+    if (spans->count == 1) return spans->enter[0] + depth / media[spans->medium[0]].sigma_t[channel];
+    float at = -1.0f;
+    for (;;) {
+        float next = TY_FLOAT_MAX, sigma = 0.0f;
+        for (int32_t i = 0; i < spans->count; ++i) {
+            if (spans->enter[i] <= at && spans->leave[i] > at) sigma += media[spans->medium[i]].sigma_t[channel];
+            if (spans->enter[i] > at) next = ty_minf(next, spans->enter[i]);
+            if (spans->leave[i] > at) next = ty_minf(next, spans->leave[i]);
+        }
+        if (next >= TY_FLOAT_MAX || (sigma > 0.0f && at + depth / sigma <= next))
+            return sigma > 0.0f ? at + depth / sigma : at;
+        depth -= sigma * (next - at);
+        at = next;
+    }
+}
+
+/* Samples a collision for light that is known to collide: beta comes in as the throughput at the ray's origin and goes
+ * out as that after scattering, up to the phase function; its mean is the integral over the spans. reach: transmittance
+ * of all spans. Returns false where nothing scatters. */
+TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, const float reach[3],
+                                 ty_random* random, float beta[3], ty_collision* out) {
+    float weight[3], u = ty_random_next(random);
+    for (int c = 0; c < 3; ++c) weight[c] = beta[c] * (1.0f - reach[c]);
+    const float sum = ty_sum3(weight);
+    if (!(sum > 0.0f)) return false;
+    const bool gray = spans->count == 1 && media[spans->medium[0]].gray != 0;
+    const int32_t channel = gray ? 0 : ty_pick(weight, 3, sum, &u);
+    const float depth = -ty_logf(1.0f - u * (1.0f - reach[channel]));
+    out->t = ty_spans_invert(media, spans, channel, depth);
+    if (gray) {
+        TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[0]];
+        out->medium = spans->medium[0];
+        out->t = ty_minf(out->t, spans->leave[0]);
+        const float survive = (1.0f - reach[0]) * medium->sigma_s[0] / medium->sigma_t[0];
+        for (int c = 0; c < 3; ++c) beta[c] *= survive;
+        return survive > 0.0f;
+    }
+    /* Which medium scatters, and the density of t in the mixture over channels. */
+    float depths[3], scattering[TY_MEDIA_MAX], sigma_t[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f, density = 0.0f;
+    ty_spans_depth(media, spans, out->t, depths);
+    for (int32_t i = 0; i < spans->count; ++i) {
+        scattering[i] = 0.0f;
+        if (out->t < spans->enter[i] || out->t > spans->leave[i]) continue;
+        TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[i]];
+        for (int c = 0; c < 3; ++c) {
+            sigma_t[c] += medium->sigma_t[c];
+            scattering[i] += beta[c] * medium->sigma_s[c];
+        }
+        total += scattering[i];
+    }
+    if (!(total > 0.0f)) return false;
+    for (int c = 0; c < 3; ++c) {
+        depths[c] = ty_expf(-depths[c]);
+        density += weight[c] / sum * sigma_t[c] * depths[c] / ty_maxf(1.0f - reach[c], 1e-37f);
+    }
+    float pick = spans->count == 1 ? 0.0f : ty_random_white(random);
+    const int32_t i = spans->count == 1 ? 0 : ty_pick(scattering, spans->count, total, &pick);
+    out->medium = spans->medium[i];
+    const float factor = total / (scattering[i] * density);
+    for (int c = 0; c < 3; ++c) beta[c] *= media[out->medium].sigma_s[c] * depths[c] * factor;
+    return density > 0.0f;
+}
+
+/* ---- any media: null collisions ---- */
+
+/* Tentative collisions of one medium along a ray, one after another. */
+typedef struct ty_walker {
+    ty_bricks bricks;
+    float t;      /* of the tentative collision; TY_FLOAT_MAX past the last */
+} ty_walker;
+
+TY_FN void ty_walker_next(ty_walker* walker, float u) {
+    float left = ty_exponential(u);
+    float t = walker->t;
+    for (;;) {
+        const float rate = walker->bricks.high * walker->bricks.medium->sigma_t_max;
+        const float room = (walker->bricks.leave - t) * rate;
+        if (left < room) {
+            walker->t = t + left / rate;
+            return;
+        }
+        left -= room;
+        if (!ty_bricks_next(&walker->bricks)) break;
+        t = walker->bricks.enter;
+    }
+    walker->t = TY_FLOAT_MAX;
+}
+
+TY_FN void ty_walker_begin(ty_walker* walker, TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction,
+                           float enter, float leave, float u) {
+    ty_bricks_begin(&walker->bricks, medium, origin, direction, enter, leave);
+    walker->t = enter;
+    walker->bricks.high = 0.0f;
+    ty_walker_next(walker, u);
+}
+
+/* Decides a tentative collision: true when it is real. Gray media with a density that is certain need no lookup. */
+TY_FN bool ty_walker_collides(const ty_walker* walker, ty_random* random, float beta[3]) {
+    TY_GLOBAL const ty_medium_view* medium = walker->bricks.medium;
+    const float high = walker->bricks.high;
+    const float u = ty_random_white(random);
+    if (medium->gray != 0) {
+        const bool real =
+            u * high < walker->bricks.low || u * high < ty_bricks_density(&walker->bricks, walker->t, random);
+        if (real) {
+            const float albedo = medium->sigma_s[0] / medium->sigma_t[0];
+            for (int c = 0; c < 3; ++c) beta[c] *= albedo;
+        }
+        return real;
+    }
+    const float fraction = ty_bricks_density(&walker->bricks, walker->t, random) / (high * medium->sigma_t_max);
+    float real = 0.0f;
+    for (int c = 0; c < 3; ++c) real += beta[c] * medium->sigma_t[c];
+    const float probability = fraction * real / ty_sum3(beta);
+    if (u < probability) {
+        for (int c = 0; c < 3; ++c) beta[c] *= fraction * medium->sigma_s[c] / probability;
+        return true;
+    }
+    for (int c = 0; c < 3; ++c) beta[c] *= (1.0f - fraction * medium->sigma_t[c]) / (1.0f - probability);
+    return false;
+}
+
+/* The first real collision in the spans; beta is updated as in ty_flight_homogeneous, but false means that the light
+ * passed all spans, and beta then accounts for that. Media are independent: what happens first, happens. */
+TY_FN bool ty_flight_null(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin,
+                          ty_vec direction, ty_random* random, float beta[3], ty_collision* out) {
+    ty_walker walkers[TY_MEDIA_MAX];
+    for (int32_t i = 0; i < spans->count; ++i)
+        ty_walker_begin(&walkers[i], &media[spans->medium[i]], origin, direction, spans->enter[i], spans->leave[i],
+                        i == 0 ? ty_random_next(random) : ty_random_white(random));
+    for (;;) {
+        int32_t first = 0;
+        for (int32_t i = 1; i < spans->count; ++i)
+            if (walkers[i].t < walkers[first].t) first = i;
+        if (walkers[first].t >= TY_FLOAT_MAX) return false;
+        if (ty_walker_collides(&walkers[first], random, beta)) {
+            out->t = walkers[first].t;
+            out->medium = spans->medium[first];
+            return true;
+        }
+        ty_walker_next(&walkers[first], ty_random_white(random));
+    }
+}
+
+#endif

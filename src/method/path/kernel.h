@@ -1,0 +1,48 @@
+/* What the path tracer's driver hands to its kernel, which is built once per instruction set. */
+#ifndef TY_PATH_KERNEL_H
+#define TY_PATH_KERNEL_H
+
+#include "base/random.k.h"
+#include "scene/camera.h"
+#include "scene/scene.h"
+
+enum { TY_GUIDES_MAX = 4 };
+
+/* What a path starts as: through a pixel, along a given ray, or anywhere in a cell in any direction. */
+enum { TY_PATH_PIXELS = 0, TY_PATH_RAYS = 1, TY_PATH_CELLS = 2 };
+
+typedef struct ty_path_request {
+    const ty_scene_view* scene;
+    const ty_sobol* sobol;
+    uint64_t seed;
+    int32_t max_depth;  /* 0: unlimited */
+    int32_t kind;       /* TY_PATH_... */
+    ty_camera_view camera; /* pixels */
+    int32_t width;
+    const double* rays; /* rays: 6 per item */
+    double lower[3], cell[3]; /* cells */
+    int32_t size[3];
+    int32_t guide_count; /* lights that high-g media are guided towards, and their shares, which add up to 1 */
+    int32_t guide_light[TY_GUIDES_MAX];
+    float guide_share[TY_GUIDES_MAX];
+} ty_path_request;
+
+/* Sums over an item's samples; a second set for uncollided light alone. */
+typedef struct ty_path_sums {
+    double mean[3];       /* sum of samples */
+    double square[3];     /* sum of their squares */
+    double uncollided[3]; /* sum of the light that did not scatter */
+} ty_path_sums;
+
+/* Adds samples [first_sample, first_sample + count) of items [begin, end) to sums[item - begin]; returns vertices. */
+typedef uint64_t (*ty_path_kernel)(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
+                                   uint32_t count, ty_path_sums* sums);
+
+uint64_t ty_path_kernel_v1(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
+                           uint32_t count, ty_path_sums* sums);
+uint64_t ty_path_kernel_v3(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
+                           uint32_t count, ty_path_sums* sums);
+uint64_t ty_path_kernel_v4(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
+                           uint32_t count, ty_path_sums* sums);
+
+#endif

@@ -1,0 +1,334 @@
+/* One light path, from the eye towards the lights: docs/method/path.md explains it. */
+#ifndef TY_PATH_PATH_K_H
+#define TY_PATH_PATH_K_H
+
+#include "method/path/flight.k.h"
+#include "method/path/kernel.h"
+#include "scene/phase.k.h"
+
+/* Vertices after which even a path that loses nothing is slowly ended. */
+enum { TY_PATH_PATIENCE = 2000 };
+
+typedef struct ty_path {
+    const ty_path_request* request;
+    ty_random random;
+    ty_vec origin, direction;
+    float beta[3];     /* throughput */
+    float survival;    /* throughput without what directions were weighted with: what Russian roulette looks at */
+    float pdf;         /* per steradian, of direction; 0 where no light sampling competes (the eye) */
+    int32_t depth;     /* scatterings and reflections so far */
+    float uncollided[3], collided[3]; /* radiance found, before and after the first scattering or reflection */
+} ty_path;
+
+TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
+    float* sum = path->depth == 0 ? path->uncollided : path->collided;
+    for (int c = 0; c < 3; ++c) sum[c] += radiance[c];
+}
+
+/* Light that the ray meets at its end, weighted against light sampling from where the ray began. */
+TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_hit* hit) {
+    const ty_scene_view* scene = path->request->scene;
+    float radiance[3];
+    if (hit != NULL) {
+        const ty_surface* surface = &scene->surfaces[hit->shape];
+        if (surface->first_light < 0 || ty_dot(hit->normal, path->direction) >= 0.0f) return;
+        const ty_light_view* light = &scene->lights[surface->first_light + hit->part];
+        float weight = 1.0f;
+        if (path->pdf > 0.0f)
+            weight = path->pdf / (path->pdf + light->chosen * ty_light_pdf(light, path->origin, path->direction,
+                                                                           hit->distance));
+        for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * surface->emission[c] * weight;
+        ty_path_add(path, radiance);
+        return;
+    }
+    for (int32_t i = 0; i < scene->light_count; ++i) {
+        const ty_light_view* light = &scene->lights[i];
+        if (light->kind != TY_KIND_ENVIRONMENT) continue;
+        float weight = 1.0f;
+        if (path->pdf > 0.0f && light->chosen > 0.0f)
+            weight = path->pdf / (path->pdf + light->chosen * ty_environment_pdf(&light->environment, path->direction));
+        ty_environment_radiance(&light->environment, path->direction, radiance);
+        for (int c = 0; c < 3; ++c) radiance[c] *= throughput[c] * weight;
+        ty_path_add(path, radiance);
+    }
+}
+
+/* ---- directions in media ---- */
+
+/* What scatters at a vertex: phase functions per channel, mixed by throughput, and lobes about lights. */
+typedef struct ty_scatter {
+    ty_vec incoming;
+    float g[3];
+    float share[3];    /* of the channels in the mixture; add up to 1 */
+    int32_t gray;
+    float guided;      /* probability of sampling a lobe about a light */
+    float guide_g[3];  /* g, g^2, g^4: light that scatters once, twice, four times more */
+    int32_t guide_count;
+    ty_vec axis[TY_GUIDES_MAX];
+    float axis_share[TY_GUIDES_MAX];
+} ty_scatter;
+
+TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
+    if (light->kind == TY_KIND_DIRECTIONAL) return ty_scale(light->direction, -1.0f);
+    ty_vec to = ty_sub(light->position, from);
+    if (light->kind == TY_KIND_AREA) to = ty_mad(ty_mad(to, light->u, 0.5f), light->v, 0.5f);
+    const float d2 = ty_dot(to, to);
+    return d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
+}
+
+/* How much of the directions at a path's n-th vertex is given to lobes about lights: grows with g, and falls with n
+ * fast enough that the weights of paths that never take a lobe stay bounded. */
+TY_FN float ty_guided_fraction(float g, int32_t depth) {
+    const float strength = ty_clampf((g - 0.4f) * 1.25f, 0.0f, 0.6f);
+    const float fall = 1.0f / (1.0f + 0.25f * (float)depth);
+    return strength * fall * fall;
+}
+
+TY_FN void ty_scatter_begin(ty_scatter* s, const ty_path* path, const ty_medium_view* medium) {
+    const ty_path_request* request = path->request;
+    const float sum = ty_sum3(path->beta);
+    float g = 0.0f;
+    s->incoming = path->direction;
+    s->gray = medium->gray;
+    for (int c = 0; c < 3; ++c) {
+        s->g[c] = medium->g[c];
+        s->share[c] = path->beta[c] / sum;
+        g += s->share[c] * medium->g[c];
+    }
+    s->guide_count = request->guide_count;
+    s->guided = s->guide_count > 0 ? ty_guided_fraction(g, path->depth) : 0.0f;
+    if (s->guided <= 0.0f) return;
+    s->guide_g[0] = g;
+    s->guide_g[1] = g * g;
+    s->guide_g[2] = g * g * g * g;
+    for (int32_t i = 0; i < s->guide_count; ++i) {
+        s->axis[i] = ty_light_axis(&request->scene->lights[request->guide_light[i]], path->origin);
+        s->axis_share[i] = request->guide_share[i];
+    }
+}
+
+/* The phase function per channel. */
+TY_FN void ty_scatter_phase(const ty_scatter* s, ty_vec direction, float phase[3]) {
+    const float mu = ty_clampf(ty_dot(s->incoming, direction), -1.0f, 1.0f);
+    phase[0] = ty_hg(mu, s->g[0]);
+    phase[1] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[1]);
+    phase[2] = s->gray != 0 ? phase[0] : ty_hg(mu, s->g[2]);
+}
+
+TY_FN float ty_scatter_pdf(const ty_scatter* s, ty_vec direction, const float phase[3]) {
+    const float plain = s->share[0] * phase[0] + s->share[1] * phase[1] + s->share[2] * phase[2];
+    if (s->guided <= 0.0f) return plain;
+    float lobes = 0.0f;
+    for (int32_t i = 0; i < s->guide_count; ++i) {
+        const float mu = ty_clampf(ty_dot(s->axis[i], direction), -1.0f, 1.0f);
+        lobes += s->axis_share[i] * (ty_hg(mu, s->guide_g[0]) + ty_hg(mu, s->guide_g[1]) + ty_hg(mu, s->guide_g[2]));
+    }
+    return ty_lerpf(plain, lobes * (1.0f / 3.0f), s->guided);
+}
+
+TY_FN ty_vec ty_scatter_sample(const ty_scatter* s, ty_random* random) {
+    const float v = ty_random_next(random);
+    float u = ty_random_next(random);
+    ty_vec axis = s->incoming;
+    float g = s->g[0];
+    if (u < s->guided) {
+        const float lobes[3] = {1.0f, 1.0f, 1.0f};
+        u /= s->guided;
+        axis = s->axis[ty_pick(s->axis_share, s->guide_count, 1.0f, &u)];
+        g = s->guide_g[ty_pick(lobes, 3, 3.0f, &u)];
+    } else {
+        u = (u - s->guided) / (1.0f - s->guided);
+        if (s->gray == 0) g = s->g[ty_pick(s->share, 3, 1.0f, &u)];
+    }
+    return ty_hg_sample(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
+}
+
+/* ---- vertices ---- */
+
+/* The light chosen for a vertex, unshadowed: false if there is none. *chosen: the light's probability. */
+TY_FN bool ty_path_choose_light(ty_path* path, ty_vec from, ty_light_sample* sample, float* chosen) {
+    const ty_scene_view* scene = path->request->scene;
+    if (scene->light_count == 0) return false;
+    float pick = 0.0f, u = 0.5f, v = 0.5f;
+    int32_t i = 0;
+    if (scene->light_count > 1) {
+        pick = ty_random_next(&path->random);
+        i = ty_light_choose(scene->lights, scene->light_count, &pick);
+    }
+    const ty_light_view* light = &scene->lights[i];
+    if (light->chosen <= 0.0f) return false;
+    if (light->kind >= TY_KIND_AREA) {
+        u = ty_random_next(&path->random);
+        v = ty_random_next(&path->random);
+    }
+    *chosen = light->chosen;
+    return ty_light_sample_from(light, from, u, v, sample);
+}
+
+/* Adds a light sample, with factor per channel (phase or reflectance, cosine) and shadows; origin may be moved off a
+ * surface. pdf: with which the vertex itself would have taken the direction. */
+TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, float chosen,
+                             const float factor[3], float pdf) {
+    const ty_scene_view* scene = path->request->scene;
+    float radiance[3];
+    const float light_pdf = chosen * sample->pdf;
+    const float weight = (sample->pdf > 0.0f ? light_pdf / (light_pdf + pdf) : 1.0f) / chosen;
+    for (int c = 0; c < 3; ++c) radiance[c] = path->beta[c] * factor[c] * sample->radiance[c] * weight;
+    if (!(ty_sum3(radiance) > 0.0f)) return;
+    if (scene->mesh != NULL) {
+        const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : TY_FLOAT_MAX;
+        if (ty_mesh_occluded(scene->mesh, origin, sample->look, far)) return;
+    }
+    float transmittance[3];
+    ty_transmittance(scene->media, scene->medium_count, origin, sample->look, sample->distance, &path->random,
+                     transmittance);
+    for (int c = 0; c < 3; ++c) radiance[c] *= transmittance[c];
+    ty_path_add(path, radiance);
+}
+
+/* Light scattered at path->origin by a medium, and the direction in which the path goes on. */
+TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
+    ty_scatter scatter;
+    ty_light_sample sample;
+    float phase[3], chosen;
+    ty_scatter_begin(&scatter, path, medium);
+    if (ty_path_choose_light(path, path->origin, &sample, &chosen)) {
+        ty_scatter_phase(&scatter, sample.look, phase);
+        ty_path_add_light(path, path->origin, &sample, chosen, phase,
+                          sample.pdf > 0.0f ? ty_scatter_pdf(&scatter, sample.look, phase) : 0.0f);
+    }
+    path->direction = ty_scatter_sample(&scatter, &path->random);
+    ty_scatter_phase(&scatter, path->direction, phase);
+    path->pdf = ty_scatter_pdf(&scatter, path->direction, phase);
+    for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
+}
+
+/* Light reflected by a Lambertian surface, and the direction in which the path goes on. */
+TY_FN void ty_path_reflect(ty_path* path, const ty_hit* hit) {
+    const ty_surface* surface = &path->request->scene->surfaces[hit->shape];
+    const ty_vec normal = ty_dot(hit->normal, path->direction) > 0.0f ? ty_scale(hit->normal, -1.0f) : hit->normal;
+    ty_light_sample sample;
+    float chosen, factor[3];
+    path->origin = ty_hit_leave(hit, normal);
+    if (ty_path_choose_light(path, path->origin, &sample, &chosen)) {
+        const float cosine = ty_dot(normal, sample.look);
+        if (cosine > 0.0f) {
+            for (int c = 0; c < 3; ++c) factor[c] = surface->albedo[c] * cosine * (1.0f / TY_PI);
+            ty_path_add_light(path, path->origin, &sample, chosen, factor, cosine * (1.0f / TY_PI));
+        }
+    }
+    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
+    const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
+    path->direction = ty_direction_about(normal, cosine, v);
+    path->pdf = cosine * (1.0f / TY_PI);
+    for (int c = 0; c < 3; ++c) path->beta[c] *= surface->albedo[c];
+    path->survival *= ty_max3(surface->albedo);
+}
+
+/* Ends paths that have little left to bring, by a chance that keeps the mean. */
+TY_FN bool ty_path_survives(ty_path* path, float before) {
+    const float now = ty_sum3(path->beta);
+    if (!(now > 0.0f)) return false;
+    path->survival *= ty_minf(1.0f, now / before);
+    /* Light that nothing absorbs in a closed room would go round for ever. */
+    if (path->depth >= TY_PATH_PATIENCE) path->survival *= 0.99f;
+    if (path->survival >= 0.2f) return true;
+    const float chance = ty_maxf(path->survival * 2.5f, 0.02f);
+    if (ty_random_white(&path->random) >= chance) return false;
+    for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
+    path->survival /= chance;
+    return true;
+}
+
+/* The next event of a path: true when it now stands at a vertex, in *medium or, where that is NULL, on *hit. */
+TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit* hit) {
+    const ty_scene_view* scene = path->request->scene;
+    const ty_medium_view* media = scene->media;
+    const float before = ty_sum3(path->beta);
+    const bool on_surface = scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, hit);
+    const float far = on_surface ? hit->distance : TY_FLOAT_MAX;
+    ty_spans spans;
+    ty_collision collision;
+    *medium = NULL;
+    ty_spans_find(media, scene->medium_count, path->origin, path->direction, far, &spans);
+    if (spans.has_grid != 0) {
+        if (ty_flight_null(media, &spans, path->origin, path->direction, &path->random, path->beta, &collision)) {
+            *medium = &media[collision.medium];
+            path->origin = ty_mad(path->origin, path->direction, collision.t);
+            return ty_path_survives(path, before);
+        }
+        ty_path_add_emission(path, path->beta, on_surface ? hit : NULL);
+        return on_surface && ty_max3(scene->surfaces[hit->shape].albedo) > 0.0f;
+    }
+    /* Homogeneous media: what reaches the end is known, so its light is taken in full and the path goes where it has
+     * more to bring. */
+    float reach[3] = {1.0f, 1.0f, 1.0f}, passing[3], reflecting = 0.0f, colliding = 0.0f;
+    if (spans.count > 0) {
+        ty_spans_depth(media, &spans, TY_FLOAT_MAX, reach);
+        for (int c = 0; c < 3; ++c) reach[c] = ty_expf(-reach[c]);
+    }
+    for (int c = 0; c < 3; ++c) {
+        passing[c] = path->beta[c] * reach[c];
+        colliding += path->beta[c] * (1.0f - reach[c]);
+        if (on_surface) reflecting += passing[c] * scene->surfaces[hit->shape].albedo[c];
+    }
+    ty_path_add_emission(path, passing, on_surface ? hit : NULL);
+    const float sum = colliding + reflecting;
+    if (!(sum > 0.0f)) return false;
+    const float chance = colliding / sum;
+    if (reflecting <= 0.0f || (colliding > 0.0f && ty_random_next(&path->random) < chance)) {
+        if (!ty_flight_homogeneous(media, &spans, reach, &path->random, path->beta, &collision)) return false;
+        for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
+        *medium = &media[collision.medium];
+        path->origin = ty_mad(path->origin, path->direction, collision.t);
+    } else {
+        for (int c = 0; c < 3; ++c) path->beta[c] = passing[c] / (1.0f - chance);
+    }
+    return ty_path_survives(path, before);
+}
+
+/* Follows a path to its end; returns its vertices. */
+TY_FN uint32_t ty_path_follow(ty_path* path) {
+    const int32_t max_depth = path->request->max_depth;
+    const ty_medium_view* medium;
+    ty_hit hit;
+    uint32_t vertices = 0;
+    while (ty_path_advance(path, &medium, &hit)) {
+        if (max_depth > 0 && path->depth >= max_depth) break;
+        ++path->depth;
+        ++vertices;
+        if (medium != NULL)
+            ty_path_scatter(path, medium);
+        else
+            ty_path_reflect(path, &hit);
+    }
+    return vertices;
+}
+
+TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t item, uint32_t sample) {
+    path->request = request;
+    path->random = ty_random_begin(request->sobol, request->seed, item, sample);
+    path->survival = 1.0f;
+    path->pdf = 0.0f;
+    path->depth = 0;
+    for (int c = 0; c < 3; ++c) {
+        path->beta[c] = 1.0f;
+        path->uncollided[c] = path->collided[c] = 0.0f;
+    }
+}
+
+/* Starts a path that measures fluence at point: light from everywhere, with equal weight. */
+TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
+    const float factor[3] = {1.0f, 1.0f, 1.0f};
+    ty_light_sample sample;
+    float chosen;
+    path->origin = point;
+    if (ty_path_choose_light(path, point, &sample, &chosen))
+        ty_path_add_light(path, point, &sample, chosen, factor, TY_INV_4PI);
+    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
+    path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
+    path->pdf = TY_INV_4PI;
+    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;
+}
+
+#endif

@@ -1,0 +1,20 @@
+/* Checks that defs share; each fails with TY_ERROR_ARGUMENT, naming the field and its range. */
+#ifndef TY_SCENE_CHECK_H
+#define TY_SCENE_CHECK_H
+
+#include <tyndall/scene.h>
+
+/* Largest colour or coefficient taken: beyond it single precision overflows on the way. */
+#define TY_COLOR_MAX 1e15
+
+ty_result ty_check_point(ty_context* context, const char* field, const double point[3]);
+/* Finite and not zero. */
+ty_result ty_check_direction(ty_context* context, const char* field, const double direction[3]);
+ty_result ty_check_affine(ty_context* context, const char* field, const ty_affine* affine);
+/* Each channel finite, in [low, high]. */
+ty_result ty_check_rgb(ty_context* context, const char* field, const float rgb[3], double low, double high);
+ty_result ty_check_number(ty_context* context, const char* field, double value, double low, double high);
+/* Edges that are finite and span an area. */
+ty_result ty_check_edges(ty_context* context, const char* field, const double u[3], const double v[3]);
+
+#endif

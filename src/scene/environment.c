@@ -1,0 +1,155 @@
+/* Environment tables. */
+#include "scene/environment.h"
+
+#include "base/context.h"
+
+enum { TABLE_WIDTH_MAX = 512 };
+
+static float luminance(const float rgb[3]) {
+    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+}
+
+/* The most a bilinear lookup around texel (x, y) can return. */
+static float bright_around(const ty_environment* env, int32_t x, int32_t y) {
+    float bright = 0;
+    for (int32_t dy = -1; dy <= 1; ++dy)
+        for (int32_t dx = -1; dx <= 1; ++dx) {
+            const int32_t row = y + dy < 0 ? 0 : y + dy >= env->height ? env->height - 1 : y + dy;
+            const int32_t column = (x + dx + env->width) % env->width;
+            const float weight = dx == 0 && dy == 0 ? 1.0f : 0.25f;
+            bright += weight * luminance(env->pixels + 3 * ((size_t)env->width * (size_t)row + (size_t)column));
+        }
+    return bright / 3.0f;
+}
+
+/* Solid angle of a row of a map with `height` rows, all columns together. */
+static double row_solid_angle(int32_t row, int32_t height) {
+    const double pi = 3.14159265358979323846;
+    return 2.0 * pi * (cos(pi * row / height) - cos(pi * (row + 1) / height));
+}
+
+/* Turns weights into a cumulative table that ends at exactly 1; a uniform one if all weights are 0. Returns the sum. */
+static double accumulate(float* cumulative, const float* weights, int32_t count) {
+    double sum = 0, running = 0;
+    for (int32_t i = 0; i < count; ++i) sum += weights[i];
+    cumulative[0] = 0;
+    for (int32_t i = 0; i < count; ++i) {
+        running += sum > 0 ? weights[i] / sum : 1.0 / count;
+        cumulative[i + 1] = (float)running;
+    }
+    cumulative[count] = 1;
+    return sum;
+}
+
+/* Tables of the brightest texel-sums under each table cell; every direction with light keeps a share. */
+static ty_result build_tables(ty_context* context, ty_environment* env) {
+    env->table_width = env->width < TABLE_WIDTH_MAX ? env->width : TABLE_WIDTH_MAX;
+    env->table_height = env->height < TABLE_WIDTH_MAX / 2 ? env->height : TABLE_WIDTH_MAX / 2;
+    const int32_t w = env->table_width, h = env->table_height;
+    env->rows = ty_alloc_array(context, (size_t)h + 1, sizeof(float), true);
+    env->columns = ty_alloc_array(context, ((size_t)w + 1) * (size_t)h, sizeof(float), true);
+    float* weights = ty_alloc_array(context, (size_t)w + (size_t)h, sizeof(float), true);
+    if (env->rows == NULL || env->columns == NULL || weights == NULL) {
+        ty_free_array(context, weights, (size_t)w + (size_t)h, sizeof(float));
+        return TY_ERROR_MEMORY;
+    }
+    for (int32_t row = 0; row < h; ++row) {
+        for (int32_t i = 0; i < w; ++i) weights[i] = 0;
+        const int32_t y0 = (int32_t)((int64_t)row * env->height / h);
+        const int32_t y1 = (int32_t)(((int64_t)(row + 1) * env->height + h - 1) / h);
+        for (int32_t i = 0; i < w; ++i) {
+            const int32_t x0 = (int32_t)((int64_t)i * env->width / w);
+            const int32_t x1 = (int32_t)(((int64_t)(i + 1) * env->width + w - 1) / w);
+            for (int32_t y = y0; y < y1; ++y)
+                for (int32_t x = x0; x < x1; ++x) weights[i] += bright_around(env, x, y);
+            weights[i] /= (float)((x1 - x0) * (y1 - y0));
+        }
+        const double sum = accumulate(env->columns + ((size_t)w + 1) * (size_t)row, weights, w);
+        weights[w + row] = (float)(sum * row_solid_angle(row, h));
+    }
+    accumulate(env->rows, weights + w, h);
+    ty_free_array(context, weights, (size_t)w + (size_t)h, sizeof(float));
+    return TY_OK;
+}
+
+static size_t pixel_count(const ty_environment* env) {
+    return (size_t)env->width * (size_t)env->height;
+}
+
+/* Copies the pixels, negative and non-finite values as 0, and finds their mean over the sphere. */
+static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_image* image) {
+    const float* planes[3];
+    if (!ty_image_rgb_planes(image, planes))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "an environment's image has no R, G and B channels");
+    env->width = ty_image_width(image);
+    env->height = ty_image_height(image);
+    env->pixels = ty_alloc_array(context, pixel_count(env), 3 * sizeof(float), false);
+    if (env->pixels == NULL) return TY_ERROR_MEMORY;
+    double mean[3] = {0, 0, 0};
+    size_t mended = 0;
+    for (int32_t y = 0; y < env->height; ++y) {
+        const double weight = row_solid_angle(y, env->height) / (4 * 3.14159265358979323846 * env->width);
+        for (int32_t x = 0; x < env->width; ++x) {
+            const size_t at = (size_t)env->width * (size_t)y + (size_t)x;
+            for (int c = 0; c < 3; ++c) {
+                const float value = planes[c][at];
+                const bool good = isfinite(value) && value >= 0;
+                mended += !good;
+                env->pixels[3 * at + (size_t)c] = good ? value : 0;
+                mean[c] += weight * (good ? value : 0);
+            }
+        }
+    }
+    if (mended > 0)
+        ty_log(context, TY_LOG_WARNING, "an environment had %zu negative or non-finite values; they count as 0", mended);
+    for (int c = 0; c < 3; ++c) env->mean[c] = (float)(mean[c] * env->scale);
+    return TY_OK;
+}
+
+ty_result ty_environment_create(ty_context* context, const ty_light_def* def, ty_environment** out) {
+    ty_environment* env = ty_alloc_array(context, 1, sizeof *env, true);
+    if (env == NULL) return TY_ERROR_MEMORY;
+    env->rotation_turns = (float)(def->rotation / 360.0);
+    env->scale = def->scale;
+    for (int c = 0; c < 3; ++c) env->mean[c] = def->color[c] * def->scale;
+    ty_result result = TY_OK;
+    if (def->image != NULL) {
+        result = copy_pixels(context, env, def->image);
+        if (result == TY_OK) result = build_tables(context, env);
+    }
+    if (result != TY_OK) {
+        ty_environment_destroy(context, env);
+        return result;
+    }
+    *out = env;
+    return TY_OK;
+}
+
+void ty_environment_destroy(ty_context* context, ty_environment* env) {
+    if (env == NULL) return;
+    ty_free_array(context, env->pixels, pixel_count(env), 3 * sizeof(float));
+    ty_free_array(context, env->rows, (size_t)env->table_height + 1, sizeof(float));
+    ty_free_array(context, env->columns, ((size_t)env->table_width + 1) * (size_t)env->table_height, sizeof(float));
+    ty_free_array(context, env, 1, sizeof *env);
+}
+
+ty_environment_view ty_environment_get_view(const ty_environment* env, ty_axis up) {
+    return (ty_environment_view){
+        .pixels = env->pixels,
+        .rows = env->rows,
+        .columns = env->columns,
+        .width = env->width,
+        .height = env->height,
+        .table_width = env->table_width,
+        .table_height = env->table_height,
+        .up = (int32_t)up,
+        .turns = env->rotation_turns,
+        .scale = env->scale,
+        .constant = {env->mean[0], env->mean[1], env->mean[2]},
+    };
+}
+
+size_t ty_environment_bytes(const ty_environment* env) {
+    return sizeof *env + sizeof(float) * (3 * pixel_count(env) + (size_t)env->table_height + 1 +
+                                          ((size_t)env->table_width + 1) * (size_t)env->table_height);
+}

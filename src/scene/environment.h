@@ -1,0 +1,25 @@
+/* Equirectangular environments: lookup, and sampling in proportion to luminance. */
+#ifndef TY_SCENE_ENVIRONMENT_H
+#define TY_SCENE_ENVIRONMENT_H
+
+#include "scene/environment.k.h"
+
+#include <tyndall/scene.h>
+
+/* An environment light's tables; empty for a constant environment. */
+typedef struct ty_environment {
+    float* pixels; /* 3 floats per texel */
+    float* rows;   /* cumulative, table_height + 1 */
+    float* columns; /* cumulative per row, table_height x (table_width + 1) */
+    int32_t width, height, table_width, table_height;
+    float rotation_turns;
+    float scale;
+    float mean[3]; /* radiance, over the sphere, scale included */
+} ty_environment;
+
+ty_result ty_environment_create(ty_context* context, const ty_light_def* def, ty_environment** out);
+void ty_environment_destroy(ty_context* context, ty_environment* environment);
+ty_environment_view ty_environment_get_view(const ty_environment* environment, ty_axis up);
+size_t ty_environment_bytes(const ty_environment* environment);
+
+#endif

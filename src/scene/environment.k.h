@@ -1,0 +1,129 @@
+/* Looking up and sampling an equirectangular environment. */
+#ifndef TY_SCENE_ENVIRONMENT_K_H
+#define TY_SCENE_ENVIRONMENT_K_H
+
+#include "base/vector.k.h"
+#include "scene/phase.k.h"
+
+typedef struct ty_environment_view {
+    TY_GLOBAL const float* pixels; /* 3 per texel; NULL: constant */
+    TY_GLOBAL const float* rows;
+    TY_GLOBAL const float* columns;
+    int32_t width, height;             /* of pixels */
+    int32_t table_width, table_height; /* of the sampling tables */
+    int32_t up;                        /* 1: y, 2: z */
+    float turns;                       /* rotation about the up axis, counter-clockwise from above */
+    float scale;
+    float constant[3]; /* radiance where pixels is NULL */
+} ty_environment_view;
+
+/* Angle of (x, y) in turns, (-0.5, 0.5], to 2e-6 (minimax polynomial on [0, 1]). */
+TY_FN float ty_atan2_turns(float y, float x) {
+    const float ax = fabsf(x), ay = fabsf(y);
+    const float large = ty_maxf(ax, ay), small = ty_minf(ax, ay);
+    const float a = large > 0.0f ? small / large : 0.0f;
+    const float s = a * a;
+    float r = -0.0117212f;
+    r = r * s + 0.05265332f;
+    r = r * s - 0.11643287f;
+    r = r * s + 0.19354346f;
+    r = r * s - 0.33262347f;
+    r = (r * s + 0.99997726f) * a * 0.159154943f;
+    r = ay > ax ? 0.25f - r : r;
+    r = x < 0.0f ? 0.5f - r : r;
+    return y < 0.0f ? -r : r;
+}
+
+/* Map coordinates of the direction one looks along: u in [0, 1), v in [0, 1] from the top. */
+TY_FN void ty_environment_uv(TY_GLOBAL const ty_environment_view* env, ty_vec look, float* u, float* v) {
+    const float height = env->up == 2 ? look.z : look.y;
+    /* Counter-clockwise seen from above: from x towards -z when y is up, from x towards y when z is up. */
+    const float angle = ty_atan2_turns(env->up == 2 ? look.y : -look.z, look.x);
+    const float turned = 0.5f - (angle - env->turns);
+    const float across = sqrtf(ty_maxf(0.0f, 1.0f - height * height));
+    *u = turned - floorf(turned);
+    *v = 2.0f * ty_atan2_turns(across, height);
+}
+
+/* Radiance arriving from where unit vector look points: bilinear, wrapping around, repeating at the poles. */
+TY_FN void ty_environment_radiance(TY_GLOBAL const ty_environment_view* env, ty_vec look, float radiance[3]) {
+    if (env->pixels == NULL) {
+        for (int c = 0; c < 3; ++c) radiance[c] = env->constant[c];
+        return;
+    }
+    float u, v;
+    ty_environment_uv(env, look, &u, &v);
+    const float x = u * (float)env->width - 0.5f;
+    const float y = ty_clampf(v * (float)env->height - 0.5f, 0.0f, (float)(env->height - 1));
+    const float fx = floorf(x), fy = floorf(y);
+    int32_t x0 = (int32_t)fx, y0 = (int32_t)fy;
+    int32_t x1 = x0 + 1;
+    const int32_t y1 = y0 + 1 < env->height ? y0 + 1 : y0;
+    x0 = x0 < 0 ? x0 + env->width : x0;
+    x1 = x1 >= env->width ? x1 - env->width : x1;
+    TY_GLOBAL const float* top = env->pixels + 3 * (size_t)env->width * (size_t)y0;
+    TY_GLOBAL const float* bottom = env->pixels + 3 * (size_t)env->width * (size_t)y1;
+    for (int c = 0; c < 3; ++c) {
+        const float a = ty_lerpf(top[3 * x0 + c], top[3 * x1 + c], x - fx);
+        const float b = ty_lerpf(bottom[3 * x0 + c], bottom[3 * x1 + c], x - fx);
+        radiance[c] = env->scale * ty_lerpf(a, b, y - fy);
+    }
+}
+
+/* The last entry of cumulative[0..count] that is at most u, and how far u is towards the next. */
+TY_FN int32_t ty_find_interval(TY_GLOBAL const float* cumulative, int32_t count, float u, float* fraction) {
+    int32_t low = 0, high = count;
+    while (high - low > 1) {
+        const int32_t middle = (low + high) / 2;
+        if (cumulative[middle] <= u)
+            low = middle;
+        else
+            high = middle;
+    }
+    const float width = cumulative[low + 1] - cumulative[low];
+    *fraction = width > 0.0f ? (u - cumulative[low]) / width : 0.5f;
+    return low;
+}
+
+TY_FN float ty_environment_pdf_at(TY_GLOBAL const ty_environment_view* env, int32_t column, int32_t row) {
+    TY_GLOBAL const float* columns = env->columns + (size_t)row * ((size_t)env->table_width + 1);
+    const float mass = (env->rows[row + 1] - env->rows[row]) * (columns[column + 1] - columns[column]);
+    const float top = cosf(TY_PI * (float)row / (float)env->table_height);
+    const float bottom = cosf(TY_PI * (float)(row + 1) / (float)env->table_height);
+    return mass * (float)env->table_width / (2.0f * TY_PI * (top - bottom));
+}
+
+/* Probability per steradian with which ty_environment_sample picks look. */
+TY_FN float ty_environment_pdf(TY_GLOBAL const ty_environment_view* env, ty_vec look) {
+    if (env->pixels == NULL) return TY_INV_4PI;
+    float u, v;
+    ty_environment_uv(env, look, &u, &v);
+    const int32_t column = (int32_t)ty_minf(u * (float)env->table_width, (float)(env->table_width - 1));
+    const int32_t row = (int32_t)ty_minf(v * (float)env->table_height, (float)(env->table_height - 1));
+    return ty_environment_pdf_at(env, column, row);
+}
+
+/* Picks a direction to look along, uniform in solid angle within a table cell; returns its probability density. */
+TY_FN float ty_environment_sample(TY_GLOBAL const ty_environment_view* env, float u, float v, ty_vec* look) {
+    if (env->pixels == NULL) {
+        *look = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
+        return TY_INV_4PI;
+    }
+    float in_row, in_column;
+    const int32_t row = ty_find_interval(env->rows, env->table_height, v, &in_row);
+    const int32_t column = ty_find_interval(env->columns + (size_t)row * ((size_t)env->table_width + 1),
+                                            env->table_width, u, &in_column);
+    const float top = cosf(TY_PI * (float)row / (float)env->table_height);
+    const float bottom = cosf(TY_PI * (float)(row + 1) / (float)env->table_height);
+    const float height = ty_lerpf(top, bottom, in_row);
+    const float across = sqrtf(ty_maxf(0.0f, 1.0f - height * height));
+    const float turned = ((float)column + in_column) / (float)env->table_width;
+    const float angle = 0.5f - turned + env->turns;
+    float sine, cosine;
+    ty_sincos_turn(angle - floorf(angle), &sine, &cosine);
+    *look = env->up == 2 ? ty_vec_make(across * cosine, across * sine, height)
+                         : ty_vec_make(across * cosine, height, -across * sine);
+    return ty_environment_pdf_at(env, column, row);
+}
+
+#endif

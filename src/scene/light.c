@@ -1,0 +1,126 @@
+/* Lights: checks, views, and how likely each is chosen. */
+#include "scene/light.h"
+
+#include "base/context.h"
+#include "scene/check.h"
+#include "scene/shape.h"
+
+ty_light_def ty_default_light_def(void) {
+    return (ty_light_def){.cookie = TY_DEF_COOKIE,
+                          .kind = TY_LIGHT_DIRECTIONAL,
+                          .color = {1, 1, 1},
+                          .direction = {0, -1, 0},
+                          .cone = 40,
+                          .penumbra = 0.15,
+                          .scale = 1};
+}
+
+ty_result ty_light_check(ty_context* context, const ty_light_def* def) {
+    ty_result result = ty_check_def(context, def, "ty_default_light_def");
+    if (result == TY_OK) result = ty_check_rgb(context, "light.color", def->color, 0, TY_COLOR_MAX);
+    if (result != TY_OK) return result;
+    switch (def->kind) {
+    case TY_LIGHT_DIRECTIONAL: return ty_check_direction(context, "light.direction", def->direction);
+    case TY_LIGHT_POINT: return ty_check_point(context, "light.position", def->position);
+    case TY_LIGHT_SPOT:
+        result = ty_check_point(context, "light.position", def->position);
+        if (result == TY_OK) result = ty_check_direction(context, "light.direction", def->direction);
+        if (result == TY_OK && !(def->cone > 0 && def->cone <= 180))
+            result = ty_fail(context, TY_ERROR_ARGUMENT, "light.cone: %g is outside (0, 180]", def->cone);
+        if (result == TY_OK) result = ty_check_number(context, "light.penumbra", def->penumbra, 0, 1);
+        return result;
+    case TY_LIGHT_AREA:
+        result = ty_check_point(context, "light.position", def->position);
+        return result == TY_OK ? ty_check_edges(context, "light", def->u, def->v) : result;
+    case TY_LIGHT_ENVIRONMENT:
+        result = ty_check_number(context, "light.scale", def->scale, 0, TY_COLOR_MAX);
+        return result == TY_OK ? ty_check_number(context, "light.rotation", def->rotation, -36000, 36000) : result;
+    }
+    return ty_fail(context, TY_ERROR_ARGUMENT, "light.kind: %d is not a ty_light_kind", (int)def->kind);
+}
+
+static ty_vec to_vec(const double v[3]) {
+    return ty_vec_make((float)v[0], (float)v[1], (float)v[2]);
+}
+
+static ty_vec unit(const double v[3]) {
+    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    return ty_vec_make((float)(v[0] / length), (float)(v[1] / length), (float)(v[2] / length));
+}
+
+ty_light_view ty_light_quad_view(const double origin[3], const double u[3], const double v[3],
+                                 const float radiance[3]) {
+    ty_light_view view;
+    memset(&view, 0, sizeof view);
+    view.kind = TY_KIND_AREA;
+    view.position = to_vec(origin);
+    view.u = to_vec(u);
+    view.v = to_vec(v);
+    view.direction = ty_shape_normal(u, v);
+    const ty_vec cross = ty_cross(view.u, view.v);
+    view.area = sqrtf(ty_dot(cross, cross));
+    memcpy(view.color, radiance, sizeof view.color);
+    return view;
+}
+
+ty_light_view ty_light_sphere_view(const double center[3], double radius, const float radiance[3]) {
+    ty_light_view view;
+    memset(&view, 0, sizeof view);
+    view.kind = TY_KIND_SPHERE;
+    view.position = to_vec(center);
+    view.radius = (float)radius;
+    memcpy(view.color, radiance, sizeof view.color);
+    return view;
+}
+
+ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* environment, ty_axis up) {
+    if (def->kind == TY_LIGHT_AREA) return ty_light_quad_view(def->position, def->u, def->v, def->color);
+    ty_light_view view;
+    memset(&view, 0, sizeof view);
+    view.kind = (int32_t)def->kind;
+    memcpy(view.color, def->color, sizeof view.color);
+    view.position = to_vec(def->position);
+    if (def->kind == TY_LIGHT_DIRECTIONAL || def->kind == TY_LIGHT_SPOT) view.direction = unit(def->direction);
+    if (def->kind == TY_LIGHT_SPOT) {
+        const double half = def->cone * (3.14159265358979323846 / 360);
+        view.cos_outer = (float)cos(half);
+        view.cos_inner = (float)cos(half * (1 - def->penumbra));
+    }
+    if (def->kind == TY_LIGHT_ENVIRONMENT) {
+        view.environment = ty_environment_get_view(environment, up);
+        memcpy(view.color, environment->mean, sizeof view.color);
+    }
+    return view;
+}
+
+/* Fluence at squared distance d2, in W m^-2, mean of the channels. Paths meet a constant environment by themselves in
+ * every direction alike, so sampling it would only add noise: it counts as 0. */
+static double typical_fluence(const ty_light_view* light, double d2) {
+    const double color = ((double)light->color[0] + light->color[1] + light->color[2]) / 3;
+    const double pi = 3.14159265358979323846;
+    switch (light->kind) {
+    case TY_KIND_ENVIRONMENT: return light->environment.pixels == NULL ? 0 : 4 * pi * color;
+    case TY_KIND_POINT:
+    case TY_KIND_SPOT: return color / d2;
+    case TY_KIND_AREA: return color * light->area / d2;
+    case TY_KIND_SPHERE: return color * pi * light->radius * light->radius / d2;
+    default: return color;
+    }
+}
+
+void ty_light_set_choice(ty_light_view* lights, size_t count, const double lower[3], const double upper[3]) {
+    double d2 = 0, sum = 0;
+    for (int a = 0; a < 3; ++a) d2 += (upper[a] - lower[a]) * (upper[a] - lower[a]) / 16;
+    if (!(d2 > 0)) d2 = 1;
+    for (size_t i = 0; i < count; ++i) sum += typical_fluence(&lights[i], d2);
+    size_t sampled = 0;
+    for (size_t i = 0; i < count; ++i) sampled += typical_fluence(&lights[i], d2) > 0;
+    double running = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double fluence = typical_fluence(&lights[i], d2);
+        const double share = fluence > 0 ? 0.9 * fluence / sum + 0.1 / (double)sampled : 0;
+        running += share;
+        lights[i].chosen = (float)share;
+        lights[i].cumulative = (float)running;
+    }
+}

@@ -1,0 +1,126 @@
+/* Lights as kernels see them: choosing one, sampling it from a point, and the densities that weights need. */
+#ifndef TY_SCENE_LIGHT_K_H
+#define TY_SCENE_LIGHT_K_H
+
+#include "scene/environment.k.h"
+
+/* ty_light_kind, and emissive spheres, which come from shapes. */
+enum {
+    TY_KIND_DIRECTIONAL = 0,
+    TY_KIND_POINT = 1,
+    TY_KIND_SPOT = 2,
+    TY_KIND_AREA = 3,
+    TY_KIND_ENVIRONMENT = 4,
+    TY_KIND_SPHERE = 5
+};
+
+typedef struct ty_light_view {
+    int32_t kind;
+    float color[3];    /* irradiance, intensity or radiance */
+    ty_vec position;   /* point, spot; area: corner; sphere: centre */
+    ty_vec direction;  /* directional, spot: the way the light travels; area: unit normal of the emitting side */
+    ty_vec u, v;       /* area: edges */
+    float area;        /* area: m^2 */
+    float radius;      /* sphere */
+    float cos_outer, cos_inner; /* spot: light fades from inner to outer */
+    float chosen;      /* probability of being chosen */
+    float cumulative;  /* of chosen, this light included */
+    ty_environment_view environment;
+} ty_light_view;
+
+/* A light seen from a point. */
+typedef struct ty_light_sample {
+    ty_vec look;       /* unit, towards the light */
+    float distance;    /* to it; TY_FLOAT_MAX at infinity */
+    float radiance[3]; /* radiance / pdf, or for delta lights irradiance on a plane facing the light */
+    float pdf;         /* per steradian, this light having been chosen; 0 for delta lights */
+} ty_light_sample;
+
+/* Radiance a spot sends at cosine mu from its axis, relative to the axis: smoothstep in the cosine. */
+TY_FN float ty_spot_falloff(TY_GLOBAL const ty_light_view* light, float mu) {
+    if (mu <= light->cos_outer) return 0.0f;
+    if (mu >= light->cos_inner) return 1.0f;
+    const float x = (mu - light->cos_outer) / (light->cos_inner - light->cos_outer);
+    return x * x * (3.0f - 2.0f * x);
+}
+
+/* Cosine of the half angle a sphere is seen under from outside, at squared distance d2. */
+TY_FN float ty_sphere_cos_max(float radius, float d2) {
+    return sqrtf(ty_maxf(0.0f, 1.0f - radius * radius / d2));
+}
+
+/* 1 - cos of that angle, without cancellation for small spheres. */
+TY_FN float ty_sphere_cap(float radius, float d2) {
+    const float s2 = ty_minf(1.0f, radius * radius / d2);
+    return s2 / (1.0f + ty_sphere_cos_max(radius, d2));
+}
+
+TY_FN bool ty_light_set_rgb(float out[3], TY_GLOBAL const float in[3], float factor) {
+    for (int c = 0; c < 3; ++c) out[c] = in[c] * factor;
+    return factor > 0.0f;
+}
+
+/* Samples a light from point `from`; false where it sends nothing. */
+TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec from, float u, float v,
+                                ty_light_sample* out) {
+    out->pdf = 0.0f;
+    out->distance = TY_FLOAT_MAX;
+    if (light->kind == TY_KIND_DIRECTIONAL) {
+        out->look = ty_scale(light->direction, -1.0f);
+        return ty_light_set_rgb(out->radiance, light->color, 1.0f);
+    }
+    if (light->kind == TY_KIND_ENVIRONMENT) {
+        float radiance[3];
+        out->pdf = ty_environment_sample(&light->environment, u, v, &out->look);
+        ty_environment_radiance(&light->environment, out->look, radiance);
+        return out->pdf > 0.0f && ty_light_set_rgb(out->radiance, radiance, 1.0f / out->pdf);
+    }
+    ty_vec to = ty_sub(light->position, from);
+    if (light->kind == TY_KIND_AREA) to = ty_mad(ty_mad(to, light->u, u), light->v, v);
+    const float d2 = ty_dot(to, to);
+    if (!(d2 > 0.0f)) return false;
+    if (light->kind == TY_KIND_SPHERE) {
+        if (d2 <= light->radius * light->radius) return false;
+        const float cap = ty_sphere_cap(light->radius, d2), mu = 1.0f - u * cap;
+        const float d = sqrtf(d2);
+        out->look = ty_direction_about(ty_scale(to, 1.0f / d), mu, v);
+        const float off2 = d2 * (1.0f - mu) * (1.0f + mu);
+        out->distance = d * mu - sqrtf(ty_maxf(0.0f, light->radius * light->radius - off2));
+        out->pdf = 1.0f / (2.0f * TY_PI * cap);
+        return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
+    }
+    out->distance = sqrtf(d2);
+    out->look = ty_scale(to, 1.0f / out->distance);
+    if (light->kind == TY_KIND_AREA) {
+        const float mu = -ty_dot(out->look, light->direction);
+        if (mu <= 0.0f) return false;
+        out->pdf = d2 / (mu * light->area);
+        return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
+    }
+    const float falloff =
+        light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(out->look, light->direction)) : 1.0f;
+    return ty_light_set_rgb(out->radiance, light->color, falloff / d2);
+}
+
+/* Density per steradian with which ty_light_sample_from picks the direction of a ray that hit a surface light
+ * (area or sphere) at distance, coming from `from`. */
+TY_FN float ty_light_pdf(TY_GLOBAL const ty_light_view* light, ty_vec from, ty_vec look, float distance) {
+    if (light->kind == TY_KIND_SPHERE) {
+        const ty_vec to = ty_sub(light->position, from);
+        const float d2 = ty_dot(to, to);
+        return d2 <= light->radius * light->radius ? 0.0f : 1.0f / (2.0f * TY_PI * ty_sphere_cap(light->radius, d2));
+    }
+    const float mu = -ty_dot(look, light->direction);
+    return mu > 0.0f ? distance * distance / (mu * light->area) : 0.0f;
+}
+
+/* Picks a light in proportion to its `chosen`; *u is stretched back to [0, 1). */
+TY_FN int32_t ty_light_choose(TY_GLOBAL const ty_light_view* lights, int32_t count, float* u) {
+    int32_t i = 0;
+    while (i + 1 < count && *u >= lights[i].cumulative) ++i;
+    const float below = lights[i].cumulative - lights[i].chosen;
+    *u = ty_clampf((*u - below) / lights[i].chosen, 0.0f, 0x1.fffffep-1f);
+    return i;
+}
+
+#endif
