@@ -10,11 +10,13 @@ mkdir -p build/fuzz/found
 failed=()
 for program in build/fuzz/bin/fuzz_*; do
   name=$(basename "$program")
-  corpus=tests/fuzz/corpus/${name#fuzz_}
   learnt=build/fuzz/corpus/${name#fuzz_}
   mkdir -p "$learnt"
+  folders=("$learnt")
+  seeds=tests/fuzz/corpus/${name#fuzz_}
+  [ ! -d "$seeds" ] || folders+=("$seeds")
   echo "fuzz: $name for $seconds s"
-  LSAN_OPTIONS=suppressions=cmake/lsan.txt:print_suppressions=0 "$program" "$learnt" "$corpus" \
+  LSAN_OPTIONS=suppressions=cmake/lsan.txt:print_suppressions=0 "$program" "${folders[@]}" \
     -max_total_time="$seconds" -timeout=20 -rss_limit_mb=3000 -print_final_stats=1 \
     -artifact_prefix="build/fuzz/found/$name-" > "build/fuzz/$name.log" 2>&1 || failed+=("$name")
   grep -E 'stat::(number_of_executed_units|new_units_added)' "build/fuzz/$name.log" || true

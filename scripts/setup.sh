@@ -1,32 +1,40 @@
 #!/usr/bin/env bash
-# Installs what the build needs, if anything is missing (Debian and its relatives).
+# Installs what the build needs, if anything is missing (Debian 12 and its relatives).
 # usage: scripts/setup.sh [build|fuzz|format]...   (default: build)
 set -euo pipefail
 
-build="gcc g++ make cmake ninja-build pkg-config libembree-dev libopenexr-dev libimath-dev libopenvdb-dev libtbb-dev
-  libpng-dev libjansson-dev libstb-dev libcmocka-dev"
-fuzz="clang libclang-rt-14-dev"
-format="clang-format"
+# a|b: either will do; the first is installed when neither is there.
+build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopenexr-dev libimath-dev libopenvdb-dev
+  "libboost-dev|libboost1.74-dev" libtbb-dev libpng-dev libjansson-dev libstb-dev libcmocka-dev)
+fuzz=(clang libclang-rt-14-dev)
+format=(clang-format)
 
-needed=""
+needed=()
 for group in "${@:-build}"; do
   case "$group" in
-    build) needed+=" $build" ;;
-    fuzz) needed+=" $fuzz" ;;
-    format) needed+=" $format" ;;
+    build) needed+=("${build[@]}") ;;
+    fuzz) needed+=("${fuzz[@]}") ;;
+    format) needed+=("${format[@]}") ;;
     *) echo "setup: unknown group '$group'; known: build, fuzz, format" >&2; exit 2 ;;
   esac
 done
 
 if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
-  echo "setup: this is not Debian; install the equivalents of these packages, then use cmake directly:" $needed >&2
+  echo "setup: this is not Debian; install what these packages hold, then use cmake directly: ${needed[*]%%|*}" >&2
   exit 2
 fi
 
+installed() {
+  [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2> /dev/null)" = installed ]
+}
+
 missing=()
-for package in $needed; do
-  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2> /dev/null || true)
-  [ "$status" = installed ] || missing+=("$package")
+for choice in "${needed[@]}"; do
+  found=no
+  for package in ${choice//|/ }; do
+    ! installed "$package" || found=yes
+  done
+  [ $found = yes ] || missing+=("${choice%%|*}")
 done
 [ ${#missing[@]} -gt 0 ] || exit 0
 

@@ -205,21 +205,24 @@ static void test_coverage_is_a_share(void** state) {
 /* Neighbours are close to one another, across lattice cells too. */
 static void test_noise_is_continuous(void** state) {
     ty_context* context = *state;
-    ty_noise_def def = sized(TY_NOISE_FBM, 96, 96, 96);
-    def.octaves = 1;
-    def.sharpness = 1;
-    ty_grid* grid = make_noise(context, &def);
-    float step[3] = {0, 0, 0};
-    for (int32_t k = 1; k < 96; ++k)
-        for (int32_t j = 1; j < 96; ++j)
-            for (int32_t i = 1; i < 96; ++i) {
-                const float here = ty_grid_voxel(grid, i, j, k);
-                step[0] = fmaxf(step[0], fabsf(here - ty_grid_voxel(grid, i - 1, j, k)));
-                step[1] = fmaxf(step[1], fabsf(here - ty_grid_voxel(grid, i, j - 1, k)));
-                step[2] = fmaxf(step[2], fabsf(here - ty_grid_voxel(grid, i, j, k - 1)));
-            }
-    for (int a = 0; a < 3; ++a) assert_true(step[a] > 0.02f && step[a] < 0.2f);
-    ty_grid_destroy(grid);
+    for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_CLOUD; ++kind) {
+        ty_noise_def def = sized((ty_noise_kind)kind, 96, 96, 96);
+        def.octaves = 1;
+        def.frequency = kind == TY_NOISE_FBM ? 4 : 2;
+        def.sharpness = kind == TY_NOISE_FBM ? 1.0f : 0.5f;
+        ty_grid* grid = make_noise(context, &def);
+        float step[3] = {0, 0, 0};
+        for (int32_t k = 1; k < 96; ++k)
+            for (int32_t j = 1; j < 96; ++j)
+                for (int32_t i = 1; i < 96; ++i) {
+                    const float here = ty_grid_voxel(grid, i, j, k);
+                    step[0] = fmaxf(step[0], fabsf(here - ty_grid_voxel(grid, i - 1, j, k)));
+                    step[1] = fmaxf(step[1], fabsf(here - ty_grid_voxel(grid, i, j - 1, k)));
+                    step[2] = fmaxf(step[2], fabsf(here - ty_grid_voxel(grid, i, j, k - 1)));
+                }
+        for (int a = 0; a < 3; ++a) assert_true(step[a] > 0.02f && step[a] < 0.2f);
+        ty_grid_destroy(grid);
+    }
 }
 
 /* Twice the voxels show the same field. */

@@ -95,7 +95,7 @@ static void test_finite_everywhere(void** state) {
         }
 }
 
-/* Above the haze of the horizon the brightest pixel is the one that looks nearest to the sun, for both up axes. */
+/* Above the haze of the horizon the brightest pixel looks at the sun, give or take a pixel, for both up axes. */
 static void test_brightest_around_the_sun(void** state) {
     ty_context* context = *state;
     for (int up = TY_AXIS_Y; up <= TY_AXIS_Z; ++up)
@@ -110,7 +110,7 @@ static void test_brightest_around_the_sun(void** state) {
             double look[3], cosine = 0;
             look_at_pixel(image, (ty_axis)up, best[0], best[1], look);
             for (int a = 0; a < 3; ++a) cosine -= look[a] * def.sun_direction[a];
-            assert_true(cosine > cos(3 * pi / 180));
+            assert_true(cosine > cos(4.5 * pi / 180));
             ty_image_destroy(image);
         }
 }
@@ -219,7 +219,7 @@ static void test_light_adds_up(void** state) {
     ty_image* white = make_sky(context, &def, NULL);
     const double scattered = (1.5 - (double)sun[2]) * sin(pi / 3);
     const double down = sky_irradiance(black, 2);
-    assert_true(down > 0.4 * scattered && down < 0.55 * scattered);
+    assert_true(down > 0.47 * scattered && down < 0.53 * scattered);
     assert_true(sky_irradiance(white, 2) > 1.6 * down && sky_irradiance(white, 2) < 2.6 * down);
     assert_true(pixel(black, 5, 40, 2) == 0);
     /* The thinner red sky scatters less, and less often. */

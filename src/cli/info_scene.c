@@ -2,6 +2,7 @@
 #include "cli/info.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 
 static void print_vector(const char* label, const double v[3], const char* after) {
     printf("%s(%.6g, %.6g, %.6g)%s", label, v[0], v[1], v[2], after);
@@ -67,8 +68,18 @@ static void print_scene(const ty_scene* scene, const char* path) {
     printf("memory      %s\n", bytes);
 }
 
+/* The shortest decimal that reads back as value: 0.7 rather than 0.699999988. */
+static double decimal(float value) {
+    char text[32];
+    for (int digits = 6; digits <= 9; ++digits) {
+        snprintf(text, sizeof text, "%.*g", digits, (double)value);
+        if (strtof(text, NULL) == value) break;
+    }
+    return strtod(text, NULL);
+}
+
 static void json_color(json_writer* json, const char* name, const float color[3]) {
-    const double values[3] = {(double)color[0], (double)color[1], (double)color[2]};
+    const double values[3] = {decimal(color[0]), decimal(color[1]), decimal(color[2])};
     json_numbers(json, name, values, 3);
 }
 
@@ -78,7 +89,7 @@ static void json_medium(json_writer* json, const ty_medium_def* medium) {
     json_color(json, "sigma_s", medium->sigma_s);
     json_color(json, "sigma_a", medium->sigma_a);
     json_color(json, "g", medium->g);
-    json_number(json, "scale", (double)medium->scale);
+    json_number(json, "scale", decimal(medium->scale));
     if (medium->bounds == TY_BOUNDS_BOX) {
         json_open_array(json, "box");
         json_numbers(json, NULL, medium->box_min, 3);
@@ -96,8 +107,8 @@ static void json_medium(json_writer* json, const ty_medium_def* medium) {
         json_open_object(json, "grid");
         json_numbers(json, "size", (const double[]){grid.size[0], grid.size[1], grid.size[2]}, 3);
         json_text(json, "type", grid.type == TY_GRID_F16 ? "half" : "float");
-        json_number(json, "min", (double)grid.min);
-        json_number(json, "max", (double)grid.max);
+        json_number(json, "min", decimal(grid.min));
+        json_number(json, "max", decimal(grid.max));
         json_number(json, "mean", grid.mean);
         json_integer(json, "bytes", (int64_t)grid.bytes);
         json_close_object(json);

@@ -122,11 +122,11 @@ bool ty_image_rgb_planes(const ty_image* image, const float* planes[3]) {
 }
 
 bool ty_metadata_key_allowed(const char* key) {
-    static const char* const reserved[] = {"channels",    "compression",        "dataWindow",        "displayWindow",
-                                           "lineOrder",   "pixelAspectRatio",   "screenWindowCenter", "screenWindowWidth",
-                                           "tiles",       "type",               "name",              "version",
-                                           "chunkCount",  "maxSamplesPerPixel", "view",              "multiView",
-                                           "preview",     "envmap",             "deepImageState"};
+    static const char* const reserved[] = {
+        "channels",           "compression",        "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
+        "screenWindowCenter", "screenWindowWidth",  "tiles",      "type",          "name",      "version",
+        "chunkCount",         "maxSamplesPerPixel", "view",       "multiView",     "preview",   "envmap",
+        "deepImageState"};
     if (key == NULL) return false;
     const size_t length = strspn(key, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.");
     if (length < 1 || length > TY_METADATA_KEY_MAX || key[length] != '\0') return false;

@@ -7,7 +7,7 @@
 typedef struct ty_builtin_scene {
     const char* name; /* of the file, without .json; NULL ends the table */
     const char* text;
-    size_t size;      /* of text, without the zero after it */
+    size_t size; /* of text, without the zero after it */
 } ty_builtin_scene;
 
 extern const ty_builtin_scene ty_builtin_scenes[];

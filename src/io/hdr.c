@@ -53,8 +53,8 @@ static ty_result read_header(ty_context* context, const char* path, reader* r, i
     if (!rgbe || !next_line(r, line))
         return ty_fail(context, TY_ERROR_INPUT, "%s: the header is damaged or cut short", path);
     if (!parse_size(line, width, height))
-        return ty_fail(context, TY_ERROR_INPUT, "%s: the image size is given as \"%s\", not as -Y HEIGHT +X WIDTH", path,
-                       line);
+        return ty_fail(context, TY_ERROR_INPUT, "%s: the image size is given as \"%s\", not as -Y HEIGHT +X WIDTH",
+                       path, line);
     return TY_OK;
 }
 

@@ -8,8 +8,7 @@ ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* byte
 ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 
 /* Told by content. */
-ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size,
-                              ty_image** out);
+ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 
 /* Refuses sides and channel counts outside an image's limits, and images over 1 GiB whose file is too small to hold
  * them even if it compresses a thousandfold. */

@@ -54,8 +54,8 @@ void ty_json_path_text(const ty_json_path* path, char* out, size_t size) {
         if (step->key == NULL)
             wrote = snprintf(out + used, size - used, "[%zu]", step->index);
         else
-            wrote = snprintf(out + used, size - used, "%s%.*s", i > 0 ? "." : "", (int)ty_text_fit(step->key, KEY_SHOWN),
-                             step->key);
+            wrote = snprintf(out + used, size - used, "%s%.*s", i > 0 ? "." : "",
+                             (int)ty_text_fit(step->key, KEY_SHOWN), step->key);
         if (wrote < 0) break;
         used += (size_t)wrote;
     }

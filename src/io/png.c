@@ -39,8 +39,7 @@ static ty_result write_png(ty_context* context, const uint8_t* rgb8, int32_t wid
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message, ignore_warning);
     png_infop info = png == NULL ? NULL : png_create_info_struct(png);
     ty_output output;
-    ty_result result =
-        info == NULL ? ty_fail(context, TY_ERROR_MEMORY, "not enough memory to write %s", path) : TY_OK;
+    ty_result result = info == NULL ? ty_fail(context, TY_ERROR_MEMORY, "not enough memory to write %s", path) : TY_OK;
     if (result == TY_OK) result = ty_output_open(context, path, &output);
     if (result == TY_OK) {
         if (encode(png, info, output.stream, rgb8, (uint32_t)width, (uint32_t)height)) {

@@ -189,8 +189,9 @@ ty_result ty_scene_load(ty_context* context, const char* path, const char* const
     ty_result result = ty_read_file(context, path, FILE_SIZE_MAX, &bytes, &size);
     if (result != TY_OK) return result;
     char* folder = ty_folder_of(context, path);
-    result = folder == NULL ? TY_ERROR_MEMORY
-                            : ty_scene_parse(context, (const char*)bytes, size, path, folder, overrides, override_count, out);
+    result = folder == NULL
+                 ? TY_ERROR_MEMORY
+                 : ty_scene_parse(context, (const char*)bytes, size, path, folder, overrides, override_count, out);
     ty_free_text(context, folder);
     ty_free_file(context, bytes, size);
     return result;

@@ -38,11 +38,13 @@ static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium
         const char* extra = preset != NULL ? preset : total;
         const ty_json_path place = ty_json_path_key(path, extra);
         return ty_reader_fail(reader, &place, TY_ERROR_INPUT,
-                              "does not go with \"%s\"; give sigma_s and sigma_a, or sigma_t and albedo, or preset", kept);
+                              "does not go with \"%s\"; give sigma_s and sigma_a, or sigma_t and albedo, or preset",
+                              kept);
     }
     if (parts == NULL && total == NULL && preset == NULL)
-        return ty_reader_fail(reader, path, TY_ERROR_INPUT,
-                              "the coefficients are missing; give sigma_s and sigma_a, or sigma_t and albedo, or preset");
+        return ty_reader_fail(
+            reader, path, TY_ERROR_INPUT,
+            "the coefficients are missing; give sigma_s and sigma_a, or sigma_t and albedo, or preset");
     if (total != NULL && (json_object_get(medium, "sigma_t") == NULL || json_object_get(medium, "albedo") == NULL)) {
         const ty_json_path place = ty_json_path_key(path, total);
         return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"%s\" is missing beside it",
@@ -78,7 +80,8 @@ static ty_result read_coefficients(const ty_scene_reader* reader, const json_t* 
 
 /* ---- Density ---- */
 
-static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, const ty_json_path* path, ty_grid** out) {
+static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, const ty_json_path* path,
+                            ty_grid** out) {
     ty_noise_def def = ty_default_noise_def();
     const char* kind = json_string_value(json_object_get(noise, "kind"));
     if (kind != NULL)
@@ -106,8 +109,8 @@ static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, 
 }
 
 /* Sets scale or density_grid; the caller destroys *noise, if it was made. */
-static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, ty_medium_def* def,
-                              ty_grid** noise) {
+static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+                              ty_medium_def* def, ty_grid** noise) {
     double scale = 1;
     ty_read_number(medium, "scale", &scale);
     const json_t* density = json_object_get(medium, "density");
@@ -130,8 +133,8 @@ static ty_result read_density(ty_scene_reader* reader, const json_t* medium, con
 /* ---- Bounds ---- */
 
 /* Lengths of bounds are multiplied by factor. Fails where the density needs bounds that are not there. */
-static ty_result read_bounds(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, double factor,
-                             ty_medium_def* def) {
+static ty_result read_bounds(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+                             double factor, ty_medium_def* def) {
     const json_t* bounds = json_object_get(medium, "bounds");
     const json_t* density = json_object_get(medium, "density");
     const ty_json_path place = ty_json_path_key(path, "bounds");
@@ -160,8 +163,8 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
     ty_medium_def def = ty_default_medium_def();
     const char* name = json_string_value(json_object_get(medium, "name"));
     if (name != NULL) def.name = name;
-    /* A volume from a file is placed in the file's units, so its bounds stay in them too, and the transform takes both to
-     * metres; everything else is in metres before the transform. */
+    /* A volume from a file is placed in the file's units, so its bounds stay in them too, and the transform takes both
+     * to metres; everything else is in metres before the transform. */
     const bool placed = json_object_get(json_object_get(medium, "density"), "file") != NULL;
     ty_result result = read_coefficients(reader, medium, path, &def);
     if (result == TY_OK) result = read_bounds(reader, medium, path, placed ? 1 : reader->unit, &def);

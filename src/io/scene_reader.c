@@ -103,12 +103,11 @@ void ty_read_rgb(const json_t* object, const char* key, float out[3]) {
     for (int c = 0; c < 3; ++c) out[c] = (float)numbers[c];
 }
 
-ty_result ty_read_direction(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path, const char* key,
-                            double out[3]) {
+ty_result ty_read_direction(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
+                            const char* key, double out[3]) {
     double direction[3] = {out[0], out[1], out[2]};
     ty_read_vector(object, key, 1, direction);
-    const double length =
-        sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+    const double length = sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
     if (!(length > 1e-9)) {
         const ty_json_path place = ty_json_path_key(path, key);
         return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "a direction must not be zero");
@@ -167,8 +166,7 @@ ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object,
 /* Finds or makes the record of a file; *fresh tells which. The bytes of a file not seen before go into the hash. */
 static ty_result find_asset(ty_scene_reader* reader, const ty_json_path* place, const char* file, const char* grid_name,
                             ty_scene_asset** out, bool* fresh) {
-    if (reader->folder == NULL)
-        return ty_reader_fail(reader, place, TY_ERROR_INPUT, "this scene may not name files");
+    if (reader->folder == NULL) return ty_reader_fail(reader, place, TY_ERROR_INPUT, "this scene may not name files");
     char* path = ty_join_path(reader->context, reader->folder, file);
     if (path == NULL) return TY_ERROR_MEMORY;
     bool seen = false;
@@ -182,7 +180,8 @@ static ty_result find_asset(ty_scene_reader* reader, const ty_json_path* place, 
         *fresh = false;
         return TY_OK;
     }
-    ty_result result = seen ? TY_OK : ty_reader_below(reader, place, ty_hash_file(reader->context, path, &reader->hash));
+    ty_result result =
+        seen ? TY_OK : ty_reader_below(reader, place, ty_hash_file(reader->context, path, &reader->hash));
     char* name = result == TY_OK ? ty_copy_text(reader->context, grid_name) : NULL;
     if (name == NULL || !ty_grow_array(reader->context, (void**)&reader->assets, &reader->asset_capacity,
                                        reader->asset_count, sizeof *reader->assets)) {

@@ -10,8 +10,8 @@
 #include <tyndall/scene.h>
 
 typedef struct ty_scene_override {
-    const char* text;  /* "media[0].g=0.5", borrowed */
-    char* keys;        /* what path's keys lie in */
+    const char* text; /* "media[0].g=0.5", borrowed */
+    char* keys;       /* what path's keys lie in */
     size_t keys_size;
     ty_json_path path;
 } ty_scene_override;
@@ -43,8 +43,8 @@ typedef struct ty_scene_reader {
 } ty_scene_reader;
 
 /* Fails with "FILE:LINE: PATH: message", or names the override that the value came from. */
-ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path, ty_result result, const char* format, ...)
-    __attribute__((format(printf, 4, 5)));
+ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path, ty_result result, const char* format,
+                         ...) __attribute__((format(printf, 4, 5)));
 /* Puts the place in front of the message that a call below just failed with; TY_ERROR_ARGUMENT becomes
  * TY_ERROR_INPUT. TY_OK stays. */
 ty_result ty_reader_below(const ty_scene_reader* reader, const ty_json_path* path, ty_result result);
@@ -59,8 +59,8 @@ void ty_read_rgb(const json_t* object, const char* key, float out[3]);
 void ty_read_numbers(const json_t* object, const char* key, double out[3]);
 
 /* Fails when the direction under key has no length. */
-ty_result ty_read_direction(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path, const char* key,
-                            double out[3]);
+ty_result ty_read_direction(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
+                            const char* key, double out[3]);
 /* Two corners under key, times factor; fails unless the second is above the first. */
 ty_result ty_read_box(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path, const char* key,
                       double factor, double lower[3], double upper[3]);

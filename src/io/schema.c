@@ -63,8 +63,9 @@ static bool has_type(const json_t* value, const char* type) {
 }
 
 static const char* type_name(const char* type) {
-    static const char* const names[][2] = {{"number", "a number"},      {"integer", "an integer"}, {"string", "a string"},
-                                           {"boolean", "true or false"}, {"array", "an array"},    {"object", "an object"}};
+    static const char* const names[][2] = {{"number", "a number"}, {"integer", "an integer"},
+                                           {"string", "a string"}, {"boolean", "true or false"},
+                                           {"array", "an array"},  {"object", "an object"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
         if (strcmp(type, names[i][0]) == 0) return names[i][1];
     return "null";
@@ -148,7 +149,9 @@ static bool check_array(checker* c, const json_t* schema, const json_t* value) {
     const bool many = maximum != NULL && count > json_integer_value(maximum);
     if (few || many)
         return fail(c, "expected %s%" JSON_INTEGER_FORMAT " items, found %" JSON_INTEGER_FORMAT,
-                    json_equal(minimum, maximum) ? "" : few ? "at least " : "at most ",
+                    json_equal(minimum, maximum) ? ""
+                    : few                        ? "at least "
+                                                 : "at most ",
                     json_integer_value(few ? minimum : maximum), count);
     if (items == NULL) return true;
     const ty_json_path here = c->path;
@@ -199,8 +202,8 @@ static bool check_enum(checker* c, const json_t* words, const json_t* value) {
 static bool has_required(const json_t* branch, const json_t* value) {
     size_t i;
     json_t* key;
-    json_array_foreach(json_object_get(branch, "required"), i, key)
-        if (json_object_get(value, json_string_value(key)) == NULL) return false;
+    json_array_foreach(json_object_get(branch, "required"), i,
+                       key) if (json_object_get(value, json_string_value(key)) == NULL) return false;
     return true;
 }
 
@@ -208,9 +211,9 @@ static bool has_required(const json_t* branch, const json_t* value) {
 static const char* own_key(const json_t* branch) {
     size_t i;
     json_t* key;
-    json_array_foreach(json_object_get(branch, "required"), i, key)
-        if (json_object_get(schema_property(branch, json_string_value(key)), "const") == NULL)
-            return json_string_value(key);
+    json_array_foreach(json_object_get(branch, "required"), i,
+                       key) if (json_object_get(schema_property(branch, json_string_value(key)), "const") ==
+                                NULL) return json_string_value(key);
     return NULL;
 }
 
@@ -226,20 +229,23 @@ static bool fail_unknown(checker* c, const branch_set* set, const char* unknown)
     json_t* property;
     const char* nearest = NULL;
     for (size_t i = 0; i < set->count; ++i)
-        json_object_foreach(json_object_get(set->items[i], "properties"), key, property)
-            if (ty_word_near(unknown, key) &&
-                (nearest == NULL || ty_word_distance(unknown, key) < ty_word_distance(unknown, nearest)))
-                nearest = key;
+        json_object_foreach(json_object_get(set->items[i], "properties"), key,
+                            property) if (ty_word_near(unknown, key) &&
+                                          (nearest == NULL || ty_word_distance(unknown, key) <
+                                                                  ty_word_distance(unknown, nearest))) nearest = key;
     if (nearest != NULL) {
         ty_append(text, size, "did you mean \"%s\"?", nearest);
         return false;
     }
-    ty_append(text, size, "known here:");
+    ty_append(text, size, "known here");
+    const char* mark = ": ";
     for (size_t i = 0; i < set->count; ++i)
         json_object_foreach(json_object_get(set->items[i], "properties"), key, property) {
             bool listed = false;
             for (size_t j = 0; j < i; ++j) listed = listed || schema_property(set->items[j], key) != NULL;
-            if (!listed) ty_append(text, size, " \"%s\"", key);
+            if (listed) continue;
+            ty_append(text, size, "%s\"%s\"", mark, key);
+            mark = ", ";
         }
     return false;
 }
@@ -298,9 +304,9 @@ static bool check_object(checker* c, const json_t* schema, const json_t* value) 
     }
     size_t i;
     json_t* required;
-    json_array_foreach(json_object_get(schema, "required"), i, required)
-        if (json_object_get(value, json_string_value(required)) == NULL)
-            return fail(c, "the key \"%s\" is missing", json_string_value(required));
+    json_array_foreach(json_object_get(schema, "required"), i,
+                       required) if (json_object_get(value, json_string_value(required)) ==
+                                     NULL) return fail(c, "the key \"%s\" is missing", json_string_value(required));
     return true;
 }
 
@@ -341,8 +347,7 @@ static size_t known_keys(const json_t* branch, const json_t* value) {
     const char* key;
     json_t* member;
     size_t count = 0;
-    json_object_foreach((json_t*)value, key, member)
-        if (schema_property(branch, key) != NULL) ++count;
+    json_object_foreach((json_t*)value, key, member) if (schema_property(branch, key) != NULL)++ count;
     return count;
 }
 
@@ -392,8 +397,8 @@ static bool check_branches(checker* c, const json_t* branches, const json_t* val
     if (!choose_by_keys(c, &chosen, value)) return false;
     const char* own = own_key(chosen.items[0]);
     if (own != NULL && !check_mixed(c, chosen.items[0], &alike, own, NULL, value)) return false;
-    if (common != NULL && !check_mixed(c, chosen.items[0], &fitting, common,
-                                       json_string_value(json_object_get(value, common)), value))
+    if (common != NULL &&
+        !check_mixed(c, chosen.items[0], &fitting, common, json_string_value(json_object_get(value, common)), value))
         return false;
     return check(c, chosen.items[0], value);
 }
@@ -404,13 +409,12 @@ static bool check(checker* c, const json_t* schema, const json_t* value) {
     const json_t* branches = json_object_get(schema, "anyOf");
     if (branches == NULL) branches = json_object_get(schema, "oneOf");
     if (branches != NULL) return check_branches(c, branches, value);
-    if (!has_type(value, schema_type(schema)))
-        return fail_type(c, &(branch_set){.items = {schema}, .count = 1}, value);
+    if (!has_type(value, schema_type(schema))) return fail_type(c, &(branch_set){.items = {schema}, .count = 1}, value);
     const json_t* words = json_object_get(schema, "enum");
     if (words != NULL) return check_enum(c, words, value);
     const json_t* constant = json_object_get(schema, "const");
-    const bool same_number = json_is_number(constant) && json_is_number(value) &&
-                             json_number_value(constant) == json_number_value(value);
+    const bool same_number =
+        json_is_number(constant) && json_is_number(value) && json_number_value(constant) == json_number_value(value);
     if (constant != NULL && !same_number && !json_equal(constant, value)) {
         fail(c, "expected ");
         ty_append_value(c->issue->text, sizeof c->issue->text, constant);

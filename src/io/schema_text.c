@@ -4,6 +4,7 @@
 #include "io/json_locate.h"
 
 #include <locale.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,7 +69,7 @@ void ty_append_quoted(char* out, size_t size, const char* word) {
 
 void ty_append_number(char* out, size_t size, double value) {
     char text[40];
-    int digits = 1;
+    int digits = value == floor(value) && fabs(value) < 1e6 ? 6 : 1;
     do snprintf(text, sizeof text, "%.*g", digits, value);
     while (strtod(text, NULL) != value && ++digits <= 17);
     const char* point = localeconv()->decimal_point;

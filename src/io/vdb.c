@@ -93,8 +93,8 @@ static ty_result missing_grid(const ty_vdb_file* file, const char* name) {
     char names[512] = "";
     size_t length = 0;
     for (size_t i = 0; i < file->count && length < sizeof names; ++i)
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i > 0 ? ", " : "",
-                                   file->grids[i].name);
+        length +=
+            (size_t)snprintf(names + length, sizeof names - length, "%s%s", i > 0 ? ", " : "", file->grids[i].name);
     return ty_fail(file->context, TY_ERROR_INPUT, "%s: no grid \"%s\"; there %s %s", file->path, name,
                    file->count == 1 ? "is" : "are", file->count == 0 ? "none" : names);
 }
@@ -114,8 +114,8 @@ static ty_result choose_grid(const ty_vdb_file* file, const char* name, const ty
         return ty_fail(file->context, TY_ERROR_INPUT,
                        "%s: grid \"%s\" has a frustum transform; only affine transforms can be read", file->path, name);
     if (!ty_affine_invert(&(*grid)->index_to_world, &inverse))
-        return ty_fail(file->context, TY_ERROR_INPUT, "%s: the transform of grid \"%s\" cannot be inverted",
-                       file->path, name);
+        return ty_fail(file->context, TY_ERROR_INPUT, "%s: the transform of grid \"%s\" cannot be inverted", file->path,
+                       name);
     *owner = tree_owner(file, *grid);
     if (*owner == NULL || (*owner)->tree == 0 || value_size(*owner) != value_size(*grid))
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: grid \"%s\" shares the tree of \"%s\", which cannot be read",

@@ -8,10 +8,13 @@ extern "C" {
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <sstream>
+#include <vector>
 
 namespace {
 
@@ -230,6 +233,20 @@ ty_result ty_openvdb_measure(const ty_vdb_file* file, ty_vdb_grid* grid) {
     });
 }
 
+bool ty_openvdb_decodes(bool blosc, const void* block, size_t size, size_t raw) {
+    try {
+        std::istringstream stream(std::string(static_cast<const char*>(block), size));
+        std::vector<char> unpacked(raw);
+        if (blosc)
+            openvdb::io::bloscFromStream(stream, unpacked.data(), raw);
+        else
+            openvdb::io::unzipFromStream(stream, unpacked.data(), raw);
+        return true;
+    } catch (...) {
+        return false;
+    }
+}
+
 ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
                            const char* path, const char* temporary) {
     return guarded(context, path, TY_ERROR_FILE, [&] {
@@ -245,10 +262,9 @@ ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char*
         fill_tree(grid, info, made->tree());
 
         stream_archive archive;
-        archive.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK |
-                               (blosc ? openvdb::io::COMPRESS_BLOSC
-                                : zip ? openvdb::io::COMPRESS_ZIP
-                                      : openvdb::io::COMPRESS_NONE));
+        archive.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK | (blosc ? openvdb::io::COMPRESS_BLOSC
+                                                                    : zip ? openvdb::io::COMPRESS_ZIP
+                                                                          : openvdb::io::COMPRESS_NONE));
         std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         archive.write_grid(stream, made);

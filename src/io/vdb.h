@@ -55,6 +55,8 @@ typedef struct ty_vdb_dense {
 ty_result ty_openvdb_read(const ty_vdb_file* file, const ty_vdb_grid* grid, ty_vdb_dense* dense);
 /* Fills in a grid's statistics from its topology. */
 ty_result ty_openvdb_measure(const ty_vdb_file* file, ty_vdb_grid* grid);
+/* Whether a compressed block with its byte count (blosc, else zip) unpacks to raw bytes. */
+bool ty_openvdb_decodes(bool blosc, const void* block, size_t size, size_t raw);
 /* Writes to the file named temporary, which exists; path is for messages. */
 ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
                            const char* path, const char* temporary);

@@ -216,6 +216,8 @@ void ty_vdb_close(ty_vdb_file* file) {
     *file = (ty_vdb_file){0};
 }
 
+enum { LEAF_SLOTS = 512, NODE_SLOTS_MAX = 32768, BLOSC_HEAD = 16, COUNT_SIZE = 8 };
+
 /* What the walk over one tree needs. */
 typedef struct walk {
     cursor cursor;
@@ -223,10 +225,34 @@ typedef struct walk {
     uint64_t value_size, stored_size; /* bytes of a value on its own, and of one among a node's compressed values */
     bool half;
     uint64_t leaves;
+    uint8_t* block; /* room for any compressed block with its byte count */
 } walk;
 
+/* What a codec at most makes of raw bytes. */
+static uint64_t packed_size_max(uint64_t raw) {
+    return raw + raw / 256 + 64;
+}
+
+/* The rest of a compressed block. Blosc believes its own header (flags, raw size, block size, compressed size), so
+ * that must be right; an inner node's values must also decode, since OpenVDB loses the nodes read so far otherwise. */
+static bool check_compressed(walk* w, int64_t stored, uint64_t raw, bool inner) {
+    cursor* c = &w->cursor;
+    const bool blosc = (w->compression & COMPRESS_BLOSC) != 0;
+    if ((uint64_t)stored > packed_size_max(raw) || (blosc && stored < BLOSC_HEAD)) return spoil(c);
+    const uint64_t needed = inner ? (uint64_t)stored : blosc ? BLOSC_HEAD : 0;
+    memcpy(w->block, &stored, COUNT_SIZE);
+    if (!take(c, w->block + COUNT_SIZE, needed)) return false;
+    if (blosc) {
+        uint32_t head[4];
+        memcpy(head, w->block + COUNT_SIZE, sizeof head);
+        if (head[1] != raw || head[2] == 0 || head[3] != stored) return spoil(c);
+    }
+    if (inner && !ty_openvdb_decodes(blosc, w->block, COUNT_SIZE + needed, raw)) return spoil(c);
+    return skip(c, (uint64_t)stored - needed);
+}
+
 /* count values as one block: plain, or a byte count (negative for stored, positive for compressed) and the bytes. */
-static bool check_block(walk* w, uint64_t count) {
+static bool check_block(walk* w, uint64_t count, bool inner) {
     cursor* c = &w->cursor;
     const uint64_t raw = count * w->stored_size;
     if (w->half && count == 0) return true;
@@ -234,12 +260,7 @@ static bool check_block(walk* w, uint64_t count) {
     const int64_t stored = take_i64(c);
     if (c->bad) return false;
     if (stored <= 0) return stored == -(int64_t)raw ? skip(c, raw) : spoil(c);
-    if ((w->compression & COMPRESS_BLOSC) == 0) return skip(c, (uint64_t)stored);
-    /* Blosc believes its own header: version and flags, then raw size, block size, compressed size. */
-    uint32_t head[4];
-    if (stored < (int64_t)sizeof head || !take(c, head, sizeof head)) return spoil(c);
-    if (head[1] != raw || head[2] == 0 || head[3] != stored) return spoil(c);
-    return skip(c, (uint64_t)stored - sizeof head);
+    return check_compressed(w, stored, raw, inner);
 }
 
 static uint64_t count_bits(const uint8_t* mask, uint64_t bytes) {
@@ -260,18 +281,17 @@ static bool check_values(walk* w, uint64_t slots, uint64_t active) {
     const bool one = coding == 2 || coding == 4 || coding == 5, two = coding == 5;
     if (!skip(&w->cursor, ((uint64_t)one + two) * w->value_size)) return false;
     if (coding >= 3 && coding <= 5 && !skip(&w->cursor, slots / 8)) return false;
-    return check_block(w, (w->compression & COMPRESS_MASK) != 0 && coding != 6 ? active : slots);
+    return check_block(w, (w->compression & COMPRESS_MASK) != 0 && coding != 6 ? active : slots, slots > LEAF_SLOTS);
 }
 
 /* A node with 2^(3 log2) slots: child and value masks, values, then the children in turn. Leaves have a mask alone. */
 static bool check_node(walk* w, unsigned log2) {
-    enum { MASK_BYTES_MAX = 4096, LEAF_LOG2 = 3 };
     const uint64_t slots = (uint64_t)1 << 3 * log2;
-    if (log2 == LEAF_LOG2) {
+    if (slots == LEAF_SLOTS) {
         ++w->leaves;
         return skip(&w->cursor, slots / 8);
     }
-    uint8_t mask[MASK_BYTES_MAX];
+    uint8_t mask[NODE_SLOTS_MAX / 8];
     if (!take(&w->cursor, mask, slots / 8)) return false;
     const uint64_t children = count_bits(mask, slots / 8);
     if (!take(&w->cursor, mask, slots / 8) || !check_values(w, slots, count_bits(mask, slots / 8))) return false;
@@ -296,17 +316,20 @@ static bool check_root(walk* w) {
 }
 
 ty_result ty_vdb_check_tree(const ty_vdb_file* file, const ty_vdb_grid* grid, size_t value_size) {
-    enum { LEAF_SLOTS = 512 };
+    const size_t block_size = COUNT_SIZE + packed_size_max(NODE_SLOTS_MAX * sizeof(double));
     walk w = {.cursor = {.stream = file->stream, .size = grid->end},
               .compression = grid->compression,
               .value_size = value_size,
               .stored_size = grid->half ? sizeof(uint16_t) : value_size,
-              .half = grid->half};
+              .half = grid->half,
+              .block = ty_alloc_array(file->context, block_size, 1, false)};
+    if (w.block == NULL) return TY_ERROR_MEMORY;
     move_to(&w.cursor, grid->tree);
     check_root(&w);
     for (uint64_t i = 0; i < w.leaves && !w.cursor.bad; ++i) {
         uint8_t mask[LEAF_SLOTS / 8];
         if (take(&w.cursor, mask, sizeof mask)) check_values(&w, LEAF_SLOTS, count_bits(mask, sizeof mask));
     }
+    ty_free_array(file->context, w.block, block_size, 1);
     return w.cursor.bad ? damaged(file, grid->name) : TY_OK;
 }

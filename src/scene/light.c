@@ -112,13 +112,16 @@ void ty_light_set_choice(ty_light_view* lights, size_t count, const double lower
     double d2 = 0, sum = 0;
     for (int a = 0; a < 3; ++a) d2 += (upper[a] - lower[a]) * (upper[a] - lower[a]) / 16;
     if (!(d2 > 0)) d2 = 1;
-    for (size_t i = 0; i < count; ++i) sum += typical_fluence(&lights[i], d2);
     size_t sampled = 0;
-    for (size_t i = 0; i < count; ++i) sampled += typical_fluence(&lights[i], d2) > 0;
+    for (size_t i = 0; i < count; ++i) {
+        lights[i].typical = (float)typical_fluence(&lights[i], d2);
+        lights[i].reach2 = (float)fmax(lights[i].area, 0.05 * d2);
+        sampled += lights[i].typical > 0;
+        sum += (double)lights[i].typical;
+    }
     double running = 0;
     for (size_t i = 0; i < count; ++i) {
-        const double fluence = typical_fluence(&lights[i], d2);
-        const double share = fluence > 0 ? 0.9 * fluence / sum + 0.1 / (double)sampled : 0;
+        const double share = lights[i].typical > 0 ? 0.9 * (double)lights[i].typical / sum + 0.1 / (double)sampled : 0;
         running += share;
         lights[i].chosen = (float)share;
         lights[i].cumulative = (float)running;

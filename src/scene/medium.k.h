@@ -142,17 +142,28 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
     return false;
 }
 
-/* A random estimate of the density at parameter t, whose mean is the trilinear value: the voxel that a uniform jitter
- * of one voxel's width picks. Null-collision methods are linear in the density, so they stay unbiased. */
-TY_FN float ty_bricks_density(const ty_bricks* b, float t, ty_random* random) {
-    if (b->medium->has_grid == 0) return 1.0f;
+/* A random estimate of the grid's value at a point in index space, whose mean is the trilinear value: the voxel that a
+ * uniform jitter of one voxel's width picks. Null-collision methods are linear in the density, so they stay unbiased. */
+TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_random* random) {
     const uint64_t bits = ty_random_bits(random);
-    const ty_vec p = ty_mad(b->origin, b->direction, t);
     const float scale = 0x1p-21f;
     const int32_t i = (int32_t)floorf(p.x + (float)(uint32_t)(bits >> 43) * scale);
     const int32_t j = (int32_t)floorf(p.y + (float)(uint32_t)(bits >> 22 & 0x1fffffu) * scale);
     const int32_t k = (int32_t)floorf(p.z + (float)(uint32_t)(bits & 0x1fffffu) * scale);
-    return ty_clampf(ty_grid_fetch(&b->medium->grid, i, j, k), b->low, b->high);
+    return ty_grid_fetch(grid, i, j, k);
+}
+
+/* An estimate of the density at parameter t, within the brick's bounds. */
+TY_FN float ty_bricks_density(const ty_bricks* b, float t, ty_random* random) {
+    if (b->medium->has_grid == 0) return 1.0f;
+    const ty_vec p = ty_mad(b->origin, b->direction, t);
+    return ty_clampf(ty_grid_jittered(&b->medium->grid, p, random), b->low, b->high);
+}
+
+/* The same at a point of the world that is inside the medium. */
+TY_FN float ty_medium_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point, ty_random* random) {
+    if (medium->has_grid == 0) return 1.0f;
+    return ty_maxf(0.0f, ty_grid_jittered(&medium->grid, ty_map_point(medium->to_index, point), random));
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include "method/path/driver.h"
 
 #include "base/context.h"
+#include "method/path/equiangular.k.h"
 #include "scene/check.h"
 
 #include <pthread.h>
@@ -10,6 +11,9 @@
 enum { BLOCK = 64, SPP_MAX = 1 << 24, PASS_MAX = 16 };
 
 static const double progress_interval = 0.1;
+
+/* Of the radiance that an isotropic medium scatters under the typical light. */
+static const float faint_fraction = 0.5f;
 
 typedef struct sampling {
     ty_path_run* run;
@@ -81,6 +85,21 @@ static void choose_guides(ty_path_request* request) {
     for (int32_t j = 0; j < request->guide_count; ++j) request->guide_share[j] /= sum;
 }
 
+static void find_lamps(ty_path_request* request) {
+    float sum = 0;
+    for (int32_t i = 0; i < request->scene->light_count; ++i) {
+        request->faint += faint_fraction * request->scene->lights[i].typical * TY_INV_4PI;
+        if (ty_light_is_lamp(request->scene->lights[i].kind)) {
+            ++request->lamp_count;
+            sum += request->scene->lights[i].chosen;
+        }
+    }
+    if (sum > 0)
+        request->lamp_share = 1 / sum;
+    else
+        request->lamp_count = 0;
+}
+
 ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run) {
     memset(run, 0, sizeof *run);
     run->context = ty_scene_context(scene);
@@ -94,6 +113,7 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->request.seed = def->seed;
     run->request.max_depth = def->max_depth;
     choose_guides(&run->request);
+    find_lamps(&run->request);
     return TY_OK;
 }
 

@@ -83,18 +83,18 @@ TY_FN float ty_spans_invert(TY_GLOBAL const ty_medium_view* media, const ty_span
     }
 }
 
-/* Samples a collision for light that is known to collide: beta comes in as the throughput at the ray's origin and goes
+/* Samples a collision, by u in [0, 1), for light that is known to collide: beta comes in as the throughput at the ray's origin and goes
  * out as that after scattering, up to the phase function; its mean is the integral over the spans. reach: transmittance
  * of all spans. Returns false where nothing scatters. */
 TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, const float reach[3],
-                                 ty_random* random, float beta[3], ty_collision* out) {
-    float weight[3], u = ty_random_next(random);
+                                 float u, ty_random* random, float beta[3], ty_collision* out) {
+    float weight[3];
     for (int c = 0; c < 3; ++c) weight[c] = beta[c] * (1.0f - reach[c]);
     const float sum = ty_sum3(weight);
     if (!(sum > 0.0f)) return false;
     const bool gray = spans->count == 1 && media[spans->medium[0]].gray != 0;
     const int32_t channel = gray ? 0 : ty_pick(weight, 3, sum, &u);
-    const float depth = -ty_logf(1.0f - u * (1.0f - reach[channel]));
+    const float depth = -ty_logf(1.0f - ty_minf(u, 0x1.fffffep-1f) * (1.0f - reach[channel]));
     out->t = ty_spans_invert(media, spans, channel, depth);
     if (gray) {
         TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[0]];

@@ -25,6 +25,9 @@ typedef struct ty_path_request {
     int32_t guide_count; /* lights that high-g media are guided towards, and their shares, which add up to 1 */
     int32_t guide_light[TY_GUIDES_MAX];
     float guide_share[TY_GUIDES_MAX];
+    float faint;        /* radiance below which a light's contribution is traced by chance */
+    int32_t lamp_count; /* point, spot and area lights */
+    float lamp_share;   /* 1 / (the sum of their `chosen`) */
 } ty_path_request;
 
 /* Sums over an item's samples; a second set for uncollided light alone. */

@@ -2,8 +2,7 @@
 #ifndef TY_PATH_PATH_K_H
 #define TY_PATH_PATH_K_H
 
-#include "method/path/flight.k.h"
-#include "method/path/kernel.h"
+#include "method/path/equiangular.k.h"
 #include "scene/phase.k.h"
 
 /* Vertices after which even a path that loses nothing is slowly ended. */
@@ -16,6 +15,7 @@ typedef struct ty_path {
     float beta[3];     /* throughput */
     float survival;    /* throughput without what directions were weighted with: what Russian roulette looks at */
     float pdf;         /* per steradian, of direction; 0 where no light sampling competes (the eye) */
+    int32_t scattered; /* whether the last vertex is in a medium, where equi-angular sampling competed */
     int32_t depth;     /* scatterings and reflections so far */
     float uncollided[3], collided[3]; /* radiance found, before and after the first scattering or reflection */
 } ty_path;
@@ -37,6 +37,8 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
         if (path->pdf > 0.0f)
             weight = path->pdf / (path->pdf + light->chosen * ty_light_pdf(light, path->origin, path->direction,
                                                                            hit->distance));
+        if (path->scattered != 0 && ty_light_is_lamp(light->kind))
+            weight *= 1.0f - ty_lamp_share(hit->distance * hit->distance, light->reach2);
         for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * surface->emission[c] * weight;
         ty_path_add(path, radiance);
         return;
@@ -145,10 +147,10 @@ TY_FN ty_vec ty_scatter_sample(const ty_scatter* s, ty_random* random) {
 
 /* ---- vertices ---- */
 
-/* The light chosen for a vertex, unshadowed: false if there is none. *chosen: the light's probability. */
-TY_FN bool ty_path_choose_light(ty_path* path, ty_vec from, ty_light_sample* sample, float* chosen) {
+/* The light chosen for a vertex, and its sample, unshadowed; NULL if there is none. */
+TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, ty_light_sample* sample) {
     const ty_scene_view* scene = path->request->scene;
-    if (scene->light_count == 0) return false;
+    if (scene->light_count == 0) return NULL;
     float pick = 0.0f, u = 0.5f, v = 0.5f;
     int32_t i = 0;
     if (scene->light_count > 1) {
@@ -156,46 +158,110 @@ TY_FN bool ty_path_choose_light(ty_path* path, ty_vec from, ty_light_sample* sam
         i = ty_light_choose(scene->lights, scene->light_count, &pick);
     }
     const ty_light_view* light = &scene->lights[i];
-    if (light->chosen <= 0.0f) return false;
+    if (light->chosen <= 0.0f) return NULL;
     if (light->kind >= TY_KIND_AREA) {
         u = ty_random_next(&path->random);
         v = ty_random_next(&path->random);
     }
-    *chosen = light->chosen;
-    return ty_light_sample_from(light, from, u, v, sample);
+    return ty_light_sample_from(light, from, u, v, sample) ? light : NULL;
 }
 
-/* Adds a light sample, with factor per channel (phase or reflectance, cosine) and shadows; origin may be moved off a
- * surface. pdf: with which the vertex itself would have taken the direction. */
-TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, float chosen,
-                             const float factor[3], float pdf) {
+/* Adds a light sample, with factor per channel (throughput, phase or reflectance, cosine), if nothing shadows it;
+ * media attenuate it. */
+TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, const float factor[3],
+                             float radiance[3]) {
     const ty_scene_view* scene = path->request->scene;
-    float radiance[3];
-    const float light_pdf = chosen * sample->pdf;
-    const float weight = (sample->pdf > 0.0f ? light_pdf / (light_pdf + pdf) : 1.0f) / chosen;
-    for (int c = 0; c < 3; ++c) radiance[c] = path->beta[c] * factor[c] * sample->radiance[c] * weight;
-    if (!(ty_sum3(radiance) > 0.0f)) return;
-    if (scene->mesh != NULL) {
-        const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : TY_FLOAT_MAX;
-        if (ty_mesh_occluded(scene->mesh, origin, sample->look, far)) return;
-    }
     float transmittance[3];
+    for (int c = 0; c < 3; ++c) radiance[c] = factor[c] * sample->radiance[c];
+    const float most = ty_max3(radiance);
+    if (most < path->request->faint) {
+        const float chance = most / path->request->faint;
+        const bool traced = ty_random_white(&path->random) < chance;
+        for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
+    }
+    if (ty_sum3(radiance) > 0.0f && scene->mesh != NULL) {
+        const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : TY_FLOAT_MAX;
+        if (ty_mesh_occluded(scene->mesh, origin, sample->look, far))
+            for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
+    }
+    if (!(ty_sum3(radiance) > 0.0f)) return;
     ty_transmittance(scene->media, scene->medium_count, origin, sample->look, sample->distance, &path->random,
                      transmittance);
     for (int c = 0; c < 3; ++c) radiance[c] *= transmittance[c];
+}
+
+/* Samples a light from a vertex whose factor (see above) the caller knows how to evaluate: the weight is shared with
+ * the vertex taking that direction itself, with density pdf, and with equi-angular sampling of the last stretch. */
+TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, const ty_light_sample* sample,
+                                    const float factor[3], float pdf) {
+    float weight = 1.0f / light->chosen, weighted[3], radiance[3];
+    if (sample->pdf > 0.0f) weight = sample->pdf / (light->chosen * sample->pdf + pdf);
+    if (path->scattered != 0 && ty_light_is_lamp(light->kind))
+        weight *= 1.0f - ty_lamp_share(sample->distance * sample->distance, light->reach2);
+    for (int c = 0; c < 3; ++c) weighted[c] = path->beta[c] * factor[c] * weight;
+    ty_path_add_light(path, path->origin, sample, weighted, radiance);
     ty_path_add(path, radiance);
+}
+
+/* The equi-angular technique on the ray that the path has just begun: adds light scattered once along it. Rays that
+ * pass a lamp at a distance take part by chance. */
+TY_FN void ty_path_add_lamps(ty_path* path, const ty_spans* spans) {
+    const ty_path_request* request = path->request;
+    const ty_scene_view* scene = request->scene;
+    const ty_stretch stretch = ty_spans_stretch(spans);
+    float pick = request->lamp_count > 1 ? ty_random_white(&path->random) : 0.0f;
+    const ty_light_view* light = NULL;
+    for (int32_t i = 0; i < scene->light_count; ++i) {
+        if (!ty_light_is_lamp(scene->lights[i].kind)) continue;
+        light = &scene->lights[i];
+        pick -= light->chosen * request->lamp_share;
+        if (pick < 0.0f) break;
+    }
+    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
+    const float along = ty_random_next(&path->random);
+    ty_vec to = ty_sub(light->position, path->origin);
+    if (light->kind == TY_KIND_AREA) to = ty_mad(ty_mad(to, light->u, u), light->v, v);
+    const float nearest = ty_dot(to, path->direction);
+    const ty_vec off = ty_mad(to, path->direction, -nearest);
+    const float off2 = ty_dot(off, off) + 1e-10f * light->reach2;
+    const float beyond = nearest - ty_clampf(nearest, stretch.enter, stretch.leave);
+    const float chance = ty_lamp_share(off2 + beyond * beyond, light->reach2);
+    if (ty_random_white(&path->random) >= chance) return;
+    float t;
+    const float density = ty_equiangular_sample(stretch, nearest, sqrtf(off2), along, &t);
+    const ty_vec at = ty_mad(path->origin, path->direction, t);
+    ty_light_sample sample;
+    if (!ty_light_sample_from(light, at, u, v, &sample)) return;
+    const float weight = ty_lamp_share(sample.distance * sample.distance, light->reach2) /
+                         (light->chosen * request->lamp_share * density * chance);
+    const float mu = ty_clampf(ty_dot(path->direction, sample.look), -1.0f, 1.0f);
+    float factor[3] = {0.0f, 0.0f, 0.0f}, transmittance[3], radiance[3];
+    for (int32_t i = 0; i < spans->count; ++i) {
+        if (t < spans->enter[i] || t > spans->leave[i]) continue;
+        const ty_medium_view* medium = &scene->media[spans->medium[i]];
+        const float amount = weight * ty_medium_density(medium, at, &path->random);
+        for (int c = 0; c < 3; ++c)
+            factor[c] += path->beta[c] * amount * medium->sigma_s[c] * ty_hg(mu, medium->g[c]);
+    }
+    if (!(ty_sum3(factor) > 0.0f)) return;
+    ty_path_add_light(path, at, &sample, factor, radiance);
+    if (!(ty_sum3(radiance) > 0.0f)) return;
+    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, t, &path->random,
+                     transmittance);
+    for (int c = 0; c < 3; ++c) path->collided[c] += radiance[c] * transmittance[c];
 }
 
 /* Light scattered at path->origin by a medium, and the direction in which the path goes on. */
 TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     ty_scatter scatter;
     ty_light_sample sample;
-    float phase[3], chosen;
+    float phase[3];
     ty_scatter_begin(&scatter, path, medium);
-    if (ty_path_choose_light(path, path->origin, &sample, &chosen)) {
+    const ty_light_view* light = ty_path_choose_light(path, path->origin, &sample);
+    if (light != NULL) {
         ty_scatter_phase(&scatter, sample.look, phase);
-        ty_path_add_light(path, path->origin, &sample, chosen, phase,
-                          sample.pdf > 0.0f ? ty_scatter_pdf(&scatter, sample.look, phase) : 0.0f);
+        ty_path_add_vertex_light(path, light, &sample, phase,
+                                 sample.pdf > 0.0f ? ty_scatter_pdf(&scatter, sample.look, phase) : 0.0f);
     }
     path->direction = ty_scatter_sample(&scatter, &path->random);
     ty_scatter_phase(&scatter, path->direction, phase);
@@ -208,14 +274,13 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_hit* hit) {
     const ty_surface* surface = &path->request->scene->surfaces[hit->shape];
     const ty_vec normal = ty_dot(hit->normal, path->direction) > 0.0f ? ty_scale(hit->normal, -1.0f) : hit->normal;
     ty_light_sample sample;
-    float chosen, factor[3];
+    float factor[3];
     path->origin = ty_hit_leave(hit, normal);
-    if (ty_path_choose_light(path, path->origin, &sample, &chosen)) {
-        const float cosine = ty_dot(normal, sample.look);
-        if (cosine > 0.0f) {
-            for (int c = 0; c < 3; ++c) factor[c] = surface->albedo[c] * cosine * (1.0f / TY_PI);
-            ty_path_add_light(path, path->origin, &sample, chosen, factor, cosine * (1.0f / TY_PI));
-        }
+    const ty_light_view* light = ty_path_choose_light(path, path->origin, &sample);
+    const float facing = light != NULL ? ty_dot(normal, sample.look) * (1.0f / TY_PI) : 0.0f;
+    if (facing > 0.0f) {
+        for (int c = 0; c < 3; ++c) factor[c] = surface->albedo[c] * facing;
+        ty_path_add_vertex_light(path, light, &sample, factor, facing);
     }
     const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
     const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
@@ -245,19 +310,24 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit*
     const ty_scene_view* scene = path->request->scene;
     const ty_medium_view* media = scene->media;
     const float before = ty_sum3(path->beta);
-    const bool on_surface = scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, hit);
-    const float far = on_surface ? hit->distance : TY_FLOAT_MAX;
+    const bool last = path->request->max_depth > 0 && path->depth >= path->request->max_depth;
+    const bool on_surface =
+        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, hit);
     ty_spans spans;
     ty_collision collision;
     *medium = NULL;
-    ty_spans_find(media, scene->medium_count, path->origin, path->direction, far, &spans);
+    ty_spans_find(media, scene->medium_count, path->origin, path->direction, on_surface ? hit->distance : TY_FLOAT_MAX,
+                  &spans);
+    if (spans.count > 0 && path->request->lamp_count > 0 && !last) ty_path_add_lamps(path, &spans);
     if (spans.has_grid != 0) {
         if (ty_flight_null(media, &spans, path->origin, path->direction, &path->random, path->beta, &collision)) {
             *medium = &media[collision.medium];
+            path->scattered = 1;
             path->origin = ty_mad(path->origin, path->direction, collision.t);
             return ty_path_survives(path, before);
         }
         ty_path_add_emission(path, path->beta, on_surface ? hit : NULL);
+        path->scattered = 0;
         return on_surface && ty_max3(scene->surfaces[hit->shape].albedo) > 0.0f;
     }
     /* Homogeneous media: what reaches the end is known, so its light is taken in full and the path goes where it has
@@ -276,13 +346,16 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit*
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
     const float chance = colliding / sum;
-    if (reflecting <= 0.0f || (colliding > 0.0f && ty_random_next(&path->random) < chance)) {
-        if (!ty_flight_homogeneous(media, &spans, reach, &path->random, path->beta, &collision)) return false;
+    const float u = ty_random_next(&path->random);
+    if (u < chance) {
+        if (!ty_flight_homogeneous(media, &spans, reach, u / chance, &path->random, path->beta, &collision)) return false;
         for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
         *medium = &media[collision.medium];
+        path->scattered = 1;
         path->origin = ty_mad(path->origin, path->direction, collision.t);
     } else {
         for (int c = 0; c < 3; ++c) path->beta[c] = passing[c] / (1.0f - chance);
+        path->scattered = 0;
     }
     return ty_path_survives(path, before);
 }
@@ -310,6 +383,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->random = ty_random_begin(request->sobol, request->seed, item, sample);
     path->survival = 1.0f;
     path->pdf = 0.0f;
+    path->scattered = 0;
     path->depth = 0;
     for (int c = 0; c < 3; ++c) {
         path->beta[c] = 1.0f;
@@ -321,10 +395,9 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
 TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     const float factor[3] = {1.0f, 1.0f, 1.0f};
     ty_light_sample sample;
-    float chosen;
     path->origin = point;
-    if (ty_path_choose_light(path, point, &sample, &chosen))
-        ty_path_add_light(path, point, &sample, chosen, factor, TY_INV_4PI);
+    const ty_light_view* light = ty_path_choose_light(path, point, &sample);
+    if (light != NULL) ty_path_add_vertex_light(path, light, &sample, factor, TY_INV_4PI);
     const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
     path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     path->pdf = TY_INV_4PI;

@@ -1,0 +1,46 @@
+/* Equi-angular sampling (Kulla and Fajardo 2012): light that a nearby lamp scatters into a ray, sampled where the lamp
+ * is near the ray. It is a second technique beside the collisions of the free flight, and the two share each light path
+ * by how far from the lamp it scatters:
+ *     w = 1 / (1 + (d / r)^4),  d: from the scattering point to the lamp's point,  r: the lamp's reach.
+ * Any w that both sides know gives a mean without bias; this one takes the 1/d^2 near a lamp, whose variance in a
+ * medium is not finite, away from collisions, and costs rays that pass far from lamps nothing. */
+#ifndef TY_PATH_EQUIANGULAR_K_H
+#define TY_PATH_EQUIANGULAR_K_H
+
+#include "method/path/flight.k.h"
+#include "method/path/kernel.h"
+
+/* The part of a ray that is in media. */
+typedef struct ty_stretch {
+    float enter, leave;
+} ty_stretch;
+
+TY_FN bool ty_light_is_lamp(int32_t kind) {
+    return kind == TY_KIND_POINT || kind == TY_KIND_SPOT || kind == TY_KIND_AREA;
+}
+
+TY_FN ty_stretch ty_spans_stretch(const ty_spans* spans) {
+    ty_stretch stretch = {TY_FLOAT_MAX, 0.0f};
+    for (int32_t i = 0; i < spans->count; ++i) {
+        stretch.enter = ty_minf(stretch.enter, spans->enter[i]);
+        stretch.leave = ty_maxf(stretch.leave, spans->leave[i]);
+    }
+    return stretch;
+}
+
+/* The share w of the equi-angular technique at squared distance d2 from a lamp with squared reach r2. */
+TY_FN float ty_lamp_share(float d2, float r2) {
+    const float x = d2 / r2;
+    return 1.0f / (1.0f + x * x);
+}
+
+/* Samples a stretch in proportion to the angle under which a point at `nearest` along the ray and `off` beside it sees
+ * its parts; returns the density of *t. */
+TY_FN float ty_equiangular_sample(ty_stretch stretch, float nearest, float off, float u, float* t) {
+    const float from = atanf((stretch.enter - nearest) / off), to = atanf((stretch.leave - nearest) / off);
+    *t = ty_clampf(nearest + off * tanf(ty_lerpf(from, to, u)), stretch.enter, stretch.leave);
+    const float beyond = *t - nearest;
+    return off / (ty_maxf(to - from, 1e-7f) * (off * off + beyond * beyond));
+}
+
+#endif

@@ -1,0 +1,32 @@
+/* OpenVDB files: listing, then reading every grid listed. The bytes go through a file in memory. */
+#define _GNU_SOURCE
+#include "fuzz_target.h"
+
+#include <tyndall/io.h>
+
+#include <stdio.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+static void read_all(ty_context* context, const char* path) {
+    ty_vdb_entry entries[4];
+    int32_t count = 0;
+    if (ty_vdb_list(context, path, entries, 4, &count) != TY_OK) return;
+    for (int32_t i = 0; i < count && i < 4; ++i) {
+        ty_grid* grid = NULL;
+        if (ty_vdb_read(context, path, entries[i].name, &grid) == TY_OK) ty_grid_destroy(grid);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+    const int file = memfd_create("fuzz.vdb", MFD_CLOEXEC);
+    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
+    char path[64];
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    size_t used = 0;
+    ty_context* context = fuzz_context(&used);
+    read_all(context, path);
+    fuzz_finish(context, &used);
+    close(file);
+    return 0;
+}

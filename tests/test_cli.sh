@@ -1,0 +1,278 @@
+#!/usr/bin/env bash
+# The command line tool from outside: what it prints, writes and returns.
+# usage: test_cli.sh TYNDALL (works in the current folder, which it empties)
+set -u
+tyndall=$1
+rm -rf ./*
+checks=0
+failures=0
+
+# expect STATUS ARGUMENT...: runs tyndall; what it printed is in out.txt and err.txt.
+expect() {
+  wanted=$1
+  shift
+  "$tyndall" "$@" > out.txt 2> err.txt < /dev/null
+  status=$?
+  what="tyndall $*"
+  checks=$((checks + 1))
+  [ "$status" -eq "$wanted" ] || fail "exit status $status instead of $wanted: $(head -c 500 err.txt)"
+}
+
+fail() {
+  failures=$((failures + 1))
+  echo "FAILED: $what: $1"
+}
+
+# said FILE PATTERN: FILE has a line that matches the extended regular expression; unsaid: it has none.
+said() {
+  checks=$((checks + 1))
+  grep -Eq -- "$2" "$1" || fail "$1 lacks /$2/: $(head -c 500 "$1")"
+}
+unsaid() {
+  checks=$((checks + 1))
+  ! grep -Eq -- "$2" "$1" || fail "$1 has /$2/: $(head -c 500 "$1")"
+}
+
+present() {
+  checks=$((checks + 1))
+  [ -s "$1" ] || fail "$1 is missing or empty"
+}
+absent() {
+  checks=$((checks + 1))
+  [ ! -e "$1" ] || fail "$1 is there"
+}
+
+# usage_error PATTERN ARGUMENT...: status 2, one line on stderr that matches, nothing on stdout.
+usage_error() {
+  pattern=$1
+  shift
+  expect 2 "$@"
+  said err.txt "^tyndall: .*$pattern"
+  checks=$((checks + 1))
+  [ "$(wc -l < err.txt)" -eq 1 ] || fail "not one line: $(cat err.txt)"
+  [ ! -s out.txt ] || fail "printed: $(head -c 200 out.txt)"
+}
+
+valid_json() {
+  command -v python3 > /dev/null || return 0
+  checks=$((checks + 1))
+  python3 -m json.tool "$1" > /dev/null 2>&1 || fail "$1 is not JSON: $(head -c 500 "$1")"
+}
+
+small="--size 24x16 --spp 2"
+
+test_help() {
+  expect 0 --help
+  for command in render info diff bench; do said out.txt "^  $command "; done
+  expect 0 --version
+  said out.txt '^tyndall [0-9]+\.[0-9]+\.[0-9]+$'
+  for command in render info diff bench; do
+    expect 0 "$command" --help
+    said out.txt "^usage: tyndall $command "
+    said out.txt '--threads N'
+    expect 0 "$command" --version
+  done
+  expect 0 render -h
+  said out.txt '--exposure STOPS'
+  expect 2
+}
+
+test_usage() {
+  usage_error "did you mean 'render'" rendr
+  usage_error "render, info, diff, bench" figure
+  usage_error "unknown command ''" ''
+  usage_error 'did you mean --spp' render builtin:cube_g0 -o a.exr --sp 4
+  usage_error 'unknown option --zzzzzzzz ' render builtin:cube_g0 -o a.exr --zzzzzzzz
+  usage_error 'unknown option -z' render builtin:cube_g0 -z
+  usage_error 'expected: tyndall render SCENE' render -o a.exr
+  usage_error 'one argument too many' render builtin:cube_g0 more -o a.exr
+  usage_error '-o OUT' render builtin:cube_g0
+  usage_error '--output needs a FILE' render builtin:cube_g0 -o
+  usage_error '--quiet takes no value' render builtin:cube_g0 --quiet=1
+  for value in 0 -3 1.5 8x '' 0x8 ' 8' 99999999 1e3 nan; do
+    usage_error '--spp: .* whole number' render builtin:cube_g0 -o a.exr "--spp=$value"
+  done
+  for value in -1 18446744073709551616 x; do
+    usage_error '--seed: .* whole number' render builtin:cube_g0 -o a.exr --seed "$value"
+  done
+  for value in nan inf 0 -1 1s 0x1; do
+    usage_error '--time: .* number' render builtin:cube_g0 -o a.exr --time "$value"
+  done
+  for value in 10 0x5 5x0 5x 5x5x5 99999x1; do
+    usage_error '--size: .* size like' render builtin:cube_g0 -o a.exr --size "$value"
+  done
+  usage_error '--threads: ' render builtin:cube_g0 -o a.exr --threads 9999
+  usage_error '--progress: .*auto\|plain' render builtin:cube_g0 -o a.exr --progress fancy
+  usage_error "unknown method 'fog'; known: path" render builtin:cube_g0 -o a.exr --method fog
+  usage_error 'known: variance' render builtin:cube_g0 -o a.exr --aov depth
+  usage_error 'extension' render builtin:cube_g0 -o a.jpg
+  usage_error 'extension' render builtin:cube_g0 -o a.exr --png a.exr
+  usage_error 'missing' render builtin:cube_g0 -o missing/a.exr
+  usage_error 'missing' render builtin:cube_g0 -o a.exr --stats missing/a.json
+  mkdir -p folder.exr
+  usage_error 'folder.exr' render builtin:cube_g0 -o folder.exr
+  touch plain
+  usage_error 'plain' render builtin:cube_g0 -o plain/a.exr
+  if [ "$(id -u)" -ne 0 ]; then
+    mkdir -p locked && chmod 555 locked
+    usage_error 'locked' render builtin:cube_g0 -o locked/a.exr
+  fi
+  usage_error "did you mean 'path'" bench pat
+  usage_error 'machine, path, all' bench everything
+  absent a.exr
+}
+
+test_scene_errors() {
+  usage_error 'nowhere.json' render nowhere.json -o a.exr
+  usage_error 'cube_g0' render builtin:cube_g9 -o a.exr
+  echo '{"tyndall": 1, "medai": []}' > typo.json
+  usage_error 'typo.json.*medai.*media' render typo.json -o a.exr
+  echo '{"tyndall": 1,' > broken.json
+  usage_error 'broken.json' render broken.json -o a.exr
+  usage_error 'media\[0\]\.g' render builtin:cube_g0 -o a.exr -D 'media[0].g=2'
+  usage_error 'renderr' render builtin:cube_g0 -o a.exr -D renderr.spp=2
+  usage_error '' render builtin:cube_g0 -o a.exr -D nonsense
+  absent a.exr
+}
+
+test_render() {
+  # shellcheck disable=SC2086
+  expect 0 render builtin:cube_g0 -o a.exr $small --png a.png --stats a.json --seed 18446744073709551615
+  said out.txt '^wrote a.exr$'
+  said out.txt '^wrote a.png$'
+  present a.exr
+  said a.png 'PNG'
+  valid_json a.json
+  said a.json '"spp": 2'
+  said a.json '"paths": 768'
+  said a.json '"complete": true'
+  said a.json '"seed": 18446744073709551615'
+  said a.json '"isa": "[a-z0-9]'
+  said a.json '"peak_memory_bytes": [0-9]{6}'
+  expect 0 info a.exr
+  said out.txt '^size +24x16$'
+  said out.txt '^tyndall.version +[0-9]'
+  said out.txt '^tyndall.method +path$'
+  said out.txt '^tyndall.spp +2$'
+  said out.txt '^tyndall.seed +18446744073709551615$'
+  said out.txt '^tyndall.scene +[0-9a-f]{16}$'
+  said out.txt '^tyndall.complete +1$'
+  said out.txt '^tyndall.(seconds|error) +[0-9]'
+  unsaid out.txt 'variance|NaN|Inf'
+
+  expect 0 render builtin:cube_g0 -o=b.exr --size=24x16 --spp=2 -q
+  absent b.exr
+  expect 0 render builtin:cube_g0 -ob.exr --size=24x16 --spp=2 -q --aov variance
+  checks=$((checks + 1))
+  [ -z "$(cat out.txt err.txt)" ] || fail "--quiet printed something"
+  expect 0 info b.exr
+  said out.txt '^variance.R '
+
+  # shellcheck disable=SC2086
+  expect 0 render builtin:cube_g0 -o c.png $small
+  said c.png 'PNG'
+  expect 0 render builtin:cube_g0 -o d.exr --size 8x8 -D render.spp=3 -D 'media[0].g=0.5'
+  expect 0 info d.exr --json
+  said out.txt '"tyndall.spp": "3"'
+  expect 0 render builtin:cube_g0 -o d.exr --size 8x8 --error 0.5
+  expect 0 render builtin:cube_g0 -o d.exr --size 8x8 --time 0.3 --stats d.json
+  said d.json '"complete": true'
+  expect 0 render builtin:cube_g0 -o d.exr --size 64x64 --spp 8 --progress json
+  said err.txt '^\{"stage": "path", "fraction": [0-9.]+, .*"total": 8\}$'
+  expect 0 render builtin:cube_g0 -o d.exr --size 64x64 --spp 8 --progress none
+  checks=$((checks + 1))
+  [ ! -s err.txt ] || fail "--progress none printed: $(cat err.txt)"
+}
+
+test_same_everywhere() {
+  expect 0 render builtin:cornell_fog -o one.exr --size 32x24 --spp 4 --threads 1
+  expect 0 render builtin:cornell_fog -o two.exr --size 32x24 --spp 4 --threads 2
+  expect 0 render builtin:cornell_fog -o other.exr --size 32x24 --spp 4 --threads 2 --seed 1
+  expect 0 diff one.exr two.exr --json
+  valid_json out.txt
+  said out.txt '"differing": 0,'
+  expect 0 diff one.exr other.exr --json --png heat.png
+  said out.txt '"differing": [1-9]'
+  said heat.png 'PNG'
+  expect 0 diff one.exr one.exr --block 4
+  said out.txt '^all +1 +0 +0 +0$'
+  usage_error '' diff one.exr a.exr
+  usage_error 'missing.exr' diff one.exr missing.exr
+  usage_error '' diff one.exr one.exr --block 100
+}
+
+test_info() {
+  expect 0 info -- builtin:cornell_fog
+  said out.txt '^medium 0 +fog: sigma_s 0.5'
+  said out.txt '^memory '
+  expect 0 info builtin:cube_g0.7 --json
+  valid_json out.txt
+  said out.txt '"g": \[0.7, 0.7, 0.7\]'
+  expect 0 info builtin:cube_g0 -D 'media[0].g=0.25' --json
+  said out.txt '"g": \[0.25, 0.25, 0.25\]'
+  echo 'neither this nor that' > text.txt
+  usage_error 'text.txt: neither' info text.txt
+  usage_error 'missing' info missing.exr
+  usage_error 'folder.exr' info folder.exr
+  printf 'v/1\001broken' > broken.exr
+  usage_error 'broken.exr' info broken.exr
+}
+
+test_bench() {
+  expect 0 bench path --scenes cube_g0,cube_g0.7 --size 16x16 --spp 2 --runs 1
+  said out.txt '^cube_g0 +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+ +[0-9.e-]+$'
+  said out.txt '^cube_g0.7 '
+  cp one.exr cornell_fog.exr
+  expect 0 bench path --scenes cornell_fog --size 32x24 --spp 4 --runs 3 --json -q --reference .
+  valid_json out.txt
+}
+
+# start ARGUMENT...: a render in the background that says on stderr when it is under way.
+start() {
+  what="tyndall $*"
+  "$tyndall" "$@" --progress json > out.txt 2> err.txt < /dev/null &
+  process=$!
+  for _ in $(seq 200); do
+    [ -s err.txt ] && return
+    sleep 0.1
+  done
+  fail "no progress within 20 s"
+}
+
+finished() {
+  wait "$process"
+  status=$?
+  checks=$((checks + 1))
+  [ "$status" -eq "$1" ] || fail "exit status $status instead of $1: $(tail -n 2 err.txt)"
+}
+
+test_interrupt() {
+  for signal in INT TERM; do
+    rm -f part.exr
+    start render builtin:cornell_fog -o part.exr --size 64x48 --time 300 --stats part.json
+    kill -$signal "$process"
+    finished 130
+    said part.json '"complete": false'
+    expect 0 info part.exr
+    said out.txt '^size +64x48$'
+    said out.txt '^tyndall.complete +0$'
+  done
+  mkdir -p going
+  start render builtin:cornell_fog -o going/a.exr --size 64x48 --time 2
+  rmdir going
+  finished 1
+  said err.txt '^tyndall: .*going/a.exr'
+  checks=$((checks + 1))
+  [ -z "$(find . -name '*tmp*')" ] || fail "temporary files are left: $(find . -name '*tmp*')"
+}
+
+test_help
+test_usage
+test_scene_errors
+test_render
+test_same_everywhere
+test_info
+test_bench
+test_interrupt
+echo "$checks checks, $failures failed"
+[ "$failures" -eq 0 ] && [ "$checks" -gt 200 ]

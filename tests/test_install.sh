@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Installs to a scratch prefix, moves it, and builds the first example against it through pkg-config and through CMake.
+# usage: test_install.sh CMAKE BUILD_FOLDER SOURCE_FOLDER CC (works in the current folder, which it empties)
+set -euo pipefail
+cmake=$1
+build=$2
+source=$3
+cc=$4
+rm -rf ./*
+
+"$cmake" --install "$build" --prefix "$PWD/first" > install.log
+mv first prefix # nothing may remember where it was installed
+prefix=$PWD/prefix
+
+pc=$(find "$prefix" -name tyndall.pc)
+library=$(dirname "$(dirname "$pc")")
+export LD_LIBRARY_PATH=$library
+export PKG_CONFIG_PATH=$library/pkgconfig
+unset DESTDIR
+
+version=$("$prefix/bin/tyndall" --version)
+[ "$version" = "tyndall $(pkg-config --modversion tyndall)" ] || { echo "versions differ: $version"; exit 1; }
+for header in "$source"/include/tyndall/*.h; do
+  cmp "$header" "$prefix/include/tyndall/$(basename "$header")"
+done
+
+# check PROGRAM IMAGE: it renders, and the installed tool reads what it wrote.
+check() {
+  "$1" builtin:cube_g0 "$2"
+  "$prefix/bin/tyndall" info "$2" | grep -q '^size  *64x48$' || { echo "$2 is not what $1 should write"; exit 1; }
+}
+
+# shellcheck disable=SC2046
+"$cc" -std=c17 "$source/examples/01_render.c" $(pkg-config --cflags --libs tyndall) -o by_pkg_config
+check ./by_pkg_config by_pkg_config.exr
+
+mkdir consumer
+cat > consumer/CMakeLists.txt << END
+cmake_minimum_required(VERSION 3.20)
+project(consumer LANGUAGES C)
+find_package(tyndall 99 QUIET)
+if(tyndall_FOUND)
+  message(FATAL_ERROR "version 99 was found")
+endif()
+find_package(tyndall ${version#tyndall } REQUIRED)
+add_executable(by_cmake "$source/examples/01_render.c")
+target_link_libraries(by_cmake PRIVATE tyndall::tyndall)
+END
+"$cmake" -S consumer -B consumer/build "-DCMAKE_PREFIX_PATH=$prefix" "-DCMAKE_C_COMPILER=$cc" > consumer.log 2>&1 ||
+  { cat consumer.log; exit 1; }
+"$cmake" --build consumer/build
+check consumer/build/by_cmake by_cmake.exr
+
+# The C++ half of the public headers.
+printf '#include <tyndall/tyndall.h>\nint main() { return ty_version()[0] == 0; }\n' > header.cpp
+if command -v c++ > /dev/null; then
+  # shellcheck disable=SC2046
+  c++ -std=c++17 -Wall -Wextra -Werror header.cpp $(pkg-config --cflags --libs tyndall) -o header_cpp
+  ./header_cpp
+fi
+echo "installed, moved, found twice"

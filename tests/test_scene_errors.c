@@ -1,0 +1,275 @@
+/* Scene files that are wrong: each must be refused with the right code, place, line and reason. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <tyndall/io.h>
+
+typedef struct bad_case {
+    const char* text;
+    const char* override; /* or NULL */
+    const char* message;  /* whole, or its beginning when it ends in "..." */
+} bad_case;
+
+/* Line 1 is the first brace. */
+#define HEAD "{\"tyndall\": 1,\n"
+#define BOX "\"bounds\": [[0,0,0],[1,1,1]]"
+#define MEDIUM(members) HEAD "\"media\": [\n{" members "}]}"
+#define LIGHT(members) HEAD "\"lights\": [\n{" members "}]}"
+#define SHAPE(members) HEAD "\"geometry\": [\n{" members "}]}"
+
+static const bad_case bad_cases[] = {
+    /* syntax */
+    {"", NULL, "s.json:1: '[' or '{' expected near end of file"},
+    {HEAD "\"camera\": {},\n}", NULL, "s.json:3: string or '}' expected near '}'"},
+    {HEAD "\"up_axis\": \"y\"} x", NULL, "s.json:2: end of file expected near 'x'"},
+    {HEAD "\"up_axis\": \"y\",\n\"up_axis\": \"z\"}", NULL, "s.json:3: duplicate object key near '\"up_axis\"'"},
+    {HEAD "\"meters_per_unit\": NaN}", NULL, "s.json:2: invalid token near 'NaN'"},
+    {HEAD "\"meters_per_unit\": Infinity}", NULL, "s.json:2: invalid token near 'Infinity'"},
+    {HEAD "\"meters_per_unit\": 1e999}", NULL, "s.json:2: real number overflow near '1e999'"},
+    {HEAD "\"render\": {\"seed\": 99999999999999999999}}", NULL,
+     "s.json:2: too big integer near '99999999999999999999'"},
+    {HEAD "\"name\": \"\\u0000\"}", NULL, "s.json:2: \\u0000 is not allowed..."},
+    {HEAD "\"a\": \"\xff\"}", NULL, "s.json:2: unable to decode byte 0xff..."},
+    /* the top level */
+    {"[]", NULL, "s.json:1: expected an object, found an array"},
+    {"\n{}", NULL, "s.json:2: the key \"tyndall\" is missing"},
+    {"{\"tyndall\": 2, \"future\": 1}", NULL, "s.json:1: tyndall: expected 1, found 2"},
+    {"{\n\"tyndal\": 1}", NULL, "s.json:2: tyndal: unknown key; did you mean \"tyndall\"?"},
+    {HEAD "\"zzz\": 1}", NULL, "s.json:2: zzz: unknown key; known here: \"$schema\", \"tyndall\"..."},
+    {HEAD "\"meters_per_unit\": 0}", NULL, "s.json:2: meters_per_unit: 0 is outside (0, 1e+06]"},
+    {HEAD "\"up_axis\":\n\"x\"}", NULL, "s.json:2: up_axis: \"x\" is not one of \"y\", \"z\""},
+    {HEAD "\"lights\": {}}", NULL, "s.json:2: lights: expected an array, found an object"},
+    /* camera */
+    {HEAD "\"camera\": {\n\"fov_y\": \"40\"}}", NULL, "s.json:3: camera.fov_y: expected a number, found a string"},
+    {HEAD "\"camera\": {\"fov_y\": 180}}", NULL, "s.json:2: camera.fov_y: 180 is outside (0, 180)"},
+    {HEAD "\"camera\": {\"fov\": 40}}", NULL, "s.json:2: camera.fov: unknown key; did you mean \"fov_y\"?"},
+    {HEAD "\"camera\": {\"position\": [0, 1]}}", NULL, "s.json:2: camera.position: expected 3 items, found 2"},
+    {HEAD "\"camera\": {\"position\": [0,\n0,\n\"5\"]}}", NULL,
+     "s.json:4: camera.position[2]: expected a number, found a string"},
+    {HEAD "\"camera\": {\"resolution\": [800, 600.5]}}", NULL,
+     "s.json:2: camera.resolution[1]: expected an integer, found 600.5"},
+    {HEAD "\"camera\": {\"resolution\": [0, 600]}}", NULL, "s.json:2: camera.resolution[0]: 0 is outside [1, 65536]"},
+    {HEAD "\"camera\": {\"target\": [0, 0, 5]}}", NULL, "s.json:2: camera: position and target are the same point"},
+    {HEAD "\"camera\": {\"up\": [0, 0, 1]}}", NULL, "s.json:2: camera: up points along the view..."},
+    {HEAD "\"camera\": {\"up\": [0, 0, 0]}}", NULL, "s.json:2: camera.up: a direction must not be zero"},
+    /* media */
+    {MEDIUM("\"sigma_s\": 1,\n\"g\": 1.2"), NULL, "s.json:4: media[0].g: 1.2 is outside (-1, 1)"},
+    {MEDIUM("\"sigma_s\": 1,\n\"g\": [0, -1, 0]"), NULL, "s.json:4: media[0].g[1]: -1 is outside (-1, 1)"},
+    {MEDIUM("\"sigma_z\": 1"), NULL, "s.json:3: media[0].sigma_z: unknown key; did you mean \"sigma_s\"?"},
+    {MEDIUM("\"sigma_s\": -1"), NULL, "s.json:3: media[0].sigma_s: -1 is outside [0, 1e+09]"},
+    {MEDIUM("\"sigma_s\": [1, 2]"), NULL, "s.json:3: media[0].sigma_s: expected 3 items, found 2"},
+    {MEDIUM("\"sigma_s\": \"1\""), NULL, "s.json:3: media[0].sigma_s: expected a number or an array, found a string"},
+    {MEDIUM("\"sigma_t\": 1, \"albedo\": 1.5"), NULL, "s.json:3: media[0].albedo: 1.5 is outside [0, 1]"},
+    {MEDIUM("\"name\": \"fog\""), NULL,
+     "s.json:3: media[0]: the coefficients are missing; give sigma_s and sigma_a, or sigma_t and albedo, or preset"},
+    {MEDIUM("\"sigma_t\": 1"), NULL, "s.json:3: media[0].sigma_t: the key \"albedo\" is missing beside it"},
+    {MEDIUM("\n\"albedo\": 1"), NULL, "s.json:4: media[0].albedo: the key \"sigma_t\" is missing beside it"},
+    {MEDIUM("\"sigma_s\": 1,\n\"albedo\": 1"), NULL,
+     "s.json:4: media[0].albedo: does not go with \"sigma_s\"; give..."},
+    {MEDIUM("\"sigma_a\": 1,\n\"preset\": \"apple\""), NULL,
+     "s.json:4: media[0].preset: does not go with \"sigma_a\"; give..."},
+    {MEDIUM("\"sigma_t\": 1, \"preset\": \"apple\""), NULL,
+     "s.json:3: media[0].preset: does not go with \"sigma_t\"..."},
+    {MEDIUM("\"preset\": \"hole milk\""), NULL,
+     "s.json:3: media[0].preset: there is no preset \"hole milk\"; the nearest is \"Wholemilk\""},
+    {MEDIUM("\"sigma_s\": 1"), NULL, "s.json:3: media[0]: a homogeneous medium needs the key \"bounds\""},
+    {MEDIUM("\"sigma_s\": 1, \"bounds\": [[0,0,0],[1,0,1]]"), NULL,
+     "s.json:3: media[0].bounds: the second corner must be above the first along y"},
+    {MEDIUM("\"sigma_s\": 1, \"bounds\": [[0,0,0]]"), NULL, "s.json:3: media[0].bounds: expected 2 items, found 1"},
+    {MEDIUM("\"sigma_s\": 1, \"bounds\": {\"spere\": {}}"), NULL,
+     "s.json:3: media[0].bounds.spere: unknown key; did you mean \"sphere\"?"},
+    {MEDIUM("\"sigma_s\": 1, \"bounds\": {\"sphere\": {\"center\": [0,0,0], \"radius\": 0}}"), NULL,
+     "s.json:3: media[0].bounds.sphere.radius: 0 is outside (0, 1e+09]"},
+    {MEDIUM("\"sigma_s\": 1, " BOX ",\n\"transform\": {\"scale\": 0}"), NULL,
+     "s.json:4: media[0].transform.scale: 0 is outside (0, 1e+06]"},
+    {MEDIUM("\"sigma_s\": 1, " BOX ",\n\"transform\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 1,2,3,1]"), NULL,
+     "s.json:4: media[0].transform: the last row of the matrix must be 0, 0, 0, 1"},
+    {MEDIUM("\"sigma_s\": 1, " BOX ",\n\"transform\": [1,0,0,0, 0,0,0,0, 0,0,1,0, 0,0,0,1]"), NULL,
+     "s.json:4: media[0].transform: the matrix cannot be inverted"},
+    {MEDIUM("\"sigma_s\": 1, " BOX ",\n\"transform\": [1,0,0]"), NULL,
+     "s.json:4: media[0].transform: expected 16 items, found 3"},
+    {MEDIUM("\"sigma_s\": 1,\n\"density\": {}"), NULL,
+     "s.json:4: media[0].density: one of the keys \"file\", \"noise\" is missing"},
+    {MEDIUM("\"sigma_s\": 1,\n\"density\": {\"file\": \"a.vdb\", \"noise\": {}}"), NULL,
+     "s.json:4: media[0].density.noise: does not go with \"file\""},
+    {MEDIUM("\"sigma_s\": 1,\n\"density\": {\"file\": \"a.nrrd\"}"), NULL,
+     "s.json:4: media[0].density.file: cannot read volumes of this type; known: .vdb"},
+    {MEDIUM("\"sigma_s\": 1, \"density\": {\"noise\": {}}"), NULL,
+     "s.json:3: media[0]: noise needs bounds that are a box..."},
+    {MEDIUM("\"sigma_s\": 1, \"density\": {\"noise\": {}},\n\"bounds\": {\"sphere\": {\"center\": [0,0,0], \"radius\": "
+            "1}}"),
+     NULL, "s.json:4: media[0].bounds: noise needs bounds that are a box..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX ", \"density\": {\"noise\": {\"kind\": \"clod\"}}"), NULL,
+     "s.json:3: media[0].density.noise.kind: \"clod\" is not one of \"cloud\", \"fbm\", \"constant\"; did you mean "
+     "\"cloud\"?"},
+    {MEDIUM("\"sigma_s\": 1, " BOX ", \"density\": {\"noise\": {\"resolution\": 2048}}"), NULL,
+     "s.json:3: media[0].density.noise.resolution: more than 2^31 voxels in all"},
+    {MEDIUM("\"sigma_s\": 1, " BOX ", \"density\": {\"noise\": {\"octaves\": 13}}"), NULL,
+     "s.json:3: media[0].density.noise.octaves: 13 is outside [1, 12]"},
+    /* lights */
+    {LIGHT("\"direction\": [0,-1,0]"), NULL, "s.json:3: lights[0]: the key \"type\" is missing"},
+    {LIGHT("\"type\": \"pont\""), NULL,
+     "s.json:3: lights[0].type: \"pont\" is not one of \"directional\", \"point\", \"spot\", "
+     "\"area\", \"environment\"; did you mean \"point\"?"},
+    {LIGHT("\"type\": \"point\", \"intensity\": 1"), NULL, "s.json:3: lights[0]: the key \"position\" is missing"},
+    {LIGHT("\"type\": \"point\", \"position\": [0,0,0],\n\"radiance\": 1"), NULL,
+     "s.json:4: lights[0].radiance: does not go with type \"point\""},
+    {LIGHT("\"type\": \"directional\", \"direction\": [0,0,0], \"irradiance\": 1"), NULL,
+     "s.json:3: lights[0].direction: a direction must not be zero"},
+    {LIGHT("\"type\": \"spot\", \"position\": [0,0,0], \"direction\": [0,0,1], \"intensity\": 1, \"cone\": 181"), NULL,
+     "s.json:3: lights[0].cone: 181 is outside (0, 180]"},
+    {LIGHT("\"type\": \"area\", \"origin\": [0,0,0], \"u\": [1,0,0], \"v\": [2,0,0], \"radiance\": 1"), NULL,
+     "s.json:3: lights[0]: the edges u and v span no area"},
+    {LIGHT("\"type\": \"environment\""), NULL,
+     "s.json:3: lights[0]: one of the keys \"file\", \"radiance\", \"sky\" is missing"},
+    {LIGHT("\"type\": \"environment\", \"sky\": {},\n\"rotation\": 1"), NULL,
+     "s.json:4: lights[0].rotation: does not go with \"sky\""},
+    {LIGHT("\"type\": \"environment\", \"sky\": {\"resolution\": 33}"), NULL,
+     "s.json:3: lights[0].sky.resolution: 33 is not a multiple of 2"},
+    {LIGHT("\"type\": \"environment\", \"sky\": {\"sun\": 1}"), NULL,
+     "s.json:3: lights[0].sky.sun: expected true or false, found 1"},
+    {LIGHT("\"type\": \"environment\",\n\"file\": \"gone.hdr\""), NULL,
+     "s.json:4: lights[0].file: cannot open nowhere/gone.hdr: No such file..."},
+    {LIGHT("\"type\": \"environment\", \"file\": \"\""), NULL, "s.json:3: lights[0].file: is empty"},
+    /* geometry */
+    {SHAPE("\"material\": {}"), NULL,
+     "s.json:3: geometry[0]: one of the keys \"quad\", \"box\", \"sphere\" is missing"},
+    {SHAPE("\"qaud\": {}"), NULL, "s.json:3: geometry[0].qaud: unknown key; did you mean \"quad\"?"},
+    {SHAPE("\"quad\": {\"origin\": [0,0,0], \"u\": [1,0,0]}"), NULL,
+     "s.json:3: geometry[0].quad: the key \"v\" is missing"},
+    {SHAPE("\"quad\": {\"origin\": [0,0,0], \"u\": [1,0,0], \"v\": [0,0,0]}"), NULL,
+     "s.json:3: geometry[0].quad: the edges u and v span no area"},
+    {SHAPE("\"box\": [[0,0,0],[1,1,-1]]"), NULL,
+     "s.json:3: geometry[0].box: the second corner must be above the first along z"},
+    {SHAPE("\"box\": [[0,0,0],[1,1,1]],\n\"material\": {\"albedo\": [0.5, 0.5, 1.01]}"), NULL,
+     "s.json:4: geometry[0].material.albedo[2]: 1.01 is outside [0, 1]"},
+    {SHAPE("\"sphere\": {\"center\": [0,0,0], \"radius\": 1}, \"transform\": {\"scale\": [1,2,1]}"), NULL,
+     "s.json:3: geometry[0]: shape.transform: a sphere takes rotation, translation and uniform scale only"},
+    {SHAPE("\"sphere\": {\"center\": [0,0,0], \"radius\": 1}, \"box\": [[0,0,0],[1,1,1]]"), NULL,
+     "s.json:3: geometry[0].sphere: does not go with \"box\""},
+    {SHAPE("\"file\": \"level.glb\""), NULL, "s.json:3: geometry[0].file: unknown key; known here: \"quad\"..."},
+    /* render */
+    {HEAD "\"render\": {\"spp\": 0}}", NULL, "s.json:2: render.spp: 0 is outside [1, 16777216]"},
+    {HEAD "\"render\": {\"seed\": -1}}", NULL, "s.json:2: render.seed: -1 is outside [0, 9007199254740991]"},
+    {HEAD "\"render\": {\"method\": \"pth\"}}", NULL,
+     "s.json:2: render.method: \"pth\" is not one of \"path\"; did you mean \"path\"?"},
+    /* values from overrides */
+    {HEAD "\"render\": {}}", "render.spp=0", "override \"render.spp=0\": render.spp: 0 is outside [1, 16777216]"},
+    {HEAD "\"render\": {}}", "render.spp=x",
+     "override \"render.spp=x\": render.spp: expected an integer, found a string"},
+    {HEAD "\"render\": {}}", "render.sp=1", "override \"render.sp=1\": render.sp: unknown key; did you mean \"spp\"?"},
+    {HEAD "\"render\": {}}", "lights=[{\"type\":\"point\"}]",
+     "override \"lights=[{\"type\":\"point\"}]\": lights[0]: the key \"position\" is missing"},
+    {HEAD "\"render\": {}}", "camera.up=[0,0,1]",
+     "override \"camera.up=[0,0,1]\": camera: up points along the view..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0].albedo=1",
+     "override \"media[0].albedo=1\": media[0].albedo: does not go with..."},
+};
+
+/* Overrides that are none. */
+static const bad_case bad_overrides[] = {
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0].g",
+     "override \"media[0].g\": expected PATH=VALUE, such as media[0].g=0.5"},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "=1", "override \"=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), ".a=1", "override \".a=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "a.=1", "override \"a.=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[x]=1", "override \"media[x]=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0=1", "override \"media[0=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0]g=1", "override \"media[0]g=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[99999999999999999999].g=1",
+     "override \"media[99999999999999999999].g=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q=1",
+     "override \"a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q=1\": expected a path..."},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[1].g=0.5", "override \"media[1].g=0.5\": media has 1 element"},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media.g=0.5", "override \"media.g=0.5\": media is an array, not an object"},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0].sigma_s.r=0.5",
+     "override \"media[0].sigma_s.r=0.5\": media[0].sigma_s is 1, not an object"},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0].sigma_s[0]=0.5",
+     "override \"media[0].sigma_s[0]=0.5\": media[0].sigma_s is 1, not an array"},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "lights[0].radiance=0.5",
+     "override \"lights[0].radiance=0.5\": lights has no elements"},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0].g=[0.5", "override \"media[0].g=[0.5\": the value is not valid JSON"},
+    {MEDIUM("\"sigma_s\": 1, " BOX), "media[0].name=\xff",
+     "override \"media[0].name=\xff\": the value is not valid JSON"},
+};
+
+static void expect_refusal(const bad_case* row, ty_result expected) {
+    const ty_context_def def = ty_default_context_def();
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    ty_scene* scene = NULL;
+    const ty_result result = ty_scene_parse(context, row->text, strlen(row->text), "s.json", "nowhere", &row->override,
+                                            row->override != NULL, &scene);
+    const char* message = ty_last_error(context);
+    const size_t length = strlen(row->message);
+    const bool whole = length < 3 || strcmp(row->message + length - 3, "...") != 0;
+    const size_t compared = whole ? strlen(message) + 1 : length - 3;
+    if (strncmp(message, row->message, compared) != 0)
+        fail_msg("%s\n  gave     %s\n  expected %s", row->text, message, row->message);
+    if (result != expected && result != TY_ERROR_FILE) fail_msg("%s: %s", message, ty_result_name(result));
+    assert_null(scene);
+    ty_context_destroy(context);
+}
+
+static void test_wrong_files_are_refused(void** state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof bad_cases / sizeof bad_cases[0]; ++i) expect_refusal(&bad_cases[i], TY_ERROR_INPUT);
+}
+
+static void test_wrong_overrides_are_refused(void** state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof bad_overrides / sizeof bad_overrides[0]; ++i)
+        expect_refusal(&bad_overrides[i], TY_ERROR_ARGUMENT);
+}
+
+static void test_an_earlier_message_is_kept(void** state) {
+    (void)state;
+    const ty_context_def def = ty_default_context_def();
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    ty_scene* scene = NULL;
+    assert_int_equal(ty_scene_parse(context, "{", 1, "first", "", NULL, 0, &scene), TY_ERROR_INPUT);
+    const char text[] = LIGHT("\"type\": \"environment\", \"file\": \"gone.hdr\"");
+    assert_int_equal(ty_scene_parse(context, text, sizeof text - 1, "second", "", NULL, 0, &scene), TY_ERROR_FILE);
+    assert_memory_equal(ty_last_error(context), "first:1:", 8);
+    ty_clear_error(context);
+    assert_int_equal(ty_scene_parse(context, text, sizeof text - 1, "third", NULL, NULL, 0, &scene), TY_ERROR_INPUT);
+    assert_string_equal(ty_last_error(context), "third:3: lights[0].file: this scene may not name files");
+    ty_context_destroy(context);
+}
+
+static void test_wrong_calls_are_refused(void** state) {
+    (void)state;
+    const ty_context_def def = ty_default_context_def();
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    ty_scene* scene = NULL;
+    assert_int_equal(ty_scene_load(context, NULL, NULL, 0, &scene), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_parse(context, NULL, 0, "x", "", NULL, 0, &scene), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_parse(context, "{}", 2, "x", "", NULL, 1, &scene), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_parse(NULL, "{}", 2, "x", "", NULL, 0, &scene), TY_ERROR_ARGUMENT);
+    ty_clear_error(context);
+    assert_int_equal(ty_scene_load(context, "gone.json", NULL, 0, &scene), TY_ERROR_FILE);
+    assert_non_null(strstr(ty_last_error(context), "gone.json"));
+    ty_clear_error(context);
+    assert_int_equal(ty_scene_load(context, "builtin:cube", NULL, 0, &scene), TY_ERROR_INPUT);
+    assert_non_null(strstr(ty_last_error(context), "there is no scene \"builtin:cube\"; known: "));
+    assert_non_null(strstr(ty_last_error(context), " cornell_fog,"));
+    assert_null(scene);
+    ty_context_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_wrong_files_are_refused),
+        cmocka_unit_test(test_wrong_overrides_are_refused),
+        cmocka_unit_test(test_an_earlier_message_is_kept),
+        cmocka_unit_test(test_wrong_calls_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,553 @@
+/* Scene files that are right: what each key becomes, units, overrides, files, builtin and reference scenes, the manual.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <jansson.h>
+
+#include "io/builtin.h"
+#include "scene/scene.h"
+
+#include <tyndall/io.h>
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+#define BOX "\"bounds\":[[0,0,0],[1,1,1]]"
+
+static ty_context* make_context(void) {
+    const ty_context_def def = ty_default_context_def();
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    return context;
+}
+
+static void expect_ok(const ty_context* context, ty_result result) {
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+}
+
+static ty_scene* parse_with(ty_context* context, const char* text, const char* const* overrides, int32_t count) {
+    ty_scene* scene = NULL;
+    expect_ok(context, ty_scene_parse(context, text, strlen(text), "test", "", overrides, count, &scene));
+    assert_non_null(scene);
+    return scene;
+}
+
+static ty_scene* parse(ty_context* context, const char* text) {
+    return parse_with(context, text, NULL, 0);
+}
+
+static void expect_vector(const double v[3], double x, double y, double z) {
+    const double expected[3] = {x, y, z};
+    for (int a = 0; a < 3; ++a)
+        if (fabs(v[a] - expected[a]) > 1e-9) fail_msg("(%g, %g, %g), expected (%g, %g, %g)", v[0], v[1], v[2], x, y, z);
+}
+
+static void expect_rgb(const float v[3], double r, double g, double b) {
+    const double expected[3] = {r, g, b};
+    for (int c = 0; c < 3; ++c)
+        if (fabs(v[c] - expected[c]) > 1e-6 * (1 + fabs(expected[c])))
+            fail_msg("(%g, %g, %g), expected (%g, %g, %g)", (double)v[0], (double)v[1], (double)v[2], r, g, b);
+}
+
+/* ---- Defaults and values ---- */
+
+static void test_the_smallest_scene_has_the_defaults(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    ty_scene* scene = parse(context, "\xef\xbb\xbf{\"tyndall\":1}");
+    const ty_camera_def camera = ty_scene_camera(scene);
+    expect_vector(camera.position, 0, 0, 5);
+    expect_vector(camera.up, 0, 1, 0);
+    assert_int_equal(camera.resolution[0], 800);
+    const ty_render_settings render = ty_scene_render_settings(scene);
+    assert_string_equal(render.method, "path");
+    assert_int_equal(render.spp, 64);
+    assert_int_equal(render.seed, 0);
+    assert_int_equal(render.max_depth, 0);
+    assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
+    assert_int_equal(ty_scene_get_info(scene).media, 0);
+    ty_scene_destroy(scene);
+    scene = parse(context, "{\"tyndall\":1,\"up_axis\":\"z\"}");
+    const ty_camera_def above = ty_scene_camera(scene);
+    expect_vector(above.position, 0, -5, 0);
+    expect_vector(above.up, 0, 0, 1);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+static void test_camera_and_render(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    ty_scene* scene =
+        parse(context, "{\"tyndall\":1,\"camera\":{\"position\":[1,2,3],\"target\":[4,5,7],\"up\":[0,0,2],"
+                       "\"fov_y\":30.5,\"resolution\":[64,32.0],\"exposure\":-1.5},"
+                       "\"render\":{\"method\":\"path\",\"spp\":7,\"seed\":9007199254740991,"
+                       "\"path\":{\"max_depth\":3}}}");
+    const ty_camera_def camera = ty_scene_camera(scene);
+    expect_vector(camera.position, 1, 2, 3);
+    expect_vector(camera.target, 4, 5, 7);
+    assert_float_equal(camera.fov_y, 30.5, 0);
+    assert_int_equal(camera.resolution[1], 32);
+    assert_float_equal(camera.exposure, -1.5, 0);
+    const ty_render_settings render = ty_scene_render_settings(scene);
+    assert_int_equal(render.spp, 7);
+    assert_true(render.seed == 9007199254740991u);
+    assert_int_equal(render.max_depth, 3);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+typedef struct coefficient_case {
+    const char* members;
+    double sigma_s[3], sigma_a[3], g[3];
+    double scale;
+} coefficient_case;
+
+static const coefficient_case coefficient_cases[] = {
+    {"\"sigma_s\":2", {2, 2, 2}, {0, 0, 0}, {0, 0, 0}, 1},
+    {"\"sigma_a\":[1,2,3],\"g\":-0.5", {0, 0, 0}, {1, 2, 3}, {-0.5, -0.5, -0.5}, 1},
+    {"\"sigma_s\":[1,2,3],\"sigma_a\":4,\"g\":[0.1,0.2,0.3]", {1, 2, 3}, {4, 4, 4}, {0.1, 0.2, 0.3}, 1},
+    {"\"sigma_t\":[2,4,8],\"albedo\":0.75", {1.5, 3, 6}, {0.5, 1, 2}, {0, 0, 0}, 1},
+    {"\"sigma_t\":10,\"albedo\":[1,0.5,0]", {10, 5, 0}, {0, 5, 10}, {0, 0, 0}, 1},
+    {"\"sigma_s\":1,\"density\":3,\"scale\":0.5", {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1.5},
+    {"\"preset\":\"wholemilk\",\"scale\":0.01", {2550, 3210, 3770}, {1.1, 2.4, 14}, {0, 0, 0}, 0.01},
+    {"\"preset\":\"Apple\",\"g\":[0.5,0,-1e-9]", {4580, 2390, 1970}, {3, 3.4, 46}, {0.5, 0, 0}, 1},
+    {"\"sigma_s\":1,\"g\":[0.99999999999,-0.99999999999,0]", {1, 1, 1}, {0, 0, 0}, {1 - 6e-8, 6e-8 - 1, 0}, 1},
+};
+
+static void test_coefficients(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    for (size_t i = 0; i < COUNT(coefficient_cases); ++i) {
+        const coefficient_case* row = &coefficient_cases[i];
+        char text[512];
+        snprintf(text, sizeof text, "{\"tyndall\":1,\"media\":[{%s," BOX "}]}", row->members);
+        ty_scene* scene = parse(context, text);
+        ty_medium_def medium;
+        assert_int_equal(ty_scene_get_medium(scene, 0, &medium), TY_OK);
+        expect_rgb(medium.sigma_s, row->sigma_s[0], row->sigma_s[1], row->sigma_s[2]);
+        expect_rgb(medium.sigma_a, row->sigma_a[0], row->sigma_a[1], row->sigma_a[2]);
+        expect_rgb(medium.g, row->g[0], row->g[1], row->g[2]);
+        assert_float_equal(medium.scale, row->scale, 1e-6);
+        for (int c = 0; c < 3; ++c) assert_true(fabsf(medium.g[c]) < 1);
+        ty_scene_destroy(scene);
+    }
+    ty_context_destroy(context);
+}
+
+static void test_lights(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    ty_scene* scene = parse(
+        context,
+        "{\"tyndall\":1,\"lights\":["
+        "{\"type\":\"directional\",\"direction\":[0,-2,0],\"irradiance\":[1,2,3]},"
+        "{\"type\":\"point\",\"position\":[1,2,3],\"intensity\":4},"
+        "{\"type\":\"spot\",\"position\":[1,2,3],\"direction\":[1,0,0],\"intensity\":5,\"cone\":60,\"penumbra\":0.5},"
+        "{\"type\":\"area\",\"origin\":[1,2,3],\"u\":[1,0,0],\"v\":[0,2,0],\"radiance\":6},"
+        "{\"type\":\"environment\",\"radiance\":7,\"scale\":2},"
+        "{\"type\":\"environment\",\"scale\":2,\"sky\":{\"resolution\":16,\"solar\":[1,2,3],\"sun_direction\":[0,-1,0]}"
+        "},"
+        "{\"type\":\"environment\",\"sky\":{\"resolution\":16,\"sun\":false}},"
+        "{\"type\":\"environment\",\"sky\":{\"resolution\":16,\"sun_direction\":[0,1,0]}}]}");
+    static const ty_light_kind kinds[] = {TY_LIGHT_DIRECTIONAL, TY_LIGHT_POINT,       TY_LIGHT_SPOT,
+                                          TY_LIGHT_AREA,        TY_LIGHT_ENVIRONMENT, TY_LIGHT_ENVIRONMENT,
+                                          TY_LIGHT_DIRECTIONAL, TY_LIGHT_ENVIRONMENT, TY_LIGHT_ENVIRONMENT};
+    assert_int_equal(scene->light_count, COUNT(kinds)); /* no sun below the horizon, none where it is not wanted */
+    for (size_t i = 0; i < COUNT(kinds); ++i) assert_int_equal(scene->lights[i].kind, kinds[i]);
+    const ty_light_def* lights = scene->lights;
+    expect_vector(lights[0].direction, 0, -2, 0);
+    expect_rgb(lights[0].color, 1, 2, 3);
+    expect_vector(lights[1].position, 1, 2, 3);
+    expect_rgb(lights[1].color, 4, 4, 4);
+    assert_float_equal(lights[2].cone, 60, 0);
+    assert_float_equal(lights[2].penumbra, 0.5, 0);
+    expect_vector(lights[3].position, 1, 2, 3);
+    expect_vector(lights[3].v, 0, 2, 0);
+    expect_rgb(lights[4].color, 14, 14, 14);
+    assert_float_equal(lights[4].scale, 1, 0);
+    assert_float_equal(lights[5].scale, 2, 0);
+    expect_vector(lights[6].direction, 0, -1, 0);
+    assert_true(lights[6].color[0] > 1 && lights[6].color[0] < 2); /* twice what the air lets through of 1 */
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+static void test_shapes(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    ty_scene* scene =
+        parse(context, "{\"tyndall\":1,\"geometry\":["
+                       "{\"quad\":{\"origin\":[1,2,3],\"u\":[1,0,0],\"v\":[0,2,0]}},"
+                       "{\"box\":[[0,0,0],[1,2,3]],\"material\":{\"albedo\":[0.1,0.2,0.3],\"emission\":2}},"
+                       "{\"sphere\":{\"center\":[1,0,0],\"radius\":2},"
+                       "\"transform\":{\"rotate\":[0,0,90],\"scale\":3,\"translate\":[0,0,1]}}]}");
+    assert_int_equal(scene->shape_count, 3);
+    expect_rgb(scene->shapes[0].albedo, 0.5, 0.5, 0.5);
+    expect_vector(scene->shapes[0].u, 1, 0, 0);
+    expect_vector(scene->shapes[1].u, 1, 2, 3);
+    expect_rgb(scene->shapes[1].albedo, 0.1, 0.2, 0.3);
+    expect_rgb(scene->shapes[1].emission, 2, 2, 2);
+    double center[3];
+    ty_affine_point(&scene->shapes[2].transform, scene->shapes[2].origin, center);
+    expect_vector(center, 0, 3, 1);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+/* ---- Units ---- */
+
+static void test_meters_per_unit_scales_lengths(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    ty_scene* scene = parse(
+        context, "{\"tyndall\":1,\"meters_per_unit\":0.01,\"camera\":{\"position\":[0,0,100]},"
+                 "\"media\":[{\"sigma_s\":3,\"bounds\":[[0,0,0],[100,200,300]],"
+                 "\"transform\":{\"scale\":2,\"translate\":[100,0,0]}},"
+                 "{\"sigma_s\":3,\"bounds\":{\"sphere\":{\"center\":[100,0,0],\"radius\":50}}}],"
+                 "\"lights\":[{\"type\":\"area\",\"origin\":[100,0,0],\"u\":[100,0,0],\"v\":[0,100,0],\"radiance\":1}],"
+                 "\"geometry\":[{\"sphere\":{\"center\":[100,0,0],\"radius\":50},"
+                 "\"transform\":[1,0,0,100, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]}");
+    expect_vector(ty_scene_camera(scene).position, 0, 0, 1);
+    ty_medium_def medium;
+    double corner[3];
+    assert_int_equal(ty_scene_get_medium(scene, 0, &medium), TY_OK);
+    ty_affine_point(&medium.transform, medium.box_max, corner);
+    expect_vector(corner, 3, 4, 6);
+    expect_rgb(medium.sigma_s, 3, 3, 3);
+    assert_int_equal(ty_scene_get_medium(scene, 1, &medium), TY_OK);
+    expect_vector(medium.sphere_center, 1, 0, 0);
+    assert_float_equal(medium.sphere_radius, 0.5, 1e-12);
+    expect_vector(scene->lights[0].position, 1, 0, 0);
+    expect_vector(scene->lights[0].u, 1, 0, 0);
+    ty_affine_point(&scene->shapes[0].transform, scene->shapes[0].origin, corner);
+    expect_vector(corner, 2, 0, 0);
+    assert_float_equal(scene->shapes[0].radius, 0.5, 1e-12);
+    ty_scene_destroy(scene);
+    scene = parse(context, "{\"tyndall\":1,\"meters_per_unit\":0.01}");
+    expect_vector(ty_scene_camera(scene).position, 0, 0, 0.05);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+/* ---- Files ---- */
+
+static void write_text(const char* path, const char* text) {
+    FILE* file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* density.vdb with grids "density" and sky.exr, in the current folder. */
+static void write_files(ty_context* context) {
+    float values[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    ty_grid_def def = ty_default_grid_def();
+    for (int a = 0; a < 3; ++a) def.size[a] = 2;
+    def.values = values;
+    def.placed = true;
+    def.index_to_local = ty_affine_compose((double[3]){10, 0, 0}, (double[3]){0, 0, 0}, (double[3]){4, 4, 4});
+    ty_grid* grid = NULL;
+    expect_ok(context, ty_grid_create(context, &def, &grid));
+    expect_ok(context, ty_vdb_write(context, grid, "density", "none", "density.vdb"));
+    ty_grid_destroy(grid);
+    ty_image* image = NULL;
+    expect_ok(context, ty_image_create_rgb(context, 8, 4, &image));
+    for (int32_t c = 0; c < 3; ++c)
+        for (int i = 0; i < 32; ++i) ty_image_plane(image, c)[i] = 1;
+    expect_ok(context, ty_image_write_exr(context, image, "sky.exr"));
+    ty_image_destroy(image);
+}
+
+static const char volume_scene[] =
+    "{\"tyndall\":1,\"meters_per_unit\":0.5,\"media\":["
+    "{\"density\":{\"file\":\"density.vdb\"},\"sigma_s\":1,\"transform\":{\"translate\":[2,0,0]}},"
+    "{\"density\":{\"file\":\"density.VDB\",\"grid\":\"density\"},\"sigma_a\":1,\"bounds\":[[10,0,0],[14,4,2]]},"
+    "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\"},\"sigma_a\":1}],"
+    "\"lights\":[{\"type\":\"environment\",\"file\":\"sky.exr\",\"scale\":2,\"rotation\":90}]}";
+
+static void test_files_are_placed_in_units_and_shared(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    write_files(context);
+    assert_int_equal(rename("density.vdb", "density.VDB"), 0);
+    write_files(context);
+    ty_scene* scene = parse(context, volume_scene);
+    ty_medium_def first, second, third;
+    assert_int_equal(ty_scene_get_medium(scene, 0, &first), TY_OK);
+    assert_int_equal(ty_scene_get_medium(scene, 1, &second), TY_OK);
+    assert_int_equal(ty_scene_get_medium(scene, 2, &third), TY_OK);
+    assert_ptr_equal(first.density_grid, third.density_grid);
+    assert_ptr_not_equal(first.density_grid, second.density_grid);
+    /* Voxel (1, 0, 0) is at 14 units, moved by 2, half a metre each. */
+    const ty_affine place = ty_grid_get_info(first.density_grid).index_to_local;
+    const double index[3] = {1, 0, 0};
+    double local[3], world[3];
+    ty_affine_point(&place, index, local);
+    ty_affine_point(&first.transform, local, world);
+    expect_vector(world, 8, 0, 0);
+    assert_int_equal(first.bounds, TY_BOUNDS_NONE);
+    assert_int_equal(second.bounds, TY_BOUNDS_BOX);
+    ty_affine_point(&second.transform, second.box_max, world);
+    expect_vector(world, 7, 2, 1);
+    assert_float_equal(scene->lights[0].rotation, 90, 0);
+    assert_float_equal(scene->lights[0].scale, 2, 0);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+static void test_paths_start_at_the_scene(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    write_files(context);
+    write_text("scene.json", "{\"tyndall\":1,\"lights\":[\n{\"type\":\"environment\",\"file\":\"sky.exr\"}]}");
+    ty_scene* scene = NULL;
+    expect_ok(context, ty_scene_load(context, "./scene.json", NULL, 0, &scene));
+    ty_scene_destroy(scene);
+    expect_ok(context, ty_scene_load(context, "scene.json", NULL, 0, &scene));
+    ty_scene_destroy(scene);
+    write_text("scene.json", "{\"tyndall\":1,\"lights\":[\n{\"type\":\"environment\",\"file\":\"scene.json\"}]}");
+    assert_int_equal(ty_scene_load(context, "./scene.json", NULL, 0, &scene), TY_ERROR_INPUT);
+    assert_memory_equal(ty_last_error(context), "./scene.json:2: lights[0].file: ./scene.json", 44);
+    ty_context_destroy(context);
+}
+
+static uint64_t hash_of(ty_context* context, const char* text, const char* override) {
+    ty_scene* scene = parse_with(context, text, &override, override != NULL);
+    const uint64_t hash = ty_scene_hash(scene);
+    ty_scene_destroy(scene);
+    return hash;
+}
+
+static void test_the_hash_follows_the_content(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    write_files(context);
+    const char* text = "{\"tyndall\":1,\"lights\":[{\"type\":\"environment\",\"file\":\"sky.exr\"}]}";
+    const char* spaced = "{\"lights\": [{\"file\": \"sky.exr\", \"type\": \"environment\"}],\n\"tyndall\": 1}";
+    const uint64_t hash = hash_of(context, text, NULL);
+    assert_true(hash != 0);
+    assert_true(hash == hash_of(context, spaced, NULL));
+    assert_true(hash != hash_of(context, text, "render.spp=1"));
+    assert_true(hash_of(context, text, "render.spp=1") == hash_of(context, spaced, "render={\"spp\":1}"));
+    ty_image* image = NULL;
+    expect_ok(context, ty_image_create_rgb(context, 8, 4, &image));
+    expect_ok(context, ty_image_write_exr(context, image, "sky.exr"));
+    ty_image_destroy(image);
+    assert_true(hash != hash_of(context, text, NULL));
+    ty_context_destroy(context);
+}
+
+/* ---- Overrides ---- */
+
+static void test_overrides(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    const char* text = "{\"tyndall\":1,\"media\":[{\"sigma_s\":1," BOX "},{\"sigma_s\":1," BOX ",\"g\":[0,0,0]}]}";
+    const char* overrides[] = {"render.path.max_depth=5", "render.spp=3",   "render.spp=4", "media[1].g[2]=-0.5",
+                               "media[0].name=grey fog",  "media[0].name=", "up_axis=z",    "camera={\"fov_y\":20}",
+                               "camera.exposure= 2"};
+    ty_scene* scene = parse_with(context, text, overrides, COUNT(overrides));
+    const ty_render_settings render = ty_scene_render_settings(scene);
+    assert_int_equal(render.spp, 4);
+    assert_int_equal(render.max_depth, 5);
+    ty_medium_def medium;
+    assert_int_equal(ty_scene_get_medium(scene, 1, &medium), TY_OK);
+    expect_rgb(medium.g, 0, 0, -0.5);
+    assert_int_equal(ty_scene_get_medium(scene, 0, &medium), TY_OK);
+    assert_string_equal(medium.name, "");
+    assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Z);
+    assert_float_equal(ty_scene_camera(scene).fov_y, 20, 0);
+    assert_float_equal(ty_scene_camera(scene).exposure, 2, 0);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+/* ---- Every key ---- */
+
+static const char every_key[] =
+    "{\"$schema\":\"scene.schema.json\",\"tyndall\":1,\"meters_per_unit\":1,\"up_axis\":\"z\","
+    "\"camera\":{\"position\":[0,-5,0],\"target\":[0,0,0],\"up\":[0,0,1],\"fov_y\":40,\"resolution\":[8,6],"
+    "\"exposure\":0},"
+    "\"media\":[{\"name\":\"a\",\"density\":1,\"bounds\":{\"sphere\":{\"center\":[0,0,0],\"radius\":1}},"
+    "\"transform\":{\"translate\":[0,0,0],\"rotate\":[0,0,0],\"scale\":[1,1,1]},\"sigma_s\":1,\"sigma_a\":1,\"scale\":"
+    "1,\"g\":0},"
+    "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\"},\"sigma_t\":1,\"albedo\":1},"
+    "{\"preset\":\"apple\"," BOX ",\"density\":{\"noise\":{\"kind\":\"fbm\",\"resolution\":[4,5,6],\"seed\":4294967295,"
+    "\"frequency\":2,\"octaves\":2,\"gain\":0.5,\"lacunarity\":2,\"coverage\":0.5,\"sharpness\":4}}},"
+    "{\"sigma_s\":1," BOX ",\"density\":{\"noise\":{\"kind\":\"constant\",\"resolution\":2}}}],"
+    "\"lights\":[{\"type\":\"directional\",\"direction\":[0,0,-1],\"irradiance\":1},"
+    "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":1},"
+    "{\"type\":\"spot\",\"position\":[0,0,0],\"direction\":[0,0,-1],\"intensity\":1,\"cone\":40,\"penumbra\":0.1},"
+    "{\"type\":\"area\",\"origin\":[0,0,0],\"u\":[1,0,0],\"v\":[0,1,0],\"radiance\":1},"
+    "{\"type\":\"environment\",\"file\":\"sky.exr\",\"scale\":1,\"rotation\":0},"
+    "{\"type\":\"environment\",\"radiance\":1},"
+    "{\"type\":\"environment\",\"sky\":{\"sun_direction\":[0,0,-1],\"solar\":1,\"haze\":1,\"ground\":0.1,\"sun\":true,"
+    "\"resolution\":16}}],"
+    "\"geometry\":[{\"quad\":{\"origin\":[0,0,0],\"u\":[1,0,0],\"v\":[0,1,0]},\"material\":{\"albedo\":0.5,"
+    "\"emission\":1},"
+    "\"transform\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
+    "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0}}}";
+
+/* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
+static void expect_keys(const json_t* schema, const char* text) {
+    const char* key;
+    json_t* value;
+    size_t i;
+    json_array_foreach(schema, i, value) expect_keys(value, text);
+    json_object_foreach((json_t*)schema, key, value) {
+        const char* name;
+        json_t* property;
+        if (strcmp(key, "properties") == 0) json_object_foreach(value, name, property) {
+                char quoted[80];
+                snprintf(quoted, sizeof quoted, "\"%s\":", name);
+                if (strstr(text, quoted) == NULL) fail_msg("%s is not tried", name);
+            }
+        expect_keys(value, text);
+    }
+}
+
+static void test_every_key_is_accepted(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    write_files(context);
+    json_t* schema = json_loads(ty_scene_schema(), 0, NULL);
+    expect_keys(schema, every_key);
+    json_decref(schema);
+    ty_scene* scene = parse(context, every_key);
+    const ty_scene_info info = ty_scene_get_info(scene);
+    assert_int_equal(info.media, 4);
+    assert_int_equal(info.lights, 8);
+    assert_int_equal(info.shapes, 3);
+    ty_medium_def medium;
+    assert_int_equal(ty_scene_get_medium(scene, 2, &medium), TY_OK);
+    const int32_t size[3] = {4, 5, 6};
+    assert_memory_equal(ty_grid_get_info(medium.density_grid).size, size, sizeof size);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+/* ---- Scenes and manual ---- */
+
+/* The whole of docs/scene.md; freed by the caller. */
+static char* read_manual(void) {
+    FILE* file = fopen(TYNDALL_SOURCE_DIR "/docs/scene.md", "r");
+    assert_non_null(file);
+    const size_t size = 1 << 16;
+    char* text = calloc(size, 1);
+    assert_non_null(text);
+    assert_true(fread(text, 1, size - 1, file) < size - 1);
+    fclose(file);
+    return text;
+}
+
+static void test_builtin_scenes_load_and_are_documented(void** state) {
+    (void)state;
+    ty_context* context = make_context();
+    char* manual = read_manual();
+    for (const ty_builtin_scene* builtin = ty_builtin_scenes; builtin->name != NULL; ++builtin) {
+        char path[128];
+        snprintf(path, sizeof path, "`%s`", builtin->name);
+        if (strstr(manual, path) == NULL) fail_msg("docs/scene.md does not name %s", path);
+        snprintf(path, sizeof path, "builtin:%s", builtin->name);
+        /* Noise at full resolution would take seconds under sanitizers. */
+        const char* coarse = "media[0].density.noise.resolution=8";
+        ty_scene* scene = NULL;
+        expect_ok(context, ty_scene_load(context, path, &coarse, strstr(builtin->text, "\"noise\"") != NULL, &scene));
+        assert_true(ty_scene_get_info(scene).bounded);
+        assert_true(ty_scene_get_info(scene).lights > 0);
+        ty_scene_destroy(scene);
+    }
+    free(manual);
+    ty_scene* scene = NULL;
+    const char* override = "render.spp=2";
+    expect_ok(context, ty_scene_load(context, "builtin:cornell_fog", &override, 1, &scene));
+    assert_int_equal(ty_scene_get_info(scene).shapes, 7);
+    assert_int_equal(ty_scene_render_settings(scene).spp, 2);
+    ty_scene_destroy(scene);
+    expect_ok(context, ty_scene_load(context, "builtin:cube_g0.96", NULL, 0, &scene));
+    ty_medium_def medium;
+    assert_int_equal(ty_scene_get_medium(scene, 0, &medium), TY_OK);
+    expect_rgb(medium.g, 0.96, 0.96, 0.96);
+    expect_rgb(medium.sigma_s, 4, 4, 4);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+}
+
+static void test_reference_scenes_load(void** state) {
+    (void)state;
+    static const char* const names[] = {"cube_g0", "cube_g0.7", "cube_g0.96", "cornell_gray"};
+    const char* folder = getenv("TYNDALL_DATA");
+    if (folder == NULL) folder = TYNDALL_DATA_DIR;
+    ty_context* context = make_context();
+    for (size_t i = 0; i < COUNT(names); ++i) {
+        char path[512];
+        snprintf(path, sizeof path, "%s/reference/%s.json", folder, names[i]);
+        FILE* file = fopen(path, "r");
+        if (file == NULL) {
+            print_message("skipped: %s is not there\n", path);
+            ty_context_destroy(context);
+            skip();
+        }
+        fclose(file);
+        ty_scene* scene = NULL;
+        expect_ok(context, ty_scene_load(context, path, NULL, 0, &scene));
+        assert_int_equal(ty_scene_camera(scene).resolution[0], 256);
+        assert_int_equal(ty_scene_get_info(scene).media, 1);
+        ty_scene_destroy(scene);
+    }
+    ty_context_destroy(context);
+}
+
+static void test_the_manuals_example_parses(void** state) {
+    (void)state;
+    static const char fence[] = "\n```json\n";
+    char* manual = read_manual();
+    char* text = strstr(manual, fence);
+    assert_non_null(text);
+    text += strlen(fence);
+    char* end = strstr(text, "\n```");
+    assert_non_null(end);
+    *end = '\0';
+    ty_context* context = make_context();
+    ty_scene* scene = parse(context, text);
+    assert_int_equal(ty_scene_get_info(scene).lights, 2);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+    free(manual);
+}
+
+static void test_the_manual_lists_every_preset(void** state) {
+    (void)state;
+    char* manual = read_manual();
+    for (char* c = manual; *c != '\0'; ++c)
+        if (*c == '\n') *c = ' ';
+    for (int32_t i = 0; i < ty_medium_preset_count(); ++i)
+        if (strstr(manual, ty_medium_preset_name(i)) == NULL) fail_msg("no preset %s", ty_medium_preset_name(i));
+    free(manual);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_smallest_scene_has_the_defaults),
+        cmocka_unit_test(test_camera_and_render),
+        cmocka_unit_test(test_coefficients),
+        cmocka_unit_test(test_lights),
+        cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_meters_per_unit_scales_lengths),
+        cmocka_unit_test(test_files_are_placed_in_units_and_shared),
+        cmocka_unit_test(test_paths_start_at_the_scene),
+        cmocka_unit_test(test_the_hash_follows_the_content),
+        cmocka_unit_test(test_overrides),
+        cmocka_unit_test(test_every_key_is_accepted),
+        cmocka_unit_test(test_builtin_scenes_load_and_are_documented),
+        cmocka_unit_test(test_reference_scenes_load),
+        cmocka_unit_test(test_the_manuals_example_parses),
+        cmocka_unit_test(test_the_manual_lists_every_preset),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
