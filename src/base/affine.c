@@ -32,8 +32,10 @@ bool ty_affine_invert(const ty_affine* a, ty_affine* out) {
     ty_affine inverse;
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) inverse.m[4 * r + c] = cofactor[3 * c + r] / determinant;
-    for (int r = 0; r < 3; ++r)
+    for (int r = 0; r < 3; ++r) {
         inverse.m[4 * r + 3] = -(inverse.m[4 * r] * m[3] + inverse.m[4 * r + 1] * m[7] + inverse.m[4 * r + 2] * m[11]);
+        if (!isfinite(inverse.m[4 * r + 3])) return false;
+    }
     *out = inverse;
     return true;
 }

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64, THREADS_MAX = 1024 };
+enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64 };
 
 struct ty_context {
     ty_context_def def;
@@ -58,7 +58,7 @@ static int32_t available_processors(void) {
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) != 0) return 1;
     const int count = CPU_COUNT(&set);
-    return count < 1 ? 1 : count > THREADS_MAX ? THREADS_MAX : count;
+    return count < 1 ? 1 : count > TY_THREADS_MAX ? TY_THREADS_MAX : count;
 }
 
 ty_context_def ty_default_context_def(void) {
@@ -67,7 +67,7 @@ ty_context_def ty_default_context_def(void) {
 
 ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
     if (out == NULL || def == NULL || def->cookie != TY_DEF_COOKIE || def->threads < 0 ||
-        def->threads > THREADS_MAX || (def->alloc == NULL) != (def->free == NULL))
+        def->threads > TY_THREADS_MAX || (def->alloc == NULL) != (def->free == NULL))
         return TY_ERROR_ARGUMENT;
     ty_context_def copy = *def;
     if (copy.alloc == NULL) {

@@ -4,6 +4,8 @@
 
 #include <tyndall/base.h>
 
+enum { TY_THREADS_MAX = 1024 };
+
 /* Every def made by its ty_default_*_def starts with this. */
 #define TY_DEF_COOKIE 0x74796466u
 

@@ -93,7 +93,7 @@ TY_FN float ty_logf(float x) {
     return m + y + k * 0.693359375f;
 }
 
-/* Sine and cosine of 2 pi u, u in [0, 1], to 1e-7. */
+/* Sine and cosine of 2 pi u, u in [0, 1], to 1.2e-7. */
 TY_FN void ty_sincos_turn(float u, float* sine, float* cosine) {
     const float quarter = floorf(u * 4.0f + 0.5f);
     const float x = (u * 4.0f - quarter) * 1.57079633f;

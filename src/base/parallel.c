@@ -33,14 +33,13 @@ void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, vo
     int32_t threads = ty_context_threads(context);
     if (threads > count) threads = count < 1 ? 1 : (int32_t)count;
     worker first = {.loop = &shared, .index = 0};
-    worker* others = threads > 1 ? ty_alloc_array(context, (size_t)threads - 1, sizeof *others, true) : NULL;
+    worker others[TY_THREADS_MAX - 1];
     int32_t started = 0;
-    for (int32_t i = 0; others != NULL && i < threads - 1; ++i) {
+    for (int32_t i = 0; i < threads - 1; ++i) {
         others[i] = (worker){.loop = &shared, .index = i + 1};
         if (pthread_create(&others[i].thread, NULL, work, &others[i]) != 0) break;
         ++started;
     }
     work(&first);
     for (int32_t i = 0; i < started; ++i) pthread_join(others[i].thread, NULL);
-    if (others != NULL) ty_free_array(context, others, (size_t)threads - 1, sizeof *others);
 }

@@ -5,8 +5,11 @@ extern "C" {
 #include "base/context.h"
 }
 
+/* OpenVDB's templates keep static data that this library must share with libopenvdb: never hidden. */
+#pragma GCC visibility push(default)
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
+#pragma GCC visibility pop
 
 #include <algorithm>
 #include <cmath>

@@ -25,9 +25,7 @@ ty_result ty_check_direction(ty_context* context, const char* field, const doubl
 
 ty_result ty_check_affine(ty_context* context, const char* field, const ty_affine* affine) {
     ty_affine inverse;
-    bool finite = true;
-    for (int i = 0; i < 12; ++i) finite = finite && isfinite(affine->m[i]);
-    if (!finite || !ty_affine_invert(affine, &inverse))
+    if (!ty_affine_invert(affine, &inverse))
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: the map cannot be inverted", field);
     return TY_OK;
 }

@@ -11,20 +11,32 @@
 #include <xmmintrin.h>
 #endif
 
+typedef struct mesh_quad {
+    int32_t shape, part; /* as in ty_hit */
+    ty_vec corner, normal;
+    float margin;
+} mesh_quad;
+
+typedef struct mesh_sphere {
+    int32_t shape;
+    ty_vec center;
+    float radius, margin;
+} mesh_sphere;
+
 struct ty_mesh {
     ty_context* context;
     RTCDevice device;
     RTCScene scene;
     unsigned quad_geometry, sphere_geometry; /* ids; RTC_INVALID_GEOMETRY_ID if there are none */
     size_t quad_count, sphere_count;
-    int32_t* quad_shape; /* shape of each quad */
-    int32_t* quad_part;  /* which quad of its shape it is */
-    ty_vec* quad_normal;
-    int32_t* sphere_shape;
-    ty_vec* centers;
-    float* radii;
+    mesh_quad* quads;
+    mesh_sphere* spheres;
     _Atomic int64_t bytes;
 };
+
+/* How far off a surface to stand, in units of the coordinates whose rounding blurs it: 70 roundings. */
+static const float margin_share = 4e-6f;
+static const float margin_min = 4e-9f;
 
 static bool count_memory(void* user, ssize_t bytes, bool post) {
     (void)post;
@@ -37,14 +49,28 @@ static ty_result fail(ty_mesh* mesh, const char* what) {
                    mesh->device == NULL ? 0 : (int)rtcGetDeviceError(mesh->device));
 }
 
+/* Rounding moves a point off a quad by what it changes of coordinates that the normal sees: nothing, on level ground. */
+static float quad_margin(ty_vec normal, const float* corners) {
+    ty_vec largest = ty_vec_make(0, 0, 0);
+    for (int corner = 0; corner < 4; ++corner)
+        largest = ty_vec_make(ty_maxf(largest.x, fabsf(corners[3 * corner])),
+                              ty_maxf(largest.y, fabsf(corners[3 * corner + 1])),
+                              ty_maxf(largest.z, fabsf(corners[3 * corner + 2])));
+    const ty_vec seen = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
+    return ty_maxf(margin_share * ty_dot(seen, largest), margin_min);
+}
+
+static float sphere_margin(ty_vec center, float radius) {
+    const float largest = ty_maxf(fabsf(center.x), ty_maxf(fabsf(center.y), fabsf(center.z)));
+    return ty_maxf(margin_share * (largest + radius), margin_min);
+}
+
 /* The quads of all quad and box shapes, four corners each, counter-clockwise seen from the front. */
 static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t count) {
     for (size_t i = 0; i < count; ++i) mesh->quad_count += (size_t)ty_shape_quad_count(&shapes[i]);
     if (mesh->quad_count == 0) return TY_OK;
-    mesh->quad_shape = ty_alloc_array(mesh->context, mesh->quad_count, sizeof(int32_t), false);
-    mesh->quad_part = ty_alloc_array(mesh->context, mesh->quad_count, sizeof(int32_t), false);
-    mesh->quad_normal = ty_alloc_array(mesh->context, mesh->quad_count, sizeof(ty_vec), false);
-    if (mesh->quad_shape == NULL || mesh->quad_part == NULL || mesh->quad_normal == NULL) return TY_ERROR_MEMORY;
+    mesh->quads = ty_alloc_array(mesh->context, mesh->quad_count, sizeof *mesh->quads, false);
+    if (mesh->quads == NULL) return TY_ERROR_MEMORY;
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_QUAD);
     float* corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                              3 * sizeof(float), 4 * mesh->quad_count);
@@ -64,9 +90,9 @@ static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t cou
                     corners[12 * quad + 3 * (size_t)corner + (size_t)a] =
                         (float)(origin[a] + (corner == 1 || corner == 2 ? u[a] : 0) + (corner >= 2 ? v[a] : 0));
             for (unsigned corner = 0; corner < 4; ++corner) indices[4 * quad + corner] = (unsigned)(4 * quad) + corner;
-            mesh->quad_shape[quad] = (int32_t)i;
-            mesh->quad_part[quad] = q;
-            mesh->quad_normal[quad] = ty_shape_normal(u, v);
+            mesh->quads[quad] = (mesh_quad){
+                .shape = (int32_t)i, .part = q, .corner = ty_vec_load(corners + 12 * quad), .normal = ty_shape_normal(u, v)};
+            mesh->quads[quad].margin = quad_margin(mesh->quads[quad].normal, corners + 12 * quad);
         }
     rtcCommitGeometry(geometry);
     mesh->quad_geometry = rtcAttachGeometry(mesh->scene, geometry);
@@ -77,10 +103,8 @@ static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t cou
 static ty_result add_spheres(ty_mesh* mesh, const ty_shape_def* shapes, size_t count) {
     for (size_t i = 0; i < count; ++i) mesh->sphere_count += shapes[i].kind == TY_SHAPE_SPHERE;
     if (mesh->sphere_count == 0) return TY_OK;
-    mesh->sphere_shape = ty_alloc_array(mesh->context, mesh->sphere_count, sizeof(int32_t), false);
-    mesh->centers = ty_alloc_array(mesh->context, mesh->sphere_count, sizeof(ty_vec), false);
-    mesh->radii = ty_alloc_array(mesh->context, mesh->sphere_count, sizeof(float), false);
-    if (mesh->sphere_shape == NULL || mesh->centers == NULL || mesh->radii == NULL) return TY_ERROR_MEMORY;
+    mesh->spheres = ty_alloc_array(mesh->context, mesh->sphere_count, sizeof *mesh->spheres, false);
+    if (mesh->spheres == NULL) return TY_ERROR_MEMORY;
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     float* points = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
                                             4 * sizeof(float), mesh->sphere_count);
@@ -92,12 +116,13 @@ static ty_result add_spheres(ty_mesh* mesh, const ty_shape_def* shapes, size_t c
     for (size_t i = 0; i < count; ++i) {
         if (shapes[i].kind != TY_SHAPE_SPHERE) continue;
         double center[3];
-        const double radius = ty_shape_sphere(&shapes[i], center);
-        for (int a = 0; a < 3; ++a) points[4 * sphere + (size_t)a] = (float)center[a];
-        points[4 * sphere + 3] = (float)radius;
-        mesh->centers[sphere] = ty_vec_make((float)center[0], (float)center[1], (float)center[2]);
-        mesh->radii[sphere] = (float)radius;
-        mesh->sphere_shape[sphere++] = (int32_t)i;
+        float* point = points + 4 * sphere;
+        point[3] = (float)ty_shape_sphere(&shapes[i], center);
+        for (int a = 0; a < 3; ++a) point[a] = (float)center[a];
+        mesh->spheres[sphere++] = (mesh_sphere){.shape = (int32_t)i,
+                                                .center = ty_vec_load(point),
+                                                .radius = point[3],
+                                                .margin = sphere_margin(ty_vec_load(point), point[3])};
     }
     rtcCommitGeometry(geometry);
     mesh->sphere_geometry = rtcAttachGeometry(mesh->scene, geometry);
@@ -140,19 +165,15 @@ void ty_mesh_destroy(ty_mesh* mesh) {
     ty_context* context = mesh->context;
     if (mesh->scene != NULL) rtcReleaseScene(mesh->scene);
     if (mesh->device != NULL) rtcReleaseDevice(mesh->device);
-    ty_free_array(context, mesh->quad_shape, mesh->quad_count, sizeof(int32_t));
-    ty_free_array(context, mesh->quad_part, mesh->quad_count, sizeof(int32_t));
-    ty_free_array(context, mesh->quad_normal, mesh->quad_count, sizeof(ty_vec));
-    ty_free_array(context, mesh->sphere_shape, mesh->sphere_count, sizeof(int32_t));
-    ty_free_array(context, mesh->centers, mesh->sphere_count, sizeof(ty_vec));
-    ty_free_array(context, mesh->radii, mesh->sphere_count, sizeof(float));
+    ty_free_array(context, mesh->quads, mesh->quad_count, sizeof *mesh->quads);
+    ty_free_array(context, mesh->spheres, mesh->sphere_count, sizeof *mesh->spheres);
     ty_free_array(context, mesh, 1, sizeof *mesh);
 }
 
 size_t ty_mesh_bytes(const ty_mesh* mesh) {
     if (mesh == NULL) return 0;
-    return sizeof *mesh + (size_t)atomic_load(&mesh->bytes) + mesh->quad_count * (2 * sizeof(int32_t) + sizeof(ty_vec)) +
-           mesh->sphere_count * (sizeof(int32_t) + sizeof(ty_vec) + sizeof(float));
+    return sizeof *mesh + (size_t)atomic_load(&mesh->bytes) + mesh->quad_count * sizeof *mesh->quads +
+           mesh->sphere_count * sizeof *mesh->spheres;
 }
 
 unsigned ty_mesh_enter_thread(void) {
@@ -192,15 +213,19 @@ bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, flo
     hit->distance = query.ray.tfar;
     hit->position = ty_mad(origin, direction, hit->distance);
     if (query.hit.geomID == mesh->sphere_geometry) {
-        const uint32_t sphere = query.hit.primID;
-        hit->normal = ty_normalize(ty_sub(hit->position, mesh->centers[sphere]));
-        hit->position = ty_mad(mesh->centers[sphere], hit->normal, mesh->radii[sphere]);
-        hit->shape = mesh->sphere_shape[sphere];
+        const mesh_sphere* sphere = &mesh->spheres[query.hit.primID];
+        hit->normal = ty_normalize(ty_sub(hit->position, sphere->center));
+        hit->position = ty_mad(sphere->center, hit->normal, sphere->radius);
+        hit->margin = sphere->margin;
+        hit->shape = sphere->shape;
         hit->part = 0;
     } else {
-        hit->normal = mesh->quad_normal[query.hit.primID];
-        hit->shape = mesh->quad_shape[query.hit.primID];
-        hit->part = mesh->quad_part[query.hit.primID];
+        const mesh_quad* quad = &mesh->quads[query.hit.primID];
+        hit->normal = quad->normal;
+        hit->position = ty_mad(hit->position, hit->normal, ty_dot(hit->normal, ty_sub(quad->corner, hit->position)));
+        hit->margin = quad->margin;
+        hit->shape = quad->shape;
+        hit->part = quad->part;
     }
     return true;
 }

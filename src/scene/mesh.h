@@ -11,7 +11,8 @@ typedef struct ty_mesh ty_mesh;
 typedef struct ty_hit {
     float distance;
     ty_vec normal;   /* unit, outwards (front) */
-    ty_vec position; /* on the surface to rounding */
+    ty_vec position; /* on the surface to rounding, however long the ray was */
+    float margin;    /* off the surface by this much, rounding cannot lead back to it */
     int32_t shape;   /* as added */
     int32_t part;    /* which quad of the shape */
 } ty_hit;
@@ -32,10 +33,7 @@ bool ty_mesh_occluded(const ty_mesh* mesh, ty_vec origin, ty_vec direction, floa
 
 /* Where a ray that leaves a hit towards direction may start without hitting the same surface again. */
 TY_FN ty_vec ty_hit_leave(const ty_hit* hit, ty_vec direction) {
-    const float largest =
-        ty_maxf(fabsf(hit->position.x), ty_maxf(fabsf(hit->position.y), ty_maxf(fabsf(hit->position.z), 1e-3f)));
-    const float side = ty_dot(hit->normal, direction) < 0.0f ? -1.0f : 1.0f;
-    return ty_mad(hit->position, hit->normal, side * 4e-6f * largest);
+    return ty_mad(hit->position, hit->normal, ty_dot(hit->normal, direction) < 0.0f ? -hit->margin : hit->margin);
 }
 
 #endif

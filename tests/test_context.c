@@ -1,0 +1,364 @@
+/* Contexts: errors, logging, memory, parallel loops. */
+#include "checks.h"
+
+#include "base/context.h"
+
+#include <stdatomic.h>
+
+static void results_have_names(void** state) {
+    (void)state;
+    assert_string_equal(ty_result_name(TY_OK), "TY_OK");
+    assert_string_equal(ty_result_name(TY_CANCELLED), "TY_CANCELLED");
+    assert_string_equal(ty_result_name(TY_ERROR_INTERNAL), "TY_ERROR_INTERNAL");
+    assert_string_equal(ty_result_text(TY_ERROR_MEMORY), "not enough memory");
+    assert_string_equal(ty_result_name((ty_result)8), "unknown");
+    assert_string_equal(ty_result_text((ty_result)-1), "unknown");
+    assert_string_equal(ty_version(), TY_VERSION);
+}
+
+static void* no_memory(void* user, size_t size) {
+    (void)user;
+    (void)size;
+    return NULL;
+}
+
+static void no_free(void* user, void* pointer, size_t size) {
+    (void)user;
+    (void)pointer;
+    (void)size;
+}
+
+static void wrong_defs_are_refused(void** state) {
+    (void)state;
+    ty_context* context = NULL;
+    const ty_context_def zero = {0}, good = ty_default_context_def();
+    assert_int_equal(ty_context_create(NULL, &context), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_context_create(&good, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_context_create(&zero, &context), TY_ERROR_ARGUMENT);
+    static const int32_t wrong[] = {-1, 1025, INT32_MIN, INT32_MAX};
+    for (int i = 0; i < 4; ++i) {
+        ty_context_def def = good;
+        def.threads = wrong[i];
+        assert_int_equal(ty_context_create(&def, &context), TY_ERROR_ARGUMENT);
+    }
+    ty_context_def half = good;
+    half.alloc = no_memory;
+    assert_int_equal(ty_context_create(&half, &context), TY_ERROR_ARGUMENT);
+    half.free = no_free;
+    assert_int_equal(ty_context_create(&half, &context), TY_ERROR_MEMORY);
+    half.alloc = NULL;
+    assert_int_equal(ty_context_create(&half, &context), TY_ERROR_ARGUMENT);
+    assert_null(context);
+    ty_context_destroy(NULL);
+}
+
+static void threads_are_as_asked(void** state) {
+    (void)state;
+    static const int32_t counts[] = {1, 3, 1024};
+    for (int i = 0; i < 3; ++i) {
+        ty_context* context = make_context(counts[i]);
+        assert_int_equal(ty_context_threads(context), counts[i]);
+        ty_context_destroy(context);
+    }
+    ty_context* context = make_context(0);
+    assert_true(ty_context_threads(context) >= 1);
+    ty_context_destroy(context);
+}
+
+static void the_first_message_stays(void** state) {
+    ty_context* context = *state;
+    assert_string_equal(ty_last_error(context), "");
+    assert_int_equal(ty_fail(context, TY_ERROR_INPUT, "first %d", 1), TY_ERROR_INPUT);
+    assert_int_equal(ty_fail(context, TY_ERROR_FILE, "second"), TY_ERROR_FILE);
+    assert_string_equal(ty_last_error(context), "first 1");
+    ty_clear_error(context);
+    assert_string_equal(ty_last_error(context), "");
+    ty_fail(context, TY_ERROR_FILE, "third");
+    assert_string_equal(ty_last_error(context), "third");
+    ty_clear_error(context);
+    assert_string_equal(ty_last_error(NULL), "");
+    ty_clear_error(NULL);
+    assert_int_equal(ty_fail(NULL, TY_ERROR_FILE, "nobody hears"), TY_ERROR_FILE);
+}
+
+static void long_messages_are_cut(void** state) {
+    ty_context* context = *state;
+    char text[5000];
+    memset(text, 'x', sizeof text - 1);
+    text[sizeof text - 1] = '\0';
+    ty_fail(context, TY_ERROR_INPUT, "%s", text);
+    const size_t length = strlen(ty_last_error(context));
+    assert_true(length >= 500 && length < sizeof text);
+    ty_clear_error(context);
+}
+
+typedef struct log_record {
+    int count[3];
+    char last[64];
+} log_record;
+
+static void record(void* user, ty_log_level level, const char* text) {
+    log_record* log = user;
+    ++log->count[level];
+    strncpy(log->last, text, sizeof log->last - 1);
+}
+
+static void the_log_hears_every_line(void** state) {
+    (void)state;
+    log_record log = {.last = ""};
+    ty_context_def def = ty_default_context_def();
+    def.log = record;
+    def.log_user = &log;
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    ty_log(context, TY_LOG_INFO, "%s", "hello");
+    assert_string_equal(log.last, "hello");
+    ty_log(context, TY_LOG_WARNING, "careful");
+    ty_fail(context, TY_ERROR_INPUT, "broken");
+    ty_fail(context, TY_ERROR_INPUT, "broken again");
+    assert_string_equal(log.last, "broken again");
+    assert_int_equal(log.count[TY_LOG_INFO], 1);
+    assert_int_equal(log.count[TY_LOG_WARNING], 1);
+    assert_int_equal(log.count[TY_LOG_ERROR], 2);
+    assert_string_equal(ty_last_error(context), "broken");
+    ty_context_destroy(context);
+}
+
+/* ---- memory ---- */
+
+/* Counts bytes and refuses the n-th allocation. The size is kept in front of each block to check what is freed. */
+typedef struct ledger {
+    _Atomic int64_t bytes, allocations;
+    int64_t refused; /* index of the allocation that fails; -1: none */
+    _Atomic bool wrong_size;
+} ledger;
+
+enum { HEADER = 64 };
+
+static void* ledger_alloc(void* user, size_t size) {
+    ledger* book = user;
+    if (atomic_fetch_add(&book->allocations, 1) == book->refused) return NULL;
+    char* block = aligned_alloc(HEADER, (HEADER + size + HEADER - 1) / HEADER * HEADER);
+    if (block == NULL || size == 0) abort();
+    memcpy(block, &size, sizeof size);
+    atomic_fetch_add(&book->bytes, (int64_t)size);
+    return block + HEADER;
+}
+
+static void ledger_free(void* user, void* pointer, size_t size) {
+    ledger* book = user;
+    size_t taken = 0;
+    char* block = (char*)pointer - HEADER;
+    memcpy(&taken, block, sizeof taken);
+    if (taken != size) atomic_store(&book->wrong_size, true);
+    atomic_fetch_sub(&book->bytes, (int64_t)size);
+    free(block);
+}
+
+static ty_result add_lights(ty_scene* scene, ty_image* sky) {
+    ty_result result = TY_OK;
+    for (int kind = TY_LIGHT_DIRECTIONAL; kind <= TY_LIGHT_ENVIRONMENT && result == TY_OK; ++kind) {
+        ty_light_def def = ty_default_light_def();
+        def.kind = (ty_light_kind)kind;
+        set3(def.position, 0, 3, 0);
+        set3(def.u, 1, 0, 0);
+        set3(def.v, 0, 0, 1);
+        def.image = kind == TY_LIGHT_ENVIRONMENT ? sky : NULL;
+        result = ty_scene_add_light(scene, &def);
+    }
+    return result;
+}
+
+static ty_result add_shapes(ty_scene* scene) {
+    ty_result result = TY_OK;
+    for (int kind = TY_SHAPE_QUAD; kind <= TY_SHAPE_SPHERE && result == TY_OK; ++kind) {
+        ty_shape_def def = ty_default_shape_def();
+        def.kind = (ty_shape_kind)kind;
+        set3(def.origin, -2, -2, kind);
+        set3(def.u, 4, 5, 6);
+        set3(def.v, 0, 0, 2);
+        def.radius = 0.5;
+        def.emission[1] = kind == TY_SHAPE_SPHERE ? 1 : 0;
+        result = ty_scene_add_shape(scene, &def);
+    }
+    return result;
+}
+
+static ty_result add_media(ty_scene* scene, ty_grid* grid) {
+    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
+    ty_medium_def def = box_medium(lower, upper, 1, 0.25f);
+    def.name = "cloud";
+    def.density_grid = grid;
+    ty_result result = ty_scene_add_medium(scene, &def);
+    def.density_grid = NULL;
+    def.sigma_a[1] = 2;
+    if (result == TY_OK) result = ty_scene_add_medium(scene, &def);
+    return result;
+}
+
+static ty_result fill_and_render(ty_scene* scene, ty_grid* grid, ty_image* sky, ty_image** out) {
+    ty_result result = add_media(scene, grid);
+    if (result == TY_OK) result = add_lights(scene, sky);
+    if (result == TY_OK) result = add_shapes(scene);
+    if (result == TY_OK) result = ty_scene_commit(scene);
+    ty_path_def def = ty_default_path_def();
+    def.spp = 1;
+    def.width = 16;
+    def.height = 8;
+    return result == TY_OK ? ty_path_render(scene, &def, out, NULL) : result;
+}
+
+/* Makes a scene of everything there is and renders it; frees all of it whatever happens. */
+static ty_result work(ty_context* context) {
+    float values[9 * 9 * 9];
+    for (int i = 0; i < 9 * 9 * 9; ++i) values[i] = (float)(i % 4);
+    ty_grid_def def = ty_default_grid_def();
+    def.size[0] = def.size[1] = def.size[2] = 9;
+    def.values = values;
+    ty_grid* grid = NULL;
+    ty_image *sky = NULL, *image = NULL;
+    ty_scene* scene = NULL;
+    ty_result result = ty_grid_create(context, &def, &grid);
+    if (result == TY_OK) result = ty_image_create_rgb(context, 4, 2, &sky);
+    if (result == TY_OK) result = ty_scene_create(context, TY_AXIS_Y, &scene);
+    if (result == TY_OK) result = fill_and_render(scene, grid, sky, &image);
+    if (result != TY_OK) assert_null(image);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+    ty_image_destroy(sky);
+    ty_grid_destroy(grid);
+    return result;
+}
+
+static ty_context* ledger_context(ledger* book) {
+    ty_context_def def = ty_default_context_def();
+    def.threads = 2;
+    def.alloc = ledger_alloc;
+    def.free = ledger_free;
+    def.alloc_user = book;
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    return context;
+}
+
+static void all_memory_comes_from_the_allocator_and_returns(void** state) {
+    (void)state;
+    ledger book = {.refused = -1};
+    ty_context* context = ledger_context(&book);
+    assert_int_equal(work(context), TY_OK);
+    assert_string_equal(ty_last_error(context), "");
+    assert_true(atomic_load(&book.allocations) > 40);
+    ty_context_destroy(context);
+    assert_int_equal(atomic_load(&book.bytes), 0);
+    assert_false(atomic_load(&book.wrong_size));
+}
+
+static void every_failed_allocation_is_reported(void** state) {
+    (void)state;
+    ledger book = {.refused = -1};
+    ty_context* context = ledger_context(&book);
+    const int64_t before = atomic_load(&book.bytes);
+    ty_result result = TY_ERROR_MEMORY;
+    for (int64_t n = 0; result == TY_ERROR_MEMORY; ++n) {
+        book.refused = n;
+        atomic_store(&book.allocations, 0);
+        result = work(context);
+        if (atomic_load(&book.bytes) != before) fail_msg("allocation %d leaks when it fails", (int)n);
+        if (atomic_load(&book.allocations) > n) {
+            if (result != TY_ERROR_MEMORY) fail_msg("allocation %d: %s", (int)n, ty_result_name(result));
+            assert_error(context, "not enough memory");
+        }
+    }
+    assert_int_equal(result, TY_OK);
+    assert_false(atomic_load(&book.wrong_size));
+    ty_context_destroy(context);
+    assert_int_equal(atomic_load(&book.bytes), 0);
+}
+
+static void arrays_check_their_size(void** state) {
+    ty_context* context = *state;
+    assert_null(ty_alloc_array(context, SIZE_MAX / 2, 3, false));
+    assert_error(context, "not enough memory");
+    assert_null(ty_alloc_array(context, SIZE_MAX, 1, false));
+    assert_error(context, "not enough memory");
+    char* none = ty_alloc_array(context, 0, 8, true);
+    assert_non_null(none);
+    ty_free_array(context, none, 0, 8);
+    char* zeros = ty_alloc_array(context, 1000, 1, true);
+    assert_int_equal((uintptr_t)zeros % 64, 0);
+    for (int i = 0; i < 1000; ++i) assert_int_equal(zeros[i], 0);
+    ty_free_array(context, zeros, 1000, 1);
+    ty_free_array(context, NULL, 7, 8);
+}
+
+static void arrays_grow_and_keep_their_content(void** state) {
+    ty_context* context = *state;
+    int32_t* items = NULL;
+    size_t capacity = 0;
+    for (size_t count = 0; count < 100; ++count) {
+        assert_true(ty_grow_array(context, (void**)&items, &capacity, count, sizeof *items));
+        assert_true(capacity > count);
+        items[count] = (int32_t)count;
+    }
+    for (size_t i = 0; i < 100; ++i) assert_int_equal(items[i], i);
+    ty_free_array(context, items, capacity, sizeof *items);
+}
+
+/* ---- parallel loops ---- */
+
+enum { INDICES = 3000 };
+
+typedef struct visits {
+    _Atomic int32_t count[INDICES];
+    int32_t threads;
+    _Atomic int32_t strange;
+} visits;
+
+static void visit(void* user, int64_t index, int32_t worker) {
+    visits* v = user;
+    if (index < 0 || index >= INDICES || worker < 0 || worker >= v->threads)
+        atomic_fetch_add(&v->strange, 1);
+    else
+        atomic_fetch_add(&v->count[index], 1);
+}
+
+static void every_index_runs_once(void** state) {
+    (void)state;
+    static const int32_t threads[] = {1, 2, 3, 16};
+    static const int64_t counts[] = {0, 1, 2, 15, INDICES, -1};
+    for (int t = 0; t < 4; ++t) {
+        ty_context* context = make_context(threads[t]);
+        for (int c = 0; c < 6; ++c) {
+            visits v = {.threads = threads[t]};
+            ty_parallel_for(context, counts[c], visit, &v);
+            assert_int_equal(atomic_load(&v.strange), 0);
+            for (int i = 0; i < INDICES; ++i) assert_int_equal(atomic_load(&v.count[i]), i < counts[c]);
+        }
+        ty_context_destroy(context);
+    }
+}
+
+static void clocks_run_forward(void** state) {
+    (void)state;
+    const double wall = ty_wall_seconds(), cpu = ty_cpu_seconds();
+    while (ty_cpu_seconds() < cpu + 2e-3) {}
+    assert_true(ty_wall_seconds() > wall);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(results_have_names),
+        cmocka_unit_test(wrong_defs_are_refused),
+        cmocka_unit_test(threads_are_as_asked),
+        cmocka_unit_test(the_first_message_stays),
+        cmocka_unit_test(long_messages_are_cut),
+        cmocka_unit_test(the_log_hears_every_line),
+        cmocka_unit_test(all_memory_comes_from_the_allocator_and_returns),
+        cmocka_unit_test(every_failed_allocation_is_reported),
+        cmocka_unit_test(arrays_check_their_size),
+        cmocka_unit_test(arrays_grow_and_keep_their_content),
+        cmocka_unit_test(every_index_runs_once),
+        cmocka_unit_test(clocks_run_forward),
+    };
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}

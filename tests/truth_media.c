@@ -1,0 +1,193 @@
+/* The same medium in other words is the same picture: as a box or as grids of any fineness, in other units, in two
+ * parts, turned. */
+#include "truth.h"
+
+#include <tyndall/io.h>
+
+enum { SIDE = 64 };
+
+static const double tolerance = 0.003;
+
+static ty_image* picture(ty_scene* scene, double x, double y, double z, int32_t spp, uint64_t seed) {
+    set_camera(scene, x, y, z, 22);
+    commit(scene);
+    ty_image* image = render(scene, SIDE, spp, seed);
+    ty_scene_destroy(scene);
+    return image;
+}
+
+static void add_sun_and_sky(ty_scene* scene, const double direction[3]) {
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2), sky = light_of(TY_LIGHT_ENVIRONMENT, 0.2);
+    memcpy(sun.direction, direction, sizeof sun.direction);
+    add_light(scene, &sun);
+    add_light(scene, &sky);
+}
+
+/* A cube of sigma_s 3/m, sigma_a 0.3/m, g 0.5, in sun and sky. The grid, if any, is handed over. */
+static ty_image* cube_picture(ty_context* context, ty_grid* grid, double share, int parts, uint64_t seed) {
+    static const double slanting[3] = {-1, -1.5, -1};
+    ty_scene* scene = new_scene(context);
+    for (int i = 0; i < parts; ++i) {
+        ty_medium_def medium = medium_cube(0.5, 3 * share, 0.3 * share, 0.5);
+        medium.density_grid = grid;
+        add_medium(scene, &medium);
+    }
+    ty_grid_destroy(grid);
+    add_sun_and_sky(scene, slanting);
+    return picture(scene, 1.5, 1, 3, 512, seed);
+}
+
+static ty_grid* constant_grid(ty_context* context, int32_t n, ty_grid_type type, double value) {
+    ty_grid_def def = ty_default_grid_def();
+    const size_t count = (size_t)n * (size_t)n * (size_t)n;
+    float* values = calloc(count, sizeof *values);
+    assert_non_null(values);
+    for (size_t i = 0; i < count; ++i) values[i] = (float)value;
+    for (size_t i = 0; i < count && type == TY_GRID_F16; ++i) ((uint16_t*)values)[i] = 0x3c00;
+    for (int a = 0; a < 3; ++a) def.size[a] = n;
+    def.type = type;
+    def.values = values;
+    /* Larger than the cube by far, and turned, where it is placed by itself. */
+    static const double translate[3] = {-1.3, -1.1, -1.2}, rotate[3] = {4, 5, -6}, size[3] = {0.1, 0.11, 0.12};
+    def.index_to_local = ty_affine_compose(translate, rotate, size);
+    ty_grid* grid = NULL;
+    must(context, ty_grid_create(context, &def, &grid));
+    free(values);
+    return grid;
+}
+
+static ty_grid* constant_vdb(ty_context* context) {
+    ty_grid *grid = constant_grid(context, 24, TY_GRID_F32, 1), *placed = NULL;
+    must(context, ty_vdb_write(context, grid, "density", "zip", "constant.vdb"));
+    must(context, ty_vdb_read(context, "constant.vdb", "density", &placed));
+    ty_grid_destroy(grid);
+    assert_true(ty_grid_get_info(placed).placed);
+    return placed;
+}
+
+static void assert_same_and_destroy(const char* name, ty_image* a, ty_image* b) {
+    assert_same_picture(name, a, b, tolerance);
+    ty_image_destroy(a);
+    ty_image_destroy(b);
+}
+
+static void test_box_or_grids(void** state) {
+    ty_context* context = *state;
+    ty_grid* none = NULL;
+    const struct {
+        const char* name;
+        ty_grid* grid;
+    } cases[] = {{"grid of 8^3", constant_grid(context, 8, TY_GRID_F32, 1)},
+                 {"grid of 64^3 halves", constant_grid(context, 64, TY_GRID_F16, 1)},
+                 {"VDB cut by bounds", constant_vdb(context)}};
+    for (int i = 0; i < 3; ++i)
+        assert_same_and_destroy(cases[i].name, cube_picture(context, cases[i].grid, 1, 1, 10 + (uint64_t)i),
+                                cube_picture(context, none, 1, 1, 1));
+}
+
+static void test_halves_add_up(void** state) {
+    ty_context* context = *state;
+    ty_image* whole = cube_picture(context, NULL, 1, 1, 1);
+    ty_image* halves = cube_picture(context, NULL, 0.5, 2, 20);
+    assert_same_picture("two halves", halves, whole, tolerance);
+    ty_image_destroy(halves);
+    halves = cube_picture(context, constant_grid(context, 8, TY_GRID_F32, 0.5), 1, 2, 21);
+    assert_same_and_destroy("two halves as grids", halves, whole);
+}
+
+static void test_box_and_grid_add_up(void** state) {
+    static const double slanting[3] = {-1, -1.5, -1};
+    ty_context* context = *state;
+    ty_scene* scene = new_scene(context);
+    ty_medium_def medium = medium_cube(0.5, 1.5, 0.15, 0.5);
+    add_medium(scene, &medium);
+    medium.density_grid = constant_grid(context, 8, TY_GRID_F32, 1);
+    add_medium(scene, &medium);
+    ty_grid_destroy(medium.density_grid);
+    add_sun_and_sky(scene, slanting);
+    assert_same_and_destroy("half box, half grid", picture(scene, 1.5, 1, 3, 512, 30),
+                            cube_picture(context, NULL, 1, 1, 1));
+}
+
+/* A cloud in a box of other sides, in sun and sky; all of it, or only what looks at it, turned. */
+static ty_image* cloud_picture(ty_context* context, bool turned, uint64_t seed) {
+    static const double none[3] = {0, 0, 0}, one[3] = {1, 1, 1}, angles[3] = {25, -40, 130};
+    const ty_affine turn = ty_affine_compose(none, angles, one);
+    double eye[3] = {2, 0.5, 2.5}, sun[3] = {-1, -1, 0.2}, up[3] = {0, 1, 0};
+    ty_scene* scene = new_scene(context);
+    ty_medium_def medium = medium_cube(0.5, 12, 0.5, 0.6);
+    ty_noise_def noise = ty_default_noise_def();
+    noise.size[0] = noise.size[1] = noise.size[2] = 40;
+    must(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    set3(medium.box_max, 0.3, 0.6, 0.7);
+    if (turned) {
+        medium.transform = turn;
+        ty_affine_point(&turn, eye, eye);
+        ty_affine_point(&turn, sun, sun);
+        ty_affine_point(&turn, up, up);
+    }
+    add_medium(scene, &medium);
+    ty_grid_destroy(medium.density_grid);
+    add_sun_and_sky(scene, sun);
+    ty_camera_def camera = ty_default_camera_def();
+    memcpy(camera.position, eye, sizeof eye);
+    memcpy(camera.up, up, sizeof up);
+    camera.fov_y = 20;
+    must(context, ty_scene_set_camera(scene, &camera));
+    commit(scene);
+    ty_image* image = render(scene, SIDE, 512, seed);
+    ty_scene_destroy(scene);
+    return image;
+}
+
+static void test_turning_everything(void** state) {
+    assert_same_and_destroy("cloud turned with its camera", cloud_picture(*state, true, 2),
+                            cloud_picture(*state, false, 1));
+}
+
+/* Lengths in units of `unit` metres, coefficients per metre for a scene that is `size` times as large. */
+static ty_image* scaled_picture(ty_context* context, double unit, double size, uint64_t seed) {
+    char text[1500];
+    const double l = size / unit;
+    const int length =
+        snprintf(text, sizeof text,
+                 "{\"tyndall\": 1, \"meters_per_unit\": %.17g,"
+                 " \"camera\": {\"position\": [%.17g, %.17g, %.17g], \"fov_y\": 22, \"resolution\": [64, 64]},"
+                 " \"media\": [{\"bounds\": [[%.17g, %.17g, %.17g], [%.17g, %.17g, %.17g]],"
+                 " \"density\": {\"file\": \"constant.vdb\"},"
+                 " \"transform\": {\"scale\": %.17g}, \"sigma_s\": %.17g, \"sigma_a\": %.17g, \"g\": 0.5}],"
+                 " \"lights\": [{\"type\": \"directional\", \"direction\": [-1, -1.5, -1], \"irradiance\": 2},"
+                 " {\"type\": \"environment\", \"radiance\": 0.2},"
+                 " {\"type\": \"point\", \"position\": [0, %.17g, 0], \"intensity\": %.17g}]}",
+                 unit, 1.5 * l, 1 * l, 3 * l, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, l, 3 / size, 0.3 / size, 0.8 * l,
+                 size * size);
+    assert_true(length > 0 && (size_t)length < sizeof text);
+    ty_scene* scene = NULL;
+    must(context, ty_scene_parse(context, text, (size_t)length, "scaled.json", ".", NULL, 0, &scene));
+    ty_image* image = render(scene, SIDE, 512, seed);
+    ty_scene_destroy(scene);
+    return image;
+}
+
+static void test_scaling_the_world(void** state) {
+    ty_context* context = *state;
+    ty_grid_destroy(constant_vdb(context));
+    ty_image* original = scaled_picture(context, 1, 1, 1);
+    ty_image* scaled = scaled_picture(context, 1, 10, 2);
+    assert_same_picture("ten times as large", scaled, original, tolerance);
+    ty_image_destroy(scaled);
+    scaled = scaled_picture(context, 10, 10, 3);
+    assert_same_picture("ten times as large, units of 10 m", scaled, original, tolerance);
+    ty_image_destroy(scaled);
+    scaled = scaled_picture(context, 0.01, 1, 4);
+    assert_same_and_destroy("units of 1 cm", scaled, original);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_box_or_grids),       cmocka_unit_test(test_halves_add_up),
+        cmocka_unit_test(test_box_and_grid_add_up), cmocka_unit_test(test_turning_everything),
+        cmocka_unit_test(test_scaling_the_world),
+    };
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}
