@@ -294,10 +294,6 @@ static inline void assert_same_channel(const char* name, const ty_image* a, int 
         fail_msg("%s: blocks differ by more than their noise", name);
 }
 
-static inline void assert_same_picture(const char* name, const ty_image* a, const ty_image* b, double tolerance) {
-    for (int c = 0; c < 3; ++c) assert_same_channel(name, a, c, b, c, tolerance);
-}
-
 /* ---- quadrature ---- */
 
 /* The integral of f(user, x) from a to b: Gauss-Legendre, eight points in each of `panels` equal parts. */

@@ -200,8 +200,8 @@ ty_result ty_read_volume(ty_scene_reader* reader, const ty_json_path* path, cons
     const char* extension = strrchr(file, '.');
     if (extension == NULL || strcasecmp(extension, ".vdb") != 0)
         return ty_reader_fail(reader, path, TY_ERROR_INPUT, "cannot read volumes of this type; known: .vdb");
-    ty_scene_asset* asset;
-    bool fresh;
+    ty_scene_asset* asset = NULL;
+    bool fresh = false;
     ty_result result = find_asset(reader, path, file, grid_name, &asset, &fresh);
     if (result == TY_OK && fresh)
         result = ty_reader_below(reader, path, ty_vdb_read(reader->context, asset->path, grid_name, &asset->grid));
@@ -210,8 +210,8 @@ ty_result ty_read_volume(ty_scene_reader* reader, const ty_json_path* path, cons
 }
 
 ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* path, const char* file, const ty_image** out) {
-    ty_scene_asset* asset;
-    bool fresh;
+    ty_scene_asset* asset = NULL;
+    bool fresh = false;
     ty_result result = find_asset(reader, path, file, "", &asset, &fresh);
     if (result == TY_OK && fresh)
         result = ty_reader_below(reader, path, ty_image_read(reader->context, asset->path, &asset->image));

@@ -9,7 +9,7 @@ static float luminance(const float rgb[3]) {
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
 }
 
-/* The most a bilinear lookup around texel (x, y) can return. */
+/* Brightness of the texels that lookups within texel (x, y) blend. */
 static float bright_around(const ty_environment* env, int32_t x, int32_t y) {
     float bright = 0;
     for (int32_t dy = -1; dy <= 1; ++dy)
@@ -109,7 +109,7 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
 ty_result ty_environment_create(ty_context* context, const ty_light_def* def, ty_environment** out) {
     ty_environment* env = ty_alloc_array(context, 1, sizeof *env, true);
     if (env == NULL) return TY_ERROR_MEMORY;
-    env->rotation_turns = (float)(def->rotation / 360.0);
+    env->rotation_turns = (float)(remainder(def->rotation, 360) / 360);
     env->scale = def->scale;
     for (int c = 0; c < 3; ++c) env->mean[c] = def->color[c] * def->scale;
     ty_result result = TY_OK;

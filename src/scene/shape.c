@@ -93,16 +93,18 @@ ty_result ty_shape_check(ty_context* context, const ty_shape_def* shape) {
     if (result == TY_OK) result = ty_check_rgb(context, "shape.emission", shape->emission, 0, TY_COLOR_MAX);
     if (result != TY_OK) return result;
     if (shape->kind == TY_SHAPE_SPHERE) {
-        if (!(shape->radius > 0) || !isfinite(shape->radius))
-            return ty_fail(context, TY_ERROR_ARGUMENT, "shape.radius: %g is not positive", shape->radius);
+        if (!(shape->radius > 0 && shape->radius <= 1e15))
+            return ty_fail(context, TY_ERROR_ARGUMENT, "shape.radius: %g is outside (0, 1e15]", shape->radius);
         if (!is_similarity(&shape->transform))
             return ty_fail(context, TY_ERROR_ARGUMENT,
                            "shape.transform: a sphere takes rotation, translation and uniform scale only");
         return TY_OK;
     }
     if (shape->kind == TY_SHAPE_BOX) {
+        result = ty_check_point(context, "shape.u", shape->u);
+        if (result != TY_OK) return result;
         for (int a = 0; a < 3; ++a)
-            if (!(shape->u[a] > shape->origin[a]) || !isfinite(shape->u[a]))
+            if (!(shape->u[a] > shape->origin[a]))
                 return ty_fail(context, TY_ERROR_ARGUMENT, "shape: a box's upper corner must be above its lower in %c",
                                "xyz"[a]);
         return TY_OK;

@@ -1,0 +1,56 @@
+/* A point source in a medium: the path tracer's fluence against the exact solution of the transport equation. */
+#include "transport.h"
+
+static const double taus[] = {0.5, 1, 2, 4, 6};
+
+/* The quadrature has the limits it must have: no scattering, little scattering, diffusion far out, Grosjean between. */
+static void test_quadrature(void** state) {
+    (void)state;
+    for (int i = 0; i < 5; ++i) {
+        const double tau = taus[i];
+        assert_true(fabs(transport_fluence(1e-9, tau) / (exp(-tau) / (tau * tau)) - 1) < 1e-6);
+        /* Half as much absorbed again: first order in the albedo. */
+        const double once = transport_fluence(1e-3, tau) - transport_fluence(1e-9, tau);
+        const double twice = transport_fluence(2e-3, tau) - transport_fluence(1e-9, tau);
+        assert_true(fabs(twice / once - 2) < 0.02);
+        for (double albedo = 0.1; albedo < 1.05; albedo += 0.1) {
+            const double ratio = transport_grosjean(fmin(albedo, 1), tau) / transport_fluence(fmin(albedo, 1), tau);
+            if (!(fabs(ratio - 1) < 0.05)) fail_msg("albedo %g, tau %g: Grosjean is off by %g", albedo, tau, ratio);
+        }
+    }
+    assert_true(fabs(transport_fluence(1, 40) * 40 / 3 - 1) < 1e-6);
+    assert_true(fabs(1 / transport_decay(0.9) - 1.903205) < 1e-5); /* Case, de Hoffmann and Placzek, table 26 */
+    /* Albedo 1 is a limit that is reached evenly. */
+    assert_true(fabs(transport_fluence(1 - 1e-8, 1) / transport_fluence(1, 1) - 1) < 1e-3);
+}
+
+/* All light is absorbed somewhere: albedo < 1 makes the fluence add up to power / sigma_a. */
+static double shell(const void* user, double tau) {
+    return tau * tau * transport_fluence(*(const double*)user, tau);
+}
+
+static void test_quadrature_conserves_energy(void** state) {
+    (void)state;
+    for (double albedo = 0.1; albedo < 0.95; albedo += 0.2)
+        assert_true(fabs(integrate(shell, &albedo, 1e-9, 120, 400) * (1 - albedo) - 1) < 1e-4);
+}
+
+static void test_fluence(void** state) {
+    static const double albedos[] = {1, 0.9, 0.5};
+    for (int a = 0; a < 3; ++a)
+        for (int i = 0; i < 5; ++i) {
+            char name[64];
+            snprintf(name, sizeof name, "point source, albedo %g, tau %g", albedos[a], taus[i]);
+            assert_close(name, measure_source(*state, albedos[a], taus[i], 1024, 128), transport_in_ball(albedos[a], taus[i]),
+                         0.02);
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quadrature),
+        cmocka_unit_test(test_quadrature_conserves_energy),
+        cmocka_unit_test(test_fluence),
+    };
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}
