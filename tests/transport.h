@@ -67,39 +67,54 @@ static inline double transport_in_ball(double albedo, double tau) {
     return transport_fluence(albedo, tau) - transport_discrete(albedo) * lost / tau;
 }
 
-/* Fluence by path tracing at tau mean free paths from a source of unit intensity, over sigma_t^2, half of it measured on
- * an axis, half on a diagonal; and the uncollided part, which is known. */
+/* Fluence by path tracing at tau mean free paths from a source of unit intensity, over sigma_t^2; its uncollided part is
+ * checked on the way. */
 static inline estimate measure_source(ty_context* context, double albedo, double tau, int32_t items, int32_t spp) {
-    const double sigma_t = 2.5;
-    const double ways[2][3] = {{0, 0, -1}, {0.36, 0.8, 0.48}};
+    const double sigma_t = 2.5, radius = tau / sigma_t;
+    const double point[3] = {0.36 * radius, 0.8 * radius, -0.48 * radius};
     ty_scene* scene = new_scene(context);
-    const ty_medium_def medium =
-        medium_sphere(SOURCE_RADIUS / sigma_t, albedo * sigma_t, (1 - albedo) * sigma_t, 0);
+    const ty_medium_def medium = medium_sphere(SOURCE_RADIUS / sigma_t, albedo * sigma_t, (1 - albedo) * sigma_t, 0);
     add_medium(scene, &medium);
     const ty_light_def light = light_of(TY_LIGHT_POINT, 1);
     add_light(scene, &light);
     commit(scene);
     double* fluence = new_numbers(3 * items);
     double* uncollided = new_numbers(3 * items);
-    estimate sum = {0, 0};
-    for (int i = 0; i < 2; ++i) {
-        double point[3];
-        for (int a = 0; a < 3; ++a) point[a] = ways[i][a] * tau / sigma_t;
-        const int32_t size[3] = {items, 1, 1};
-        ty_path_def def = ty_default_path_def();
-        def.spp = spp;
-        def.seed = (uint64_t)i;
-        must(context, ty_path_fluence(scene, &def, point, point, size, fluence, uncollided, NULL));
-        const estimate one = estimate_of(fluence, items, 3);
-        sum.mean += 0.5 * one.mean / (sigma_t * sigma_t);
-        sum.error = hypot(sum.error, 0.5 * one.error / (sigma_t * sigma_t));
-        for (int32_t item = 0; item < items; ++item)
-            assert_true(fabs(uncollided[3 * item] / (pow(sigma_t / tau, 2) * exp(-tau)) - 1) < 1e-4);
-    }
+    const int32_t size[3] = {items, 1, 1};
+    ty_path_def def = ty_default_path_def();
+    def.spp = spp;
+    must(context, ty_path_fluence(scene, &def, point, point, size, fluence, uncollided, NULL));
+    estimate result = estimate_of(fluence, items, 3);
+    result.mean /= sigma_t * sigma_t;
+    result.error /= sigma_t * sigma_t;
+    for (int32_t item = 0; item < items; ++item)
+        assert_true(fabs(uncollided[3 * item] / (exp(-tau) / (radius * radius)) - 1) < 1e-4);
     free(fluence);
     free(uncollided);
     ty_scene_destroy(scene);
-    return sum;
+    return result;
+}
+
+typedef struct source_case {
+    double albedo, tau;
+    int32_t spp; /* of 256 items, for an error of about half a per cent */
+} source_case;
+
+static const source_case source_cases[] = {
+    {0.5, 0.5, 128}, {0.5, 1, 256},   {0.5, 2, 1024}, {0.5, 4, 6144},  {0.5, 6, 32768},
+    {0.9, 0.5, 192}, {0.9, 1, 512},   {0.9, 2, 1536}, {0.9, 4, 8192},  {0.9, 6, 12288},
+    {1, 0.5, 256},   {1, 1, 512},     {1, 2, 2048},   {1, 4, 4096},    {1, 6, 6144},
+};
+
+/* Every case to within 2%, with `effort` times the samples. */
+static inline void check_sources(ty_context* context, int32_t effort) {
+    for (size_t i = 0; i < sizeof source_cases / sizeof *source_cases; ++i) {
+        const source_case* c = &source_cases[i];
+        char name[64];
+        snprintf(name, sizeof name, "point source, albedo %g, tau %g", c->albedo, c->tau);
+        assert_close(name, measure_source(context, c->albedo, c->tau, 256, effort * c->spp),
+                     transport_in_ball(c->albedo, c->tau), 0.02);
+    }
 }
 
 #endif

@@ -36,14 +36,7 @@ static void test_quadrature_conserves_energy(void** state) {
 }
 
 static void test_fluence(void** state) {
-    static const double albedos[] = {1, 0.9, 0.5};
-    for (int a = 0; a < 3; ++a)
-        for (int i = 0; i < 5; ++i) {
-            char name[64];
-            snprintf(name, sizeof name, "point source, albedo %g, tau %g", albedos[a], taus[i]);
-            assert_close(name, measure_source(*state, albedos[a], taus[i], 1024, 128), transport_in_ball(albedos[a], taus[i]),
-                         0.02);
-        }
+    check_sources(*state, 1);
 }
 
 int main(void) {

@@ -54,7 +54,7 @@ static size_t mend_values(ty_grid* grid) {
     return mended;
 }
 
-/* One row of bricks along x (item = j + bricks[1] * k), and the mean of the voxels its bricks begin in. */
+/* One row of bricks along x (item = j + bricks[1] * k). */
 static void brick_row(void* user, int64_t item, int32_t worker) {
     (void)worker;
     ty_grid* grid = user;
@@ -75,23 +75,48 @@ static void brick_row(void* user, int64_t item, int32_t worker) {
     }
 }
 
-static void find_range(ty_grid* grid) {
-    const ty_grid_view view = ty_grid_get_view(grid);
+/* Extremes and sum of one slice of voxels. */
+typedef struct slice_range {
+    float min, max;
+    double sum;
+} slice_range;
+
+typedef struct range_job {
+    const ty_grid* grid;
+    slice_range* slices;
+} range_job;
+
+static void slice_of_range(void* user, int64_t k, int32_t worker) {
+    (void)worker;
+    const range_job* job = user;
+    const ty_grid_view view = ty_grid_get_view(job->grid);
+    slice_range range = {.min = TY_FLOAT_MAX, .max = -TY_FLOAT_MAX};
+    for (int32_t j = 0; j < job->grid->size[1]; ++j)
+        for (int32_t i = 0; i < job->grid->size[0]; ++i) {
+            const float value = ty_grid_fetch(&view, i, j, (int32_t)k);
+            range.min = ty_minf(range.min, value);
+            range.max = ty_maxf(range.max, value);
+            range.sum += value;
+        }
+    job->slices[k] = range;
+}
+
+static ty_result find_range(ty_grid* grid) {
+    const size_t count = (size_t)grid->size[2];
+    range_job job = {.grid = grid, .slices = ty_alloc_array(grid->context, count, sizeof *job.slices, false)};
+    if (job.slices == NULL) return TY_ERROR_MEMORY;
+    ty_parallel_for(grid->context, grid->size[2], slice_of_range, &job);
     grid->min = TY_FLOAT_MAX;
     grid->max = -TY_FLOAT_MAX;
     double sum = 0;
-    for (int32_t k = 0; k < grid->size[2]; ++k)
-        for (int32_t j = 0; j < grid->size[1]; ++j) {
-            double row = 0;
-            for (int32_t i = 0; i < grid->size[0]; ++i) {
-                const float value = ty_grid_fetch(&view, i, j, k);
-                grid->min = ty_minf(grid->min, value);
-                grid->max = ty_maxf(grid->max, value);
-                row += value;
-            }
-            sum += row;
-        }
+    for (size_t k = 0; k < count; ++k) {
+        grid->min = ty_minf(grid->min, job.slices[k].min);
+        grid->max = ty_maxf(grid->max, job.slices[k].max);
+        sum += job.slices[k].sum;
+    }
     grid->mean = sum / (double)grid->voxels;
+    ty_free_array(grid->context, job.slices, count, sizeof *job.slices);
+    return TY_OK;
 }
 
 static size_t brick_count(const ty_grid* grid) {
@@ -126,7 +151,10 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
     if (mended > 0)
         ty_log(context, TY_LOG_WARNING, "a grid had %zu values that are not finite; they count as 0", mended);
     ty_parallel_for(context, (int64_t)grid->bricks[1] * grid->bricks[2], brick_row, grid);
-    find_range(grid);
+    if (find_range(grid) != TY_OK) {
+        ty_grid_destroy(grid);
+        return TY_ERROR_MEMORY;
+    }
     *out = grid;
     return TY_OK;
 }

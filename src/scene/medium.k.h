@@ -101,7 +101,7 @@ TY_FN void ty_bricks_begin(ty_bricks* b, TY_GLOBAL const ty_medium_view* medium,
     b->enter = b->leave = enter;
     b->end = leave;
     b->done = 0;
-    b->low = b->high = 1.0f;
+    b->low = b->high = 0.0f;
     if (medium->has_grid == 0) return;
     b->origin = ty_map_point(medium->to_index, origin);
     b->direction = ty_map_direction(medium->to_index, direction);
@@ -116,6 +116,7 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
         if (b->done != 0) return false;
         b->done = 1;
         b->leave = b->end;
+        b->low = b->high = 1.0f;
         return true;
     }
     TY_GLOBAL const ty_grid_view* grid = &b->medium->grid;

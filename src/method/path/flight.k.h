@@ -159,7 +159,6 @@ TY_FN void ty_walker_begin(ty_walker* walker, TY_GLOBAL const ty_medium_view* me
                            float enter, float leave, float u) {
     ty_bricks_begin(&walker->bricks, medium, origin, direction, enter, leave);
     walker->t = enter;
-    walker->bricks.high = 0.0f;
     ty_walker_next(walker, u);
 }
 
