@@ -1,4 +1,5 @@
-/* What the unit tests of base, grid, scene and path share: contexts, closeness, random numbers, tables of bad fields. */
+/* What the unit tests of base, grid, scene and path share: contexts, closeness, random numbers, tables of bad fields.
+ */
 #ifndef TY_TESTS_CHECKS_H
 #define TY_TESTS_CHECKS_H
 

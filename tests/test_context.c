@@ -341,7 +341,8 @@ static void every_index_runs_once(void** state) {
 static void clocks_run_forward(void** state) {
     (void)state;
     const double wall = ty_wall_seconds(), cpu = ty_cpu_seconds();
-    while (ty_cpu_seconds() < cpu + 2e-3) {}
+    while (ty_cpu_seconds() < cpu + 2e-3) {
+    }
     assert_true(ty_wall_seconds() > wall);
 }
 

@@ -11,7 +11,8 @@ typedef struct setting {
     double rotation;
 } setting;
 
-static const setting settings[] = {{TY_AXIS_Y, 0}, {TY_AXIS_Z, 0}, {TY_AXIS_Y, 37}, {TY_AXIS_Z, 90}, {TY_AXIS_Y, -35977}};
+static const setting settings[] = {
+    {TY_AXIS_Y, 0}, {TY_AXIS_Z, 0}, {TY_AXIS_Y, 37}, {TY_AXIS_Z, 90}, {TY_AXIS_Y, -35977}};
 enum { SETTINGS = sizeof settings / sizeof *settings };
 
 /* An environment and its view. */
@@ -64,7 +65,8 @@ static ty_vec direction_of(setting s, double u, double v) {
     const double turn = s.rotation * pi / 180;
     if (s.up == TY_AXIS_Y) {
         const double x = across * cos(angle), z = across * sin(angle);
-        return ty_vec_make((float)(x * cos(turn) + z * sin(turn)), (float)height, (float)(z * cos(turn) - x * sin(turn)));
+        return ty_vec_make((float)(x * cos(turn) + z * sin(turn)), (float)height,
+                           (float)(z * cos(turn) - x * sin(turn)));
     }
     const double x = across * cos(-angle), y = across * sin(-angle);
     return ty_vec_make((float)(x * cos(turn) - y * sin(turn)), (float)(x * sin(turn) + y * cos(turn)), (float)height);
@@ -128,7 +130,8 @@ static void lookups_are_bilinear_and_wrap_around(void** state) {
         double expected = 0;
         for (int corner = 0; corner < 4; ++corner) {
             const int cx = (int)floor(x) + (corner & 1), cy = (int)fmin(floor(y) + (corner >> 1), H - 1);
-            const double wx = corner & 1 ? x - floor(x) : 1 - x + floor(x), wy = corner & 2 ? y - floor(y) : 1 - y + floor(y);
+            const double wx = corner & 1 ? x - floor(x) : 1 - x + floor(x),
+                         wy = corner & 2 ? y - floor(y) : 1 - y + floor(y);
             expected += wx * wy * (double)pixels[3 * ((cx + W) % W + W * cy)];
         }
         assert_close(found[0], expected, 5e-3);
@@ -212,7 +215,8 @@ static void maps_larger_than_the_tables(void** state) {
         double pdf, radiance;
         integrate(&s, 2, &pdf, &radiance);
         assert_close(pdf, 1, 1e-3);
-        /* 300 x 301 and the like have texels that the midpoint rule misses: the mean over texels is exact but for them. */
+        /* 300 x 301 and the like have texels that the midpoint rule misses: the mean over texels is exact but for them.
+         */
         assert_close(s.environment->mean[1] * (float)(4 * pi), radiance, 0.02 * radiance);
         check_sampling(&s, (double)s.environment->mean[1] * 4 * pi);
         destroy_sky(&s);
@@ -261,7 +265,8 @@ static void samples_go_where_light_is(void** state) {
     for (int i = 0; i < 20000; ++i) {
         ty_vec look;
         float rgb[3];
-        ty_environment_sample(&s.view, (float)uniform_in(&random, 0, 0.9999), (float)uniform_in(&random, 0, 0.9999), &look);
+        ty_environment_sample(&s.view, (float)uniform_in(&random, 0, 0.9999), (float)uniform_in(&random, 0, 0.9999),
+                              &look);
         assert_true(ty_dot(look, bright) > cosf(2.5f * (float)pi / H));
         look = random_unit(&random);
         ty_environment_radiance(&s.view, look, rgb);

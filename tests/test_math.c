@@ -231,8 +231,9 @@ static void single_precision_maps_agree(void** state) {
     const ty_vec p = ty_vec_make(1.5f, -2.5f, 0.25f), offset = ty_vec_load(m);
     assert_true(offset.x == m[0] && offset.y == m[1] && offset.z == m[2]);
     assert_vec_close(ty_map_point(m, p), ty_vec_make((float)image[0], (float)image[1], (float)image[2]), 1e-5);
-    assert_vec_close(ty_map_direction(m, p), ty_vec_make((float)(image[0] - zero[0]), (float)(image[1] - zero[1]),
-                                                         (float)(image[2] - zero[2])), 1e-5);
+    assert_vec_close(ty_map_direction(m, p),
+                     ty_vec_make((float)(image[0] - zero[0]), (float)(image[1] - zero[1]), (float)(image[2] - zero[2])),
+                     1e-5);
 }
 
 int main(void) {

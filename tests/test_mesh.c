@@ -117,8 +117,8 @@ static expected_hit meet(const ty_shape_def* shape, ty_vec origin, ty_vec direct
     for (int c = 0; c < 3; ++c)
         hit.normal[c] = inverse.m[c] * local[0] + inverse.m[4 + c] * local[1] + inverse.m[8 + c] * local[2];
     const double* m = inverse.m;
-    const double determinant = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-                               m[2] * (m[4] * m[9] - m[5] * m[8]);
+    const double determinant =
+        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
     if (shape->kind == TY_SHAPE_QUAD && determinant < 0)
         for (int c = 0; c < 3; ++c) hit.normal[c] *= -1;
     return hit;
@@ -135,8 +135,10 @@ static void check_ray(const ty_mesh* mesh, const ty_shape_def* shape, ty_vec ori
     assert_close(hit.distance, expected.distance, 1e-4);
     assert_vec_close(hit.position, ty_mad(origin, direction, hit.distance), 1e-5);
     const double length = sqrt(dot3(expected.normal, expected.normal));
-    assert_vec_close(hit.normal, ty_vec_make((float)(expected.normal[0] / length), (float)(expected.normal[1] / length),
-                                             (float)(expected.normal[2] / length)), 2e-4);
+    assert_vec_close(hit.normal,
+                     ty_vec_make((float)(expected.normal[0] / length), (float)(expected.normal[1] / length),
+                                 (float)(expected.normal[2] / length)),
+                     2e-4);
     assert_int_equal(hit.shape, 0);
     assert_int_equal(ty_mesh_intersect(mesh, origin, direction, hit.distance * 1.001f, &hit), 1);
     assert_int_equal(ty_mesh_intersect(mesh, origin, direction, hit.distance * 0.999f, &hit), 0);
@@ -197,7 +199,8 @@ static void quads_face_the_u_cross_v_side(void** state) {
 /* Shapes of all kinds in one mesh: hits name the shape as added, and the quad of a box. */
 static void hits_name_shape_and_part(void** state) {
     const double origin[3] = {-1, 5, -1}, u[3] = {0, 0, 2}, v[3] = {2, 0, 0};
-    const ty_shape_def shapes[] = {sphere(-5, 0, 0, 1), box(4, -1, -1, 6, 1, 1), quad(origin, u, v), sphere(0, -5, 0, 2)};
+    const ty_shape_def shapes[] = {sphere(-5, 0, 0, 1), box(4, -1, -1, 6, 1, 1), quad(origin, u, v),
+                                   sphere(0, -5, 0, 2)};
     ty_mesh* mesh = make_mesh(*state, shapes, 4);
     static const float ways[][3] = {{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
     static const double distances[] = {4, 4, 5, 3};

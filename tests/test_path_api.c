@@ -77,22 +77,17 @@ static bool same_images(const ty_image* a, const ty_image* b) {
     return true;
 }
 
-#define PATH(field, type, value, words) {offsetof(ty_path_def, field), type, value, words}
+#define PATH(field, type, value, words)                                                                                \
+    { offsetof(ty_path_def, field), type, value, words }
 
 static void wrong_defs_are_refused(void** state) {
     static const bad_field bad[] = {
-        PATH(cookie, FIELD_INT, 0, "ty_default_path_def"),
-        PATH(spp, FIELD_INT, 0, "path.spp: 0 is outside [1,"),
-        PATH(spp, FIELD_INT, (1 << 24) + 1, "path.spp"),
-        PATH(max_depth, FIELD_INT, -1, "path.max_depth: -1"),
-        PATH(seconds, FIELD_DOUBLE, -1, "path.seconds: -1"),
-        PATH(seconds, FIELD_DOUBLE, NAN, "path.seconds"),
-        PATH(error, FIELD_DOUBLE, -0.1, "path.error: -0.1"),
-        PATH(error, FIELD_DOUBLE, INFINITY, "path.error"),
-        PATH(width, FIELD_INT, 0, "path: 0 x 11"),
-        PATH(height, FIELD_INT, 0, "path: 19 x 0"),
-        PATH(width, FIELD_INT, -5, "path: -5 x 11"),
-        PATH(height, FIELD_INT, 65537, "path: 19 x 65537"),
+        PATH(cookie, FIELD_INT, 0, "ty_default_path_def"),   PATH(spp, FIELD_INT, 0, "path.spp: 0 is outside [1,"),
+        PATH(spp, FIELD_INT, (1 << 24) + 1, "path.spp"),     PATH(max_depth, FIELD_INT, -1, "path.max_depth: -1"),
+        PATH(seconds, FIELD_DOUBLE, -1, "path.seconds: -1"), PATH(seconds, FIELD_DOUBLE, NAN, "path.seconds"),
+        PATH(error, FIELD_DOUBLE, -0.1, "path.error: -0.1"), PATH(error, FIELD_DOUBLE, INFINITY, "path.error"),
+        PATH(width, FIELD_INT, 0, "path: 0 x 11"),           PATH(height, FIELD_INT, 0, "path: 19 x 0"),
+        PATH(width, FIELD_INT, -5, "path: -5 x 11"),         PATH(height, FIELD_INT, 65537, "path: 19 x 65537"),
     };
     ty_scene* scene = dark_scene(*state);
     ty_image* image = NULL;

@@ -18,7 +18,8 @@ static void wrong_up_axes_are_refused(void** state) {
     assert_null(scene);
 }
 
-#define CAMERA(field, type, value, words) {offsetof(ty_camera_def, field), type, value, words}
+#define CAMERA(field, type, value, words)                                                                              \
+    { offsetof(ty_camera_def, field), type, value, words }
 
 static void wrong_cameras_are_refused(void** state) {
     static const bad_field bad[] = {
@@ -48,7 +49,8 @@ static void wrong_cameras_are_refused(void** state) {
     ty_scene_destroy(scene);
 }
 
-#define MEDIUM(field, type, value, words) {offsetof(ty_medium_def, field), type, value, words}
+#define MEDIUM(field, type, value, words)                                                                              \
+    { offsetof(ty_medium_def, field), type, value, words }
 
 static ty_medium_def unit_box_medium(void) {
     const double lower[3] = {0, 0, 0}, upper[3] = {1, 1, 1};
@@ -129,7 +131,8 @@ static void grids_need_bounds_unless_placed(void** state) {
     ty_scene_destroy(scene);
 }
 
-#define LIGHT(field, type, value, words) {offsetof(ty_light_def, field), type, value, words}
+#define LIGHT(field, type, value, words)                                                                               \
+    { offsetof(ty_light_def, field), type, value, words }
 
 static void refuse_lights(ty_context* context, ty_light_kind kind, const bad_field* bad, size_t count) {
     ty_scene* scene = make_scene(context);
@@ -195,7 +198,8 @@ static void environments_need_colour(void** state) {
     ty_image_destroy(image);
 }
 
-#define SHAPE(field, type, value, words) {offsetof(ty_shape_def, field), type, value, words}
+#define SHAPE(field, type, value, words)                                                                               \
+    { offsetof(ty_shape_def, field), type, value, words }
 
 static void refuse_shapes(ty_context* context, ty_shape_kind kind, const bad_field* bad, size_t count) {
     ty_scene* scene = make_scene(context);
@@ -403,20 +407,13 @@ static void reports_count_bytes_once(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_up_axes_are_refused),
-        cmocka_unit_test(wrong_cameras_are_refused),
-        cmocka_unit_test(wrong_media_are_refused),
-        cmocka_unit_test(grids_need_bounds_unless_placed),
-        cmocka_unit_test(wrong_lights_are_refused),
-        cmocka_unit_test(environments_need_colour),
-        cmocka_unit_test(wrong_shapes_are_refused),
-        cmocka_unit_test(default_cameras_look_level),
-        cmocka_unit_test(settings_and_hash_are_kept),
-        cmocka_unit_test(media_are_copied),
-        cmocka_unit_test(there_is_a_most_of_media),
-        cmocka_unit_test(changes_need_another_commit),
-        cmocka_unit_test(reports_hold_media_and_surfaces),
-        cmocka_unit_test(placed_grids_have_their_place),
+        cmocka_unit_test(wrong_up_axes_are_refused),       cmocka_unit_test(wrong_cameras_are_refused),
+        cmocka_unit_test(wrong_media_are_refused),         cmocka_unit_test(grids_need_bounds_unless_placed),
+        cmocka_unit_test(wrong_lights_are_refused),        cmocka_unit_test(environments_need_colour),
+        cmocka_unit_test(wrong_shapes_are_refused),        cmocka_unit_test(default_cameras_look_level),
+        cmocka_unit_test(settings_and_hash_are_kept),      cmocka_unit_test(media_are_copied),
+        cmocka_unit_test(there_is_a_most_of_media),        cmocka_unit_test(changes_need_another_commit),
+        cmocka_unit_test(reports_hold_media_and_surfaces), cmocka_unit_test(placed_grids_have_their_place),
         cmocka_unit_test(reports_count_bytes_once),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

@@ -117,9 +117,9 @@ static void ends_cut_the_way(void** state) {
         segment s;
         double length;
     } cases[] = {
-        {{{-1, 1, 1}, {3, 1, 1}}, 2},      {{{1, 1, 1}, {3, 1, 1}}, 1},       {{{-1, 1, 1}, {0.5, 1, 1}}, 0.5},
-        {{{0.5, 1, 1}, {1.25, 1, 1}}, 0.75}, {{{-3, 1, 1}, {-1, 1, 1}}, 0},     {{{3, 1, 1}, {5, 1, 1}}, 0},
-        {{{1, 3, 1}, {1, 3, 5}}, 0},       {{{1, 1, 1}, {1, 1, 1}}, 0},       {{{-9, 1, 1}, {-9, 1, 1}}, 0},
+        {{{-1, 1, 1}, {3, 1, 1}}, 2},        {{{1, 1, 1}, {3, 1, 1}}, 1},   {{{-1, 1, 1}, {0.5, 1, 1}}, 0.5},
+        {{{0.5, 1, 1}, {1.25, 1, 1}}, 0.75}, {{{-3, 1, 1}, {-1, 1, 1}}, 0}, {{{3, 1, 1}, {5, 1, 1}}, 0},
+        {{{1, 3, 1}, {1, 3, 5}}, 0},         {{{1, 1, 1}, {1, 1, 1}}, 0},   {{{-9, 1, 1}, {-9, 1, 1}}, 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         double found[3], back[3];
@@ -316,12 +316,9 @@ static void wrong_arguments_are_refused(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(homogeneous_media_are_exact),
-        cmocka_unit_test(ends_cut_the_way),
-        cmocka_unit_test(nothing_attenuates_nothing),
-        cmocka_unit_test(grids_that_fill_a_box),
-        cmocka_unit_test(grids_with_a_place),
-        cmocka_unit_test(constant_grids_are_exact_within),
+        cmocka_unit_test(homogeneous_media_are_exact), cmocka_unit_test(ends_cut_the_way),
+        cmocka_unit_test(nothing_attenuates_nothing),  cmocka_unit_test(grids_that_fill_a_box),
+        cmocka_unit_test(grids_with_a_place),          cmocka_unit_test(constant_grids_are_exact_within),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

@@ -23,24 +23,29 @@ static inline double transport_continuum(const void* user, double w) {
     return exp(-t->tau * (1 + beyond)) / (a * a + b * b) * beyond;
 }
 
-/* 1 / nu0, the ratio of mean free path and diffusion length. */
-static inline double transport_decay(double albedo) {
-    double low = 0, high = 1;
+/* atanh(1 / nu0) */
+static inline double transport_root(double albedo) {
+    double low = 0, high = 1 / albedo;
     if (albedo >= 1) return 0;
     for (int i = 0; i < 200; ++i) {
-        const double y = 0.5 * (low + high);
-        if (y < 1 && albedo * atanh(y) < y)
-            low = y;
+        const double middle = 0.5 * (low + high);
+        if (albedo * middle < tanh(middle))
+            low = middle;
         else
-            high = y;
+            high = middle;
     }
     return low;
 }
 
+/* 1 / nu0, the ratio of mean free path and diffusion length. */
+static inline double transport_decay(double albedo) {
+    return tanh(transport_root(albedo));
+}
+
 /* 1 / (nu0 N0) */
 static inline double transport_discrete(double albedo) {
-    const double y = transport_decay(albedo), y2 = y * y;
-    return albedo >= 1 ? 3 : 2 * (1 - y2) * y2 / (albedo * (y2 - (1 - albedo)));
+    const double y = transport_decay(albedo), beyond = pow(cosh(transport_root(albedo)), -2);
+    return albedo >= 1 ? 3 : 2 * beyond * y * y / (albedo * (albedo - beyond));
 }
 
 static inline double transport_fluence(double albedo, double tau) {
@@ -101,8 +106,8 @@ typedef struct source_case {
 } source_case;
 
 static const source_case source_cases[] = {
-    {0.5, 0.5, 128}, {0.5, 1, 256},   {0.5, 2, 1024}, {0.5, 4, 6144},  {0.5, 6, 32768},
-    {0.9, 0.5, 192}, {0.9, 1, 512},   {0.9, 2, 1536}, {0.9, 4, 8192},  {0.9, 6, 12288},
+    {0.5, 0.5, 128}, {0.5, 1, 256},   {0.5, 2, 1024}, {0.5, 4, 12288},  {0.5, 6, 98304},
+    {0.9, 0.5, 192}, {0.9, 1, 512},   {0.9, 2, 1536}, {0.9, 4, 12288},  {0.9, 6, 16384},
     {1, 0.5, 256},   {1, 1, 512},     {1, 2, 2048},   {1, 4, 4096},    {1, 6, 6144},
 };
 

@@ -227,7 +227,7 @@ static inline void assert_close(const char* name, estimate measured, double expe
     printf("%-44s %11.6g +- %.1e, expected %11.6g: %+.3f%% of %.2f%%\n", name, measured.mean, measured.error, expected,
            100 * off, 100 * tolerance);
     if (!(fabs(off) <= tolerance)) fail_msg("%s: %.8g, not %.8g", name, measured.mean, expected);
-    if (!(measured.error <= tolerance / 3 * expected)) fail_msg("%s: too noisy to tell", name);
+    if (!(measured.error <= 0.4 * tolerance * expected)) fail_msg("%s: too noisy to tell", name);
 }
 
 /* ---- images ---- */

@@ -55,47 +55,44 @@ static double airlight_at(const void* user, double t) {
     return a->sigma_s * phase * irradiance * (double)a->light.color[0] * exp(-a->sigma_t * (t + distance));
 }
 
-/* Rays that begin in the ball, some of them passing near `aim`. */
-static void make_rays(double rays[6 * RAYS], double radius, const double aim[3]) {
+/* Rays that begin in the ball and pass the places below a lamp, half of them nearly through its axis. */
+static void make_rays(double rays[6 * RAYS], double radius, const double lamp[3]) {
     for (int i = 0; i < RAYS; ++i) {
         double x[4];
         even_point(i, x);
         double* ray = rays + 6 * i;
         for (int a = 0; a < 3; ++a) {
             ray[a] = radius * 1.1 * (x[a] - 0.5);
-            ray[3 + a] = aim[a] + (i % 2 == 0 ? 1.2 : 0.1) * (x[(a + 1) % 4] - 0.5) - ray[a];
+            ray[3 + a] = lamp[a] + (i % 2 == 0 ? 0.2 : 0.02) * (x[(a + 1) % 4] - 0.5) - ray[a];
         }
+        ray[4] -= radius * x[3];
         normalize3(ray + 3);
     }
 }
 
 static void check(ty_context* context, const char* what, airlight a, int32_t spp) {
-    double rays[6 * RAYS], radiance[3 * RAYS];
-    const double aim[3] = {0.1, 0.3, -0.2};
+    double rays[6 * RAYS], radiance[3 * RAYS], variance[3 * RAYS];
     ty_scene* scene = new_scene(context);
     const ty_medium_def medium = medium_sphere(a.radius, a.sigma_s, a.sigma_t - a.sigma_s, a.g);
     add_medium(scene, &medium);
     add_light(scene, &a.light);
     commit(scene);
-    make_rays(rays, a.radius, aim);
-    radiance_along(scene, RAYS, rays, spp, 1, radiance, NULL);
+    make_rays(rays, a.radius, a.light.position);
+    radiance_along(scene, RAYS, rays, spp, 1, radiance, variance);
     double sum = 0, expected_sum = 0, worst = 0;
     for (int i = 0; i < RAYS; ++i) {
         memcpy(a.origin, rays + 6 * i, sizeof a.origin);
         memcpy(a.way, rays + 6 * i + 3, sizeof a.way);
         const double expected = integrate(airlight_at, &a, 0, to_surface(&a, a.origin, a.way), 4000);
+        const double tolerance = fmax(0.01 * expected, 4 * sqrt(variance[3 * i]));
+        worst = fmax(worst, fabs(radiance[3 * i] - expected) / fmax(tolerance, 1e-30));
         sum += radiance[3 * i];
         expected_sum += expected;
-        if (expected <= 0) {
-            assert_true(radiance[3 * i] == 0);
-            continue;
-        }
-        worst = fmax(worst, fabs(radiance[3 * i] / expected - 1));
     }
-    printf("%-28s g %4.1f: mean %+.3f%%, worst of %d rays %.3f%% of 1%%\n", what, a.g, 100 * (sum / expected_sum - 1),
-           RAYS, 100 * worst);
-    assert_true(fabs(sum / expected_sum - 1) < 0.002);
-    if (!(worst <= 0.01)) fail_msg("%s: a ray is off by %g", what, worst);
+    printf("%-28s g %4.1f: mean %+.3f%% of 0.5%%, worst of %d rays at %.2f of 1%% or four standard errors\n", what, a.g,
+           100 * (sum / expected_sum - 1), RAYS, worst);
+    if (!(fabs(sum / expected_sum - 1) < 0.005)) fail_msg("%s: the mean is off by %g", what, sum / expected_sum - 1);
+    if (!(worst <= 1)) fail_msg("%s: a ray is off by %g of what is allowed", what, worst);
     ty_scene_destroy(scene);
 }
 
@@ -104,10 +101,10 @@ static void test_sunlight(void** state) {
     set3(a.light.direction, 1, -2, 0.5);
     for (int i = 0; i < 3; ++i) {
         a.g = anisotropies[i];
-        check(*state, "sunlight in a ball", a, 4096);
+        check(*state, "sunlight in a ball", a, 1 << 15);
     }
     a.sigma_s = a.sigma_t = 6;
-    check(*state, "sunlight in a dense ball", a, 4096);
+    check(*state, "sunlight in a dense ball", a, 1 << 15);
 }
 
 static void test_spot(void** state) {
@@ -119,7 +116,7 @@ static void test_spot(void** state) {
     for (int i = 0; i < 6; ++i) {
         a.g = anisotropies[i % 3];
         a.light.penumbra = penumbras[i / 3];
-        check(*state, i < 3 ? "spot, sharp" : "spot, fading", a, 1 << 18);
+        check(*state, i < 3 ? "spot, sharp" : "spot, fading", a, 1 << 14);
     }
 }
 
@@ -128,7 +125,7 @@ static void test_point(void** state) {
     set3(a.light.position, 0.1, 0.3, -0.2);
     for (int i = 0; i < 3; ++i) {
         a.g = anisotropies[i];
-        check(*state, "airlight of a point source", a, 1 << 14);
+        check(*state, "airlight of a point source", a, 1 << 13);
     }
 }
 

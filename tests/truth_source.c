@@ -9,13 +9,13 @@ static void test_quadrature(void** state) {
     for (int i = 0; i < 5; ++i) {
         const double tau = taus[i];
         assert_true(fabs(transport_fluence(1e-9, tau) / (exp(-tau) / (tau * tau)) - 1) < 1e-6);
-        /* Half as much absorbed again: first order in the albedo. */
+        /* A little scattering: twice as much gives twice as much. */
         const double once = transport_fluence(1e-3, tau) - transport_fluence(1e-9, tau);
         const double twice = transport_fluence(2e-3, tau) - transport_fluence(1e-9, tau);
         assert_true(fabs(twice / once - 2) < 0.02);
-        for (double albedo = 0.1; albedo < 1.05; albedo += 0.1) {
-            const double ratio = transport_grosjean(fmin(albedo, 1), tau) / transport_fluence(fmin(albedo, 1), tau);
-            if (!(fabs(ratio - 1) < 0.05)) fail_msg("albedo %g, tau %g: Grosjean is off by %g", albedo, tau, ratio);
+        for (int tenth = 1; tenth <= 10; ++tenth) {
+            const double albedo = 0.1 * tenth, ratio = transport_grosjean(albedo, tau) / transport_fluence(albedo, tau);
+            if (!(fabs(ratio - 1) < 0.1)) fail_msg("albedo %g, tau %g: Grosjean's is %g of it", albedo, tau, ratio);
         }
     }
     assert_true(fabs(transport_fluence(1, 40) * 40 / 3 - 1) < 1e-6);

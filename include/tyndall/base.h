@@ -52,7 +52,8 @@ typedef struct ty_context ty_context;
 
 typedef enum ty_log_level { TY_LOG_INFO = 0, TY_LOG_WARNING = 1, TY_LOG_ERROR = 2 } ty_log_level;
 
-/* Called with one finished line without a newline. May be called from any thread, one call at a time. */
+/* Called with one finished line without a newline. May be called from any thread, one call at a time; it must not call
+ * back into the context. */
 typedef void (*ty_log_fn)(void* user, ty_log_level level, const char* text);
 
 /* size > 0; returns memory aligned to 64 bytes, or NULL. */

@@ -36,7 +36,7 @@ typedef struct ty_path_stats {
     double error;        /* estimated relative error, as in ty_path_def */
     uint64_t paths;      /* paths traced */
     uint64_t vertices;   /* scatterings and reflections */
-    const char* isa;     /* "x86-64", "x86-64-v3" or "x86-64-v4": which build of the kernel ran */
+    const char* isa;     /* "x86-64", "x86-64-v3", "x86-64-v4" or "generic": which build of the kernel ran */
 } ty_path_stats;
 
 /* Radiance through each pixel of the scene's camera: R, G, B, and variance.R, .G, .B (variance of the pixel's mean).

@@ -75,7 +75,7 @@ typedef struct ty_light_def {
     double penumbra;      /* fraction of the half angle over which the spot fades, 0..1; default 0.15 */
     const ty_image* image; /* environment: equirectangular RGB, seen from inside, not mirrored, centre along +x; copied.
                               Default NULL: constant */
-    float scale;          /* multiplies the image, >= 0; default 1 */
+    float scale;          /* environment: multiplies the image or color, >= 0; default 1 */
     double rotation;      /* degrees about the up axis, counter-clockwise seen from above; default 0 */
 } ty_light_def;
 

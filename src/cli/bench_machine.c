@@ -29,7 +29,7 @@ static bench_fma_fn choose_fma(const char** isa) {
     }
     *isa = "x86-64";
 #else
-    *isa = "baseline";
+    *isa = "x86-64";
 #endif
     return bench_fma_v1;
 }

@@ -20,7 +20,7 @@ TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec
         float t = bricks.enter;
         least += bricks.low * (bricks.leave - bricks.enter);
         while (left < (bricks.leave - t) * rate) {
-            t += left / rate;
+            t += ty_maxf(left / rate, TY_LEAST_STEP * t);
             const float density = ty_bricks_density(&bricks, t, random);
             const float fraction = (density - bricks.low) / rate;
             for (int c = 0; c < 3; ++c) track[c] *= 1.0f - fraction * medium->sigma_t[c];

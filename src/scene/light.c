@@ -114,7 +114,7 @@ void ty_light_set_choice(ty_light_view* lights, size_t count, const double lower
     if (!(d2 > 0)) d2 = 1;
     size_t sampled = 0;
     for (size_t i = 0; i < count; ++i) {
-        lights[i].typical = (float)typical_fluence(&lights[i], d2);
+        lights[i].typical = (float)fmin(typical_fluence(&lights[i], d2), 1e30);
         lights[i].reach2 = (float)fmax(0.3 * lights[i].area, 0.015 * d2);
         sampled += lights[i].typical > 0;
         sum += (double)lights[i].typical;

@@ -8,6 +8,9 @@
 
 enum { TY_MEDIA_MAX = 64 };
 
+/* Tentative collisions are at least this far apart, relative to the distance: what single precision can tell. */
+#define TY_LEAST_STEP 6e-8f
+
 typedef struct ty_medium_view {
     ty_grid_view grid; /* looked at if has_grid */
     int32_t has_grid;

@@ -49,7 +49,7 @@ static ty_result fail(ty_mesh* mesh, const char* what) {
                    mesh->device == NULL ? 0 : (int)rtcGetDeviceError(mesh->device));
 }
 
-/* Rounding moves a point off a quad by what it changes of coordinates that the normal sees: nothing, on level ground. */
+/* Rounding moves a point off a quad by what it changes of the coordinates that the normal sees: none, if level. */
 static float quad_margin(ty_vec normal, const float* corners) {
     ty_vec largest = ty_vec_make(0, 0, 0);
     for (int corner = 0; corner < 4; ++corner)
@@ -72,8 +72,8 @@ static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t cou
     mesh->quads = ty_alloc_array(mesh->context, mesh->quad_count, sizeof *mesh->quads, false);
     if (mesh->quads == NULL) return TY_ERROR_MEMORY;
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_QUAD);
-    float* corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                             3 * sizeof(float), 4 * mesh->quad_count);
+    float* corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                             4 * mesh->quad_count);
     unsigned* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
                                                 4 * sizeof(unsigned), mesh->quad_count);
     if (corners == NULL || indices == NULL) {
@@ -90,8 +90,10 @@ static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t cou
                     corners[12 * quad + 3 * (size_t)corner + (size_t)a] =
                         (float)(origin[a] + (corner == 1 || corner == 2 ? u[a] : 0) + (corner >= 2 ? v[a] : 0));
             for (unsigned corner = 0; corner < 4; ++corner) indices[4 * quad + corner] = (unsigned)(4 * quad) + corner;
-            mesh->quads[quad] = (mesh_quad){
-                .shape = (int32_t)i, .part = q, .corner = ty_vec_load(corners + 12 * quad), .normal = ty_shape_normal(u, v)};
+            mesh->quads[quad] = (mesh_quad){.shape = (int32_t)i,
+                                            .part = q,
+                                            .corner = ty_vec_load(corners + 12 * quad),
+                                            .normal = ty_shape_normal(u, v)};
             mesh->quads[quad].margin = quad_margin(mesh->quads[quad].normal, corners + 12 * quad);
         }
     rtcCommitGeometry(geometry);
@@ -106,8 +108,8 @@ static ty_result add_spheres(ty_mesh* mesh, const ty_shape_def* shapes, size_t c
     mesh->spheres = ty_alloc_array(mesh->context, mesh->sphere_count, sizeof *mesh->spheres, false);
     if (mesh->spheres == NULL) return TY_ERROR_MEMORY;
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    float* points = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                            4 * sizeof(float), mesh->sphere_count);
+    float* points = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float),
+                                            mesh->sphere_count);
     if (points == NULL) {
         rtcReleaseGeometry(geometry);
         return fail(mesh, "allocating spheres");

@@ -47,8 +47,10 @@ static ty_path_kernel choose_kernel(const char** isa) {
         *isa = "x86-64-v3";
         return ty_path_kernel_v3;
     }
+    *isa = "x86-64";
+#else
+    *isa = "generic";
 #endif
-    *isa = "baseline";
     return ty_path_kernel_v1;
 }
 
@@ -232,6 +234,7 @@ ty_result ty_path_sample(ty_path_run* run) {
         }
         if (run->def->seconds > 0 && ty_wall_seconds() - pass.begun >= run->def->seconds) break;
     }
+    const bool cancelled = atomic_load(&pass.cancelled);
     report(&pass, true);
     pthread_mutex_destroy(&pass.lock);
     run->stats.error = relative_error(run);
@@ -240,5 +243,5 @@ ty_result ty_path_sample(ty_path_run* run) {
     run->stats.paths = atomic_load(&pass.paths);
     run->stats.vertices = atomic_load(&pass.vertices);
     run->stats.spp = (double)run->stats.paths / (double)run->item_count;
-    return atomic_load(&pass.cancelled) && pass.done_before < spp ? TY_CANCELLED : TY_OK;
+    return cancelled && pass.done_before < spp ? TY_CANCELLED : TY_OK;
 }

@@ -145,7 +145,7 @@ TY_FN void ty_walker_next(ty_walker* walker, float u) {
         const float rate = walker->bricks.high * walker->bricks.medium->sigma_t_max;
         const float room = (walker->bricks.leave - t) * rate;
         if (left < room) {
-            walker->t = t + left / rate;
+            walker->t = t + ty_maxf(left / rate, TY_LEAST_STEP * t);
             return;
         }
         left -= room;

@@ -1,0 +1,96 @@
+/* A coloured medium is three gray ones: channel by channel the same picture, and not much noisier. */
+#include "truth.h"
+
+enum { SIDE = 64, SPP = 256 };
+
+typedef struct coefficients {
+    double sigma_s[3], sigma_a[3], g[3];
+} coefficients;
+
+static const coefficients mild = {{3, 5, 8}, {0.5, 0.2, 0.05}, {0.2, 0.5, 0.75}};
+static const coefficients harsh = {{0.2, 4, 30}, {2, 0, 0.5}, {0.9, 0, -0.6}};
+
+/* A ball or a cloud in sun and sky, of the medium's colours, or gray as one of its channels. */
+static ty_image* picture(ty_context* context, const coefficients* of, int channel, bool cloud, uint64_t seed) {
+    ty_scene* scene = new_scene(context);
+    ty_medium_def medium = cloud ? medium_cube(0.6, 0, 0, 0) : medium_sphere(0.6, 0, 0, 0);
+    for (int c = 0; c < 3; ++c) {
+        const int from = channel < 0 ? c : channel;
+        medium.sigma_s[c] = (float)of->sigma_s[from];
+        medium.sigma_a[c] = (float)of->sigma_a[from];
+        medium.g[c] = (float)of->g[from];
+    }
+    ty_noise_def noise = ty_default_noise_def();
+    noise.size[0] = noise.size[1] = noise.size[2] = 32;
+    if (cloud) must(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    add_medium(scene, &medium);
+    ty_grid_destroy(medium.density_grid);
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2), sky = light_of(TY_LIGHT_ENVIRONMENT, 0.3);
+    set3(sun.direction, -1, -1, -0.3);
+    add_light(scene, &sun);
+    add_light(scene, &sky);
+    set_camera(scene, 1, 0.5, 4, 18);
+    commit(scene);
+    ty_image* image = render(scene, SIDE, SPP, seed);
+    assert_finite(image);
+    ty_scene_destroy(scene);
+    return image;
+}
+
+static double mean_variance(const ty_image* image, int channel) {
+    double sum = 0;
+    for (int i = 0; i < SIDE * SIDE; ++i) sum += (double)ty_image_plane_const(image, channel + 3)[i];
+    return sum / (SIDE * SIDE);
+}
+
+/* The pixel whose channels' sum is noisiest relative to its brightness: colour noise shows as bright coloured dots. */
+static double brightest_dot(const ty_image* image, const ty_image* const grays[3]) {
+    double worst = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double mean = image_mean(grays[c], 0).mean;
+        for (int i = 0; i < SIDE * SIDE; ++i)
+            worst = fmax(worst, ((double)ty_image_plane_const(image, c)[i] - (double)ty_image_plane_const(grays[c], 0)[i]) / mean);
+    }
+    return worst;
+}
+
+static void check(ty_context* context, const char* name, const coefficients* of, bool cloud) {
+    ty_image* image = picture(context, of, -1, cloud, 1);
+    ty_image* grays[3];
+    for (int c = 0; c < 3; ++c) {
+        grays[c] = picture(context, of, c, cloud, 2 + (uint64_t)c);
+        const double ratio = mean_variance(image, c) / mean_variance(grays[c], 0);
+        printf("%-36s %c: variance %.2f times that of gray, of 4\n", name, "RGB"[c], ratio);
+        assert_same_channel(name, image, c, grays[c], 0, 0.005);
+        if (!(ratio <= 4)) fail_msg("%s: %g times the variance of gray", name, ratio);
+    }
+    printf("%-36s  : brightest dot %.2f times the mean\n", name, brightest_dot(image, (const ty_image* const*)grays));
+    ty_image_destroy(image);
+    for (int c = 0; c < 3; ++c) ty_image_destroy(grays[c]);
+}
+
+static void test_ball(void** state) {
+    check(*state, "ball", &mild, false);
+}
+
+static void test_cloud(void** state) {
+    check(*state, "cloud", &mild, true);
+}
+
+static void test_harsh_ball(void** state) {
+    check(*state, "ball, harsh colours", &harsh, false);
+}
+
+static void test_harsh_cloud(void** state) {
+    check(*state, "cloud, harsh colours", &harsh, true);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_cloud),
+        cmocka_unit_test(test_harsh_ball),
+        cmocka_unit_test(test_harsh_cloud),
+    };
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}
