@@ -25,14 +25,14 @@ extern "C" {
 #define TY_VERSION "0.1.0"
 
 /* code, name, text */
-#define TY_RESULT_LIST(X)                                                                                    \
-    X(0, TY_OK, "done")                                                                                      \
-    X(1, TY_CANCELLED, "cancelled by the progress callback; what was handed out is a valid partial result")  \
-    X(2, TY_ERROR_ARGUMENT, "an argument of the call is wrong")                                              \
-    X(3, TY_ERROR_INPUT, "the content of a file is wrong")                                                   \
-    X(4, TY_ERROR_FILE, "a file cannot be opened, read or written")                                          \
-    X(5, TY_ERROR_MEMORY, "not enough memory")                                                               \
-    X(6, TY_ERROR_UNSUPPORTED, "not available in this build or on this machine")                             \
+#define TY_RESULT_LIST(X)                                                                                              \
+    X(0, TY_OK, "done")                                                                                                \
+    X(1, TY_CANCELLED, "cancelled by the progress callback; what was handed out is a valid partial result")            \
+    X(2, TY_ERROR_ARGUMENT, "an argument of the call is wrong")                                                        \
+    X(3, TY_ERROR_INPUT, "the content of a file is wrong")                                                             \
+    X(4, TY_ERROR_FILE, "a file cannot be opened, read or written")                                                    \
+    X(5, TY_ERROR_MEMORY, "not enough memory")                                                                         \
+    X(6, TY_ERROR_UNSUPPORTED, "not available in this build or on this machine")                                       \
     X(7, TY_ERROR_INTERNAL, "a library below failed unexpectedly")
 
 typedef enum ty_result {

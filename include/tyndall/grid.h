@@ -30,14 +30,14 @@ typedef struct ty_grid ty_grid;
 typedef enum ty_grid_type { TY_GRID_F32 = 0, TY_GRID_F16 = 1 } ty_grid_type;
 
 typedef struct ty_grid_def {
-    uint32_t cookie;           /* set by ty_default_grid_def; checked */
-    int32_t size[3];           /* voxels along x, y, z; each 1..16384, default 0 (must be set) */
-    ty_grid_type type;         /* of values; default TY_GRID_F32 */
-    const void* values;        /* size[0]*size[1]*size[2] values, copied; NULL (default) fills with 0 */
-    ty_affine index_to_local;  /* places voxel centres; metres, or units of bounds; default identity */
-    bool placed;               /* true: index_to_local places the grid (VDB); false (default): the grid fills
-                                  the bounds of the medium that uses it, cell i being [i, i+1]/n of the box */
-    float background;          /* value outside, for placed grids; default 0 */
+    uint32_t cookie;          /* set by ty_default_grid_def; checked */
+    int32_t size[3];          /* voxels along x, y, z; each 1..16384, default 0 (must be set) */
+    ty_grid_type type;        /* of values; default TY_GRID_F32 */
+    const void* values;       /* size[0]*size[1]*size[2] values, copied; NULL (default) fills with 0 */
+    ty_affine index_to_local; /* places voxel centres; metres, or units of bounds; default identity */
+    bool placed;              /* true: index_to_local places the grid (VDB); false (default): the grid fills
+                                 the bounds of the medium that uses it, cell i being [i, i+1]/n of the box */
+    float background;         /* value outside, for placed grids; default 0 */
 } ty_grid_def;
 
 TY_API ty_grid_def ty_default_grid_def(void);

@@ -27,7 +27,7 @@ TY_API ty_result ty_image_write_png(ty_context* context, const ty_image* image, 
 /* One grid of an OpenVDB file. */
 typedef struct ty_vdb_entry {
     char name[128];
-    char type[32];          /* "float", "half", "vec3s", ... as the file says */
+    char type[32]; /* "float", "half", "vec3s", ... as the file says */
     int64_t active_voxels;
     int32_t lower[3], upper[3]; /* index box of active voxels, inclusive; lower > upper when empty */
     double voxel_size[3];

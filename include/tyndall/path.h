@@ -14,29 +14,29 @@ extern "C" {
 #endif
 
 typedef struct ty_path_def {
-    uint32_t cookie;      /* set by ty_default_path_def; checked */
-    int32_t spp;          /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
-    uint64_t seed;        /* any; images of different seeds are independent; default 0 */
-    int32_t max_depth;    /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
-    double seconds;       /* stop after this time, > 0; 0 (default): no bound */
-    double error;         /* stop when the estimated relative error (standard error of the pixels, root mean
-                             square, over the mean) is below this, > 0; 0 (default): no bound */
-    int32_t width, height; /* 0 (default): the camera's resolution. Both or neither */
+    uint32_t cookie;         /* set by ty_default_path_def; checked */
+    int32_t spp;             /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
+    uint64_t seed;           /* any; images of different seeds are independent; default 0 */
+    int32_t max_depth;       /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
+    double seconds;          /* stop after this time, > 0; 0 (default): no bound */
+    double error;            /* stop when the estimated relative error (standard error of the pixels, root mean
+                                square, over the mean) is below this, > 0; 0 (default): no bound */
+    int32_t width, height;   /* 0 (default): the camera's resolution. Both or neither */
     ty_progress_fn progress; /* default NULL */
-    void* progress_user;  /* default NULL */
+    void* progress_user;     /* default NULL */
 } ty_path_def;
 
 TY_API ty_path_def ty_default_path_def(void);
 
 /* What a run did. */
 typedef struct ty_path_stats {
-    double seconds;      /* wall clock */
-    double cpu_seconds;  /* over all threads */
-    double spp;          /* mean samples per pixel */
-    double error;        /* estimated relative error, as in ty_path_def */
-    uint64_t paths;      /* paths traced */
-    uint64_t vertices;   /* scatterings and reflections */
-    const char* isa;     /* "x86-64", "x86-64-v3", "x86-64-v4" or "generic": which build of the kernel ran */
+    double seconds;     /* wall clock */
+    double cpu_seconds; /* over all threads */
+    double spp;         /* mean samples per pixel */
+    double error;       /* estimated relative error, as in ty_path_def */
+    uint64_t paths;     /* paths traced */
+    uint64_t vertices;  /* scatterings and reflections */
+    const char* isa;    /* "x86-64", "x86-64-v3", "x86-64-v4" or "generic": which build of the kernel ran */
 } ty_path_stats;
 
 /* Radiance through each pixel of the scene's camera: R, G, B, and variance.R, .G, .B (variance of the pixel's mean).

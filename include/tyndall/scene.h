@@ -65,18 +65,18 @@ typedef enum ty_light_kind {
 } ty_light_kind;
 
 typedef struct ty_light_def {
-    uint32_t cookie;      /* set by ty_default_light_def; checked */
-    ty_light_kind kind;   /* default TY_LIGHT_DIRECTIONAL */
-    float color[3];       /* see ty_light_kind; >= 0, finite; default 1 */
-    double direction[3];  /* not zero; default (0, -1, 0) */
-    double position[3];   /* m; default 0. Area lights: the corner u and v start from */
-    double u[3], v[3];    /* m, area lights; default 0 */
-    double cone;          /* full outer angle, degrees, (0, 180]; default 40 */
-    double penumbra;      /* fraction of the half angle over which the spot fades, 0..1; default 0.15 */
+    uint32_t cookie;       /* set by ty_default_light_def; checked */
+    ty_light_kind kind;    /* default TY_LIGHT_DIRECTIONAL */
+    float color[3];        /* see ty_light_kind; >= 0, finite; default 1 */
+    double direction[3];   /* not zero; default (0, -1, 0) */
+    double position[3];    /* m; default 0. Area lights: the corner u and v start from */
+    double u[3], v[3];     /* m, area lights; default 0 */
+    double cone;           /* full outer angle, degrees, (0, 180]; default 40 */
+    double penumbra;       /* fraction of the half angle over which the spot fades, 0..1; default 0.15 */
     const ty_image* image; /* environment: equirectangular RGB, seen from inside, not mirrored, centre along +x; copied.
                               Default NULL: constant */
-    float scale;          /* environment: multiplies the image or color, >= 0; default 1 */
-    double rotation;      /* degrees about the up axis, counter-clockwise seen from above; default 0 */
+    float scale;           /* environment: multiplies the image or color, >= 0; default 1 */
+    double rotation;       /* degrees about the up axis, counter-clockwise seen from above; default 0 */
 } ty_light_def;
 
 typedef enum ty_shape_kind { TY_SHAPE_QUAD = 0, TY_SHAPE_BOX = 1, TY_SHAPE_SPHERE = 2 } ty_shape_kind;
@@ -96,13 +96,13 @@ typedef struct ty_shape_def {
 /* Sky seen from the ground: single scattering of sunlight in a spherical Rayleigh + Mie + ozone atmosphere
  * (as Nishita et al. 1993 set it up), absolute radiance per channel for a given solar irradiance. */
 typedef struct ty_sky_def {
-    uint32_t cookie;      /* set by ty_default_sky_def; checked */
+    uint32_t cookie;         /* set by ty_default_sky_def; checked */
     double sun_direction[3]; /* the way sunlight travels, not zero; default (-0.5, -0.6, -0.4) */
-    float solar[3];       /* irradiance above the atmosphere, W m^-2 per channel; default (1.00, 1.00, 1.00) * 1.5 */
-    double haze;          /* aerosol amount, 0 (clear) .. 10; default 1 */
-    float ground[3];      /* ground albedo, seen below the horizon; 0..1; default 0.2 */
-    ty_axis up_axis;      /* default TY_AXIS_Y */
-    int32_t width;        /* of the equirectangular image, even, 16..8192; default 512; height is half */
+    float solar[3];          /* irradiance above the atmosphere, W m^-2 per channel; default (1.00, 1.00, 1.00) * 1.5 */
+    double haze;             /* aerosol amount, 0 (clear) .. 10; default 1 */
+    float ground[3];         /* ground albedo, seen below the horizon; 0..1; default 0.2 */
+    ty_axis up_axis;         /* default TY_AXIS_Y */
+    int32_t width;           /* of the equirectangular image, even, 16..8192; default 512; height is half */
 } ty_sky_def;
 
 TY_API ty_camera_def ty_default_camera_def(void);
@@ -134,10 +134,10 @@ TY_API ty_camera_def ty_scene_camera(const ty_scene* scene);
 
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16];    /* "path" */
-    int32_t spp;        /* samples per pixel, 1..2^24; default 64 */
-    uint64_t seed;      /* default 0 */
-    int32_t max_depth;  /* path: scatterings and reflections at most; 0 (default) for unlimited */
+    char method[16];   /* "path" */
+    int32_t spp;       /* samples per pixel, 1..2^24; default 64 */
+    uint64_t seed;     /* default 0 */
+    int32_t max_depth; /* path: scatterings and reflections at most; 0 (default) for unlimited */
 } ty_render_settings;
 
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);
@@ -151,9 +151,9 @@ TY_API void ty_scene_set_hash(ty_scene* scene, uint64_t hash);
 /* Counts and memory, for reports. */
 typedef struct ty_scene_info {
     int32_t media, lights, shapes;
-    bool bounded;            /* whether anything has a place */
+    bool bounded;              /* whether anything has a place */
     double lower[3], upper[3]; /* box around media and surfaces, m */
-    size_t bytes;            /* memory of grids, tables and ray tracing structures */
+    size_t bytes;              /* memory of grids, tables and ray tracing structures */
 } ty_scene_info;
 
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);

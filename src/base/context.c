@@ -21,7 +21,7 @@ struct ty_context {
 
 const char* ty_result_name(ty_result result) {
     switch (result) {
-#define TY_RESULT_NAME(code, name, text)                                                                     \
+#define TY_RESULT_NAME(code, name, text)                                                                               \
     case name: return #name;
         TY_RESULT_LIST(TY_RESULT_NAME)
 #undef TY_RESULT_NAME
@@ -31,7 +31,7 @@ const char* ty_result_name(ty_result result) {
 
 const char* ty_result_text(ty_result result) {
     switch (result) {
-#define TY_RESULT_TEXT(code, name, text)                                                                     \
+#define TY_RESULT_TEXT(code, name, text)                                                                               \
     case name: return text;
         TY_RESULT_LIST(TY_RESULT_TEXT)
 #undef TY_RESULT_TEXT
@@ -145,7 +145,8 @@ void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, boo
     if (!__builtin_mul_overflow(count, element_size, &size) && size <= (size_t)PTRDIFF_MAX - ALIGNMENT)
         pointer = context->def.alloc(context->def.alloc_user, size == 0 ? 1 : size);
     if (pointer == NULL) {
-        ty_fail(context, TY_ERROR_MEMORY, "not enough memory for %.1f MiB", (double)count * (double)element_size / 1048576.0);
+        ty_fail(context, TY_ERROR_MEMORY, "not enough memory for %.1f MiB",
+                (double)count * (double)element_size / 1048576.0);
         return NULL;
     }
     if (zero) memset(pointer, 0, size);

@@ -54,7 +54,6 @@ TY_FN uint32_t ty_bits_from_float(float value) {
     return bits;
 }
 
-
 /* e^x to 2 ulp for x in [-87, 88]; 0 below, e^88 above. Degree 6 over [-ln 2 / 2, ln 2 / 2] (Taylor, minimax-tuned). */
 TY_FN float ty_expf(float x) {
     if (x < -87.0f) return 0.0f;

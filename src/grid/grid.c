@@ -22,14 +22,13 @@ static ty_result check_def(ty_context* context, const ty_grid_def* def) {
     for (int a = 0; a < 3; ++a)
         if (def->size[a] < 1 || def->size[a] > SIZE_MAX_AXIS)
             return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's size along %c is %d, outside 1..%d", "xyz"[a],
-                           def->size[a], SIZE_MAX_AXIS);
+                           def -> size[a], SIZE_MAX_AXIS);
     if (def->type != TY_GRID_F32 && def->type != TY_GRID_F16)
         return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's type is %d, not a ty_grid_type", (int)def->type);
     ty_affine inverse;
     if (!ty_affine_invert(&def->index_to_local, &inverse))
         return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's index_to_local cannot be inverted");
-    if (!isfinite(def->background))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's background is not finite");
+    if (!isfinite(def->background)) return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's background is not finite");
     return TY_OK;
 }
 

@@ -7,11 +7,8 @@
 #include <math.h>
 
 ty_camera_def ty_default_camera_def(void) {
-    return (ty_camera_def){.cookie = TY_DEF_COOKIE,
-                           .position = {0, 0, 5},
-                           .up = {0, 1, 0},
-                           .fov_y = 40,
-                           .resolution = {800, 600}};
+    return (ty_camera_def){
+        .cookie = TY_DEF_COOKIE, .position = {0, 0, 5}, .up = {0, 1, 0}, .fov_y = 40, .resolution = {800, 600}};
 }
 
 static void cross(const double a[3], const double b[3], double out[3]) {

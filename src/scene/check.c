@@ -49,7 +49,6 @@ ty_result ty_check_edges(ty_context* context, const char* field, const double u[
             return ty_fail(context, TY_ERROR_ARGUMENT, "%s: the edges u and v reach outside [-1e15, 1e15]", field);
     const double cross[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
     const double area = sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
-    if (!(area > 0))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "%s: the edges u and v span no area", field);
+    if (!(area > 0)) return ty_fail(context, TY_ERROR_ARGUMENT, "%s: the edges u and v span no area", field);
     return TY_OK;
 }

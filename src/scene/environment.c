@@ -101,7 +101,8 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
         }
     }
     if (mended > 0)
-        ty_log(context, TY_LOG_WARNING, "an environment had %zu negative or non-finite values; they count as 0", mended);
+        ty_log(context, TY_LOG_WARNING, "an environment had %zu negative or non-finite values; they count as 0",
+               mended);
     for (int c = 0; c < 3; ++c) env->mean[c] = (float)(mean[c] * env->scale);
     return TY_OK;
 }

@@ -8,8 +8,8 @@
 
 /* An environment light's tables; empty for a constant environment. */
 typedef struct ty_environment {
-    float* pixels; /* 3 floats per texel */
-    float* rows;   /* cumulative, table_height + 1 */
+    float* pixels;  /* 3 floats per texel */
+    float* rows;    /* cumulative, table_height + 1 */
     float* columns; /* cumulative per row, table_height x (table_width + 1) */
     int32_t width, height, table_width, table_height;
     float rotation_turns;

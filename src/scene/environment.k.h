@@ -111,8 +111,8 @@ TY_FN float ty_environment_sample(TY_GLOBAL const ty_environment_view* env, floa
     }
     float in_row, in_column;
     const int32_t row = ty_find_interval(env->rows, env->table_height, v, &in_row);
-    const int32_t column = ty_find_interval(env->columns + (size_t)row * ((size_t)env->table_width + 1),
-                                            env->table_width, u, &in_column);
+    const int32_t column =
+        ty_find_interval(env->columns + (size_t)row * ((size_t)env->table_width + 1), env->table_width, u, &in_column);
     const float top = cosf(TY_PI * (float)row / (float)env->table_height);
     const float bottom = cosf(TY_PI * (float)(row + 1) / (float)env->table_height);
     const float height = ty_lerpf(top, bottom, in_row);

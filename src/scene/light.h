@@ -16,8 +16,9 @@ ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* e
 ty_light_view ty_light_quad_view(const double origin[3], const double u[3], const double v[3], const float radiance[3]);
 ty_light_view ty_light_sphere_view(const double center[3], double radius, const float radiance[3]);
 
-/* Sets `typical`, `chosen` and `cumulative`: in proportion to each light's fluence, unshadowed, at a typical distance from what
- * lies in the box [lower, upper], with a tenth shared evenly; 0 for lights that are better met than sampled. */
+/* Sets `typical`, `chosen` and `cumulative`: in proportion to each light's fluence, unshadowed, at a typical distance
+ * from what lies in the box [lower, upper], with a tenth shared evenly; 0 for lights that are better met than sampled.
+ */
 void ty_light_set_choice(ty_light_view* lights, size_t count, const double lower[3], const double upper[3]);
 
 #endif

@@ -16,17 +16,17 @@ enum {
 
 typedef struct ty_light_view {
     int32_t kind;
-    float color[3];    /* irradiance, intensity or radiance */
-    ty_vec position;   /* point, spot; area: corner; sphere: centre */
-    ty_vec direction;  /* directional, spot: the way the light travels; area: unit normal of the emitting side */
-    ty_vec u, v;       /* area: edges */
-    float area;        /* area: m^2 */
-    float radius;      /* sphere */
+    float color[3];   /* irradiance, intensity or radiance */
+    ty_vec position;  /* point, spot; area: corner; sphere: centre */
+    ty_vec direction; /* directional, spot: the way the light travels; area: unit normal of the emitting side */
+    ty_vec u, v;      /* area: edges */
+    float area;       /* area: m^2 */
+    float radius;     /* sphere */
     float cos_outer, cos_inner; /* spot: light fades from inner to outer */
-    float typical;     /* fluence, unshadowed, at a typical distance, W m^-2; 0 for lights better met than sampled */
-    float reach2;      /* m^2; within this squared distance of a lamp, media are bright for it */
-    float chosen;      /* probability of being chosen */
-    float cumulative;  /* of chosen, this light included */
+    float typical;    /* fluence, unshadowed, at a typical distance, W m^-2; 0 for lights better met than sampled */
+    float reach2;     /* m^2; within this squared distance of a lamp, media are bright for it */
+    float chosen;     /* probability of being chosen */
+    float cumulative; /* of chosen, this light included */
     ty_environment_view environment;
 } ty_light_view;
 

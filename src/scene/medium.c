@@ -20,15 +20,17 @@ static ty_result check_bounds(ty_context* context, const ty_medium_def* def) {
         if (result == TY_OK) result = ty_check_point(context, "medium.box_max", def->box_max);
         for (int a = 0; a < 3 && result == TY_OK; ++a)
             if (!(def->box_max[a] > def->box_min[a]))
-                result = ty_fail(context, TY_ERROR_ARGUMENT, "medium.bounds: the box's upper corner must be above its lower in %c",
-                                 "xyz"[a]);
+                result = ty_fail(context, TY_ERROR_ARGUMENT,
+                                 "medium.bounds: the box's upper corner must be above its lower in %c", "xyz"[a]);
         return result;
     }
     case TY_BOUNDS_SPHERE:
         if (def->density_grid != NULL && !placed)
-            return ty_fail(context, TY_ERROR_ARGUMENT, "medium.bounds: a grid without a transform fills a box, not a sphere");
+            return ty_fail(context, TY_ERROR_ARGUMENT,
+                           "medium.bounds: a grid without a transform fills a box, not a sphere");
         if (!(def->sphere_radius > 0 && def->sphere_radius <= 1e15))
-            return ty_fail(context, TY_ERROR_ARGUMENT, "medium.sphere_radius: %g is outside (0, 1e15]", def->sphere_radius);
+            return ty_fail(context, TY_ERROR_ARGUMENT, "medium.sphere_radius: %g is outside (0, 1e15]",
+                           def->sphere_radius);
         return ty_check_point(context, "medium.sphere_center", def->sphere_center);
     }
     return ty_fail(context, TY_ERROR_ARGUMENT, "medium.bounds: %d is not a ty_bounds_kind", (int)def->bounds);

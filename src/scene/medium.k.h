@@ -14,14 +14,14 @@ enum { TY_MEDIA_MAX = 64 };
 typedef struct ty_medium_view {
     ty_grid_view grid; /* looked at if has_grid */
     int32_t has_grid;
-    int32_t bounds;          /* ty_bounds_kind */
-    float to_bounds[12];     /* world to where the bounds are the cube [-1, 1]^3 or the unit sphere */
-    float to_index[12];      /* world to the grid's index space */
-    float sigma_s[3];        /* scale included, at density 1 */
+    int32_t bounds;      /* ty_bounds_kind */
+    float to_bounds[12]; /* world to where the bounds are the cube [-1, 1]^3 or the unit sphere */
+    float to_index[12];  /* world to the grid's index space */
+    float sigma_s[3];    /* scale included, at density 1 */
     float sigma_t[3];
-    float sigma_t_max;       /* over channels */
+    float sigma_t_max; /* over channels */
     float g[3];
-    int32_t gray;            /* sigma_s, sigma_t and g alike in all channels */
+    int32_t gray; /* sigma_s, sigma_t and g alike in all channels */
 } ty_medium_view;
 
 /* Cuts [*enter, *leave] to where one coordinate is within [low, high]; false if nothing is left. */
@@ -35,8 +35,8 @@ TY_FN bool ty_clip_slab(float origin, float direction, float low, float high, fl
 }
 
 TY_FN bool ty_clip_box(ty_vec o, ty_vec d, ty_vec low, ty_vec high, float* enter, float* leave) {
-    return ty_clip_slab(o.x, d.x, low.x, high.x, enter, leave) &&
-           ty_clip_slab(o.y, d.y, low.y, high.y, enter, leave) && ty_clip_slab(o.z, d.z, low.z, high.z, enter, leave);
+    return ty_clip_slab(o.x, d.x, low.x, high.x, enter, leave) && ty_clip_slab(o.y, d.y, low.y, high.y, enter, leave) &&
+           ty_clip_slab(o.z, d.z, low.z, high.z, enter, leave);
 }
 
 TY_FN bool ty_clip_unit_sphere(ty_vec o, ty_vec d, float* enter, float* leave) {
@@ -129,8 +129,8 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
         const float face = b->next[axis];
         TY_GLOBAL const float* extremes =
             grid->extremes +
-            2 * ((size_t)b->cell[0] + (size_t)grid->bricks[0] *
-                                          ((size_t)b->cell[1] + (size_t)grid->bricks[1] * (size_t)b->cell[2]));
+            2 * ((size_t)b->cell[0] +
+                 (size_t)grid->bricks[0] * ((size_t)b->cell[1] + (size_t)grid->bricks[1] * (size_t)b->cell[2]));
         b->low = ty_maxf(extremes[0], 0.0f);
         b->high = extremes[1];
         b->enter = b->leave;
@@ -147,7 +147,8 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
 }
 
 /* A random estimate of the grid's value at a point in index space, whose mean is the trilinear value: the voxel that a
- * uniform jitter of one voxel's width picks. Null-collision methods are linear in the density, so they stay unbiased. */
+ * uniform jitter of one voxel's width picks. Null-collision methods are linear in the density, so they stay unbiased.
+ */
 TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_random* random) {
     const uint64_t bits = ty_random_bits(random);
     const float scale = 0x1p-21f;

@@ -142,7 +142,8 @@ static ty_result commit_lights(ty_scene* scene, const ty_shape_def* shapes) {
     size_t count = 0;
     for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind != TY_LIGHT_AREA;
     for (size_t i = 0; i < scene->surface_count; ++i)
-        if (ty_shape_emits(&shapes[i])) count += shapes[i].kind == TY_SHAPE_SPHERE ? 1 : (size_t)ty_shape_quad_count(&shapes[i]);
+        if (ty_shape_emits(&shapes[i]))
+            count += shapes[i].kind == TY_SHAPE_SPHERE ? 1 : (size_t)ty_shape_quad_count(&shapes[i]);
     if (count == 0) return TY_OK;
     scene->light_views = ty_alloc_array(scene->context, count, sizeof(ty_light_view), false);
     if (scene->light_views == NULL) return TY_ERROR_MEMORY;
@@ -283,7 +284,8 @@ ty_scene_info ty_scene_get_info(const ty_scene* scene) {
                  ty_mesh_bytes(scene->mesh);
     for (size_t i = 0; i < scene->medium_count; ++i) {
         bool counted = scene->media[i].density_grid == NULL;
-        for (size_t j = 0; j < i && !counted; ++j) counted = scene->media[j].density_grid == scene->media[i].density_grid;
+        for (size_t j = 0; j < i && !counted; ++j)
+            counted = scene->media[j].density_grid == scene->media[i].density_grid;
         if (!counted) info.bytes += ty_grid_get_info(scene->media[i].density_grid).bytes;
     }
     for (size_t i = 0; i < scene->light_count; ++i)

@@ -12,7 +12,7 @@
 /* A Lambertian surface as kernels see it. */
 typedef struct ty_surface {
     float albedo[3];
-    float emission[3]; /* radiance, on the front */
+    float emission[3];   /* radiance, on the front */
     int32_t first_light; /* among the scene view's lights, one per quad of the shape; -1: does not emit */
 } ty_surface;
 
@@ -23,7 +23,7 @@ typedef struct ty_scene_view {
     int32_t has_grids; /* whether any medium is heterogeneous */
     const ty_light_view* lights;
     int32_t light_count;
-    const ty_mesh* mesh; /* NULL: no surfaces */
+    const ty_mesh* mesh;        /* NULL: no surfaces */
     const ty_surface* surfaces; /* by shape */
 } ty_scene_view;
 
@@ -36,7 +36,7 @@ struct ty_scene {
 
     ty_medium_def* media; /* names and grids owned */
     size_t medium_count, medium_capacity;
-    ty_light_def* lights; /* image is NULL: pixels are in environments */
+    ty_light_def* lights;          /* image is NULL: pixels are in environments */
     ty_environment** environments; /* by light; NULL for other kinds */
     size_t light_count, light_capacity, environment_capacity;
     ty_shape_def* shapes;

@@ -18,8 +18,7 @@ int32_t ty_shape_quad_count(const ty_shape_def* shape) {
 }
 
 static void map_direction(const ty_affine* map, const double in[3], double out[3]) {
-    for (int r = 0; r < 3; ++r)
-        out[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
+    for (int r = 0; r < 3; ++r) out[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
 }
 
 /* Whether a map turns right-handed frames into left-handed ones. */

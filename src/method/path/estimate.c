@@ -12,7 +12,8 @@ static ty_result sample_items(ty_path_run* run, double* mean, double* uncollided
     for (int64_t i = 0; i < run->item_count; ++i)
         for (int c = 0; c < 3; ++c) {
             mean[3 * i + c] = ty_path_item_mean(&run->items[i], c);
-            if (uncollided != NULL) uncollided[3 * i + c] = run->items[i].sums.uncollided[c] / fmax(run->items[i].count, 1);
+            if (uncollided != NULL)
+                uncollided[3 * i + c] = run->items[i].sums.uncollided[c] / fmax(run->items[i].count, 1);
             if (variance != NULL) variance[3 * i + c] = ty_path_item_variance(&run->items[i], c);
         }
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
@@ -59,8 +60,8 @@ ty_result ty_path_fluence(const ty_scene* scene, const ty_path_def* def, const d
     return sample_items(&run, fluence, uncollided, variance);
 }
 
-ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, const double from[3],
-                                const double to[3], double transmittance[3]) {
+ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, const double from[3], const double to[3],
+                                double transmittance[3]) {
     ty_path_run run;
     ty_result result = ty_path_prepare(scene, def, &run);
     if (result == TY_OK) result = ty_check_point(run.context, "transmittance: from", from);

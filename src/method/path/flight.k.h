@@ -83,9 +83,9 @@ TY_FN float ty_spans_invert(TY_GLOBAL const ty_medium_view* media, const ty_span
     }
 }
 
-/* Samples a collision, by u in [0, 1), for light that is known to collide: beta comes in as the throughput at the ray's origin and goes
- * out as that after scattering, up to the phase function; its mean is the integral over the spans. reach: transmittance
- * of all spans. Returns false where nothing scatters. */
+/* Samples a collision, by u in [0, 1), for light that is known to collide: beta comes in as the throughput at the ray's
+ * origin and goes out as that after scattering, up to the phase function; its mean is the integral over the spans.
+ * reach: transmittance of all spans. Returns false where nothing scatters. */
 TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, const float reach[3],
                                  float u, ty_random* random, float beta[3], ty_collision* out) {
     float weight[3];
@@ -135,7 +135,7 @@ TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty
 /* Tentative collisions of one medium along a ray, one after another. */
 typedef struct ty_walker {
     ty_bricks bricks;
-    float t;      /* of the tentative collision; TY_FLOAT_MAX past the last */
+    float t; /* of the tentative collision; TY_FLOAT_MAX past the last */
 } ty_walker;
 
 TY_FN void ty_walker_next(ty_walker* walker, float u) {
@@ -190,8 +190,8 @@ TY_FN bool ty_walker_collides(const ty_walker* walker, ty_random* random, float 
 
 /* The first real collision in the spans; beta is updated as in ty_flight_homogeneous, but false means that the light
  * passed all spans, and beta then accounts for that. Media are independent: what happens first, happens. */
-TY_FN bool ty_flight_null(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin,
-                          ty_vec direction, ty_random* random, float beta[3], ty_collision* out) {
+TY_FN bool ty_flight_null(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin, ty_vec direction,
+                          ty_random* random, float beta[3], ty_collision* out) {
     ty_walker walkers[TY_MEDIA_MAX];
     for (int32_t i = 0; i < spans->count; ++i)
         ty_walker_begin(&walkers[i], &media[spans->medium[i]], origin, direction, spans->enter[i], spans->leave[i],

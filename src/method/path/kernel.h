@@ -15,11 +15,11 @@ typedef struct ty_path_request {
     const ty_scene_view* scene;
     const ty_sobol* sobol;
     uint64_t seed;
-    int32_t max_depth;  /* 0: unlimited */
-    int32_t kind;       /* TY_PATH_... */
+    int32_t max_depth;     /* 0: unlimited */
+    int32_t kind;          /* TY_PATH_... */
     ty_camera_view camera; /* pixels */
     int32_t width;
-    const double* rays; /* rays: 6 per item */
+    const double* rays;       /* rays: 6 per item */
     double lower[3], cell[3]; /* cells */
     int32_t size[3];
     int32_t guide_count; /* lights that high-g media are guided towards, and their shares, which add up to 1 */

@@ -35,8 +35,8 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
         const ty_light_view* light = &scene->lights[surface->first_light + hit->part];
         float weight = 1.0f;
         if (path->pdf > 0.0f)
-            weight = path->pdf / (path->pdf + light->chosen * ty_light_pdf(light, path->origin, path->direction,
-                                                                           hit->distance));
+            weight = path->pdf /
+                     (path->pdf + light->chosen * ty_light_pdf(light, path->origin, path->direction, hit->distance));
         if (path->scattered != 0 && ty_light_is_lamp(light->kind))
             weight *= 1.0f - ty_lamp_share(hit->distance * hit->distance, light->reach2);
         for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * surface->emission[c] * weight;
@@ -61,10 +61,10 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
 typedef struct ty_scatter {
     ty_vec incoming;
     float g[3];
-    float share[3];    /* of the channels in the mixture; add up to 1 */
+    float share[3]; /* of the channels in the mixture; add up to 1 */
     int32_t gray;
-    float guided;      /* probability of sampling a lobe about a light */
-    float guide_g[3];  /* g, g^2, g^4: light that scatters once, twice, four times more */
+    float guided;     /* probability of sampling a lobe about a light */
+    float guide_g[3]; /* g, g^2, g^4: light that scatters once, twice, four times more */
     int32_t guide_count;
     ty_vec axis[TY_GUIDES_MAX];
     float axis_share[TY_GUIDES_MAX];
@@ -241,14 +241,12 @@ TY_FN void ty_path_add_lamps(ty_path* path, const ty_spans* spans) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
         const ty_medium_view* medium = &scene->media[spans->medium[i]];
         const float amount = weight * ty_medium_density(medium, at, &path->random);
-        for (int c = 0; c < 3; ++c)
-            factor[c] += path->beta[c] * amount * medium->sigma_s[c] * ty_hg(mu, medium->g[c]);
+        for (int c = 0; c < 3; ++c) factor[c] += path->beta[c] * amount * medium->sigma_s[c] * ty_hg(mu, medium->g[c]);
     }
     if (!(ty_sum3(factor) > 0.0f)) return;
     ty_path_add_light(path, at, &sample, factor, radiance);
     if (!(ty_sum3(radiance) > 0.0f)) return;
-    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, t, &path->random,
-                     transmittance);
+    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, t, &path->random, transmittance);
     for (int c = 0; c < 3; ++c) path->collided[c] += radiance[c] * transmittance[c];
 }
 
@@ -349,7 +347,8 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit*
     const float chance = colliding / sum;
     const float u = ty_random_next(&path->random);
     if (u < chance) {
-        if (!ty_flight_homogeneous(media, &spans, reach, u / chance, &path->random, path->beta, &collision)) return false;
+        if (!ty_flight_homogeneous(media, &spans, reach, u / chance, &path->random, path->beta, &collision))
+            return false;
         for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
         *medium = &media[collision.medium];
         path->scattered = 1;
