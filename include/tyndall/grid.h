@@ -78,12 +78,12 @@ typedef struct ty_noise_def {
     int32_t size[3];    /* voxels, each 1..4096; default 96 */
     uint32_t seed;      /* default 1 */
     int32_t up_axis;    /* 1: y (default), 2: z: which way a cloud rises */
-    float frequency;    /* lattice cells across the box at the first octave, > 0; default 4 */
-    int32_t octaves;    /* 1..12; default 5 */
+    float frequency;    /* lattice cells along the longest side at the first octave, (0, 4096]; default 4 */
+    int32_t octaves;    /* 1..12; default 5. Those finer than two voxels a cell are left out */
     float gain;         /* amplitude of each octave relative to the one before, (0, 1]; default 0.5 */
-    float lacunarity;   /* frequency of each octave relative to the one before, >= 1; default 2 */
+    float lacunarity;   /* frequency of each octave relative to the one before, 1..4096; default 2 */
     float coverage;     /* fraction-like threshold, 0 (empty) .. 1 (full); default 0.5 */
-    float sharpness;    /* slope of the edge from 0 to 1, > 0; default 4 */
+    float sharpness;    /* slope of the edge from 0 to 1, (0, 1e6]; default 4 */
 } ty_noise_def;
 
 TY_API ty_noise_def ty_default_noise_def(void);

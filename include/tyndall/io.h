@@ -50,7 +50,8 @@ TY_API ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const ch
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT (an override that is not one). */
 TY_API ty_result ty_scene_load(ty_context* context, const char* path, const char* const* overrides,
                                int32_t override_count, ty_scene** out);
-/* The same from text; name stands for the file in messages, folder is where relative paths start. */
+/* The same from text; name stands for the file in messages. folder is where relative paths start: "" is the current
+ * folder, and with NULL the scene may name no files. */
 TY_API ty_result ty_scene_parse(ty_context* context, const char* text, size_t length, const char* name,
                                 const char* folder, const char* const* overrides, int32_t override_count,
                                 ty_scene** out);

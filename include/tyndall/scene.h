@@ -93,8 +93,9 @@ typedef struct ty_shape_def {
     float emission[3];   /* radiance, W m^-2 sr^-1, >= 0; default 0 */
 } ty_shape_def;
 
-/* Sky seen from the ground: single scattering of sunlight in a spherical Rayleigh + Mie + ozone atmosphere
- * (as Nishita et al. 1993 set it up), absolute radiance per channel for a given solar irradiance. */
+/* Sky seen from the ground: sunlight scattered once in a spherical Rayleigh + Mie + ozone atmosphere (as Nishita et
+ * al. 1993 set it up), and further times as if isotropically (Hillaire 2020); absolute radiance per channel for a given
+ * solar irradiance. */
 typedef struct ty_sky_def {
     uint32_t cookie;         /* set by ty_default_sky_def; checked */
     double sun_direction[3]; /* the way sunlight travels, not zero; default (-0.5, -0.6, -0.4) */
