@@ -26,7 +26,7 @@ static estimate irradiance_at(ty_scene* scene, double x, double z) {
 }
 
 static void check(const char* name, ty_scene* scene, double x, double z, double expected) {
-    assert_close(name, irradiance_at(scene, x, z), expected, 0.002);
+    assert_close(name, irradiance_at(scene, x, z), expected, 0.003);
 }
 
 static void test_directional(void** state) {

@@ -23,7 +23,7 @@ TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec
             t += ty_maxf(left / rate, TY_LEAST_STEP * t);
             const float density = ty_bricks_density(&bricks, t, random);
             const float fraction = (density - bricks.low) / rate;
-            for (int c = 0; c < 3; ++c) track[c] *= 1.0f - fraction * medium->sigma_t[c];
+            for (int c = 0; c < 3; ++c) track[c] *= ty_maxf(0.0f, 1.0f - fraction * medium->sigma_t[c]);
             const float largest = ty_maxf(track[0], ty_maxf(track[1], track[2]));
             if (largest < 0.1f) {
                 if (ty_random_white(random) * 0.2f >= largest) {

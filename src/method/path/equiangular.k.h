@@ -34,6 +34,12 @@ TY_FN float ty_lamp_share(float d2, float r2) {
     return 1.0f / (1.0f + x * x);
 }
 
+/* 1 - w, without cancellation: it takes 1/d^2 away near the lamp. */
+TY_FN float ty_lamp_rest(float d2, float r2) {
+    const float x = d2 / r2;
+    return x * x / (1.0f + x * x);
+}
+
 /* Samples a stretch in proportion to the angle under which a point at `nearest` along the ray and `off` beside it sees
  * its parts; returns the density of *t. */
 TY_FN float ty_equiangular_sample(ty_stretch stretch, float nearest, float off, float u, float* t) {

@@ -105,7 +105,8 @@ TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty
         return survive > 0.0f;
     }
     /* Which medium scatters, and the density of t in the mixture over channels. */
-    float depths[3], scattering[TY_MEDIA_MAX], sigma_t[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f, density = 0.0f;
+    float depths[3], scattering[TY_MEDIA_MAX], sigma_t[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f,
+                                               density = 0.0f; /* times sum */
     ty_spans_depth(media, spans, out->t, depths);
     for (int32_t i = 0; i < spans->count; ++i) {
         scattering[i] = 0.0f;
@@ -120,14 +121,15 @@ TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty
     if (!(total > 0.0f)) return false;
     for (int c = 0; c < 3; ++c) {
         depths[c] = ty_expf(-depths[c]);
-        density += weight[c] / sum * sigma_t[c] * depths[c] / ty_maxf(1.0f - reach[c], 1e-37f);
+        density += beta[c] * sigma_t[c] * depths[c];
     }
     float pick = spans->count == 1 ? 0.0f : ty_random_white(random);
     const int32_t i = spans->count == 1 ? 0 : ty_pick(scattering, spans->count, total, &pick);
     out->medium = spans->medium[i];
-    const float factor = total / (scattering[i] * density);
+    if (!(density > 0.0f) || !(scattering[i] > 0.0f)) return false;
+    const float factor = sum / density * (total / scattering[i]);
     for (int c = 0; c < 3; ++c) beta[c] *= media[out->medium].sigma_s[c] * depths[c] * factor;
-    return density > 0.0f;
+    return true;
 }
 
 /* ---- any media: null collisions ---- */
@@ -184,7 +186,7 @@ TY_FN bool ty_walker_collides(const ty_walker* walker, ty_random* random, float 
         for (int c = 0; c < 3; ++c) beta[c] *= fraction * medium->sigma_s[c] / probability;
         return true;
     }
-    for (int c = 0; c < 3; ++c) beta[c] *= (1.0f - fraction * medium->sigma_t[c]) / (1.0f - probability);
+    for (int c = 0; c < 3; ++c) beta[c] *= ty_maxf(0.0f, 1.0f - fraction * medium->sigma_t[c]) / (1.0f - probability);
     return false;
 }
 

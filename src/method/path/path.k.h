@@ -38,7 +38,7 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
             weight = path->pdf /
                      (path->pdf + light->chosen * ty_light_pdf(light, path->origin, path->direction, hit->distance));
         if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-            weight *= 1.0f - ty_lamp_share(hit->distance * hit->distance, light->reach2);
+            weight *= ty_lamp_rest(hit->distance * hit->distance, light->reach2);
         for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * surface->emission[c] * weight;
         ty_path_add(path, radiance);
         return;
@@ -198,7 +198,7 @@ TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, c
     float weight = 1.0f / light->chosen, weighted[3], radiance[3];
     if (sample->pdf > 0.0f) weight = sample->pdf / (light->chosen * sample->pdf + pdf);
     if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-        weight *= 1.0f - ty_lamp_share(sample->distance * sample->distance, light->reach2);
+        weight *= ty_lamp_rest(sample->distance * sample->distance, light->reach2);
     for (int c = 0; c < 3; ++c) weighted[c] = path->beta[c] * factor[c] * weight;
     ty_path_add_light(path, path->origin, sample, weighted, radiance);
     ty_path_add(path, radiance);
