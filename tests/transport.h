@@ -62,18 +62,19 @@ static inline double transport_grosjean(double albedo, double tau) {
 
 enum { SOURCE_RADIUS = 10 }; /* of the medium, mean free paths */
 
-/* The same in a ball of SOURCE_RADIUS mean free paths about the source. tau phi solves the slab problem of thickness 2 R
- * with an odd source in its middle (the two have the same kernel, E1). So far from the surface, in mean free paths, its
- * discrete part is A sinh(x / nu0), x: from a point outside that is known from Milne's problem: 0.710446 for albedo 1,
- * and to 1% that over the albedo where light gets as far. What this takes from the endless medium's exp(-tau / nu0): */
+/* The same in a ball of SOURCE_RADIUS mean free paths about the source. tau phi solves the slab problem of thickness 2
+ * R with an odd source in its middle (the two have the same kernel, E1). So far from the surface, in mean free paths,
+ * its discrete part is A sinh(x / nu0), x: from a point outside that is known from Milne's problem: 0.710446 for albedo
+ * 1, and to 1% that over the albedo where light gets as far. What this takes from the endless medium's exp(-tau / nu0):
+ */
 static inline double transport_in_ball(double albedo, double tau) {
     const double y = transport_decay(albedo), end = SOURCE_RADIUS + 0.710446 / albedo;
     const double lost = y > 0 ? exp(-y * end) * sinh(y * tau) / sinh(y * end) : tau / end;
     return transport_fluence(albedo, tau) - transport_discrete(albedo) * lost / tau;
 }
 
-/* Fluence by path tracing at tau mean free paths from a source of unit intensity, over sigma_t^2; its uncollided part is
- * checked on the way. */
+/* Fluence by path tracing at tau mean free paths from a source of unit intensity, over sigma_t^2; its uncollided part
+ * is checked on the way. */
 static inline estimate measure_source(ty_context* context, double albedo, double tau, int32_t items, int32_t spp) {
     const double sigma_t = 2.5, radius = tau / sigma_t;
     const double point[3] = {0.36 * radius, 0.8 * radius, -0.48 * radius};
@@ -106,9 +107,9 @@ typedef struct source_case {
 } source_case;
 
 static const source_case source_cases[] = {
-    {0.5, 0.5, 128}, {0.5, 1, 256},   {0.5, 2, 1024}, {0.5, 4, 12288},  {0.5, 6, 98304},
-    {0.9, 0.5, 192}, {0.9, 1, 512},   {0.9, 2, 1536}, {0.9, 4, 12288},  {0.9, 6, 16384},
-    {1, 0.5, 256},   {1, 1, 512},     {1, 2, 2048},   {1, 4, 4096},    {1, 6, 6144},
+    {0.5, 0.5, 128}, {0.5, 1, 256}, {0.5, 2, 1024}, {0.5, 4, 12288}, {0.5, 6, 98304},
+    {0.9, 0.5, 192}, {0.9, 1, 512}, {0.9, 2, 1536}, {0.9, 4, 12288}, {0.9, 6, 16384},
+    {1, 0.5, 256},   {1, 1, 512},   {1, 2, 2048},   {1, 4, 4096},    {1, 6, 6144},
 };
 
 /* Every case to within 2%, with `effort` times the samples. */

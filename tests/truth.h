@@ -185,7 +185,8 @@ static inline void even_point(int64_t n, double out[4]) {
 }
 
 /* The n-th of rays that leave a face for the inside of a body: from all over the parallelogram (corner, u, v), moved
- * outwards by `lift`, directions cosine-distributed about u x v. The face's exitance is pi times their mean radiance. */
+ * outwards by `lift`, directions cosine-distributed about u x v. The face's exitance is pi times their mean radiance.
+ */
 static inline void face_ray(int64_t n, const double corner[3], const double u[3], const double v[3], double lift,
                             double ray[6]) {
     double x[4], normal[3], s[3], t[3];
@@ -286,8 +287,8 @@ static inline void assert_same_channel(const char* name, const ty_image* a, int 
         }
     const double ratio = mean_a.mean / mean_b.mean;
     const double error = hypot(mean_a.error / mean_a.mean, mean_b.error / mean_b.mean);
-    printf("%-36s %c: mean ratio %.5f +- %.5f of %.3f; blocks: mean z^2 %.2f, worst |z| %.2f\n", name,
-           "RGB"[channel_a], ratio, error, tolerance, square / blocks, worst);
+    printf("%-36s %c: mean ratio %.5f +- %.5f of %.3f; blocks: mean z^2 %.2f, worst |z| %.2f\n", name, "RGB"[channel_a],
+           ratio, error, tolerance, square / blocks, worst);
     if (!(fabs(ratio - 1) <= tolerance)) fail_msg("%s: the means' ratio is %g", name, ratio);
     if (!(error <= tolerance / 2)) fail_msg("%s: too noisy to tell", name);
     if (!(square <= blocks * (1 + 4 * sqrt(2 / blocks)) && worst < 5))

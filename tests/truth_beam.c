@@ -1,4 +1,5 @@
-/* Single scattering along a ray in closed form: of sunlight in a ball, of a spot's cone, of a point source (airlight). */
+/* Single scattering along a ray in closed form: of sunlight in a ball, of a spot's cone, of a point source (airlight).
+ */
 #include "truth.h"
 
 enum { RAYS = 64 };
@@ -9,7 +10,7 @@ static const double anisotropies[] = {0, 0.7, -0.3};
 typedef struct airlight {
     double origin[3], way[3]; /* of the ray */
     double sigma_s, sigma_t, g;
-    double radius;            /* of the medium, a ball about the origin */
+    double radius; /* of the medium, a ball about the origin */
     ty_light_def light;
 } airlight;
 

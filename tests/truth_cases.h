@@ -35,8 +35,8 @@ static inline slab_result measure_slab(ty_context* context, int64_t rays_per_fac
     slab_result result = {estimate_of(radiance, rays_per_face, 3),
                           estimate_of(radiance + 3 * rays_per_face, rays_per_face, 3)};
     result.reflectance = (estimate){pi * result.reflectance.mean, pi * result.reflectance.error};
-    result.transmittance = (estimate){pi * result.transmittance.mean + exp(-10000 * thick),
-                                      pi * result.transmittance.error};
+    result.transmittance =
+        (estimate){pi * result.transmittance.mean + exp(-10000 * thick), pi * result.transmittance.error};
     free(rays);
     free(radiance);
     ty_scene_destroy(scene);
@@ -45,8 +45,8 @@ static inline slab_result measure_slab(ty_context* context, int64_t rays_per_fac
 
 /* ---- a cube that absorbs nothing ---- */
 
-/* A ray into the unit cube from the n-th point of a face, along the beam's way back or cosine-distributed, half and half;
- * returns the face's power per radiance seen, which is 0 where the ray does not enter. */
+/* A ray into the unit cube from the n-th point of a face, along the beam's way back or cosine-distributed, half and
+ * half; returns the face's power per radiance seen, which is 0 where the ray does not enter. */
 static inline double cube_ray(int64_t n, int face, double g, double ray[6]) {
     const int normal = face / 2, upper = face % 2, first = (normal + 1) % 3, second = (normal + 2) % 3;
     const double inwards = upper ? -1 : 1;
@@ -72,8 +72,8 @@ static inline double cube_ray(int64_t n, int face, double g, double ray[6]) {
 }
 
 /* The unit cube of sigma_s 4/m gets 1 W from a beam that covers its top: all the power that leaves it, which is the
- * beam's own remainder and what all six faces radiate. Nearly all the noise at high g is on the face the beam leaves by,
- * so that gets eight times the rays. */
+ * beam's own remainder and what all six faces radiate. Nearly all the noise at high g is on the face the beam leaves
+ * by, so that gets eight times the rays. */
 static inline estimate measure_cube_energy(ty_context* context, double g, int64_t rays_per_face, int32_t spp) {
     ty_scene* scene = new_scene(context);
     const ty_medium_def medium = medium_cube(0.5, 4, 0, g);
@@ -147,8 +147,9 @@ static inline void add_furnace_body(ty_scene* scene, furnace_body body, double g
     ty_medium_def medium = body == FURNACE_SPHERE ? medium_sphere(1, 5, 0, g) : medium_cube(1, 3, 0, g);
     if (body == FURNACE_PLUME) {
         char path[1024];
-        must(ty_scene_context(scene), ty_vdb_read(ty_scene_context(scene), data_path("volumes/plume/plume_0042.vdb", path),
-                                                  "density", &medium.density_grid));
+        must(ty_scene_context(scene),
+             ty_vdb_read(ty_scene_context(scene), data_path("volumes/plume/plume_0042.vdb", path), "density",
+                         &medium.density_grid));
         medium.bounds = TY_BOUNDS_NONE;
         static const double translate[3] = {-1, -1, -2}, rotate[3] = {0, 0, 0}, size[3] = {1, 1, 1};
         medium.transform = ty_affine_compose(translate, rotate, size);

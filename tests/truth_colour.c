@@ -37,25 +37,28 @@ static ty_image* picture(ty_context* context, const coefficients* of, int channe
     return image;
 }
 
-/* The mean square of single samples, and the part of it that is their variance. */
+/* The mean square of single samples, and the part of it that is their variance, where the medium is seen. */
 typedef struct spread {
     double square, variance;
 } spread;
 
 static spread samples_of(const ty_image* image, int channel) {
     spread sum = {0, 0};
+    int seen = 0;
     for (int i = 0; i < SIDE * SIDE; ++i) {
         const double value = (double)ty_image_plane_const(image, channel)[i];
         const double variance = SPP * (double)ty_image_plane_const(image, channel + 3)[i];
-        sum.variance += variance / (SIDE * SIDE);
-        sum.square += (value * value + variance) / (SIDE * SIDE);
+        if (variance <= 1e-9 * value * value) continue;
+        sum.variance += variance;
+        sum.square += value * value + variance;
+        ++seen;
     }
-    return sum;
+    return (spread){sum.square / seen, sum.variance / seen};
 }
 
-/* Paths that carry one colour each, chosen by chance, would have three times the mean square of gray paths: that is what
- * sharing them must not exceed by much. (Their variance alone may be many times that of a gray estimate that hardly
- * varies.) */
+/* Paths that carry one colour each, chosen by chance, would have three times the mean square of gray paths: that is
+ * what sharing them must not exceed by much. (Their variance alone may be many times that of a gray estimate that
+ * hardly varies.) */
 static void check(ty_context* context, const char* name, const coefficients* of, bool cloud) {
     ty_image* image = picture(context, of, -1, cloud, 1);
     for (int c = 0; c < 3; ++c) {

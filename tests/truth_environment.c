@@ -10,13 +10,15 @@ typedef struct placement {
 } placement;
 
 static const placement placements[] = {
-    {TY_AXIS_Y, 16, 7, 0},  {TY_AXIS_Y, 24, 5, 0},   {TY_AXIS_Y, 3, 11, 0},  {TY_AXIS_Y, 24, 5, 90}, {TY_AXIS_Y, 0, 6, -37},
-    {TY_AXIS_Z, 16, 7, 0},  {TY_AXIS_Z, 24, 5, 0},   {TY_AXIS_Z, 3, 11, 0},  {TY_AXIS_Z, 24, 5, 90}, {TY_AXIS_Z, 31, 9, 200},
+    {TY_AXIS_Y, 16, 7, 0},  {TY_AXIS_Y, 24, 5, 0},   {TY_AXIS_Y, 3, 11, 0}, {TY_AXIS_Y, 24, 5, 90},
+    {TY_AXIS_Y, 0, 6, -37}, {TY_AXIS_Z, 16, 7, 0},   {TY_AXIS_Z, 24, 5, 0}, {TY_AXIS_Z, 3, 11, 0},
+    {TY_AXIS_Z, 24, 5, 90}, {TY_AXIS_Z, 31, 9, 200},
 };
 
 enum { PLACEMENTS = sizeof placements / sizeof *placements };
 
-/* The map's coordinates, in texels, to the direction one looks along: by the convention in scene.h and docs/scene.md. */
+/* The map's coordinates, in texels, to the direction one looks along: by the convention in scene.h and docs/scene.md.
+ */
 static void look_of(const placement* p, double column, double row, double look[3]) {
     const double turn = 2 * pi * (column / WIDTH - 0.5), down = pi * row / HEIGHT;
     const double turned = p->rotation * pi / 180;
@@ -99,8 +101,9 @@ static double over_map(const placement* p, double (*f)(const void* user, const d
     enum { PARTS = 16 };
     double sum = 0;
     for (int y = 0; y < HEIGHT * PARTS; ++y) {
-        const double row = (y + 0.5) / PARTS, solid = 2 * pi / (WIDTH * PARTS) *
-            (cos(pi * y / (HEIGHT * PARTS)) - cos(pi * (y + 1) / (HEIGHT * PARTS)));
+        const double row = (y + 0.5) / PARTS,
+                     solid = 2 * pi / (WIDTH * PARTS) *
+                             (cos(pi * y / (HEIGHT * PARTS)) - cos(pi * (y + 1) / (HEIGHT * PARTS)));
         if (fabs(row - p->row - 0.5) > 1.5) continue;
         for (int x = 0; x < WIDTH * PARTS; ++x) {
             const double column = (x + 0.5) / PARTS;
@@ -125,7 +128,8 @@ static double facing(const void* user, const double look[3]) {
 
 /* Boards that face six ways and one between get exactly the light of their side. */
 static void test_cast_on_surfaces(void** state) {
-    static const double ways[7][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0.6, 0, 0.8}};
+    static const double ways[7][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0},    {0, -1, 0},
+                                      {0, 0, 1}, {0, 0, -1}, {0.6, 0, 0.8}};
     for (int i = 0; i < PLACEMENTS; ++i) {
         double worst = 0, sum = 0, expected_sum = 0;
         for (int w = 0; w < 7; ++w) {

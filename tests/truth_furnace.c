@@ -50,8 +50,7 @@ static void test_overlapping_media(void** state) {
 static void test_white_surfaces(void** state) {
     for (int map = 0; map < 2; ++map)
         for (int body = 0; body < 2; ++body) {
-            ty_scene* scene =
-                furnace_scene(*state, body == 0 ? FURNACE_BOX : FURNACE_MANY, 0.7, coloured, map != 0);
+            ty_scene* scene = furnace_scene(*state, body == 0 ? FURNACE_BOX : FURNACE_MANY, 0.7, coloured, map != 0);
             static const double center[3] = {0.3, -1.2, -0.4}, u[3] = {0.8, 0.6, 0}, v[3] = {0, 0, 1};
             const ty_shape_def ball = sphere_shape(0, 0, 0.1, 0.5, 1, 0), board = square_shape(center, u, v, 0.6, 1);
             add_shape(scene, &ball);

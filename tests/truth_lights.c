@@ -49,8 +49,7 @@ static void test_points(void** state) {
     set3(light.position, -4, 3, 1);
     add_light(scene, &light);
     commit(scene);
-    check("two points", scene, 0.3, 0.4,
-          5 * 2 / pow(0.49 + 4 + 0.16, 1.5) + 40 * 3 / pow(4.3 * 4.3 + 9 + 0.36, 1.5));
+    check("two points", scene, 0.3, 0.4, 5 * 2 / pow(0.49 + 4 + 0.16, 1.5) + 40 * 3 / pow(4.3 * 4.3 + 9 + 0.36, 1.5));
     ty_scene_destroy(scene);
 }
 
@@ -175,7 +174,8 @@ static void test_through_fog(void** state) {
     for (int c = 0; c < 3; ++c) {
         const double sigma = 0.3 * (c + 1);
         const estimate found = {radiance[c] * pi / albedo, 0};
-        assert_close("sun and lamp through fog", found, exp(-2 * sigma) * (5 * exp(-4 * sigma) + 5 * exp(-sigma)), 0.005);
+        assert_close("sun and lamp through fog", found, exp(-2 * sigma) * (5 * exp(-4 * sigma) + 5 * exp(-sigma)),
+                     0.005);
     }
     ty_scene_destroy(scene);
 }

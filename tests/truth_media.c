@@ -149,18 +149,17 @@ static void test_turning_everything(void** state) {
 static ty_image* scaled_picture(ty_context* context, double unit, double size, uint64_t seed) {
     char text[1500];
     const double l = size / unit;
-    const int length =
-        snprintf(text, sizeof text,
-                 "{\"tyndall\": 1, \"meters_per_unit\": %.17g,"
-                 " \"camera\": {\"position\": [%.17g, %.17g, %.17g], \"fov_y\": 22, \"resolution\": [64, 64]},"
-                 " \"media\": [{\"bounds\": [[%.17g, %.17g, %.17g], [%.17g, %.17g, %.17g]],"
-                 " \"density\": {\"file\": \"constant.vdb\"},"
-                 " \"transform\": {\"scale\": %.17g}, \"sigma_s\": %.17g, \"sigma_a\": %.17g, \"g\": 0.5}],"
-                 " \"lights\": [{\"type\": \"directional\", \"direction\": [-1, -1.5, -1], \"irradiance\": 2},"
-                 " {\"type\": \"environment\", \"radiance\": 0.2},"
-                 " {\"type\": \"point\", \"position\": [0, %.17g, 0], \"intensity\": %.17g}]}",
-                 unit, 1.5 * l, 1 * l, 3 * l, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, l, 3 / size, 0.3 / size, 0.8 * l,
-                 size * size);
+    const int length = snprintf(
+        text, sizeof text,
+        "{\"tyndall\": 1, \"meters_per_unit\": %.17g,"
+        " \"camera\": {\"position\": [%.17g, %.17g, %.17g], \"fov_y\": 22, \"resolution\": [64, 64]},"
+        " \"media\": [{\"bounds\": [[%.17g, %.17g, %.17g], [%.17g, %.17g, %.17g]],"
+        " \"density\": {\"file\": \"constant.vdb\"},"
+        " \"transform\": {\"scale\": %.17g}, \"sigma_s\": %.17g, \"sigma_a\": %.17g, \"g\": 0.5}],"
+        " \"lights\": [{\"type\": \"directional\", \"direction\": [-1, -1.5, -1], \"irradiance\": 2},"
+        " {\"type\": \"environment\", \"radiance\": 0.2},"
+        " {\"type\": \"point\", \"position\": [0, %.17g, 0], \"intensity\": %.17g}]}",
+        unit, 1.5 * l, 1 * l, 3 * l, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, l, 3 / size, 0.3 / size, 0.8 * l, size * size);
     assert_true(length > 0 && (size_t)length < sizeof text);
     ty_scene* scene = NULL;
     must(context, ty_scene_parse(context, text, (size_t)length, "scaled.json", ".", NULL, 0, &scene));
@@ -185,7 +184,7 @@ static void test_scaling_the_world(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_box_or_grids),       cmocka_unit_test(test_halves_add_up),
+        cmocka_unit_test(test_box_or_grids),        cmocka_unit_test(test_halves_add_up),
         cmocka_unit_test(test_box_and_grid_add_up), cmocka_unit_test(test_turning_everything),
         cmocka_unit_test(test_scaling_the_world),
     };

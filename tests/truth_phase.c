@@ -44,7 +44,8 @@ static void test_sampler(void** state) {
     ty_frame(axis, &s, &t);
     for (int i = 0; i < CASES; ++i) {
         const double g = anisotropies[i];
-        /* At 0.99, a sixty-fourth of the light is within a few roundings of a float cosine: fewer samples do not see them. */
+        /* At 0.99, a sixty-fourth of the light is within a few roundings of a float cosine: fewer samples do not see
+         * them. */
         const int samples = fabs(g) > 0.98 ? 1 << 17 : 1 << 20;
         uint64_t random = 12345 + (uint64_t)i;
         int64_t cosines[BINS] = {0}, turns[BINS] = {0}, directions[BINS] = {0};

@@ -27,7 +27,8 @@ static ty_scene* nasty_scene(ty_context* context) {
     add_shape(scene, &ramp);
     add_shape(scene, &ball);
     add_shape(scene, &speck);
-    ty_light_def lamp = light_of(TY_LIGHT_POINT, 1e-2), beam = light_of(TY_LIGHT_SPOT, 1), sun = light_of(TY_LIGHT_DIRECTIONAL, 3);
+    ty_light_def lamp = light_of(TY_LIGHT_POINT, 1e-2), beam = light_of(TY_LIGHT_SPOT, 1),
+                 sun = light_of(TY_LIGHT_DIRECTIONAL, 3);
     set3(lamp.position, 0, 0, -1);
     beam.cone = 1;
     set3(beam.position, 1, 1, -2);
@@ -52,7 +53,8 @@ static void test_threads_do_not_matter(void** state) {
     (void)state;
     enum { W = 50, RAYS = 200, CELLS = 64 };
     static float pixels[6][W * W], first_pixels[6][W * W];
-    static double rays[6 * RAYS], radiance[3 * RAYS], first_radiance[3 * RAYS], fluence[3 * CELLS], first_fluence[3 * CELLS];
+    static double rays[6 * RAYS], radiance[3 * RAYS], first_radiance[3 * RAYS], fluence[3 * CELLS],
+        first_fluence[3 * CELLS];
     for (int i = 0; i < RAYS; ++i) {
         double x[4];
         even_point(i, x);
@@ -116,7 +118,7 @@ static void test_always_finite(void** state) {
         ty_image_destroy(image);
     }
     /* Rays that begin on lights, boards, corners and faces of media, and graze them. */
-    static const double starts[7][3] = {{0, 0, -1},  {0, -1e-4, -2}, {-0.5, 0.2, -2}, {2, 2, 2},
+    static const double starts[7][3] = {{0, 0, -1},    {0, -1e-4, -2},   {-0.5, 0.2, -2},  {2, 2, 2},
                                         {2, -1e-4, 0}, {0.3, 0.1, -1.5}, {0.32, 0.1, -1.5}};
     enum { WAYS = 64 };
     static double rays[7 * WAYS * 6], radiance[7 * WAYS * 3], variance[7 * WAYS * 3];

@@ -294,6 +294,8 @@ TY_FN bool ty_path_survives(ty_path* path, float before) {
     const float now = ty_sum3(path->beta);
     if (!(now > 0.0f)) return false;
     path->survival *= ty_minf(1.0f, now / before);
+    /* What lobes took away can come back, but not more than the phase functions differ by. */
+    path->survival = ty_minf(path->survival, 1e6f * now);
     /* Light that nothing absorbs in a closed room would go round for ever. */
     if (path->depth >= TY_PATH_PATIENCE) path->survival *= 0.99f;
     if (path->survival >= 0.2f) return true;
@@ -309,6 +311,7 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit*
     const ty_scene_view* scene = path->request->scene;
     const ty_medium_view* media = scene->media;
     const float before = ty_sum3(path->beta);
+    if (!(before > 1e-30f)) return false;
     const bool last = path->request->max_depth > 0 && path->depth >= path->request->max_depth;
     const bool on_surface =
         scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, hit);
