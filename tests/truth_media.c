@@ -182,11 +182,74 @@ static void test_scaling_the_world(void** state) {
     assert_same_and_destroy("units of 1 cm", scaled, original);
 }
 
+/* Optical depth at sigma_t 1/m by quadrature along a line, of a grid whose voxel centres `to_index` finds. */
+typedef struct depth_line {
+    const ty_grid* grid;
+    ty_affine to_index;
+    double from[3], to[3], box; /* inside a cube of this half side only; 0: anywhere */
+} depth_line;
+
+static double depth_at(const void* user, double t) {
+    const depth_line* line = user;
+    double point[3], index[3];
+    for (int a = 0; a < 3; ++a) {
+        point[a] = line->from[a] + t * (line->to[a] - line->from[a]);
+        if (line->box > 0 && fabs(point[a]) > line->box) return 0;
+    }
+    ty_affine_point(&line->to_index, point, index);
+    return (double)ty_grid_sample(line->grid, index);
+}
+
+/* Voxels are where they should be: transmittance along lines through an uneven grid that fills a box, or is placed. */
+static void test_voxels_are_in_place(void** state) {
+    enum { N = 5, LINES = 12 };
+    static float values[N * N * N];
+    for (int i = 0; i < N * N * N; ++i) values[i] = (float)((i * 37 % 11) * (i % 3 == 0)) / 4;
+    for (int placed = 0; placed < 2; ++placed) {
+        static const double corner[3] = {-0.4, -0.4, -0.4}, none[3] = {0, 0, 0}, cell[3] = {0.2, 0.2, 0.2};
+        static const double shift[3] = {-0.5, -0.6, -0.3}, turn[3] = {10, 20, 30}, size[3] = {0.2, 0.25, 0.15};
+        ty_grid_def def = ty_default_grid_def();
+        for (int a = 0; a < 3; ++a) def.size[a] = N;
+        def.values = values;
+        def.placed = placed != 0;
+        def.index_to_local = ty_affine_compose(shift, turn, size);
+        ty_medium_def medium = medium_cube(0.5, 0.7, 0.3, 0);
+        must(*state, ty_grid_create(*state, &def, &medium.density_grid));
+        if (placed) medium.bounds = TY_BOUNDS_NONE;
+        ty_scene* scene = new_scene(*state);
+        add_medium(scene, &medium);
+        commit(scene);
+        /* The box [-0.5, 0.5]^3 in fifths: centres from -0.4 on. */
+        const ty_affine map = placed ? def.index_to_local : ty_affine_compose(corner, none, cell);
+        depth_line line = {.grid = medium.density_grid, .box = placed ? 0 : 0.5};
+        assert_true(ty_affine_invert(&map, &line.to_index));
+        double worst = 0;
+        for (int i = 0; i < LINES; ++i) {
+            double x[4], found[3];
+            even_point(i, x);
+            set3(line.from, x[0] - 0.5, x[1] - 0.5, -1.5);
+            set3(line.to, x[2] - 0.5, x[3] - 0.5, 1.5);
+            ty_path_def path = ty_default_path_def();
+            path.spp = 1 << 18;
+            must(*state, ty_path_transmittance(scene, &path, line.from, line.to, found));
+            double length = 0;
+            for (int a = 0; a < 3; ++a) length += pow(line.to[a] - line.from[a], 2);
+            const double expected = exp(-sqrt(length) * integrate(depth_at, &line, 0, 1, 2000));
+            worst = fmax(worst, fabs(found[0] / expected - 1));
+        }
+        printf("transmittance of a grid that %s: worst of %d lines %.3f%% of 1%%\n",
+               placed ? "is placed" : "fills a box", LINES, 100 * worst);
+        assert_true(worst < 0.01);
+        ty_scene_destroy(scene);
+        ty_grid_destroy(medium.density_grid);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_box_or_grids),        cmocka_unit_test(test_halves_add_up),
-        cmocka_unit_test(test_box_and_grid_add_up), cmocka_unit_test(test_turning_everything),
-        cmocka_unit_test(test_scaling_the_world),
+        cmocka_unit_test(test_voxels_are_in_place), cmocka_unit_test(test_box_or_grids),
+        cmocka_unit_test(test_halves_add_up),       cmocka_unit_test(test_box_and_grid_add_up),
+        cmocka_unit_test(test_turning_everything),  cmocka_unit_test(test_scaling_the_world),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
