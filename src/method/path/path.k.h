@@ -330,7 +330,7 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit*
         }
         ty_path_add_emission(path, path->beta, on_surface ? hit : NULL);
         path->scattered = 0;
-        return on_surface && ty_max3(scene->surfaces[hit->shape].albedo) > 0.0f;
+        return on_surface && ty_max3(scene->surfaces[hit->shape].albedo) > 0.0f && ty_path_survives(path, before);
     }
     /* Homogeneous media: what reaches the end is known, so its light is taken in full and the path goes where it has
      * more to bring. */
