@@ -1,5 +1,8 @@
 /* The same bits whatever the number of threads, other noise for other seeds, and finite numbers in nasty scenes. */
+#define _GNU_SOURCE
 #include "truth.h"
+
+#include <unistd.h>
 
 /* A drop of paint beside haze, g near its ends, a camera in the middle of it, boards seen edge on, lights within
  * media, a glowing ball in fog. */
@@ -157,12 +160,41 @@ static void test_nothing_is_black(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* A closed room that absorbs nothing, in thin smoke that does not scatter: paths are ended all the same. */
+static void test_white_rooms_come_to_an_end(void** state) {
+    ty_scene* scene = new_scene(*state);
+    ty_medium_def smoke = medium_cube(1.1, 0, 1e-9, 0);
+    ty_noise_def noise = ty_default_noise_def();
+    noise.size[0] = noise.size[1] = noise.size[2] = 16;
+    must(*state, ty_grid_noise(*state, &noise, &smoke.density_grid));
+    add_medium(scene, &smoke);
+    ty_grid_destroy(smoke.density_grid);
+    ty_shape_def room = ty_default_shape_def();
+    room.kind = TY_SHAPE_BOX;
+    set3(room.origin, -1, -1, -1);
+    set3(room.u, 1, 1, 1);
+    gray(room.albedo, 1);
+    add_shape(scene, &room);
+    ty_light_def lamp = light_of(TY_LIGHT_POINT, 1);
+    set3(lamp.position, 0.7, 0.7, 0.7);
+    add_light(scene, &lamp);
+    set_camera(scene, 0, 0, 0.9, 60);
+    commit(scene);
+    alarm(60); /* rather than for ever */
+    ty_image* image = render(scene, 8, 1, 1);
+    alarm(0);
+    assert_finite(image);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_threads_do_not_matter),
         cmocka_unit_test(test_seeds_matter),
         cmocka_unit_test(test_always_finite),
         cmocka_unit_test(test_nothing_is_black),
+        cmocka_unit_test(test_white_rooms_come_to_an_end),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
