@@ -33,6 +33,16 @@ TY_API const float* ty_image_plane_const(const ty_image* image, int32_t channel)
  * Returns false when the image has neither. */
 TY_API bool ty_image_rgb_planes(const ty_image* image, const float* planes[3]);
 
+/* Where the pixels lie in a frame of width x height pixels (EXR: data window in display window), x to the right and y
+ * down; they may reach beyond it. A new image fills its frame. Errors: TY_ERROR_ARGUMENT (a frame outside 1..65536, an
+ * offset beyond 2^20). */
+TY_API ty_result ty_image_set_frame(ty_image* image, int32_t x, int32_t y, int32_t width, int32_t height);
+/* frame: x, y, width, height as above. */
+TY_API void ty_image_get_frame(const ty_image* image, int32_t frame[4]);
+/* A copy that fills the frame: 0 where there were no pixels. Channels and metadata come along.
+ * Errors: TY_ERROR_MEMORY. */
+TY_API ty_result ty_image_fill_frame(ty_context* context, const ty_image* image, ty_image** out);
+
 /* Metadata, written as EXR attributes and read back. key: 1..31 of [A-Za-z0-9_.]; setting again replaces.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_set_text(ty_image* image, const char* key, const char* value);
@@ -52,8 +62,9 @@ typedef struct ty_difference {
     int64_t differing;       /* values whose bits differ */
 } ty_difference;
 
-/* block > 1 compares means over block x block pixels (partial blocks at the edges are left out).
- * Errors: TY_ERROR_ARGUMENT (sizes differ, no RGB, block larger than the image). */
+/* Images are compared where both have pixels; their frames must be of one size. block > 1 compares means over
+ * block x block pixels (partial blocks at the edges are left out).
+ * Errors: TY_ERROR_ARGUMENT (frames differ, no common pixel, no RGB, block larger than the common part). */
 TY_API ty_result ty_image_compare(ty_context* context, const ty_image* a, const ty_image* b, int32_t block,
                                   ty_difference* out);
 

@@ -14,12 +14,23 @@
 extern "C" {
 #endif
 
-/* Radiance .hdr or OpenEXR, told by content. EXR: half, float and uint channels; metadata comes along.
- * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
+/* Radiance .hdr, OpenEXR, PNG or JPEG, told by content. EXR: half, float and uint channels, scanlines or tiles (the
+ * largest level), the parts of a multi-part file side by side ("part.channel") when they share a frame; the data window
+ * becomes the image's frame; metadata comes along. PNG and JPEG: R, G, B (or Y), and A where there is one, 8 or 16 bit,
+ * decoded from sRGB to linear (alpha is linear). Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_read(ty_context* context, const char* path, ty_image** out);
+/* The same without decoding sRGB: PNG and JPEG samples as they are, 0..1, as for depth maps. */
+TY_API ty_result ty_image_read_raw(ty_context* context, const char* path, ty_image** out);
+/* One layer of an EXR: the channels "layer.NAME" under the names NAME; "" takes those without a layer.
+ * A missing layer's message lists those that are there. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_image_layer(ty_context* context, const ty_image* image, const char* layer, ty_image** out);
 
 /* OpenEXR: all channels as 32-bit float, ZIP, with metadata. Errors: TY_ERROR_FILE, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_write_exr(ty_context* context, const ty_image* image, const char* path);
+/* PNG, 16-bit, one channel by its index, value * scale rounded and clamped to 0..65535; for depth and masks.
+ * Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_image_write_png16(ty_context* context, const ty_image* image, int32_t channel, double scale,
+                                      const char* path);
 /* PNG, 8-bit sRGB, through ty_image_tonemap. Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT (no RGB), TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_write_png(ty_context* context, const ty_image* image, double exposure, bool curve,
                                     const char* path);
@@ -44,6 +55,72 @@ TY_API ty_result ty_vdb_read(ty_context* context, const char* path, const char* 
  * Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,
                               const char* path);
+
+/* ---- Volumes of any kind ---- */
+
+typedef struct ty_volume_def {
+    uint32_t cookie;        /* set by ty_default_volume_def; checked */
+    const char* grid;       /* VDB, NanoVDB: the grid's name; default "density" */
+    int32_t component;      /* of grids and NRRDs with several values per voxel; default 0 */
+    int32_t frame;          /* takes the place of the #s in the path, zero-padded to as many digits; default 0 */
+    int32_t raw_size[3];    /* raw: x, y, z, x fastest; default 0 (must be set for raw) */
+    char raw_type[8];       /* raw: int8, uint8, ... uint64, half, float, double; default "uint8" */
+    bool raw_big_endian;    /* default false */
+    int64_t raw_offset;     /* raw: bytes to skip; -1: as many as the file has too many; default 0 */
+    double raw_spacing[3];  /* raw: units between voxels; default 0: unplaced */
+} ty_volume_def;
+
+TY_API ty_volume_def ty_default_volume_def(void);
+/* A scalar grid from an OpenVDB (.vdb), NanoVDB (.nvdb, uncompressed or zip), NRRD (.nrrd, .nhdr; raw, gzip, ascii;
+ * attached or detached data) or raw file (any other extension, with raw_size), told by content where that is possible.
+ * NRRDs are placed by their space directions or spacings and origin (spacings without an origin: the first voxel's
+ * centre at 0), in the file's units, axes in the order of the file; values are kept as they are, as float (half when
+ * the file has half, and for int8 and uint8, which it holds exactly).
+ * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
+TY_API ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
+/* The path with its #s replaced; size: of out. Errors: TY_ERROR_ARGUMENT (too long, negative frame). */
+TY_API ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size);
+/* How many values per voxel a grid of the file has (1, or 3 for vec3s); errors as ty_volume_read. */
+TY_API ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out);
+/* NRRD with space directions and origin; float or half ("half" is written as float: NRRD has none), gzip or raw. */
+TY_API ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, bool gzip, const char* path);
+/* NanoVDB, float, values equal to the background inactive, codec "none" or "zip". Errors as ty_vdb_write. */
+TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,
+                                  const char* path);
+
+/* ---- Meshes ---- */
+
+typedef struct ty_mesh_file_def {
+    uint32_t cookie;                 /* set by ty_default_mesh_file_def; checked */
+    ty_affine transform;             /* file units to m; default identity */
+    bool to_z_up;                    /* turn y-up files (glTF) into a z-up scene, (x, y, z) -> (x, -z, y), before
+                                        transform; default false */
+    bool meshes, lights;             /* what to take; default true */
+    double light_scale;              /* multiplies intensity and irradiance of punctual lights; default 1: a candela
+                                        counts as 1 W sr^-1, a lux as 1 W m^-2 */
+    double emission_scale;           /* multiplies emission of materials; default 1 */
+    const ty_material_def* material; /* takes the place of all materials; default NULL */
+} ty_mesh_file_def;
+
+TY_API ty_mesh_file_def ty_default_mesh_file_def(void);
+/* Adds the meshes and lights of a glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj with .mtl) or PLY file to a scene.
+ * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mesh_file_def* def);
+/* A camera of a glTF file by name, or its first when name is NULL: position, target, up and fov_y are set, the rest of
+ * *camera stays; *found tells whether there was one. A wrong name's message lists those that are there. */
+TY_API ty_result ty_mesh_file_camera(ty_context* context, const char* path, const ty_mesh_file_def* def,
+                                     const char* name, ty_camera_def* camera, bool* found);
+/* All triangles of a file as one shell; transform is applied to it. */
+TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def,
+                                    ty_shell** out);
+
+/* ---- Any file ---- */
+
+/* A file's bytes, freed with ty_bytes_free, and writing bytes whole or not at all. Errors: TY_ERROR_FILE,
+ * TY_ERROR_INPUT (more than limit bytes), TY_ERROR_MEMORY. */
+TY_API ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size);
+TY_API void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size);
+TY_API ty_result ty_bytes_write(ty_context* context, const char* path, const void* bytes, size_t size);
 
 /* A scene file (docs/scene.md). overrides: override_count strings "render.spp=16", "media[0].g=0.5": a path of
  * keys, then a JSON value or a bare word; applied before the file is checked. The scene comes committed.

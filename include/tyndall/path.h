@@ -13,6 +13,26 @@
 extern "C" {
 #endif
 
+/* Channels beside R, G and B. All are means over a pixel's samples. */
+enum {
+    TY_AOV_VARIANCE = 1,      /* variance.R, .G, .B: of the pixel's mean */
+    TY_AOV_TRANSMITTANCE = 2, /* transmittance.R, .G, .B: of the media as far as the first surface */
+    TY_AOV_DEPTH = 4,         /* depth.Z: distance from the camera to the first surface along the ray, m; the mean over
+                                 the samples that hit one, 0 where none did */
+    TY_AOV_NORMAL = 8,        /* normal.X, .Y, .Z: of the first surface, facing the camera, unit length; 0 for none */
+    TY_AOV_ALBEDO = 16,       /* albedo.R, .G, .B: the fraction of the light that media scatter before the first
+                                 surface, so that (1 - transmittance - albedo) is absorbed and albedo /
+                                 (1 - transmittance) is the volume albedo that is seen */
+    TY_AOV_SINGLE = 32,       /* single.R, .G, .B: radiance scattered once by a medium and touched by nothing else */
+    TY_AOV_MULTIPLE = 64,     /* multiple.R, .G, .B: all other radiance that a medium scattered. What is left of
+                                 R, G, B after single and multiple never scattered: emission and surfaces */
+    TY_AOV_SAMPLES = 128,     /* samples.N: how many; they differ between pixels only in a partial result */
+    TY_AOV_ALL = 255
+};
+
+/* Takes the state of a render, bytes that only ty_path_def.resume understands; false cancels the work. */
+typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
+
 typedef struct ty_path_def {
     uint32_t cookie;         /* set by ty_default_path_def; checked */
     int32_t spp;             /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
@@ -22,6 +42,17 @@ typedef struct ty_path_def {
     double error;            /* stop when the estimated relative error (standard error of the pixels, root mean
                                 square, over the mean) is below this, > 0; 0 (default): no bound */
     int32_t width, height;   /* 0 (default): the camera's resolution. Both or neither */
+    uint32_t aovs;           /* images: TY_AOV_... together; default TY_AOV_VARIANCE */
+    int32_t crop[4];         /* images: x, y, width, height of the part of the frame to render; the pixels are those
+                                of the whole frame, bit for bit. Default 0: the whole frame */
+    /* Images: every state_seconds (and at the end) the state of the work is handed out; resume takes it up again.
+     * A resumed render gives the same image, bit for bit, as one that was never interrupted, with the same spp, seed,
+     * size, crop, aovs and scene; spp may also be larger than before. */
+    ty_path_state_fn state; /* default NULL */
+    void* state_user;
+    double state_seconds; /* default 60 */
+    const void* resume;   /* default NULL; errors: TY_ERROR_INPUT (damaged, or of another render, told how) */
+    size_t resume_size;
     ty_progress_fn progress; /* default NULL */
     void* progress_user;     /* default NULL */
 } ty_path_def;
@@ -39,8 +70,7 @@ typedef struct ty_path_stats {
     const char* isa;    /* "x86-64", "x86-64-v3", "x86-64-v4" or "generic": which build of the kernel ran */
 } ty_path_stats;
 
-/* Radiance through each pixel of the scene's camera: R, G, B, and variance.R, .G, .B (variance of the pixel's mean).
- * On TY_CANCELLED *out is a valid image with fewer samples. stats may be NULL.
+/* Radiance through each pixel of the scene's camera: R, G, B, and what def->aovs asks for. On TY_CANCELLED *out is a valid image with fewer samples. stats may be NULL.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats);
 

@@ -28,10 +28,37 @@ typedef struct ty_camera_def {
     double exposure;       /* stops, for display only; default 0 */
 } ty_camera_def;
 
-typedef enum ty_bounds_kind { TY_BOUNDS_NONE = 0, TY_BOUNDS_BOX = 1, TY_BOUNDS_SPHERE = 2 } ty_bounds_kind;
+typedef enum ty_bounds_kind {
+    TY_BOUNDS_NONE = 0,
+    TY_BOUNDS_BOX = 1,
+    TY_BOUNDS_SPHERE = 2,
+    TY_BOUNDS_SHELL = 3
+} ty_bounds_kind;
 
-/* Participating medium. sigma(x) = density(x) * scale * coefficient, and zero outside the bounds.
- * Media may overlap: their coefficients add. */
+/* A closed triangle mesh that a medium fills. A point is inside where more surfaces lead out than in, so orientation
+ * matters and shells may nest or overlap. */
+typedef struct ty_shell ty_shell;
+
+/* positions: 3 floats per vertex; indices: 3 per triangle, counter-clockwise seen from outside. Both are copied. Edges
+ * that do not join exactly two triangles are counted in a warning: rays through such holes see the medium end late or
+ * early. Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position not finite), TY_ERROR_MEMORY. */
+TY_API ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count,
+                                 const uint32_t* indices, int64_t triangle_count, ty_shell** out);
+TY_API ty_shell* ty_shell_retain(ty_shell* shell);
+TY_API void ty_shell_destroy(ty_shell* shell);
+
+/* One point of a transfer function. Between points density and albedo are linear in the value; beyond the ends they
+ * stay as they are there. */
+typedef struct ty_transfer_point {
+    float value;     /* of the grid; each above the one before */
+    float density;   /* >= 0; takes the place of the grid's value */
+    float albedo[3]; /* 0..1; takes the place of sigma_s / (sigma_s + sigma_a) if the def says so */
+} ty_transfer_point;
+
+enum { TY_TRANSFER_MAX = 256 };
+
+/* Participating medium. sigma(x) = density(x) * scale * coefficient, and zero outside the bounds. density is the
+ * grid's trilinear value, or the transfer function of that value. Media may overlap: their coefficients add. */
 typedef struct ty_medium_def {
     uint32_t cookie;         /* set by ty_default_medium_def; checked */
     const char* name;        /* default ""; copied */
@@ -41,13 +68,43 @@ typedef struct ty_medium_def {
     double box_max[3];       /* m, each above box_min */
     double sphere_center[3]; /* m, before transform */
     double sphere_radius;    /* m, > 0 */
-    ty_affine transform;     /* applied to bounds and grid; default identity */
+    ty_shell* shell;         /* TY_BOUNDS_SHELL, m, before transform; retained; default NULL */
+    ty_affine transform;     /* applied to bounds and grids; default identity */
     ty_grid* density_grid;   /* retained; NULL (default): density is 1 everywhere within bounds */
     float sigma_s[3];        /* scattering coefficient at density 1, 1/m, >= 0; default 0 */
     float sigma_a[3];        /* absorption coefficient at density 1, 1/m, >= 0; default 0 */
     float scale;             /* multiplies density, >= 0; default 1 */
     float g[3];              /* Henyey-Greenstein mean cosine, (-1, 1); default 0 */
+
+    const ty_transfer_point* transfer; /* density_grid only; copied; default NULL */
+    int32_t transfer_count;            /* 0 (default), or 2..TY_TRANSFER_MAX */
+    bool transfer_albedo;              /* whether the points' albedo counts; default false */
+
+    /* Fields, each retained, each placed like the density grid; default NULL. Outside a placed field its background
+     * holds. */
+    ty_grid* albedo_grid[3]; /* single-scattering albedo per channel, clamped to 0..1: splits sigma_s + sigma_a anew.
+                                All three or none; they may be one grid. Not together with transfer_albedo */
+    ty_grid* g_grid;         /* mean cosine for all channels, clamped to (-1, 1); takes the place of g */
+
+    /* Emission: absorbing matter glows, sending absorption coefficient * emission per metre, W m^-3 sr^-1; a thick
+     * box of it has the radiance `emission`. */
+    float emission[3];         /* radiance, W m^-2 sr^-1, >= 0; default 0 */
+    ty_grid* temperature_grid; /* adds black-body radiance (ty_blackbody) times emission_scale; default NULL */
+    double kelvin[2];          /* temperature where the grid is 0 and where it is 1, linear in between and beyond;
+                                  default 0, 1: the grid holds kelvin */
+    float emission_scale;      /* of the black body, >= 0; default 1 */
 } ty_medium_def;
+
+/* Radiance of a black body at a temperature, seen as linear Rec.709: Planck's law weighted by the CIE 1931 colour
+ * matching functions (so that 683 times its luminance is in cd m^-2), W m^-2 sr^-1. Colours outside Rec.709 are
+ * clipped at 0. 0 below 200 K; the colour of 100000 K above that. */
+TY_API void ty_blackbody(double kelvin, float radiance[3]);
+
+/* The fraction of each cell of a grid that lies within a medium's bounds, 0..1: what grid methods multiply its density
+ * by. The box [lower, upper] (m) is cut into size[0] x size[1] x size[2] cells; the result is an unplaced float grid.
+ * samples: rays along each cell's side, 1..64. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double lower[3],
+                                    const double upper[3], const int32_t size[3], int32_t samples, ty_grid** out);
 
 /* Sets sigma_s, sigma_a and g from a measured medium by name ("wholemilk": letters and digits count, case does
  * not). The measurements give reduced scattering, so g is set to 0. Returns false, def untouched, if unknown. */
@@ -93,6 +150,65 @@ typedef struct ty_shape_def {
     float emission[3];   /* radiance, W m^-2 sr^-1, >= 0; default 0 */
 } ty_shape_def;
 
+/* Texels of a surface: colour and opacity. Row 0 is at v = 0 (the top, as glTF has it). */
+typedef struct ty_texture ty_texture;
+
+typedef enum ty_wrap { TY_WRAP_REPEAT = 0, TY_WRAP_CLAMP = 1, TY_WRAP_MIRROR = 2 } ty_wrap;
+
+typedef struct ty_texture_def {
+    uint32_t cookie;       /* set by ty_default_texture_def; checked */
+    int32_t width, height; /* 1..32768; of rgba8 */
+    const uint8_t* rgba8;  /* 4 bytes a texel, colour coded as sRGB, alpha linear; copied. Exactly one of rgba8 and */
+    const ty_image* image; /* image is given: linear R, G, B, or one channel, and A if there is one; copied */
+    ty_wrap wrap[2];       /* along u and v; default TY_WRAP_REPEAT */
+    bool nearest;          /* default false: bilinear */
+} ty_texture_def;
+
+TY_API ty_texture_def ty_default_texture_def(void);
+/* Colours are clamped to [0, 1e15], not finite ones count as 0. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_texture** out);
+TY_API ty_texture* ty_texture_retain(ty_texture* texture);
+TY_API void ty_texture_destroy(ty_texture* texture);
+/* Linear colour and alpha at (u, v). */
+TY_API void ty_texture_sample(const ty_texture* texture, double u, double v, float rgba[4]);
+
+typedef enum ty_alpha_mode {
+    TY_ALPHA_OPAQUE = 0, /* alpha is not looked at */
+    TY_ALPHA_MASK = 1,   /* there is a surface where alpha >= cutoff */
+    TY_ALPHA_BLEND = 2   /* alpha is the fraction of the surface that is there */
+} ty_alpha_mode;
+
+/* A Lambertian surface. Colours multiply: factor, texture, and for albedo the vertex colour. */
+typedef struct ty_material_def {
+    uint32_t cookie;              /* set by ty_default_material_def; checked */
+    float albedo[3];              /* 0..1; default 0.5 */
+    float alpha;                  /* 0..1; default 1 */
+    ty_texture* albedo_texture;   /* its alpha multiplies alpha; retained; default NULL */
+    int32_t albedo_uv;            /* which texture coordinates, 0 or 1; default 0 */
+    float albedo_map[6];          /* u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5]; default identity */
+    float emission[3];            /* radiance, W m^-2 sr^-1, >= 0; default 0 */
+    ty_texture* emission_texture; /* retained; default NULL */
+    int32_t emission_uv;          /* default 0 */
+    float emission_map[6];        /* default identity */
+    bool double_sided;            /* emits on both sides, else on the front; reflects on both anyway; default false */
+    ty_alpha_mode alpha_mode;     /* default TY_ALPHA_OPAQUE */
+    float alpha_cutoff;           /* 0..1; default 0.5 */
+} ty_material_def;
+
+/* Triangles, counter-clockwise seen from the front. All arrays are copied. */
+typedef struct ty_mesh_def {
+    uint32_t cookie;        /* set by ty_default_mesh_def; checked */
+    int64_t vertex_count;   /* 1..2^31 - 1 */
+    int64_t triangle_count; /* 1..2^31 - 1 */
+    const float* positions; /* 3 per vertex, m, before transform */
+    const float* normals;   /* 3 per vertex, or NULL (default): flat triangles */
+    const float* uv[2];     /* 2 per vertex, or NULL (default): 0 */
+    const float* colors;    /* 4 per vertex: linear R, G, B and alpha, 0..1; or NULL (default): 1 */
+    const uint32_t* indices;
+    ty_affine transform; /* default identity */
+    ty_material_def material;
+} ty_mesh_def;
+
 /* Sky seen from the ground: sunlight scattered once in a spherical Rayleigh + Mie + ozone atmosphere (as Nishita et
  * al. 1993 set it up), and further times as if isotropically (Hillaire 2020); absolute radiance per channel for a given
  * solar irradiance. */
@@ -110,6 +226,8 @@ TY_API ty_camera_def ty_default_camera_def(void);
 TY_API ty_medium_def ty_default_medium_def(void);
 TY_API ty_light_def ty_default_light_def(void);
 TY_API ty_shape_def ty_default_shape_def(void);
+TY_API ty_material_def ty_default_material_def(void);
+TY_API ty_mesh_def ty_default_mesh_def(void);
 TY_API ty_sky_def ty_default_sky_def(void);
 
 /* Makes the sky image (R, G, B) for an environment light, and the sun's irradiance at the ground, W m^-2.
@@ -124,6 +242,7 @@ TY_API ty_result ty_scene_set_camera(ty_scene* scene, const ty_camera_def* def);
 TY_API ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def);
 TY_API ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def);
 TY_API ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def);
+TY_API ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def);
 
 /* Builds what rendering needs: ray tracing structures, majorants, light tables. Further add calls need another
  * commit. Errors: TY_ERROR_MEMORY, TY_ERROR_INTERNAL. */
@@ -151,7 +270,9 @@ TY_API void ty_scene_set_hash(ty_scene* scene, uint64_t hash);
 
 /* Counts and memory, for reports. */
 typedef struct ty_scene_info {
-    int32_t media, lights, shapes;
+    int32_t media, lights, shapes, meshes;
+    int64_t triangles;         /* of meshes */
+    int64_t emitters;          /* lights that are sampled: lights, and quads, spheres and triangles that glow */
     bool bounded;              /* whether anything has a place */
     double lower[3], upper[3]; /* box around media and surfaces, m */
     size_t bytes;              /* memory of grids, tables and ray tracing structures */

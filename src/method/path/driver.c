@@ -29,7 +29,7 @@ typedef struct sampling {
 } sampling;
 
 ty_path_def ty_default_path_def(void) {
-    return (ty_path_def){.cookie = TY_DEF_COOKIE, .spp = 64};
+    return (ty_path_def){.cookie = TY_DEF_COOKIE, .spp = 64, .aovs = TY_AOV_VARIANCE, .state_seconds = 60};
 }
 
 /* The best kernel this processor runs. */
@@ -191,16 +191,12 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
     const int64_t begin = block * BLOCK;
     const int64_t end = begin + BLOCK < run->item_count ? begin + BLOCK : run->item_count;
     ty_path_sums sums[BLOCK];
-    memset(sums, 0, sizeof sums);
-    const uint64_t vertices = pass->kernel(&run->request, begin, end, pass->first, pass->count, sums);
+    for (int64_t i = begin; i < end; ++i) sums[i - begin] = run->items[i].sums;
+    const uint64_t vertices = pass->kernel(&run->request, begin, end, pass->first, pass->count, sums,
+                                           run->parts != NULL ? run->parts + begin : NULL);
     for (int64_t i = begin; i < end; ++i) {
-        ty_path_item* item = &run->items[i];
-        for (int c = 0; c < 3; ++c) {
-            item->sums.mean[c] += sums[i - begin].mean[c];
-            item->sums.square[c] += sums[i - begin].square[c];
-            item->sums.uncollided[c] += sums[i - begin].uncollided[c];
-        }
-        item->count += pass->count;
+        run->items[i].sums = sums[i - begin];
+        run->items[i].count += pass->count;
     }
     atomic_fetch_add(&pass->vertices, vertices);
     atomic_fetch_add(&pass->paths, (uint64_t)(end - begin) * pass->count);

@@ -18,7 +18,8 @@ typedef struct ty_path_run {
     const char* stage;
     ty_path_request request;
     ty_sobol sobol;
-    ty_path_item* items; /* item_count, zeroed */
+    ty_path_item* items;  /* item_count, zeroed */
+    ty_path_parts* parts; /* item_count, zeroed; NULL: not kept */
     int64_t item_count;
     ty_path_stats stats; /* result */
 } ty_path_run;

@@ -6,7 +6,8 @@
 
 static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     if (request->kind == TY_PATH_PIXELS) {
-        const int32_t x = (int32_t)(item % request->width), y = (int32_t)(item / request->width);
+        const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
+        const int32_t y = request->crop[1] + (int32_t)(item / request->crop[2]);
         const float dx = ty_random_next(&path->random), dy = ty_random_next(&path->random);
         path->origin = request->camera.origin;
         path->direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
@@ -28,22 +29,29 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     }
 }
 
-uint64_t TY_JOIN(ty_path_kernel_, TY_ISA)(const ty_path_request* request, int64_t begin, int64_t end,
-                                          uint32_t first_sample, uint32_t count, ty_path_sums* sums) {
+/* The number that an item's random numbers come from: a pixel's does not depend on the crop. */
+static uint64_t random_item(const ty_path_request* request, int64_t item) {
+    if (request->kind != TY_PATH_PIXELS) return (uint64_t)item;
+    const int64_t x = request->crop[0] + item % request->crop[2], y = request->crop[1] + item / request->crop[2];
+    return (uint64_t)(y * request->width + x);
+}
+
+TY_PATH_KERNEL(TY_JOIN(ty_path_kernel_, TY_ISA)) {
     const unsigned thread_state = ty_mesh_enter_thread();
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {
+        const uint64_t number = random_item(request, item);
         ty_path_sums* sum = &sums[item - begin];
         for (uint32_t i = 0; i < count; ++i) {
             ty_path path;
-            ty_path_begin(&path, request, (uint64_t)item, first_sample + i);
+            ty_path_begin(&path, request, number, first_sample + i);
             start(&path, request, item);
             vertices += ty_path_follow(&path);
             for (int c = 0; c < 3; ++c) {
                 const double value = (double)path.uncollided[c] + (double)path.collided[c];
                 sum->mean[c] += value;
                 sum->square[c] += value * value;
-                sum->uncollided[c] += (double)path.uncollided[c];
+                if (parts != NULL) parts[item - begin].uncollided[c] += (double)path.uncollided[c];
             }
         }
     }

@@ -18,7 +18,8 @@ typedef struct ty_path_request {
     int32_t max_depth;     /* 0: unlimited */
     int32_t kind;          /* TY_PATH_... */
     ty_camera_view camera; /* pixels */
-    int32_t width;
+    int32_t width;         /* of the whole frame */
+    int32_t crop[4];       /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */
     const double* rays;       /* rays: 6 per item */
     double lower[3], cell[3]; /* cells */
     int32_t size[3];
@@ -30,22 +31,28 @@ typedef struct ty_path_request {
     float lamp_share;   /* 1 / (the sum of their `chosen`) */
 } ty_path_request;
 
-/* Sums over an item's samples; a second set for uncollided light alone. */
+/* Sums over an item's samples, one after another, so that how samples fall into passes changes nothing. */
 typedef struct ty_path_sums {
-    double mean[3];       /* sum of samples */
-    double square[3];     /* sum of their squares */
-    double uncollided[3]; /* sum of the light that did not scatter */
+    double mean[3];   /* sum of samples */
+    double square[3]; /* sum of their squares */
 } ty_path_sums;
 
-/* Adds samples [first_sample, first_sample + count) of items [begin, end) to sums[item - begin]; returns vertices. */
-typedef uint64_t (*ty_path_kernel)(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
-                                   uint32_t count, ty_path_sums* sums);
+/* Sums of what light did and of what the first ray met; kept only where somebody asks. */
+typedef struct ty_path_parts {
+    double uncollided[3]; /* light that did not scatter and was not reflected */
+    double single[3], multiple[3];
+    double transmittance[3], albedo[3], normal[3]; /* pixels only, see ty_path_def.aovs */
+    double depth, hits;                            /* sum of distances, and how many samples hit a surface */
+} ty_path_parts;
 
-uint64_t ty_path_kernel_v1(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
-                           uint32_t count, ty_path_sums* sums);
-uint64_t ty_path_kernel_v3(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
-                           uint32_t count, ty_path_sums* sums);
-uint64_t ty_path_kernel_v4(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample,
-                           uint32_t count, ty_path_sums* sums);
+/* Adds samples [first_sample, first_sample + count) of items [begin, end) to sums[item - begin], and to
+ * parts[item - begin] unless parts is NULL; returns vertices. */
+#define TY_PATH_KERNEL(name)                                                                                           \
+    uint64_t name(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample, uint32_t count,   \
+                  ty_path_sums* sums, ty_path_parts* parts)
+typedef TY_PATH_KERNEL((*ty_path_kernel));
+TY_PATH_KERNEL(ty_path_kernel_v1);
+TY_PATH_KERNEL(ty_path_kernel_v3);
+TY_PATH_KERNEL(ty_path_kernel_v4);
 
 #endif

@@ -26,6 +26,8 @@ ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image
     run.request.kind = TY_PATH_PIXELS;
     run.request.camera = ty_camera_get_view(&camera, width, height);
     run.request.width = width;
+    run.request.crop[2] = width;
+    run.request.crop[3] = height;
     run.item_count = (int64_t)width * height;
     run.items = ty_alloc_array(run.context, (size_t)run.item_count, sizeof *run.items, true);
     if (run.items == NULL) return TY_ERROR_MEMORY;
