@@ -6,7 +6,8 @@
 
 static ty_mesh* make_mesh(ty_context* context, const ty_shape_def* shapes, size_t count) {
     ty_mesh* mesh = NULL;
-    assert_int_equal(ty_mesh_create(context, shapes, count, &mesh), TY_OK);
+    const ty_mesh_parts parts = {.shapes = shapes, .shape_count = count};
+    assert_int_equal(ty_mesh_create(context, &parts, &mesh), TY_OK);
     assert_non_null(mesh);
     return mesh;
 }
@@ -139,7 +140,7 @@ static void check_ray(const ty_mesh* mesh, const ty_shape_def* shape, ty_vec ori
                      ty_vec_make((float)(expected.normal[0] / length), (float)(expected.normal[1] / length),
                                  (float)(expected.normal[2] / length)),
                      2e-4);
-    assert_int_equal(hit.shape, 0);
+    assert_int_equal(hit.surface, 0);
     assert_int_equal(ty_mesh_intersect(mesh, origin, direction, hit.distance * 1.001f, &hit), 1);
     assert_int_equal(ty_mesh_intersect(mesh, origin, direction, hit.distance * 0.999f, &hit), 0);
     assert_int_equal(ty_mesh_occluded(mesh, origin, direction, hit.distance * 1.001f), 1);
@@ -208,7 +209,7 @@ static void hits_name_shape_and_part(void** state) {
     ty_hit hit;
     for (int i = 0; i < 4; ++i) {
         assert_true(ty_mesh_intersect(mesh, zero, ty_vec_load(ways[i]), TY_FLOAT_MAX, &hit));
-        assert_int_equal(hit.shape, i);
+        assert_int_equal(hit.surface, i);
         assert_int_equal(hit.part, 0);
         assert_close(hit.distance, distances[i], 1e-5);
     }
@@ -217,7 +218,7 @@ static void hits_name_shape_and_part(void** state) {
         ty_vec way = ty_vec_make(part / 2 == 0, part / 2 == 1, part / 2 == 2);
         if (part % 2 == 0) way = ty_scale(way, -1);
         assert_true(ty_mesh_intersect(mesh, ty_vec_make(5, 0.25f, 0.25f), way, TY_FLOAT_MAX, &hit));
-        assert_int_equal(hit.shape, 1);
+        assert_int_equal(hit.surface, 1);
         assert_int_equal(hit.part, part);
         assert_vec_close(hit.normal, way, 0);
     }
@@ -228,7 +229,8 @@ static void hits_name_shape_and_part(void** state) {
 
 static void no_shapes_are_no_mesh(void** state) {
     ty_mesh* mesh = NULL;
-    assert_int_equal(ty_mesh_create(*state, NULL, 0, &mesh), TY_OK);
+    const ty_mesh_parts parts = {.shapes = NULL};
+    assert_int_equal(ty_mesh_create(*state, &parts, &mesh), TY_OK);
     assert_null(mesh);
     ty_mesh_destroy(mesh);
 }
@@ -244,7 +246,7 @@ static void check_leaving(const ty_mesh* mesh, const ty_hit* hit, double radius,
         if (fabsf(facing) < 0.01f) continue;
         ty_hit again;
         if (!ty_mesh_intersect(mesh, ty_hit_leave(hit, way), way, TY_FLOAT_MAX, &again)) continue;
-        if (again.shape != hit->shape || again.part != hit->part) continue;
+        if (again.surface != hit->surface || again.part != hit->part) continue;
         const double chord = radius > 0 && facing < 0 ? -2 * radius * (double)facing : 0;
         if (chord == 0 || again.distance < 0.5 * chord)
             fail_msg("from (%g, %g, %g): hit again after %g", (double)hit->position.x, (double)hit->position.y,

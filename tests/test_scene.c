@@ -334,7 +334,8 @@ static void changes_need_another_commit(void** state) {
     assert_uncommitted(scene);
     for (int i = 0; i < 2; ++i) assert_int_equal(ty_scene_commit(scene), TY_OK);
     const ty_scene_view* view = ty_scene_get_view(scene);
-    assert_true(view->medium_count == 1 && view->light_count == 1 && view->mesh != NULL && view->has_grids == 0);
+    assert_true(view->medium_count == 1 && view->lights.count == 1 && view->mesh != NULL &&
+                view->media[0].has_grid == 0);
     ty_scene_destroy(scene);
 }
 

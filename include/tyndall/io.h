@@ -59,15 +59,15 @@ TY_API ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const ch
 /* ---- Volumes of any kind ---- */
 
 typedef struct ty_volume_def {
-    uint32_t cookie;        /* set by ty_default_volume_def; checked */
-    const char* grid;       /* VDB, NanoVDB: the grid's name; default "density" */
-    int32_t component;      /* of grids and NRRDs with several values per voxel; default 0 */
-    int32_t frame;          /* takes the place of the #s in the path, zero-padded to as many digits; default 0 */
-    int32_t raw_size[3];    /* raw: x, y, z, x fastest; default 0 (must be set for raw) */
-    char raw_type[8];       /* raw: int8, uint8, ... uint64, half, float, double; default "uint8" */
-    bool raw_big_endian;    /* default false */
-    int64_t raw_offset;     /* raw: bytes to skip; -1: as many as the file has too many; default 0 */
-    double raw_spacing[3];  /* raw: units between voxels; default 0: unplaced */
+    uint32_t cookie;       /* set by ty_default_volume_def; checked */
+    const char* grid;      /* VDB, NanoVDB: the grid's name; default "density" */
+    int32_t component;     /* of grids and NRRDs with several values per voxel; default 0 */
+    int32_t frame;         /* takes the place of the #s in the path, zero-padded to as many digits; default 0 */
+    int32_t raw_size[3];   /* raw: x, y, z, x fastest; default 0 (must be set for raw) */
+    char raw_type[8];      /* raw: int8, uint8, ... uint64, half, float, double; default "uint8" */
+    bool raw_big_endian;   /* default false */
+    int64_t raw_offset;    /* raw: bytes to skip; -1: as many as the file has too many; default 0 */
+    double raw_spacing[3]; /* raw: units between voxels; default 0: unplaced */
 } ty_volume_def;
 
 TY_API ty_volume_def ty_default_volume_def(void);
@@ -111,8 +111,7 @@ TY_API ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const
 TY_API ty_result ty_mesh_file_camera(ty_context* context, const char* path, const ty_mesh_file_def* def,
                                      const char* name, ty_camera_def* camera, bool* found);
 /* All triangles of a file as one shell; transform is applied to it. */
-TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def,
-                                    ty_shell** out);
+TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out);
 
 /* ---- Any file ---- */
 

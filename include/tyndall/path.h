@@ -34,17 +34,17 @@ enum {
 typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 
 typedef struct ty_path_def {
-    uint32_t cookie;         /* set by ty_default_path_def; checked */
-    int32_t spp;             /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
-    uint64_t seed;           /* any; images of different seeds are independent; default 0 */
-    int32_t max_depth;       /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
-    double seconds;          /* stop after this time, > 0; 0 (default): no bound */
-    double error;            /* stop when the estimated relative error (standard error of the pixels, root mean
-                                square, over the mean) is below this, > 0; 0 (default): no bound */
-    int32_t width, height;   /* 0 (default): the camera's resolution. Both or neither */
-    uint32_t aovs;           /* images: TY_AOV_... together; default TY_AOV_VARIANCE */
-    int32_t crop[4];         /* images: x, y, width, height of the part of the frame to render; the pixels are those
-                                of the whole frame, bit for bit. Default 0: the whole frame */
+    uint32_t cookie;       /* set by ty_default_path_def; checked */
+    int32_t spp;           /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
+    uint64_t seed;         /* any; images of different seeds are independent; default 0 */
+    int32_t max_depth;     /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
+    double seconds;        /* stop after this time, > 0; 0 (default): no bound */
+    double error;          /* stop when the estimated relative error (standard error of the pixels, root mean
+                              square, over the mean) is below this, > 0; 0 (default): no bound */
+    int32_t width, height; /* 0 (default): the camera's resolution. Both or neither */
+    uint32_t aovs;         /* images: TY_AOV_... together; default TY_AOV_VARIANCE */
+    int32_t crop[4];       /* images: x, y, width, height of the part of the frame to render; the pixels are those
+                              of the whole frame, bit for bit. Default 0: the whole frame */
     /* Images: every state_seconds (and at the end) the state of the work is handed out; resume takes it up again.
      * A resumed render gives the same image, bit for bit, as one that was never interrupted, with the same spp, seed,
      * size, crop, aovs and scene; spp may also be larger than before. */
@@ -70,8 +70,8 @@ typedef struct ty_path_stats {
     const char* isa;    /* "x86-64", "x86-64-v3", "x86-64-v4" or "generic": which build of the kernel ran */
 } ty_path_stats;
 
-/* Radiance through each pixel of the scene's camera: R, G, B, and what def->aovs asks for. On TY_CANCELLED *out is a valid image with fewer samples. stats may be NULL.
- * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/* Radiance through each pixel of the scene's camera: R, G, B, and what def->aovs asks for. On TY_CANCELLED *out is a
+ * valid image with fewer samples. stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats);
 
 /* Radiance arriving along given rays. rays: count x 6 doubles (origin, m; direction of view, any length);

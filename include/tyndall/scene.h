@@ -103,8 +103,8 @@ TY_API void ty_blackbody(double kelvin, float radiance[3]);
 /* The fraction of each cell of a grid that lies within a medium's bounds, 0..1: what grid methods multiply its density
  * by. The box [lower, upper] (m) is cut into size[0] x size[1] x size[2] cells; the result is an unplaced float grid.
  * samples: rays along each cell's side, 1..64. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
-TY_API ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double lower[3],
-                                    const double upper[3], const int32_t size[3], int32_t samples, ty_grid** out);
+TY_API ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double lower[3], const double upper[3],
+                                    const int32_t size[3], int32_t samples, ty_grid** out);
 
 /* Sets sigma_s, sigma_a and g from a measured medium by name ("wholemilk": letters and digits count, case does
  * not). The measurements give reduced scattering, so g is set to 0. Returns false, def untouched, if unknown. */

@@ -3,7 +3,7 @@
 #ifndef TY_DIRECT_TRANSMITTANCE_K_H
 #define TY_DIRECT_TRANSMITTANCE_K_H
 
-#include "scene/medium.k.h"
+#include "scene/spans.k.h"
 
 /* Multiplies transmittance[3] by an unbiased estimate for one medium over [enter, leave]; direction is unit. Estimates
  * that fall below 0.1 are ended by Russian roulette. */
@@ -42,15 +42,17 @@ TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec
 /* Transmittance per channel through media[0..count) over [0, far] of a ray with unit direction. */
 TY_FN void ty_transmittance(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
                             float far, ty_random* random, float transmittance[3]) {
-    float depth[3] = {0.0f, 0.0f, 0.0f}; /* of the homogeneous media */
+    float depth[3] = {0.0f, 0.0f, 0.0f}; /* of homogeneous media */
+    ty_spans spans;
     for (int c = 0; c < 3; ++c) transmittance[c] = 1.0f;
-    for (int32_t m = 0; m < count; ++m) {
-        float enter = 0.0f, leave = far;
-        if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
-        if (media[m].has_grid != 0)
-            ty_track_transmittance(&media[m], origin, direction, enter, leave, random, transmittance);
+    if (count == 0) return;
+    ty_spans_find(media, count, origin, direction, far, &spans);
+    for (int32_t i = 0; i < spans.count; ++i) {
+        TY_GLOBAL const ty_medium_view* medium = &media[spans.medium[i]];
+        if (medium->has_grid != 0)
+            ty_track_transmittance(medium, origin, direction, spans.enter[i], spans.leave[i], random, transmittance);
         else
-            for (int c = 0; c < 3; ++c) depth[c] += media[m].sigma_t[c] * (leave - enter);
+            for (int c = 0; c < 3; ++c) depth[c] += medium->sigma_t[c] * (spans.leave[i] - spans.enter[i]);
     }
     for (int c = 0; c < 3; ++c) transmittance[c] *= ty_expf(-depth[c]);
 }

@@ -73,6 +73,53 @@ ty_light_view ty_light_sphere_view(const double center[3], double radius, const 
     return view;
 }
 
+/* Mean radiance over a triangle with a texture: about one sample per texel, 16..4096. */
+static void mean_emission(const ty_surface* surface, int32_t triangle, float mean[3]) {
+    const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
+    const float* uv = surface->uv[surface->emission_uv];
+    double texels = 16;
+    if (uv != NULL) {
+        const float* a = uv + 2 * (size_t)corners[0];
+        const float* b = uv + 2 * (size_t)corners[1];
+        const float* c = uv + 2 * (size_t)corners[2];
+        const double area = fabs((double)(b[0] - a[0]) * (c[1] - a[1]) - (double)(b[1] - a[1]) * (c[0] - a[0])) / 2;
+        texels = area * surface->emission_texture.width * surface->emission_texture.height;
+    }
+    const int32_t side = (int32_t)fmin(fmax(ceil(sqrt(texels)), 4), 64);
+    double sum[3] = {0, 0, 0};
+    for (int32_t j = 0; j < side; ++j)
+        for (int32_t i = 0; i < side; ++i) {
+            const float root = sqrtf(((float)i + 0.5f) / (float)side), v = ((float)j + 0.5f) / (float)side;
+            float emission[3];
+            ty_surface_emission(surface, triangle, 1.0f - root, root * v, emission);
+            for (int c = 0; c < 3; ++c) sum[c] += (double)emission[c];
+        }
+    for (int c = 0; c < 3; ++c) mean[c] = (float)(sum[c] / side / side);
+}
+
+bool ty_light_triangle_view(const ty_surface* surface, int32_t triangle, ty_light_view* out) {
+    const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
+    memset(out, 0, sizeof *out);
+    out->kind = TY_KIND_TRIANGLE;
+    out->position = ty_vec_load(surface->positions + 3 * (size_t)corners[0]);
+    out->u = ty_sub(ty_vec_load(surface->positions + 3 * (size_t)corners[1]), out->position);
+    out->v = ty_sub(ty_vec_load(surface->positions + 3 * (size_t)corners[2]), out->position);
+    const ty_vec cross = ty_cross(out->u, out->v);
+    const float length = sqrtf(ty_dot(cross, cross));
+    if (!(length > 0)) return false;
+    out->direction = ty_scale(cross, 1 / length);
+    out->area = length / 2;
+    out->two_sided = surface->two_sided;
+    out->part = triangle;
+    if (ty_texture_exists(&surface->emission_texture)) {
+        out->textured = surface;
+        mean_emission(surface, triangle, out->color);
+    } else {
+        memcpy(out->color, surface->emission, sizeof out->color);
+    }
+    return out->color[0] > 0 || out->color[1] > 0 || out->color[2] > 0;
+}
+
 ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* environment, ty_axis up) {
     if (def->kind == TY_LIGHT_AREA) return ty_light_quad_view(def->position, def->u, def->v, def->color);
     ty_light_view view;
@@ -103,6 +150,7 @@ static double typical_fluence(const ty_light_view* light, double d2) {
     case TY_KIND_POINT:
     case TY_KIND_SPOT: return color / d2;
     case TY_KIND_AREA: return color * light->area / d2;
+    case TY_KIND_TRIANGLE: return color * light->area * (light->two_sided != 0 ? 2 : 1) / d2;
     case TY_KIND_SPHERE: return color * pi * light->radius * light->radius / d2;
     default: return color;
     }

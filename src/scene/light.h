@@ -15,6 +15,8 @@ ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* e
 /* Views of an emissive quad and sphere. */
 ty_light_view ty_light_quad_view(const double origin[3], const double u[3], const double v[3], const float radiance[3]);
 ty_light_view ty_light_sphere_view(const double center[3], double radius, const float radiance[3]);
+/* The view of an emissive mesh's triangle; false when it has no area or sends nothing. surface must outlive it. */
+bool ty_light_triangle_view(const ty_surface* surface, int32_t triangle, ty_light_view* out);
 
 /* Sets `typical`, `chosen` and `cumulative`: in proportion to each light's fluence, unshadowed, at a typical distance
  * from what lies in the box [lower, upper], with a tenth shared evenly; 0 for lights that are better met than sampled.

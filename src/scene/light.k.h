@@ -3,32 +3,42 @@
 #define TY_SCENE_LIGHT_K_H
 
 #include "scene/environment.k.h"
+#include "scene/surface.k.h"
 
-/* ty_light_kind, and emissive spheres, which come from shapes. */
+/* ty_light_kind, and emissive spheres and triangles, which come from shapes and meshes. */
 enum {
     TY_KIND_DIRECTIONAL = 0,
     TY_KIND_POINT = 1,
     TY_KIND_SPOT = 2,
     TY_KIND_AREA = 3,
     TY_KIND_ENVIRONMENT = 4,
-    TY_KIND_SPHERE = 5
+    TY_KIND_SPHERE = 5,
+    TY_KIND_TRIANGLE = 6
 };
 
 typedef struct ty_light_view {
     int32_t kind;
-    float color[3];   /* irradiance, intensity or radiance */
-    ty_vec position;  /* point, spot; area: corner; sphere: centre */
-    ty_vec direction; /* directional, spot: the way the light travels; area: unit normal of the emitting side */
-    ty_vec u, v;      /* area: edges */
-    float area;       /* area: m^2 */
-    float radius;     /* sphere */
-    float cos_outer, cos_inner; /* spot: light fades from inner to outer */
+    float color[3];    /* irradiance, intensity or radiance; the mean where it is textured */
+    ty_vec position;   /* point, spot; area, triangle: corner; sphere: centre */
+    ty_vec direction;  /* directional, spot: the way the light travels; area, triangle: unit normal of the front */
+    ty_vec u, v;       /* area, triangle: edges */
+    float area;        /* area, triangle: m^2 */
+    int32_t two_sided; /* triangle: emits on both sides, else on its front */
+    TY_GLOBAL const ty_surface* textured; /* triangle: where radiance is looked up; NULL: it is color everywhere */
+    int32_t part;                         /* triangle: its number in the mesh */
+    float radius;                         /* sphere */
+    float cos_outer, cos_inner;           /* spot: light fades from inner to outer */
     float typical;    /* fluence, unshadowed, at a typical distance, W m^-2; 0 for lights better met than sampled */
     float reach2;     /* m^2; within this squared distance of a lamp, media are bright for it */
     float chosen;     /* probability of being chosen */
     float cumulative; /* of chosen, this light included */
     ty_environment_view environment;
 } ty_light_view;
+
+/* Lights that are small beside their distance and bright near by: rays through media look for them. */
+TY_FN bool ty_light_is_lamp(int32_t kind) {
+    return kind == TY_KIND_POINT || kind == TY_KIND_SPOT || kind == TY_KIND_AREA || kind == TY_KIND_TRIANGLE;
+}
 
 /* A light seen from a point. */
 typedef struct ty_light_sample {
@@ -62,6 +72,21 @@ TY_FN bool ty_light_set_rgb(float out[3], TY_GLOBAL const float in[3], float fac
     return factor > 0.0f;
 }
 
+/* The place on an area light or triangle that (u, v) picks, uniform in area; b1, b2: its weights of the edges. */
+TY_FN ty_vec ty_light_place(TY_GLOBAL const ty_light_view* light, float u, float v, float* b1, float* b2) {
+    const float root = light->kind == TY_KIND_TRIANGLE ? sqrtf(u) : 1.0f;
+    *b1 = light->kind == TY_KIND_TRIANGLE ? 1.0f - root : u;
+    *b2 = root * v;
+    return ty_mad(ty_mad(light->position, light->u, *b1), light->v, *b2);
+}
+
+/* Cosine between a ray that looks along `look` and a flat light's front: negative from behind, and positive from there
+ * as well when the light is two-sided. */
+TY_FN float ty_light_facing(TY_GLOBAL const ty_light_view* light, ty_vec look) {
+    const float mu = -ty_dot(look, light->direction);
+    return light->two_sided != 0 ? fabsf(mu) : mu;
+}
+
 /* Samples a light from point `from`; false where it sends nothing. */
 TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec from, float u, float v,
                                 ty_light_sample* out) {
@@ -77,8 +102,10 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
         ty_environment_radiance(&light->environment, out->look, radiance);
         return out->pdf > 0.0f && ty_light_set_rgb(out->radiance, radiance, 1.0f / out->pdf);
     }
-    ty_vec to = ty_sub(light->position, from);
-    if (light->kind == TY_KIND_AREA) to = ty_mad(ty_mad(to, light->u, u), light->v, v);
+    const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
+    float b1 = 0.0f, b2 = 0.0f;
+    const ty_vec place = flat ? ty_light_place(light, u, v, &b1, &b2) : light->position;
+    const ty_vec to = ty_sub(place, from);
     const float d2 = ty_dot(to, to);
     if (!(d2 > 0.0f)) return false;
     if (light->kind == TY_KIND_SPHERE) {
@@ -93,11 +120,14 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
     }
     out->distance = sqrtf(d2);
     out->look = ty_scale(to, 1.0f / out->distance);
-    if (light->kind == TY_KIND_AREA) {
-        const float mu = -ty_dot(out->look, light->direction);
+    if (flat) {
+        const float mu = ty_light_facing(light, out->look);
         if (mu <= 0.0f) return false;
         out->pdf = d2 / (mu * light->area);
-        return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
+        if (light->textured == NULL) return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
+        float emission[3];
+        ty_surface_emission(light->textured, light->part, b1, b2, emission);
+        return ty_light_set_rgb(out->radiance, emission, 1.0f / out->pdf);
     }
     const float falloff =
         light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(out->look, light->direction)) : 1.0f;
@@ -105,24 +135,15 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
 }
 
 /* Density per steradian with which ty_light_sample_from picks the direction of a ray that hit a surface light
- * (area or sphere) at distance, coming from `from`. */
+ * (area, triangle or sphere) at distance, coming from `from`. */
 TY_FN float ty_light_pdf(TY_GLOBAL const ty_light_view* light, ty_vec from, ty_vec look, float distance) {
     if (light->kind == TY_KIND_SPHERE) {
         const ty_vec to = ty_sub(light->position, from);
         const float d2 = ty_dot(to, to);
         return d2 <= light->radius * light->radius ? 0.0f : 1.0f / (2.0f * TY_PI * ty_sphere_cap(light->radius, d2));
     }
-    const float mu = -ty_dot(look, light->direction);
+    const float mu = ty_light_facing(light, look);
     return mu > 0.0f ? distance * distance / (mu * light->area) : 0.0f;
-}
-
-/* Picks a light in proportion to its `chosen`; *u is stretched back to [0, 1). */
-TY_FN int32_t ty_light_choose(TY_GLOBAL const ty_light_view* lights, int32_t count, float* u) {
-    int32_t i = 0;
-    while (i + 1 < count && *u >= lights[i].cumulative) ++i;
-    const float below = lights[i].cumulative - lights[i].chosen;
-    *u = ty_clampf((*u - below) / lights[i].chosen, 0.0f, 0x1.fffffep-1f);
-    return i;
 }
 
 #endif

@@ -3,9 +3,15 @@
 
 #include "base/context.h"
 #include "scene/check.h"
+#include "scene/shell.h"
 
 ty_medium_def ty_default_medium_def(void) {
-    return (ty_medium_def){.cookie = TY_DEF_COOKIE, .name = "", .transform = ty_affine_identity(), .scale = 1};
+    return (ty_medium_def){.cookie = TY_DEF_COOKIE,
+                           .name = "",
+                           .transform = ty_affine_identity(),
+                           .scale = 1,
+                           .kelvin = {0, 1},
+                           .emission_scale = 1};
 }
 
 static ty_result check_bounds(ty_context* context, const ty_medium_def* def) {
@@ -32,8 +38,59 @@ static ty_result check_bounds(ty_context* context, const ty_medium_def* def) {
             return ty_fail(context, TY_ERROR_ARGUMENT, "medium.sphere_radius: %g is outside (0, 1e15]",
                            def->sphere_radius);
         return ty_check_point(context, "medium.sphere_center", def->sphere_center);
+    case TY_BOUNDS_SHELL:
+        if (def->shell == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "medium.shell: it is NULL");
+        if (def->density_grid != NULL && !placed)
+            return ty_fail(context, TY_ERROR_ARGUMENT,
+                           "medium.bounds: a grid without a transform fills a box, not a closed mesh");
+        return TY_OK;
     }
     return ty_fail(context, TY_ERROR_ARGUMENT, "medium.bounds: %d is not a ty_bounds_kind", (int)def->bounds);
+}
+
+static ty_result check_transfer(ty_context* context, const ty_medium_def* def) {
+    if (def->transfer_count == 0) {
+        if (!def->transfer_albedo) return TY_OK;
+        return ty_fail(context, TY_ERROR_ARGUMENT, "medium.transfer_albedo: there is no transfer function");
+    }
+    if (def->transfer == NULL || def->transfer_count < 2 || def->transfer_count > TY_TRANSFER_MAX)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "medium.transfer: %d points are not 2..%d", def->transfer_count,
+                       (int)TY_TRANSFER_MAX);
+    if (def->density_grid == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "medium.transfer: there is no density grid to look it up with");
+    for (int32_t i = 0; i < def->transfer_count; ++i) {
+        const ty_transfer_point* point = &def->transfer[i];
+        if (!isfinite(point->value) || (i > 0 && !(point->value > def->transfer[i - 1].value)))
+            return ty_fail(context, TY_ERROR_ARGUMENT, "medium.transfer[%d].value: %g is not above the one before", i,
+                           (double)point->value);
+        if (!(point->density >= 0 && (double)point->density <= TY_COLOR_MAX))
+            return ty_fail(context, TY_ERROR_ARGUMENT, "medium.transfer[%d].density: %g is outside [0, %g]", i,
+                           (double)point->density, TY_COLOR_MAX);
+        const ty_result result = ty_check_rgb(context, "medium.transfer.albedo", point->albedo, 0, 1);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}
+
+/* Fields that are not placed need a box to fill, like densities. */
+static ty_result check_fields(ty_context* context, const ty_medium_def* def) {
+    const int albedos = (def->albedo_grid[0] != NULL) + (def->albedo_grid[1] != NULL) + (def->albedo_grid[2] != NULL);
+    if (albedos != 0 && albedos != 3)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "medium.albedo_grid: give three grids or none");
+    if (albedos != 0 && def->transfer_albedo)
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "medium.albedo_grid: the transfer function gives the albedo already");
+    ty_grid* grids[TY_MEDIUM_GRIDS];
+    ty_medium_grids(def, grids);
+    for (int i = 1; i < TY_MEDIUM_GRIDS; ++i)
+        if (grids[i] != NULL && def->bounds != TY_BOUNDS_BOX && !ty_grid_get_info(grids[i]).placed)
+            return ty_fail(context, TY_ERROR_ARGUMENT, "medium: a field without a transform needs a box to fill");
+    ty_result result = ty_check_rgb(context, "medium.emission", def->emission, 0, TY_COLOR_MAX);
+    if (result == TY_OK)
+        result = ty_check_number(context, "medium.emission_scale", (double)def->emission_scale, 0, TY_COLOR_MAX);
+    for (int i = 0; i < 2 && result == TY_OK; ++i)
+        result = ty_check_number(context, "medium.kelvin", def->kelvin[i], -1e9, 1e9);
+    return result;
 }
 
 ty_result ty_medium_check(ty_context* context, const ty_medium_def* def) {
@@ -45,8 +102,50 @@ ty_result ty_medium_check(ty_context* context, const ty_medium_def* def) {
     for (int c = 0; c < 3 && result == TY_OK; ++c)
         if (!(def->g[c] > -1 && def->g[c] < 1))
             result = ty_fail(context, TY_ERROR_ARGUMENT, "medium.g[%d]: %g is outside (-1, 1)", c, (double)def->g[c]);
+    if (result == TY_OK) result = check_transfer(context, def);
+    if (result == TY_OK) result = check_fields(context, def);
     return result == TY_OK ? check_bounds(context, def) : result;
 }
+
+/* ---- copies ---- */
+
+void ty_medium_grids(const ty_medium_def* def, ty_grid* grids[TY_MEDIUM_GRIDS]) {
+    grids[0] = def->density_grid;
+    for (int c = 0; c < 3; ++c) grids[1 + c] = def->albedo_grid[c];
+    grids[4] = def->g_grid;
+    grids[5] = def->temperature_grid;
+}
+
+bool ty_medium_copy(ty_context* context, const ty_medium_def* def, ty_medium_def* out) {
+    const size_t points = (size_t)def->transfer_count;
+    char* name = ty_copy_text(context, def->name);
+    ty_transfer_point* transfer = ty_alloc_array(context, points, sizeof *transfer, false);
+    if (name == NULL || transfer == NULL) {
+        ty_free_text(context, name);
+        ty_free_array(context, transfer, points, sizeof *transfer);
+        return false;
+    }
+    if (points > 0) memcpy(transfer, def->transfer, points * sizeof *transfer);
+    *out = *def;
+    out->name = name;
+    out->transfer = transfer;
+    ty_grid* grids[TY_MEDIUM_GRIDS];
+    ty_medium_grids(out, grids);
+    for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_retain(grids[i]);
+    ty_shell_retain(out->shell);
+    return true;
+}
+
+void ty_medium_release(ty_context* context, ty_medium_def* copy) {
+    ty_grid* grids[TY_MEDIUM_GRIDS];
+    ty_medium_grids(copy, grids);
+    for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_destroy(grids[i]);
+    ty_shell_destroy(copy->shell);
+    ty_free_text(context, (char*)copy->name);
+    ty_free_array(context, (void*)copy->transfer, (size_t)copy->transfer_count, sizeof *copy->transfer);
+}
+
+/* ---- views ---- */
 
 /* The map from where bounds are the cube [-1, 1]^3 or the unit sphere to the medium's local space. */
 static ty_affine bounds_to_local(const ty_medium_def* def) {
@@ -78,39 +177,128 @@ static void invert_to_floats(const ty_affine* map, float out[12]) {
     for (int i = 0; i < 12; ++i) out[i] = (float)inverse.m[i];
 }
 
-ty_medium_view ty_medium_get_view(const ty_medium_def* def) {
-    ty_medium_view view;
-    memset(&view, 0, sizeof view);
-    view.bounds = (int32_t)def->bounds;
-    if (def->bounds != TY_BOUNDS_NONE) {
+static ty_grid_view place_grid(const ty_medium_def* def, const ty_grid* grid, float to_index[12]) {
+    const ty_grid_info info = ty_grid_get_info(grid);
+    const ty_affine local = index_to_local(def, &info);
+    const ty_affine world = ty_affine_multiply(&def->transform, &local);
+    invert_to_floats(&world, to_index);
+    return ty_grid_get_view(grid);
+}
+
+static ty_field_view place_field(const ty_medium_def* def, const ty_grid* grid) {
+    ty_field_view field;
+    field.grid = place_grid(def, grid, field.to_index);
+    return field;
+}
+
+static size_t brick_count(const ty_grid_view* grid) {
+    return (size_t)grid->bricks[0] * (size_t)grid->bricks[1] * (size_t)grid->bricks[2];
+}
+
+/* The least and largest density for values in [low, high]. */
+static void transfer_extremes(const ty_transfer_point* points, int32_t count, float low, float high, float out[2]) {
+    const float ends[2] = {ty_transfer_density(points, count, low), ty_transfer_density(points, count, high)};
+    out[0] = ty_minf(ends[0], ends[1]);
+    out[1] = ty_maxf(ends[0], ends[1]);
+    for (int32_t i = 0; i < count; ++i) {
+        if (points[i].value <= low || points[i].value >= high) continue;
+        out[0] = ty_minf(out[0], points[i].density);
+        out[1] = ty_maxf(out[1], points[i].density);
+    }
+}
+
+/* Extremes of the density take the place of the grid's values'. */
+static ty_result apply_transfer(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
+    view->transfer = def->transfer;
+    view->transfer_count = def->transfer_count;
+    view->transfer_albedo = def->transfer_albedo;
+    const size_t bricks = brick_count(&view->grid);
+    float* extremes = ty_alloc_array(context, bricks, 2 * sizeof *extremes, false);
+    view->extremes = extremes;
+    if (extremes == NULL) return TY_ERROR_MEMORY;
+    for (size_t i = 0; i < bricks; ++i)
+        transfer_extremes(def->transfer, def->transfer_count, view->grid.extremes[2 * i],
+                          view->grid.extremes[2 * i + 1], extremes + 2 * i);
+    return TY_OK;
+}
+
+static void view_coefficients(const ty_medium_def* def, ty_medium_view* view) {
+    view->gray = view->gray_g = 1;
+    for (int c = 0; c < 3; ++c) {
+        view->sigma_s[c] = def->scale * def->sigma_s[c];
+        view->sigma_t[c] = def->scale * (def->sigma_s[c] + def->sigma_a[c]);
+        view->sigma_t_max = ty_maxf(view->sigma_t_max, view->sigma_t[c]);
+        view->g[c] = def->g[c];
+        if (view->sigma_t[c] != view->sigma_t[0]) view->gray = 0;
+        if (view->g[c] != view->g[0]) view->gray_g = 0;
+    }
+}
+
+/* Fields, and what glows. */
+static ty_result view_fields(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
+    if (def->albedo_grid[0] != NULL) {
+        const bool one = def->albedo_grid[1] == def->albedo_grid[0] && def->albedo_grid[2] == def->albedo_grid[0];
+        view->albedo_fields = one ? 1 : 3;
+        for (int c = 0; c < view->albedo_fields; ++c) view->albedo[c] = place_field(def, def->albedo_grid[c]);
+    }
+    if (def->g_grid != NULL) {
+        view->has_g_field = 1;
+        view->gray_g = 1;
+        view->g_field = place_field(def, def->g_grid);
+    }
+    memcpy(view->emission, def->emission, sizeof view->emission);
+    view->emits = def->emission[0] > 0 || def->emission[1] > 0 || def->emission[2] > 0;
+    if (def->temperature_grid == NULL || !(def->emission_scale > 0)) return TY_OK;
+    view->has_temperature = view->emits = 1;
+    view->temperature = place_field(def, def->temperature_grid);
+    view->kelvin[0] = (float)def->kelvin[0];
+    view->kelvin[1] = (float)(def->kelvin[1] - def->kelvin[0]);
+    view->blackbody_scale = def->emission_scale;
+    ty_blackbody_table* table = ty_alloc_array(context, 1, sizeof *table, false);
+    if (table == NULL) return TY_ERROR_MEMORY;
+    ty_blackbody_fill(table);
+    view->blackbody = table;
+    return TY_OK;
+}
+
+ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
+    memset(view, 0, sizeof *view);
+    view->bounds = (int32_t)def->bounds;
+    if (def->bounds == TY_BOUNDS_SHELL) {
+        invert_to_floats(&def->transform, view->to_bounds);
+        view->shell = def->shell->mesh;
+    } else if (def->bounds != TY_BOUNDS_NONE) {
         const ty_affine local = bounds_to_local(def);
         const ty_affine world = ty_affine_multiply(&def->transform, &local);
-        invert_to_floats(&world, view.to_bounds);
+        invert_to_floats(&world, view->to_bounds);
     }
+    view_coefficients(def, view);
+    ty_result result = TY_OK;
     if (def->density_grid != NULL) {
-        const ty_grid_info info = ty_grid_get_info(def->density_grid);
-        const ty_affine local = index_to_local(def, &info);
-        const ty_affine world = ty_affine_multiply(&def->transform, &local);
-        view.has_grid = 1;
-        view.grid = ty_grid_get_view(def->density_grid);
-        invert_to_floats(&world, view.to_index);
+        view->has_grid = 1;
+        view->grid = place_grid(def, def->density_grid, view->to_index);
+        view->extremes = view->grid.extremes;
+        if (def->transfer_count > 0) result = apply_transfer(context, def, view);
     }
-    view.gray = 1;
-    for (int c = 0; c < 3; ++c) {
-        view.sigma_s[c] = def->scale * def->sigma_s[c];
-        view.sigma_t[c] = def->scale * (def->sigma_s[c] + def->sigma_a[c]);
-        view.sigma_t_max = ty_maxf(view.sigma_t_max, view.sigma_t[c]);
-        view.g[c] = def->g[c];
-        if (view.sigma_s[c] != view.sigma_s[0] || view.sigma_t[c] != view.sigma_t[0] || view.g[c] != view.g[0])
-            view.gray = 0;
-    }
-    return view;
+    if (result == TY_OK) result = view_fields(context, def, view);
+    view->varies = view->has_grid || view->albedo_fields > 0 || view->has_g_field || view->has_temperature;
+    return result;
+}
+
+void ty_medium_view_destroy(ty_context* context, ty_medium_view* view) {
+    if (view->transfer != NULL)
+        ty_free_array(context, (void*)view->extremes, brick_count(&view->grid), 2 * sizeof(float));
+    ty_free_array(context, (void*)view->blackbody, 1, sizeof *view->blackbody);
 }
 
 void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]) {
     ty_affine local;
     double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
-    if (def->bounds != TY_BOUNDS_NONE) {
+    if (def->bounds == TY_BOUNDS_SHELL) {
+        local = ty_affine_identity();
+        memcpy(low, def->shell->triangles->lower, sizeof low);
+        memcpy(high, def->shell->triangles->upper, sizeof high);
+    } else if (def->bounds != TY_BOUNDS_NONE) {
         local = bounds_to_local(def);
     } else {
         const ty_grid_info info = ty_grid_get_info(def->density_grid);

@@ -5,23 +5,52 @@
 #include "base/random.k.h"
 #include "base/vector.k.h"
 #include "grid/lookup.k.h"
+#include "scene/blackbody.h"
+#include "scene/mesh.h"
 
 enum { TY_MEDIA_MAX = 64 };
 
 /* Tentative collisions are at least this far apart, relative to the distance: what single precision can tell. */
 #define TY_LEAST_STEP 6e-8f
 
+/* A grid beside the density. */
+typedef struct ty_field_view {
+    ty_grid_view grid;
+    float to_index[12]; /* world to its index space */
+} ty_field_view;
+
+/* What a medium is bounded by: ty_bounds_kind. */
+enum { TY_BOUNDED_NOT = 0, TY_BOUNDED_BOX = 1, TY_BOUNDED_SPHERE = 2, TY_BOUNDED_SHELL = 3 };
+
 typedef struct ty_medium_view {
     ty_grid_view grid; /* looked at if has_grid */
     int32_t has_grid;
-    int32_t bounds;      /* ty_bounds_kind */
-    float to_bounds[12]; /* world to where the bounds are the cube [-1, 1]^3 or the unit sphere */
-    float to_index[12];  /* world to the grid's index space */
-    float sigma_s[3];    /* scale included, at density 1 */
+    int32_t varies; /* anything in it does: it cannot be met in closed form */
+    int32_t bounds;
+    float to_bounds[12];  /* world to where the bounds are the cube [-1, 1]^3, the unit sphere or the shell */
+    const ty_mesh* shell; /* TY_BOUNDED_SHELL */
+    float to_index[12];   /* world to the grid's index space */
+    TY_GLOBAL const float* extremes; /* of the density over the grid's bricks, as in ty_grid_view */
+    float sigma_s[3];                /* scale included, at density 1 */
     float sigma_t[3];
     float sigma_t_max; /* over channels */
     float g[3];
-    int32_t gray; /* sigma_s, sigma_t and g alike in all channels */
+    int32_t gray;                                /* sigma_t alike in all channels */
+    int32_t gray_g;                              /* g alike in all channels */
+    TY_GLOBAL const ty_transfer_point* transfer; /* density by value; NULL: the value itself */
+    int32_t transfer_count;
+    int32_t transfer_albedo;
+    int32_t albedo_fields; /* 0: sigma_s / sigma_t; 1: albedo[0] for all channels; 3 */
+    ty_field_view albedo[3];
+    int32_t has_g_field;
+    ty_field_view g_field;
+    int32_t emits;
+    float emission[3]; /* radiance */
+    int32_t has_temperature;
+    ty_field_view temperature;
+    float kelvin[2]; /* temperature = kelvin[0] + kelvin[1] * value */
+    float blackbody_scale;
+    TY_GLOBAL const ty_blackbody_table* blackbody;
 } ty_medium_view;
 
 /* Cuts [*enter, *leave] to where one coordinate is within [low, high]; false if nothing is left. */
@@ -51,12 +80,13 @@ TY_FN bool ty_clip_unit_sphere(ty_vec o, ty_vec d, float* enter, float* leave) {
     return *enter < *leave;
 }
 
-/* Where within [*enter, *leave] the ray is inside the medium; false, if nowhere. Bounds are convex: one interval. */
+/* Where within [*enter, *leave] the ray is inside the medium's convex bounds and grid, its shell not considered; false,
+ * if nowhere. */
 TY_FN bool ty_medium_interval(TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction, float* enter,
                               float* leave) {
-    if (medium->bounds != 0) {
+    if (medium->bounds == TY_BOUNDED_BOX || medium->bounds == TY_BOUNDED_SPHERE) {
         const ty_vec o = ty_map_point(medium->to_bounds, origin), d = ty_map_direction(medium->to_bounds, direction);
-        if (medium->bounds == 1) {
+        if (medium->bounds == TY_BOUNDED_BOX) {
             if (!ty_clip_box(o, d, ty_vec_make(-1, -1, -1), ty_vec_make(1, 1, 1), enter, leave)) return false;
         } else if (!ty_clip_unit_sphere(o, d, enter, leave)) {
             return false;
@@ -128,7 +158,7 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
         const int32_t axis = b->next[xy] < b->next[2] ? xy : 2;
         const float face = b->next[axis];
         TY_GLOBAL const float* extremes =
-            grid->extremes +
+            b->medium->extremes +
             2 * ((size_t)b->cell[0] +
                  (size_t)grid->bricks[0] * ((size_t)b->cell[1] + (size_t)grid->bricks[1] * (size_t)b->cell[2]));
         b->low = ty_maxf(extremes[0], 0.0f);
@@ -158,17 +188,119 @@ TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_ra
     return ty_grid_fetch(grid, i, j, k);
 }
 
+/* The trilinear value at a point in index space. */
+TY_FN float ty_grid_value(TY_GLOBAL const ty_grid_view* grid, ty_vec p) {
+    const ty_vec low = ty_vec_make(floorf(p.x), floorf(p.y), floorf(p.z));
+    const int32_t base[3] = {(int32_t)low.x, (int32_t)low.y, (int32_t)low.z};
+    const float weight[3] = {p.x - low.x, p.y - low.y, p.z - low.z};
+    return ty_grid_trilinear(grid, base, weight);
+}
+
+/* A field's value at a point of the world. */
+TY_FN float ty_field_value(TY_GLOBAL const ty_field_view* field, ty_vec point) {
+    ty_vec p = ty_map_point(field->to_index, point);
+    /* Far outside, where whole numbers end, the value is that just outside. */
+    p.x = ty_clampf(p.x, -2.0f, (float)field->grid.size[0] + 1.0f);
+    p.y = ty_clampf(p.y, -2.0f, (float)field->grid.size[1] + 1.0f);
+    p.z = ty_clampf(p.z, -2.0f, (float)field->grid.size[2] + 1.0f);
+    return ty_grid_value(&field->grid, p);
+}
+
+/* Where a value lies in a transfer function: between point *i and the next, at the returned weight of the next. */
+TY_FN float ty_transfer_locate(TY_GLOBAL const ty_transfer_point* points, int32_t count, float value, int32_t* i) {
+    int32_t low = 0, high = count - 1;
+    while (high - low > 1) {
+        const int32_t middle = (low + high) / 2;
+        if (points[middle].value <= value)
+            low = middle;
+        else
+            high = middle;
+    }
+    *i = low;
+    return ty_clampf((value - points[low].value) / (points[high].value - points[low].value), 0.0f, 1.0f);
+}
+
+TY_FN float ty_transfer_density(TY_GLOBAL const ty_transfer_point* points, int32_t count, float value) {
+    int32_t i;
+    const float weight = ty_transfer_locate(points, count, value, &i);
+    return ty_lerpf(points[i].density, points[i + 1].density, weight);
+}
+
+/* An estimate of the density at a point in index space, without bounds: its mean is exact. Transfer functions are not
+ * linear, so they need the value itself. */
+TY_FN float ty_medium_density_at(TY_GLOBAL const ty_medium_view* medium, ty_vec p, ty_random* random) {
+    if (medium->transfer != NULL)
+        return ty_transfer_density(medium->transfer, medium->transfer_count, ty_grid_value(&medium->grid, p));
+    return ty_grid_jittered(&medium->grid, p, random);
+}
+
 /* An estimate of the density at parameter t, within the brick's bounds. */
 TY_FN float ty_bricks_density(const ty_bricks* b, float t, ty_random* random) {
     if (b->medium->has_grid == 0) return 1.0f;
     const ty_vec p = ty_mad(b->origin, b->direction, t);
-    return ty_clampf(ty_grid_jittered(&b->medium->grid, p, random), b->low, b->high);
+    return ty_clampf(ty_medium_density_at(b->medium, p, random), b->low, b->high);
 }
 
 /* The same at a point of the world that is inside the medium. */
 TY_FN float ty_medium_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point, ty_random* random) {
     if (medium->has_grid == 0) return 1.0f;
-    return ty_maxf(0.0f, ty_grid_jittered(&medium->grid, ty_map_point(medium->to_index, point), random));
+    return ty_maxf(0.0f, ty_medium_density_at(medium, ty_map_point(medium->to_index, point), random));
+}
+
+/* Single-scattering albedo at a point of the world, per channel; 0 where nothing collides. */
+TY_FN void ty_medium_albedo(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float albedo[3]) {
+    if (medium->albedo_fields > 0) {
+        for (int32_t c = 0; c < 3; ++c)
+            albedo[c] = c < medium->albedo_fields ? ty_clampf(ty_field_value(&medium->albedo[c], point), 0.0f, 1.0f)
+                                                  : albedo[0];
+        return;
+    }
+    if (medium->transfer_albedo != 0) {
+        int32_t i;
+        const float value = ty_grid_value(&medium->grid, ty_map_point(medium->to_index, point));
+        const float weight = ty_transfer_locate(medium->transfer, medium->transfer_count, value, &i);
+        for (int32_t c = 0; c < 3; ++c)
+            albedo[c] = ty_lerpf(medium->transfer[i].albedo[c], medium->transfer[i + 1].albedo[c], weight);
+        return;
+    }
+    for (int32_t c = 0; c < 3; ++c)
+        albedo[c] = medium->sigma_t[c] > 0.0f ? medium->sigma_s[c] / medium->sigma_t[c] : 0.0f;
+}
+
+/* Scattering coefficient at density 1 at a point of the world. */
+TY_FN void ty_medium_sigma_s(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float sigma_s[3]) {
+    for (int32_t c = 0; c < 3; ++c) sigma_s[c] = medium->sigma_s[c];
+    if (medium->albedo_fields == 0 && medium->transfer_albedo == 0) return;
+    ty_medium_albedo(medium, point, sigma_s);
+    for (int32_t c = 0; c < 3; ++c) sigma_s[c] *= medium->sigma_t[c];
+}
+
+/* Mean cosine at a point of the world, per channel. */
+TY_FN void ty_medium_g(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float g[3]) {
+    if (medium->has_g_field == 0) {
+        for (int32_t c = 0; c < 3; ++c) g[c] = medium->g[c];
+        return;
+    }
+    const float value = ty_clampf(ty_field_value(&medium->g_field, point), -0.9999f, 0.9999f);
+    for (int32_t c = 0; c < 3; ++c) g[c] = value;
+}
+
+/* Radiance that a thick body of the medium at a point would have by itself. */
+TY_FN void ty_medium_emission(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float emission[3]) {
+    for (int32_t c = 0; c < 3; ++c) emission[c] = medium->emission[c];
+    if (medium->has_temperature == 0) return;
+    float glow[3];
+    const float value = ty_field_value(&medium->temperature, point);
+    ty_blackbody_lookup(medium->blackbody, medium->kelvin[0] + medium->kelvin[1] * value, glow);
+    for (int32_t c = 0; c < 3; ++c) emission[c] += medium->blackbody_scale * glow[c];
+}
+
+/* The same times the absorption coefficient at density 1: what it sends per metre. */
+TY_FN void ty_medium_glow(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float glow[3]) {
+    float sigma_s[3];
+    ty_medium_sigma_s(medium, point, sigma_s);
+    ty_medium_emission(medium, point, glow);
+    for (int32_t c = 0; c < 3; ++c) glow[c] *= ty_maxf(0.0f, medium->sigma_t[c] - sigma_s[c]);
 }
 
 #endif

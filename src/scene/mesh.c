@@ -1,7 +1,8 @@
-/* Surfaces through Embree: quads and boxes as one quad mesh, spheres as points with radii. */
+/* Surfaces through Embree: quads and boxes as one quad mesh, spheres as points with radii, meshes as they are. */
 #include "scene/mesh.h"
 
 #include "base/context.h"
+#include "base/random.k.h"
 #include "scene/shape.h"
 
 #include <embree3/rtcore.h>
@@ -27,12 +28,16 @@ struct ty_mesh {
     ty_context* context;
     RTCDevice device;
     RTCScene scene;
-    unsigned quad_geometry, sphere_geometry; /* ids; RTC_INVALID_GEOMETRY_ID if there are none */
     size_t quad_count, sphere_count;
     mesh_quad* quads;
     mesh_sphere* spheres;
+    const ty_surface* surfaces; /* of meshes: number i is Embree's geometry MESHES + i */
+    int32_t first_mesh;         /* what surfaces[0] is among the scene view's */
     _Atomic int64_t bytes;
 };
+
+/* Embree's numbers of geometries: all quads, all spheres, then each mesh. */
+enum { QUADS = 0, SPHERES = 1, MESHES = 2 };
 
 /* How far off a surface to stand, in units of the coordinates whose rounding blurs it: 70 roundings. */
 static const float margin_share = 4e-6f;
@@ -56,6 +61,15 @@ static float quad_margin(ty_vec normal, const float* corners) {
         largest = ty_vec_make(ty_maxf(largest.x, fabsf(corners[3 * corner])),
                               ty_maxf(largest.y, fabsf(corners[3 * corner + 1])),
                               ty_maxf(largest.z, fabsf(corners[3 * corner + 2])));
+    const ty_vec seen = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
+    return ty_maxf(margin_share * ty_dot(seen, largest), margin_min);
+}
+
+/* The same for a triangle of a mesh. */
+static float triangle_margin(ty_vec normal, ty_vec a, ty_vec b, ty_vec c) {
+    const ty_vec largest = ty_vec_make(ty_maxf(fabsf(a.x), ty_maxf(fabsf(b.x), fabsf(c.x))),
+                                       ty_maxf(fabsf(a.y), ty_maxf(fabsf(b.y), fabsf(c.y))),
+                                       ty_maxf(fabsf(a.z), ty_maxf(fabsf(b.z), fabsf(c.z))));
     const ty_vec seen = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
     return ty_maxf(margin_share * ty_dot(seen, largest), margin_min);
 }
@@ -97,7 +111,7 @@ static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t cou
             mesh->quads[quad].margin = quad_margin(mesh->quads[quad].normal, corners + 12 * quad);
         }
     rtcCommitGeometry(geometry);
-    mesh->quad_geometry = rtcAttachGeometry(mesh->scene, geometry);
+    rtcAttachGeometryByID(mesh->scene, geometry, QUADS);
     rtcReleaseGeometry(geometry);
     return TY_OK;
 }
@@ -127,39 +141,143 @@ static ty_result add_spheres(ty_mesh* mesh, const ty_shape_def* shapes, size_t c
                                                 .margin = sphere_margin(ty_vec_load(point), point[3])};
     }
     rtcCommitGeometry(geometry);
-    mesh->sphere_geometry = rtcAttachGeometry(mesh->scene, geometry);
+    rtcAttachGeometryByID(mesh->scene, geometry, SPHERES);
     rtcReleaseGeometry(geometry);
     return TY_OK;
 }
 
-ty_result ty_mesh_create(ty_context* context, const ty_shape_def* shapes, size_t count, ty_mesh** out) {
-    *out = NULL;
-    if (count == 0) return TY_OK;
+/* A number in [0, 1) that belongs to a ray and a triangle. */
+static float chance_of(float dx, float dy, float dz, float ox, float oy, unsigned triangle) {
+    uint32_t bits = ty_mix32(ty_bits_from_float(dx) ^ triangle);
+    bits = ty_mix32(bits ^ ty_bits_from_float(dy));
+    bits = ty_mix32(bits ^ ty_bits_from_float(dz));
+    bits = ty_mix32(bits ^ ty_bits_from_float(ox));
+    bits = ty_mix32(bits ^ ty_bits_from_float(oy));
+    return (float)(bits >> 8) * 0x1p-24f;
+}
+
+/* Where Embree keeps the fields of N rays and hits that it hands to filters, in rows of N. */
+enum { RAY_ORG_X = 0, RAY_ORG_Y = 1, RAY_DIR_X = 4, RAY_DIR_Y = 5, RAY_DIR_Z = 6, RAY_TFAR = 8 };
+enum { HIT_NG_X = 0, HIT_NG_Y = 1, HIT_NG_Z = 2, HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5 };
+
+static float row(const void* rows, unsigned field, unsigned count, unsigned i) {
+    return ((const float*)rows)[field * count + i];
+}
+
+/* Embree asks whether triangles of a mesh with alpha are there. */
+static void filter_alpha(const struct RTCFilterFunctionNArguments* given) {
+    const ty_surface* surface = given->geometryUserPtr;
+    for (unsigned i = 0; i < given->N; ++i) {
+        if (given->valid[i] == 0) continue;
+        const unsigned triangle = ((const unsigned*)given->hit)[HIT_PRIMITIVE * given->N + i];
+        const float chance = chance_of(row(given->ray, RAY_DIR_X, given->N, i), row(given->ray, RAY_DIR_Y, given->N, i),
+                                       row(given->ray, RAY_DIR_Z, given->N, i), row(given->ray, RAY_ORG_X, given->N, i),
+                                       row(given->ray, RAY_ORG_Y, given->N, i), triangle);
+        if (!ty_surface_is_there(surface, (int32_t)triangle, row(given->hit, HIT_U, given->N, i),
+                                 row(given->hit, HIT_V, given->N, i), chance))
+            given->valid[i] = 0;
+    }
+}
+
+/* The queries of ty_mesh_crossings carry where the crossings go. */
+typedef struct crossing_query {
+    struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
+    ty_crossing* crossings;
+    int32_t count;
+} crossing_query;
+
+/* Notes a crossing, in order, and lets the ray go on. A ray along an edge meets both triangles: that is one crossing.
+ */
+static void collect_crossing(const struct RTCFilterFunctionNArguments* given) {
+    crossing_query* query = (crossing_query*)given->context;
+    given->valid[0] = 0;
+    const float t = row(given->ray, RAY_TFAR, given->N, 0);
+    const float along = row(given->ray, RAY_DIR_X, given->N, 0) * row(given->hit, HIT_NG_X, given->N, 0) +
+                        row(given->ray, RAY_DIR_Y, given->N, 0) * row(given->hit, HIT_NG_Y, given->N, 0) +
+                        row(given->ray, RAY_DIR_Z, given->N, 0) * row(given->hit, HIT_NG_Z, given->N, 0);
+    const ty_crossing crossing = {t, along > 0.0f ? 1 : -1};
+    int32_t at = query->count;
+    while (at > 0 && query->crossings[at - 1].t > t) --at;
+    for (int32_t near = at - 1; near <= at; ++near)
+        if (near >= 0 && near < query->count && query->crossings[near].leaves == crossing.leaves &&
+            fabsf(query->crossings[near].t - t) <= 2e-6f * t)
+            return;
+    if (at >= TY_CROSSINGS_MAX) return;
+    const int32_t last = query->count < TY_CROSSINGS_MAX ? query->count++ : TY_CROSSINGS_MAX - 1;
+    for (int32_t i = last; i > at; --i) query->crossings[i] = query->crossings[i - 1];
+    query->crossings[at] = crossing;
+}
+
+static ty_result add_triangles(ty_mesh* mesh, const ty_triangles* triangles, unsigned id, const ty_surface* surface) {
+    RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, triangles->positions, 0,
+                               3 * sizeof(float), triangles->vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles->indices, 0,
+                               3 * sizeof(uint32_t), triangles->triangle_count);
+    if (surface == NULL) {
+        rtcSetGeometryIntersectFilterFunction(geometry, collect_crossing);
+    } else if (surface->alpha_mode != TY_ALPHA_OPAQUE) {
+        rtcSetGeometryUserData(geometry, (void*)surface); /* only read */
+        rtcSetGeometryIntersectFilterFunction(geometry, filter_alpha);
+        rtcSetGeometryOccludedFilterFunction(geometry, filter_alpha);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(mesh->scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+    return rtcGetDeviceError(mesh->device) == RTC_ERROR_NONE ? TY_OK : fail(mesh, "taking triangles");
+}
+
+static ty_result start_mesh(ty_context* context, ty_mesh** out) {
     ty_mesh* mesh = ty_alloc_array(context, 1, sizeof *mesh, true);
     if (mesh == NULL) return TY_ERROR_MEMORY;
     mesh->context = context;
-    mesh->quad_geometry = mesh->sphere_geometry = RTC_INVALID_GEOMETRY_ID;
     char config[64];
     snprintf(config, sizeof config, "threads=%d,start_threads=0,set_affinity=0", (int)ty_context_threads(context));
     mesh->device = rtcNewDevice(config);
-    ty_result result = mesh->device != NULL ? TY_OK : fail(mesh, "starting Embree");
-    if (result == TY_OK) {
-        rtcSetDeviceMemoryMonitorFunction(mesh->device, count_memory, mesh);
-        mesh->scene = rtcNewScene(mesh->device);
-        rtcSetSceneFlags(mesh->scene, RTC_SCENE_FLAG_ROBUST);
-        result = add_quads(mesh, shapes, count);
+    if (mesh->device == NULL) {
+        const ty_result result = fail(mesh, "starting Embree");
+        ty_mesh_destroy(mesh);
+        return result;
     }
-    if (result == TY_OK) result = add_spheres(mesh, shapes, count);
+    rtcSetDeviceMemoryMonitorFunction(mesh->device, count_memory, mesh);
+    mesh->scene = rtcNewScene(mesh->device);
+    rtcSetSceneFlags(mesh->scene, RTC_SCENE_FLAG_ROBUST);
+    *out = mesh;
+    return TY_OK;
+}
+
+/* Builds, or takes back everything when adding had failed. */
+static ty_result finish_mesh(ty_mesh* mesh, ty_result result, ty_mesh** out) {
     if (result == TY_OK) {
         rtcCommitScene(mesh->scene);
         if (rtcGetDeviceError(mesh->device) != RTC_ERROR_NONE) result = fail(mesh, "building");
     }
-    if (result != TY_OK) {
+    if (result == TY_OK)
+        *out = mesh;
+    else
         ty_mesh_destroy(mesh);
-        return result;
-    }
-    *out = mesh;
-    return TY_OK;
+    return result;
+}
+
+ty_result ty_mesh_create(ty_context* context, const ty_mesh_parts* parts, ty_mesh** out) {
+    *out = NULL;
+    if (parts->shape_count + parts->mesh_count == 0) return TY_OK;
+    ty_mesh* mesh = NULL;
+    ty_result result = start_mesh(context, &mesh);
+    if (result != TY_OK) return result;
+    mesh->surfaces = parts->surfaces + parts->shape_count;
+    mesh->first_mesh = (int32_t)parts->shape_count;
+    result = add_quads(mesh, parts->shapes, parts->shape_count);
+    if (result == TY_OK) result = add_spheres(mesh, parts->shapes, parts->shape_count);
+    for (size_t i = 0; i < parts->mesh_count && result == TY_OK; ++i)
+        result = add_triangles(mesh, parts->meshes[i], MESHES + (unsigned)i, &mesh->surfaces[i]);
+    return finish_mesh(mesh, result, out);
+}
+
+ty_result ty_mesh_create_shell(ty_context* context, const ty_triangles* triangles, ty_mesh** out) {
+    ty_mesh* mesh = NULL;
+    const ty_result result = start_mesh(context, &mesh);
+    return result == TY_OK ? finish_mesh(mesh, add_triangles(mesh, triangles, MESHES, NULL), out) : result;
 }
 
 void ty_mesh_destroy(ty_mesh* mesh) {
@@ -196,53 +314,142 @@ void ty_mesh_leave_thread(unsigned state) {
 #endif
 }
 
+/* What ty_hit says of Embree's answer; position comes in as a point on the ray. */
+static void describe_triangle(const ty_mesh* mesh, unsigned geometry, unsigned triangle, float b1, float b2,
+                              ty_hit* hit) {
+    const ty_surface* surface = &mesh->surfaces[geometry - MESHES];
+    const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
+    const ty_vec a = ty_vec_load(surface->positions + 3 * (size_t)corners[0]);
+    const ty_vec b = ty_vec_load(surface->positions + 3 * (size_t)corners[1]);
+    const ty_vec c = ty_vec_load(surface->positions + 3 * (size_t)corners[2]);
+    const ty_vec ab = ty_sub(b, a), ac = ty_sub(c, a);
+    const ty_vec cross = ty_cross(ab, ac);
+    const float square = ty_dot(cross, cross);
+    hit->normal = square > 0.0f ? ty_scale(cross, 1.0f / sqrtf(square)) : ty_vec_make(0, 0, 1);
+    hit->position = ty_mad(ty_mad(a, ab, b1), ac, b2);
+    hit->margin = triangle_margin(hit->normal, a, b, c);
+    hit->surface = mesh->first_mesh + (int32_t)(geometry - MESHES);
+    hit->part = (int32_t)triangle;
+    hit->b1 = b1;
+    hit->b2 = b2;
+}
+
+static void describe_hit(const ty_mesh* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
+    if (geometry == SPHERES) {
+        const mesh_sphere* sphere = &mesh->spheres[primitive];
+        hit->normal = ty_normalize(ty_sub(hit->position, sphere->center));
+        hit->position = ty_mad(sphere->center, hit->normal, sphere->radius);
+        hit->margin = sphere->margin;
+        hit->surface = sphere->shape;
+        hit->part = 0;
+    } else if (geometry == QUADS) {
+        const mesh_quad* quad = &mesh->quads[primitive];
+        hit->normal = quad->normal;
+        hit->position = ty_mad(hit->position, hit->normal, ty_dot(hit->normal, ty_sub(quad->corner, hit->position)));
+        hit->margin = quad->margin;
+        hit->surface = quad->shape;
+        hit->part = quad->part;
+    } else {
+        describe_triangle(mesh, geometry, primitive, b1, b2, hit);
+    }
+}
+
+static struct RTCRay make_ray(ty_vec origin, ty_vec direction, float far) {
+    return (struct RTCRay){.org_x = origin.x,
+                           .org_y = origin.y,
+                           .org_z = origin.z,
+                           .dir_x = direction.x,
+                           .dir_y = direction.y,
+                           .dir_z = direction.z,
+                           .tfar = far,
+                           .mask = 0xffffffffu};
+}
+
 bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit query = {
-        .ray = {.org_x = origin.x,
-                .org_y = origin.y,
-                .org_z = origin.z,
-                .dir_x = direction.x,
-                .dir_y = direction.y,
-                .dir_z = direction.z,
-                .tfar = far,
-                .mask = 0xffffffffu},
+        .ray = make_ray(origin, direction, far),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
     rtcIntersect1(mesh->scene, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit->distance = query.ray.tfar;
     hit->position = ty_mad(origin, direction, hit->distance);
-    if (query.hit.geomID == mesh->sphere_geometry) {
-        const mesh_sphere* sphere = &mesh->spheres[query.hit.primID];
-        hit->normal = ty_normalize(ty_sub(hit->position, sphere->center));
-        hit->position = ty_mad(sphere->center, hit->normal, sphere->radius);
-        hit->margin = sphere->margin;
-        hit->shape = sphere->shape;
-        hit->part = 0;
-    } else {
-        const mesh_quad* quad = &mesh->quads[query.hit.primID];
-        hit->normal = quad->normal;
-        hit->position = ty_mad(hit->position, hit->normal, ty_dot(hit->normal, ty_sub(quad->corner, hit->position)));
-        hit->margin = quad->margin;
-        hit->shape = quad->shape;
-        hit->part = quad->part;
-    }
+    describe_hit(mesh, query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v, hit);
     return true;
 }
 
 bool ty_mesh_occluded(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    struct RTCRay ray = {.org_x = origin.x,
-                         .org_y = origin.y,
-                         .org_z = origin.z,
-                         .dir_x = direction.x,
-                         .dir_y = direction.y,
-                         .dir_z = direction.z,
-                         .tfar = far,
-                         .mask = 0xffffffffu};
+    struct RTCRay ray = make_ray(origin, direction, far);
     rtcOccluded1(mesh->scene, &context, &ray);
     return ray.tfar < 0.0f;
+}
+
+/* ---- packets ---- */
+
+static void set_packet_ray(struct RTCRay16* packet, int32_t i, const ty_ray* ray) {
+    packet->org_x[i] = ray->origin.x;
+    packet->org_y[i] = ray->origin.y;
+    packet->org_z[i] = ray->origin.z;
+    packet->dir_x[i] = ray->direction.x;
+    packet->dir_y[i] = ray->direction.y;
+    packet->dir_z[i] = ray->direction.z;
+    packet->tnear[i] = 0.0f;
+    packet->tfar[i] = ray->far;
+    packet->time[i] = 0.0f;
+    packet->mask[i] = 0xffffffffu;
+    packet->id[i] = 0;
+    packet->flags[i] = 0;
+}
+
+void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    struct RTCRayHit16 packet;
+    _Alignas(64) int32_t valid[TY_PACKET];
+    for (int32_t i = 0; i < TY_PACKET; ++i) {
+        valid[i] = i < count ? -1 : 0;
+        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        if (i < count) set_packet_ray(&packet.ray, i, &rays[i]);
+    }
+    rtcIntersect16(valid, mesh->scene, &context, &packet);
+    for (int32_t i = 0; i < count; ++i) {
+        hits[i].surface = -1;
+        hits[i].distance = packet.ray.tfar[i];
+        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        hits[i].position = ty_mad(rays[i].origin, rays[i].direction, hits[i].distance);
+        describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
+    }
+}
+
+void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    struct RTCRay16 packet;
+    _Alignas(64) int32_t valid[TY_PACKET];
+    for (int32_t i = 0; i < TY_PACKET; ++i) {
+        valid[i] = i < count ? -1 : 0;
+        if (i < count) set_packet_ray(&packet, i, &rays[i]);
+    }
+    rtcOccluded16(valid, mesh->scene, &context, &packet);
+    for (int32_t i = 0; i < count; ++i) occluded[i] = packet.tfar[i] < 0.0f;
+}
+
+/* ---- closed surfaces ---- */
+
+int32_t ty_mesh_crossings(const ty_mesh* shell, ty_vec origin, ty_vec direction,
+                          ty_crossing crossings[TY_CROSSINGS_MAX]) {
+    crossing_query query = {.crossings = crossings};
+    rtcInitIntersectContext(&query.context);
+    struct RTCRayHit ray = {
+        .ray = make_ray(origin, direction, TY_FLOAT_MAX),
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
+    };
+    rtcIntersect1(shell->scene, &query.context, &ray);
+    return query.count;
 }

@@ -2,23 +2,25 @@
 #ifndef TY_SCENE_MESH_H
 #define TY_SCENE_MESH_H
 
-#include "base/vector.k.h"
+#include "scene/surface.k.h"
+#include "scene/triangles.h"
 
 #include <tyndall/scene.h>
 
 typedef struct ty_mesh ty_mesh;
 
-typedef struct ty_hit {
-    float distance;
-    ty_vec normal;   /* unit, outwards (front) */
-    ty_vec position; /* on the surface to rounding, however long the ray was */
-    float margin;    /* off the surface by this much, rounding cannot lead back to it */
-    int32_t shape;   /* as added */
-    int32_t part;    /* which quad of the shape */
-} ty_hit;
+/* What a mesh is made of. Surfaces are numbered as shapes first, then meshes. Everything must have passed the checks
+ * of ty_scene_add_shape and ty_scene_add_mesh, and outlive the mesh. */
+typedef struct ty_mesh_parts {
+    const ty_shape_def* shapes;
+    size_t shape_count;
+    ty_triangles* const* meshes;
+    size_t mesh_count;
+    const ty_surface* surfaces; /* shape_count + mesh_count */
+} ty_mesh_parts;
 
-/* Shapes must have passed ty_scene_add_shape's checks. *out is NULL when there are no shapes. */
-ty_result ty_mesh_create(ty_context* context, const ty_shape_def* shapes, size_t count, ty_mesh** out);
+/* *out is NULL when there is nothing to hit. */
+ty_result ty_mesh_create(ty_context* context, const ty_mesh_parts* parts, ty_mesh** out);
 void ty_mesh_destroy(ty_mesh* mesh);
 size_t ty_mesh_bytes(const ty_mesh* mesh);
 
@@ -26,14 +28,39 @@ size_t ty_mesh_bytes(const ty_mesh* mesh);
 unsigned ty_mesh_enter_thread(void);
 void ty_mesh_leave_thread(unsigned state);
 
-/* The nearest hit closer than far; direction is unit. mesh is not NULL. */
+/* The nearest hit closer than far; direction is unit. mesh is not NULL. Where surfaces have alpha, the ray itself
+ * decides which it meets: the same ray always meets the same. */
 bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit);
 /* Whether anything is hit closer than far. */
 bool ty_mesh_occluded(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far);
 
-/* Where a ray that leaves a hit towards direction may start without hitting the same surface again. */
-TY_FN ty_vec ty_hit_leave(const ty_hit* hit, ty_vec direction) {
-    return ty_mad(hit->position, hit->normal, ty_dot(hit->normal, direction) < 0.0f ? -hit->margin : hit->margin);
-}
+/* Many rays at once, sixteen by sixteen: quickest where neighbours go the same way. */
+typedef struct ty_ray {
+    ty_vec origin, direction; /* unit */
+    float far;
+} ty_ray;
+
+enum { TY_PACKET = 16 };
+
+/* hits[i].surface is -1 where ray i meets nothing. count: 1..TY_PACKET. */
+void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits);
+/* occluded[i]: whether ray i meets anything. count: 1..TY_PACKET. */
+void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded);
+
+/* ---- closed surfaces ---- */
+
+typedef struct ty_crossing {
+    float t;
+    int32_t leaves; /* 1: the ray comes out there, -1: it goes in */
+} ty_crossing;
+
+enum { TY_CROSSINGS_MAX = 64 };
+
+/* A mesh of its own for a shell's triangles, whose arrays must outlive it. */
+ty_result ty_mesh_create_shell(ty_context* context, const ty_triangles* triangles, ty_mesh** out);
+/* Where a ray (direction of any length) crosses a shell's triangles beyond its origin, nearest first; returns how
+ * many. Of more than TY_CROSSINGS_MAX, the farthest are left out. */
+int32_t ty_mesh_crossings(const ty_mesh* shell, ty_vec origin, ty_vec direction,
+                          ty_crossing crossings[TY_CROSSINGS_MAX]);
 
 #endif

@@ -6,6 +6,8 @@
 #include "scene/light.h"
 #include "scene/medium.h"
 #include "scene/shape.h"
+#include "scene/shell.h"
+#include "scene/texture.h"
 
 ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) {
     if (up_axis != TY_AXIS_Y && up_axis != TY_AXIS_Z)
@@ -28,15 +30,24 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
 
 static void drop_commit(ty_scene* scene) {
     ty_context* context = scene->context;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        ty_free_array(context, scene->meshes[i]->lights, scene->meshes[i]->triangle_count, sizeof(int32_t));
+        scene->meshes[i]->lights = NULL;
+    }
+    ty_free_array(context, scene->shape_parts, scene->shape_part_count, sizeof(ty_shape_def));
+    for (int32_t i = 0; i < scene->view.medium_count; ++i) ty_medium_view_destroy(context, &scene->medium_views[i]);
     ty_free_array(context, scene->medium_views, (size_t)scene->view.medium_count, sizeof(ty_medium_view));
     ty_free_array(context, scene->light_views, scene->light_view_count, sizeof(ty_light_view));
     ty_free_array(context, scene->surfaces, scene->surface_count, sizeof(ty_surface));
+    ty_free_array(context, scene->distant_lights, scene->distant_capacity, sizeof(int32_t));
     ty_mesh_destroy(scene->mesh);
+    scene->distant_lights = NULL;
     scene->medium_views = NULL;
     scene->light_views = NULL;
+    scene->shape_parts = NULL;
     scene->surfaces = NULL;
     scene->mesh = NULL;
-    scene->light_view_count = scene->surface_count = 0;
+    scene->light_view_count = scene->surface_count = scene->shape_part_count = 0;
     scene->view = (ty_scene_view){.media = NULL};
     scene->committed = false;
 }
@@ -45,11 +56,10 @@ void ty_scene_destroy(ty_scene* scene) {
     if (scene == NULL) return;
     ty_context* context = scene->context;
     drop_commit(scene);
-    for (size_t i = 0; i < scene->medium_count; ++i) {
-        ty_free_text(context, (char*)scene->media[i].name);
-        ty_grid_destroy(scene->media[i].density_grid);
-    }
+    for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_release(context, &scene->media[i]);
     for (size_t i = 0; i < scene->light_count; ++i) ty_environment_destroy(context, scene->environments[i]);
+    for (size_t i = 0; i < scene->mesh_count; ++i) ty_triangles_destroy(context, scene->meshes[i]);
+    ty_free_array(context, scene->meshes, scene->mesh_capacity, sizeof *scene->meshes);
     ty_free_array(context, scene->media, scene->medium_capacity, sizeof *scene->media);
     ty_free_array(context, scene->lights, scene->light_capacity, sizeof *scene->lights);
     ty_free_array(context, scene->environments, scene->environment_capacity, sizeof(ty_environment*));
@@ -71,11 +81,8 @@ ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def) {
     if (!ty_grow_array(scene->context, (void**)&scene->media, &scene->medium_capacity, scene->medium_count,
                        sizeof *scene->media))
         return TY_ERROR_MEMORY;
-    ty_medium_def copy = *def;
-    copy.name = ty_copy_text(scene->context, def->name);
-    if (copy.name == NULL) return TY_ERROR_MEMORY;
-    ty_grid_retain(copy.density_grid);
-    scene->media[scene->medium_count++] = copy;
+    if (!ty_medium_copy(scene->context, def, &scene->media[scene->medium_count])) return TY_ERROR_MEMORY;
+    ++scene->medium_count;
     scene->committed = false;
     return TY_OK;
 }
@@ -111,6 +118,17 @@ ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def) {
     return TY_OK;
 }
 
+ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def) {
+    if (!ty_grow_array(scene->context, (void**)&scene->meshes, &scene->mesh_capacity, scene->mesh_count,
+                       sizeof *scene->meshes))
+        return TY_ERROR_MEMORY;
+    const ty_result result = ty_triangles_create(scene->context, def, &scene->meshes[scene->mesh_count]);
+    if (result != TY_OK) return result;
+    ++scene->mesh_count;
+    scene->committed = false;
+    return TY_OK;
+}
+
 /* An area light as the black surface that it is. */
 static ty_shape_def area_light_shape(const ty_light_def* light) {
     ty_shape_def shape = ty_default_shape_def();
@@ -126,82 +144,151 @@ static ty_shape_def area_light_shape(const ty_light_def* light) {
 
 static ty_result commit_media(ty_scene* scene) {
     if (scene->medium_count == 0) return TY_OK;
-    scene->medium_views = ty_alloc_array(scene->context, scene->medium_count, sizeof(ty_medium_view), false);
+    scene->medium_views = ty_alloc_array(scene->context, scene->medium_count, sizeof(ty_medium_view), true);
     if (scene->medium_views == NULL) return TY_ERROR_MEMORY;
     scene->view.medium_count = (int32_t)scene->medium_count;
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        scene->medium_views[i] = ty_medium_get_view(&scene->media[i]);
-        if (scene->medium_views[i].has_grid) scene->view.has_grids = 1;
+        const ty_result result = ty_medium_view_create(scene->context, &scene->media[i], &scene->medium_views[i]);
+        if (result != TY_OK) return result;
     }
     scene->view.media = scene->medium_views;
     return TY_OK;
 }
 
-/* Lights of their own, then one per quad or sphere of emissive surfaces. */
-static ty_result commit_lights(ty_scene* scene, const ty_shape_def* shapes) {
+/* How many lights there are to sample at most: lights of their own, then one per quad, sphere or triangle that emits.
+ */
+static size_t count_lights(const ty_scene* scene) {
     size_t count = 0;
     for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind != TY_LIGHT_AREA;
-    for (size_t i = 0; i < scene->surface_count; ++i)
-        if (ty_shape_emits(&shapes[i]))
-            count += shapes[i].kind == TY_SHAPE_SPHERE ? 1 : (size_t)ty_shape_quad_count(&shapes[i]);
-    if (count == 0) return TY_OK;
-    scene->light_views = ty_alloc_array(scene->context, count, sizeof(ty_light_view), false);
+    for (size_t i = 0; i < scene->shape_part_count; ++i) {
+        const ty_shape_def* shape = &scene->shape_parts[i];
+        if (ty_shape_emits(shape)) count += shape->kind == TY_SHAPE_SPHERE ? 1 : (size_t)ty_shape_quad_count(shape);
+    }
+    for (size_t i = 0; i < scene->mesh_count; ++i)
+        if (ty_triangles_emit(scene->meshes[i])) count += scene->meshes[i]->triangle_count;
+    return count;
+}
+
+static void add_shape_lights(ty_scene* scene, size_t part, size_t* at) {
+    const ty_shape_def* shape = &scene->shape_parts[part];
+    if (!ty_shape_emits(shape)) return;
+    scene->surfaces[part].first_light = (int32_t)*at;
+    double origin[3], u[3], v[3];
+    if (shape->kind == TY_SHAPE_SPHERE) {
+        const double radius = ty_shape_sphere(shape, origin);
+        scene->light_views[(*at)++] = ty_light_sphere_view(origin, radius, shape->emission);
+    }
+    for (int32_t q = 0; q < ty_shape_quad_count(shape); ++q) {
+        ty_shape_quad(shape, q, origin, u, v);
+        scene->light_views[(*at)++] = ty_light_quad_view(origin, u, v, shape->emission);
+    }
+}
+
+static ty_result add_mesh_lights(ty_scene* scene, size_t number, size_t* at) {
+    ty_triangles* mesh = scene->meshes[number];
+    if (!ty_triangles_emit(mesh)) return TY_OK;
+    ty_surface* surface = &scene->surfaces[scene->shape_part_count + number];
+    mesh->lights = ty_alloc_array(scene->context, mesh->triangle_count, sizeof *mesh->lights, false);
+    if (mesh->lights == NULL) return TY_ERROR_MEMORY;
+    surface->lights = mesh->lights;
+    for (size_t i = 0; i < mesh->triangle_count; ++i) {
+        const bool sends = ty_light_triangle_view(surface, (int32_t)i, &scene->light_views[*at]);
+        mesh->lights[i] = sends ? (int32_t)*at : -1;
+        *at += sends;
+    }
+    return TY_OK;
+}
+
+/* What kernels see of the first count lights. */
+static ty_result view_lights(ty_scene* scene, size_t count) {
+    ty_light_set* set = &scene->view.lights;
+    float lamps = 0;
+    scene->distant_lights = ty_alloc_array(scene->context, scene->light_count, sizeof(int32_t), false);
+    if (scene->distant_lights == NULL) return TY_ERROR_MEMORY;
+    scene->distant_capacity = scene->light_count;
+    set->lights = scene->light_views;
+    set->count = (int32_t)count;
+    set->distant = scene->distant_lights;
+    for (size_t i = 0; i < count; ++i) {
+        const ty_light_view* light = &scene->light_views[i];
+        if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT)
+            scene->distant_lights[set->distant_count++] = (int32_t)i;
+        if (!ty_light_is_lamp(light->kind) || !(light->chosen > 0)) continue;
+        ++set->lamp_count;
+        lamps += light->chosen;
+    }
+    if (set->lamp_count > 0) set->lamp_share = 1 / lamps;
+    return TY_OK;
+}
+
+static ty_result commit_lights(ty_scene* scene) {
+    const size_t most = count_lights(scene);
+    if (most == 0) return TY_OK;
+    scene->light_views = ty_alloc_array(scene->context, most, sizeof(ty_light_view), false);
     if (scene->light_views == NULL) return TY_ERROR_MEMORY;
-    scene->light_view_count = count;
+    scene->light_view_count = most;
     size_t at = 0;
     for (size_t i = 0; i < scene->light_count; ++i)
         if (scene->lights[i].kind != TY_LIGHT_AREA)
             scene->light_views[at++] = ty_light_get_view(&scene->lights[i], scene->environments[i], scene->up);
-    for (size_t i = 0; i < scene->surface_count; ++i) {
-        if (!ty_shape_emits(&shapes[i])) continue;
-        scene->surfaces[i].first_light = (int32_t)at;
-        double origin[3], u[3], v[3];
-        if (shapes[i].kind == TY_SHAPE_SPHERE) {
-            const double radius = ty_shape_sphere(&shapes[i], origin);
-            scene->light_views[at++] = ty_light_sphere_view(origin, radius, shapes[i].emission);
-        }
-        for (int32_t q = 0; q < ty_shape_quad_count(&shapes[i]); ++q) {
-            ty_shape_quad(&shapes[i], q, origin, u, v);
-            scene->light_views[at++] = ty_light_quad_view(origin, u, v, shapes[i].emission);
-        }
+    for (size_t i = 0; i < scene->shape_part_count; ++i) add_shape_lights(scene, i, &at);
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        const ty_result result = add_mesh_lights(scene, i, &at);
+        if (result != TY_OK) return result;
     }
     const ty_scene_info info = ty_scene_get_info(scene);
-    ty_light_set_choice(scene->light_views, count, info.lower, info.upper);
-    scene->view.lights = scene->light_views;
-    scene->view.light_count = (int32_t)count;
-    return TY_OK;
+    ty_light_set_choice(scene->light_views, at, info.lower, info.upper);
+    return view_lights(scene, at);
 }
 
-static ty_result commit_surfaces(ty_scene* scene, const ty_shape_def* shapes) {
+static ty_surface shape_surface(const ty_shape_def* shape) {
+    ty_surface surface;
+    memset(&surface, 0, sizeof surface);
+    memcpy(surface.albedo, shape->albedo, sizeof shape->albedo);
+    memcpy(surface.emission, shape->emission, sizeof shape->emission);
+    surface.first_light = -1;
+    return surface;
+}
+
+static ty_result commit_surfaces(ty_scene* scene) {
+    scene->surface_count = scene->shape_part_count + scene->mesh_count;
     if (scene->surface_count == 0) return TY_OK;
     scene->surfaces = ty_alloc_array(scene->context, scene->surface_count, sizeof(ty_surface), false);
     if (scene->surfaces == NULL) return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < scene->surface_count; ++i) {
-        memcpy(scene->surfaces[i].albedo, shapes[i].albedo, sizeof shapes[i].albedo);
-        memcpy(scene->surfaces[i].emission, shapes[i].emission, sizeof shapes[i].emission);
-        scene->surfaces[i].first_light = -1;
-    }
+    for (size_t i = 0; i < scene->shape_part_count; ++i) scene->surfaces[i] = shape_surface(&scene->shape_parts[i]);
+    for (size_t i = 0; i < scene->mesh_count; ++i)
+        scene->surfaces[scene->shape_part_count + i] = ty_triangles_get_surface(scene->meshes[i]);
     scene->view.surfaces = scene->surfaces;
-    const ty_result result = ty_mesh_create(scene->context, shapes, scene->surface_count, &scene->mesh);
+    const ty_mesh_parts parts = {.shapes = scene->shape_parts,
+                                 .shape_count = scene->shape_part_count,
+                                 .meshes = scene->meshes,
+                                 .mesh_count = scene->mesh_count,
+                                 .surfaces = scene->surfaces};
+    const ty_result result = ty_mesh_create(scene->context, &parts, &scene->mesh);
     scene->view.mesh = scene->mesh;
     return result;
 }
 
-ty_result ty_scene_commit(ty_scene* scene) {
-    drop_commit(scene);
+/* Shapes as added, then area lights as the surfaces that they are. */
+static ty_result list_shape_parts(ty_scene* scene) {
     size_t count = scene->shape_count;
     for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind == TY_LIGHT_AREA;
-    ty_shape_def* shapes = ty_alloc_array(scene->context, count, sizeof *shapes, false);
-    if (shapes == NULL) return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < scene->shape_count; ++i) shapes[i] = scene->shapes[i];
+    scene->shape_parts = ty_alloc_array(scene->context, count, sizeof *scene->shape_parts, false);
+    if (scene->shape_parts == NULL) return TY_ERROR_MEMORY;
+    scene->shape_part_count = count;
+    for (size_t i = 0; i < scene->shape_count; ++i) scene->shape_parts[i] = scene->shapes[i];
     size_t at = scene->shape_count;
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (scene->lights[i].kind == TY_LIGHT_AREA) shapes[at++] = area_light_shape(&scene->lights[i]);
-    scene->surface_count = count;
-    ty_result result = commit_media(scene);
-    if (result == TY_OK) result = commit_surfaces(scene, shapes);
-    if (result == TY_OK) result = commit_lights(scene, shapes);
-    ty_free_array(scene->context, shapes, count, sizeof *shapes);
+        if (scene->lights[i].kind == TY_LIGHT_AREA) scene->shape_parts[at++] = area_light_shape(&scene->lights[i]);
+    return TY_OK;
+}
+
+ty_result ty_scene_commit(ty_scene* scene) {
+    drop_commit(scene);
+    ty_result result = list_shape_parts(scene);
+    if (result == TY_OK) result = commit_media(scene);
+    if (result == TY_OK) result = commit_surfaces(scene);
+    if (result == TY_OK) result = commit_lights(scene);
     if (result != TY_OK) {
         drop_commit(scene);
         return result;
@@ -269,27 +356,65 @@ static void widen_by_shape(ty_scene_info* info, const ty_shape_def* shape) {
     }
 }
 
+/* Grids of media, and textures of meshes, by number; NULL where there is none. */
+static const ty_grid* numbered_grid(const ty_scene* scene, size_t number) {
+    ty_grid* grids[TY_MEDIUM_GRIDS];
+    ty_medium_grids(&scene->media[number / TY_MEDIUM_GRIDS], grids);
+    return grids[number % TY_MEDIUM_GRIDS];
+}
+
+static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) {
+    const ty_material_def* material = &scene->meshes[number / 2]->material;
+    return number % 2 == 0 ? material->albedo_texture : material->emission_texture;
+}
+
+/* What is shared counts once. */
+static size_t count_bytes(const ty_scene* scene) {
+    size_t sum = sizeof *scene + scene->light_view_count * sizeof(ty_light_view) +
+                 scene->medium_count * sizeof(ty_medium_view) + scene->surface_count * sizeof(ty_surface) +
+                 ty_mesh_bytes(scene->mesh);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (scene->environments[i] != NULL) sum += ty_environment_bytes(scene->environments[i]);
+    for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {
+        const ty_grid* grid = numbered_grid(scene, i);
+        bool counted = grid == NULL;
+        for (size_t j = 0; j < i && !counted; ++j) counted = numbered_grid(scene, j) == grid;
+        if (!counted) sum += ty_grid_get_info(grid).bytes;
+    }
+    for (size_t i = 0; i < scene->medium_count; ++i) {
+        const ty_shell* shell = scene->media[i].shell;
+        bool counted = shell == NULL;
+        for (size_t j = 0; j < i && !counted; ++j) counted = scene->media[j].shell == shell;
+        if (!counted) sum += ty_shell_bytes(shell);
+    }
+    for (size_t i = 0; i < scene->mesh_count; ++i) sum += ty_triangles_bytes(scene->meshes[i]);
+    for (size_t i = 0; i < 2 * scene->mesh_count; ++i) {
+        const ty_texture* texture = numbered_texture(scene, i);
+        bool counted = texture == NULL;
+        for (size_t j = 0; j < i && !counted; ++j) counted = numbered_texture(scene, j) == texture;
+        if (!counted) sum += ty_texture_bytes(texture);
+    }
+    return sum;
+}
+
 ty_scene_info ty_scene_get_info(const ty_scene* scene) {
     ty_scene_info info = {.media = (int32_t)scene->medium_count,
                           .lights = (int32_t)scene->light_count,
                           .shapes = (int32_t)scene->shape_count,
-                          .bounded = scene->medium_count > 0 || scene->shape_count > 0,
+                          .meshes = (int32_t)scene->mesh_count,
+                          .emitters = scene->view.lights.count,
+                          .bounded = scene->medium_count > 0 || scene->shape_count > 0 || scene->mesh_count > 0,
                           .lower = {INFINITY, INFINITY, INFINITY},
                           .upper = {-INFINITY, -INFINITY, -INFINITY}};
     for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_extent(&scene->media[i], info.lower, info.upper);
     for (size_t i = 0; i < scene->shape_count; ++i) widen_by_shape(&info, &scene->shapes[i]);
-    for (int a = 0; a < 3 && !info.bounded; ++a) info.lower[a] = info.upper[a] = 0;
-    info.bytes = sizeof *scene + scene->light_view_count * sizeof(ty_light_view) +
-                 scene->medium_count * sizeof(ty_medium_view) + scene->surface_count * sizeof(ty_surface) +
-                 ty_mesh_bytes(scene->mesh);
-    for (size_t i = 0; i < scene->medium_count; ++i) {
-        bool counted = scene->media[i].density_grid == NULL;
-        for (size_t j = 0; j < i && !counted; ++j)
-            counted = scene->media[j].density_grid == scene->media[i].density_grid;
-        if (!counted) info.bytes += ty_grid_get_info(scene->media[i].density_grid).bytes;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        widen(&info, scene->meshes[i]->lower);
+        widen(&info, scene->meshes[i]->upper);
+        info.triangles += (int64_t)scene->meshes[i]->triangle_count;
     }
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (scene->environments[i] != NULL) info.bytes += ty_environment_bytes(scene->environments[i]);
+    for (int a = 0; a < 3 && !info.bounded; ++a) info.lower[a] = info.upper[a] = 0;
+    info.bytes = count_bytes(scene);
     return info;
 }
 

@@ -3,28 +3,19 @@
 #define TY_SCENE_SCENE_H
 
 #include "scene/environment.h"
-#include "scene/light.k.h"
+#include "scene/light_choice.k.h"
 #include "scene/medium.k.h"
 #include "scene/mesh.h"
 
 #include <tyndall/scene.h>
 
-/* A Lambertian surface as kernels see it. */
-typedef struct ty_surface {
-    float albedo[3];
-    float emission[3];   /* radiance, on the front */
-    int32_t first_light; /* among the scene view's lights, one per quad of the shape; -1: does not emit */
-} ty_surface;
-
 /* Everything a kernel needs, as plain arrays. */
 typedef struct ty_scene_view {
     const ty_medium_view* media;
     int32_t medium_count;
-    int32_t has_grids; /* whether any medium is heterogeneous */
-    const ty_light_view* lights;
-    int32_t light_count;
+    ty_light_set lights;
     const ty_mesh* mesh;        /* NULL: no surfaces */
-    const ty_surface* surfaces; /* by shape */
+    const ty_surface* surfaces; /* shapes, area lights, meshes */
 } ty_scene_view;
 
 struct ty_scene {
@@ -41,14 +32,20 @@ struct ty_scene {
     size_t light_count, light_capacity, environment_capacity;
     ty_shape_def* shapes;
     size_t shape_count, shape_capacity;
+    ty_triangles** meshes;
+    size_t mesh_count, mesh_capacity;
 
     bool committed;
     ty_scene_view view;
     ty_medium_view* medium_views;
     ty_light_view* light_views;
     size_t light_view_count;
+    int32_t* distant_lights;
+    size_t distant_capacity;
     ty_surface* surfaces;
-    size_t surface_count; /* shapes and area lights */
+    ty_shape_def* shape_parts; /* shapes and area lights */
+    size_t shape_part_count;
+    size_t surface_count; /* shape_parts and meshes */
     ty_mesh* mesh;
 };
 

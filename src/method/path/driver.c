@@ -74,32 +74,23 @@ static void choose_guides(ty_path_request* request) {
     float sum = 0;
     while (request->guide_count < TY_GUIDES_MAX) {
         int32_t best = -1;
-        for (int32_t i = 0; i < scene->light_count; ++i) {
-            bool usable = scene->lights[i].kind != TY_KIND_ENVIRONMENT && scene->lights[i].chosen > 0;
+        for (int32_t i = 0; i < scene->lights.count; ++i) {
+            bool usable = scene->lights.lights[i].kind != TY_KIND_ENVIRONMENT && scene->lights.lights[i].typical > 0;
             for (int32_t j = 0; j < request->guide_count; ++j) usable = usable && request->guide_light[j] != i;
-            if (usable && (best < 0 || scene->lights[i].chosen > scene->lights[best].chosen)) best = i;
+            if (usable && (best < 0 || scene->lights.lights[i].typical > scene->lights.lights[best].typical)) best = i;
         }
         if (best < 0) break;
-        sum += scene->lights[best].chosen;
-        request->guide_share[request->guide_count] = scene->lights[best].chosen;
+        sum += scene->lights.lights[best].typical;
+        request->guide_share[request->guide_count] = scene->lights.lights[best].typical;
         request->guide_light[request->guide_count++] = best;
     }
     for (int32_t j = 0; j < request->guide_count; ++j) request->guide_share[j] /= sum;
 }
 
-static void find_lamps(ty_path_request* request) {
+static float faint_radiance(const ty_light_set* lights) {
     float sum = 0;
-    for (int32_t i = 0; i < request->scene->light_count; ++i) {
-        request->faint += faint_fraction * request->scene->lights[i].typical * TY_INV_4PI;
-        if (ty_light_is_lamp(request->scene->lights[i].kind)) {
-            ++request->lamp_count;
-            sum += request->scene->lights[i].chosen;
-        }
-    }
-    if (sum > 0)
-        request->lamp_share = 1 / sum;
-    else
-        request->lamp_count = 0;
+    for (int32_t i = 0; i < lights->count; ++i) sum += faint_fraction * lights->lights[i].typical * TY_INV_4PI;
+    return sum;
 }
 
 ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run) {
@@ -115,7 +106,7 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->request.seed = def->seed;
     run->request.max_depth = def->max_depth;
     choose_guides(&run->request);
-    find_lamps(&run->request);
+    run->request.faint = faint_radiance(&run->request.scene->lights);
     return TY_OK;
 }
 

@@ -15,10 +15,6 @@ typedef struct ty_stretch {
     float enter, leave;
 } ty_stretch;
 
-TY_FN bool ty_light_is_lamp(int32_t kind) {
-    return kind == TY_KIND_POINT || kind == TY_KIND_SPOT || kind == TY_KIND_AREA;
-}
-
 TY_FN ty_stretch ty_spans_stretch(const ty_spans* spans) {
     ty_stretch stretch = {TY_FLOAT_MAX, 0.0f};
     for (int32_t i = 0; i < spans->count; ++i) {

@@ -19,8 +19,7 @@ static ty_result sample_items(ty_path_run* run, double* mean, double* uncollided
     for (int64_t i = 0; i < run->item_count; ++i)
         for (int c = 0; c < 3; ++c) {
             mean[3 * i + c] = ty_path_item_mean(&run->items[i], c);
-            if (uncollided != NULL)
-                uncollided[3 * i + c] = run->parts[i].uncollided[c] / fmax(run->items[i].count, 1);
+            if (uncollided != NULL) uncollided[3 * i + c] = run->parts[i].uncollided[c] / fmax(run->items[i].count, 1);
             if (variance != NULL) variance[3 * i + c] = ty_path_item_variance(&run->items[i], c);
         }
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);

@@ -8,32 +8,10 @@
 
 #include "direct/transmittance.k.h"
 
-/* Where media lie on a ray: one interval per medium, in no order. */
-typedef struct ty_spans {
-    int32_t count;
-    int32_t has_grid;
-    int32_t medium[TY_MEDIA_MAX];
-    float enter[TY_MEDIA_MAX], leave[TY_MEDIA_MAX];
-} ty_spans;
-
 typedef struct ty_collision {
     float t;
     int32_t medium;
 } ty_collision;
-
-TY_FN void ty_spans_find(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
-                         float far, ty_spans* spans) {
-    spans->count = 0;
-    spans->has_grid = 0;
-    for (int32_t m = 0; m < count; ++m) {
-        float enter = 0.0f, leave = far;
-        if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
-        spans->medium[spans->count] = m;
-        spans->enter[spans->count] = enter;
-        spans->leave[spans->count++] = leave;
-        spans->has_grid |= media[m].has_grid;
-    }
-}
 
 TY_FN float ty_sum3(const float v[3]) {
     return v[0] + v[1] + v[2];
@@ -83,6 +61,35 @@ TY_FN float ty_spans_invert(TY_GLOBAL const ty_medium_view* media, const ty_span
     }
 }
 
+/* Radiance that homogeneous media send towards the ray's origin, per channel, in closed form. */
+TY_FN void ty_spans_glow(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float radiance[3]) {
+    float passed[3] = {1.0f, 1.0f, 1.0f};
+    float at = 0.0f;
+    for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
+    for (;;) {
+        float next = TY_FLOAT_MAX, sigma_t[3] = {0.0f, 0.0f, 0.0f}, sends[3] = {0.0f, 0.0f, 0.0f};
+        for (int32_t i = 0; i < spans->count; ++i) {
+            if (spans->enter[i] > at) next = ty_minf(next, spans->enter[i]);
+            if (spans->leave[i] > at) next = ty_minf(next, spans->leave[i]);
+            if (spans->enter[i] > at || spans->leave[i] <= at) continue;
+            TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[i]];
+            for (int c = 0; c < 3; ++c) {
+                sigma_t[c] += medium->sigma_t[c];
+                sends[c] += (medium->sigma_t[c] - medium->sigma_s[c]) * medium->emission[c];
+            }
+        }
+        const bool last = next >= TY_FLOAT_MAX;
+        for (int c = 0; c < 3; ++c) {
+            if (!(sigma_t[c] > 0.0f)) continue;
+            const float passes = last ? 0.0f : ty_expf(-sigma_t[c] * (next - at));
+            radiance[c] += passed[c] * (1.0f - passes) * sends[c] / sigma_t[c];
+            passed[c] *= passes;
+        }
+        if (last) return;
+        at = next;
+    }
+}
+
 /* Samples a collision, by u in [0, 1), for light that is known to collide: beta comes in as the throughput at the ray's
  * origin and goes out as that after scattering, up to the phase function; its mean is the integral over the spans.
  * reach: transmittance of all spans. Returns false where nothing scatters. */
@@ -100,12 +107,11 @@ TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty
         TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[0]];
         out->medium = spans->medium[0];
         out->t = ty_minf(out->t, spans->leave[0]);
-        const float survive = (1.0f - reach[0]) * medium->sigma_s[0] / medium->sigma_t[0];
-        for (int c = 0; c < 3; ++c) beta[c] *= survive;
-        return survive > 0.0f;
+        for (int c = 0; c < 3; ++c) beta[c] *= (1.0f - reach[0]) * medium->sigma_s[c] / medium->sigma_t[0];
+        return ty_sum3(beta) > 0.0f;
     }
     /* Which medium scatters, and the density of t in the mixture over channels. */
-    float depths[3], scattering[TY_MEDIA_MAX], sigma_t[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f,
+    float depths[3], scattering[TY_SPANS_MAX], sigma_t[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f,
                                                density = 0.0f; /* times sum */
     ty_spans_depth(media, spans, out->t, depths);
     for (int32_t i = 0; i < spans->count; ++i) {
@@ -164,26 +170,40 @@ TY_FN void ty_walker_begin(ty_walker* walker, TY_GLOBAL const ty_medium_view* me
     ty_walker_next(walker, u);
 }
 
-/* Decides a tentative collision: true when it is real. Gray media with a density that is certain need no lookup. */
-TY_FN bool ty_walker_collides(const ty_walker* walker, ty_random* random, float beta[3]) {
+/* What a tentative collision met: its medium, where, and the albedo there. */
+TY_FN void ty_walker_albedo(const ty_walker* walker, ty_vec origin, ty_vec direction, float albedo[3]) {
+    ty_medium_albedo(walker->bricks.medium, ty_mad(origin, direction, walker->t), albedo);
+}
+
+/* Decides a tentative collision: true when it is real. Media whose extinction is gray, with a density that is certain,
+ * need no lookup. */
+TY_FN bool ty_walker_collides(const ty_walker* walker, ty_vec origin, ty_vec direction, ty_random* random,
+                              float beta[3], float glow[3]) {
     TY_GLOBAL const ty_medium_view* medium = walker->bricks.medium;
     const float high = walker->bricks.high;
     const float u = ty_random_white(random);
-    if (medium->gray != 0) {
+    float albedo[3];
+    if (medium->gray != 0 && medium->emits == 0) {
         const bool real =
             u * high < walker->bricks.low || u * high < ty_bricks_density(&walker->bricks, walker->t, random);
         if (real) {
-            const float albedo = medium->sigma_s[0] / medium->sigma_t[0];
-            for (int c = 0; c < 3; ++c) beta[c] *= albedo;
+            ty_walker_albedo(walker, origin, direction, albedo);
+            for (int c = 0; c < 3; ++c) beta[c] *= albedo[c];
         }
         return real;
     }
     const float fraction = ty_bricks_density(&walker->bricks, walker->t, random) / (high * medium->sigma_t_max);
+    if (medium->emits != 0) {
+        float sends[3];
+        ty_medium_glow(medium, ty_mad(origin, direction, walker->t), sends);
+        for (int c = 0; c < 3; ++c) glow[c] += beta[c] * fraction * sends[c];
+    }
     float real = 0.0f;
     for (int c = 0; c < 3; ++c) real += beta[c] * medium->sigma_t[c];
     const float probability = fraction * real / ty_sum3(beta);
     if (u < probability) {
-        for (int c = 0; c < 3; ++c) beta[c] *= fraction * medium->sigma_s[c] / probability;
+        ty_walker_albedo(walker, origin, direction, albedo);
+        for (int c = 0; c < 3; ++c) beta[c] *= fraction * medium->sigma_t[c] * albedo[c] / probability;
         return true;
     }
     for (int c = 0; c < 3; ++c) beta[c] *= ty_maxf(0.0f, 1.0f - fraction * medium->sigma_t[c]) / (1.0f - probability);
@@ -191,10 +211,11 @@ TY_FN bool ty_walker_collides(const ty_walker* walker, ty_random* random, float 
 }
 
 /* The first real collision in the spans; beta is updated as in ty_flight_homogeneous, but false means that the light
- * passed all spans, and beta then accounts for that. Media are independent: what happens first, happens. */
+ * passed all spans, and beta then accounts for that. Media are independent: what happens first, happens. What glows on
+ * the way, times the throughput there, is added to glow: every tentative collision has a look. */
 TY_FN bool ty_flight_null(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin, ty_vec direction,
-                          ty_random* random, float beta[3], ty_collision* out) {
-    ty_walker walkers[TY_MEDIA_MAX];
+                          ty_random* random, float beta[3], float glow[3], ty_collision* out) {
+    ty_walker walkers[TY_SPANS_MAX];
     for (int32_t i = 0; i < spans->count; ++i)
         ty_walker_begin(&walkers[i], &media[spans->medium[i]], origin, direction, spans->enter[i], spans->leave[i],
                         i == 0 ? ty_random_next(random) : ty_random_white(random));
@@ -203,7 +224,7 @@ TY_FN bool ty_flight_null(TY_GLOBAL const ty_medium_view* media, const ty_spans*
         for (int32_t i = 1; i < spans->count; ++i)
             if (walkers[i].t < walkers[first].t) first = i;
         if (walkers[first].t >= TY_FLOAT_MAX) return false;
-        if (ty_walker_collides(&walkers[first], random, beta)) {
+        if (ty_walker_collides(&walkers[first], origin, direction, random, beta, glow)) {
             out->t = walkers[first].t;
             out->medium = spans->medium[first];
             return true;

@@ -36,23 +36,60 @@ static uint64_t random_item(const ty_path_request* request, int64_t item) {
     return (uint64_t)(y * request->width + x);
 }
 
+/* What the path's first ray meets. The random numbers are others than the path's, whose light stays what it is. */
+static void look(const ty_path* path, uint64_t number, uint32_t sample, ty_path_parts* parts) {
+    const ty_scene_view* scene = path->request->scene;
+    ty_random random = ty_random_begin(path->request->sobol, ~path->request->seed, number, sample);
+    ty_encounter end;
+    const bool hits =
+        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit);
+    const float far = hits ? end.hit.distance : TY_FLOAT_MAX;
+    float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, glow[3];
+    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &random, transmittance);
+    ty_spans spans;
+    ty_collision collision;
+    ty_spans_find(scene->media, scene->medium_count, path->origin, path->direction, far, &spans);
+    const bool collides = spans.count > 0 && ty_flight_null(scene->media, &spans, path->origin, path->direction,
+                                                            &random, scattered, glow, &collision);
+    for (int c = 0; c < 3; ++c) {
+        parts->transmittance[c] += (double)transmittance[c];
+        if (collides) parts->albedo[c] += (double)scattered[c];
+    }
+    if (!hits) return;
+    ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
+    parts->normal[0] += (double)end.point.normal.x;
+    parts->normal[1] += (double)end.point.normal.y;
+    parts->normal[2] += (double)end.point.normal.z;
+    parts->depth += (double)far;
+    parts->hits += 1;
+}
+
+static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_parts* parts) {
+    for (int c = 0; c < 3; ++c) {
+        double value = 0;
+        for (int part = 0; part < TY_PART_COUNT; ++part) value += (double)path->radiance[part][c];
+        sum->mean[c] += value;
+        sum->square[c] += value * value;
+        if (parts == NULL) continue;
+        parts->uncollided[c] += (double)path->radiance[TY_PART_UNCOLLIDED][c];
+        parts->single[c] += (double)path->radiance[TY_PART_SINGLE][c];
+        parts->multiple[c] += (double)path->radiance[TY_PART_MULTIPLE][c];
+    }
+}
+
 TY_PATH_KERNEL(TY_JOIN(ty_path_kernel_, TY_ISA)) {
     const unsigned thread_state = ty_mesh_enter_thread();
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {
         const uint64_t number = random_item(request, item);
-        ty_path_sums* sum = &sums[item - begin];
-        for (uint32_t i = 0; i < count; ++i) {
+        ty_path_parts* part = parts != NULL ? &parts[item - begin] : NULL;
+        for (uint32_t i = first_sample; i < first_sample + count; ++i) {
             ty_path path;
-            ty_path_begin(&path, request, number, first_sample + i);
+            ty_path_begin(&path, request, number, i);
             start(&path, request, item);
+            if (part != NULL && request->look != 0) look(&path, number, i, part);
             vertices += ty_path_follow(&path);
-            for (int c = 0; c < 3; ++c) {
-                const double value = (double)path.uncollided[c] + (double)path.collided[c];
-                sum->mean[c] += value;
-                sum->square[c] += value * value;
-                if (parts != NULL) parts[item - begin].uncollided[c] += (double)path.uncollided[c];
-            }
+            add_sample(&path, &sums[item - begin], part);
         }
     }
     ty_mesh_leave_thread(thread_state);

@@ -15,20 +15,19 @@ typedef struct ty_path_request {
     const ty_scene_view* scene;
     const ty_sobol* sobol;
     uint64_t seed;
-    int32_t max_depth;     /* 0: unlimited */
-    int32_t kind;          /* TY_PATH_... */
-    ty_camera_view camera; /* pixels */
-    int32_t width;         /* of the whole frame */
-    int32_t crop[4];       /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */
+    int32_t max_depth;        /* 0: unlimited */
+    int32_t kind;             /* TY_PATH_... */
+    ty_camera_view camera;    /* pixels */
+    int32_t width;            /* of the whole frame */
+    int32_t crop[4];          /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */
     const double* rays;       /* rays: 6 per item */
     double lower[3], cell[3]; /* cells */
     int32_t size[3];
     int32_t guide_count; /* lights that high-g media are guided towards, and their shares, which add up to 1 */
     int32_t guide_light[TY_GUIDES_MAX];
     float guide_share[TY_GUIDES_MAX];
-    float faint;        /* radiance below which a light's contribution is traced by chance */
-    int32_t lamp_count; /* point, spot and area lights */
-    float lamp_share;   /* 1 / (the sum of their `chosen`) */
+    float faint;  /* radiance below which a light's contribution is traced by chance */
+    int32_t look; /* pixels: whether what the first ray meets is wanted, too */
 } ty_path_request;
 
 /* Sums over an item's samples, one after another, so that how samples fall into passes changes nothing. */

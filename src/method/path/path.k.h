@@ -8,43 +8,70 @@
 /* Vertices after which even a path that loses nothing is slowly ended. */
 enum { TY_PATH_PATIENCE = 2000 };
 
+/* What became of light between its source and the eye. */
+enum {
+    TY_PART_UNCOLLIDED = 0, /* nothing */
+    TY_PART_REFLECTED = 1,  /* only surfaces reflected it */
+    TY_PART_SINGLE = 2,     /* one scattering in a medium, and nothing else */
+    TY_PART_MULTIPLE = 3,   /* anything else */
+    TY_PART_COUNT = 4
+};
+
 typedef struct ty_path {
     const ty_path_request* request;
     ty_random random;
     ty_vec origin, direction;
+    ty_vec normal;     /* of the surface that the path last left, on its side; 0 in media and at the eye */
     float beta[3];     /* throughput */
     float survival;    /* throughput without what directions were weighted with: what Russian roulette looks at */
     float pdf;         /* per steradian, of direction; 0 where no light sampling competes (the eye) */
     int32_t scattered; /* whether the last vertex is in a medium, where equi-angular sampling competed */
     int32_t depth;     /* scatterings and reflections so far */
-    float uncollided[3], collided[3]; /* radiance found, before and after the first scattering or reflection */
+    int32_t part;      /* what became of light that the path finds now */
+    float radiance[TY_PART_COUNT][3]; /* found so far */
 } ty_path;
 
-TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
-    float* sum = path->depth == 0 ? path->uncollided : path->collided;
-    for (int c = 0; c < 3; ++c) sum[c] += radiance[c];
+/* The part after one more scattering, or reflection. */
+TY_FN int32_t ty_part_scattered(int32_t part) {
+    return part == TY_PART_UNCOLLIDED ? TY_PART_SINGLE : TY_PART_MULTIPLE;
 }
 
-/* Light that the ray meets at its end, weighted against light sampling from where the ray began. */
-TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_hit* hit) {
-    const ty_scene_view* scene = path->request->scene;
+TY_FN int32_t ty_part_reflected(int32_t part) {
+    return part <= TY_PART_REFLECTED ? TY_PART_REFLECTED : TY_PART_MULTIPLE;
+}
+
+TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
+    for (int c = 0; c < 3; ++c) path->radiance[path->part][c] += radiance[c];
+}
+
+/* What a ray that hit a surface finds there. */
+typedef struct ty_encounter {
+    ty_hit hit;
+    ty_surface_point point;
+} ty_encounter;
+
+/* Light that the ray meets at its end, weighted against light sampling from where the ray began. end: NULL where it
+ * meets no surface. */
+TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_encounter* end) {
+    const ty_light_set* lights = &path->request->scene->lights;
     float radiance[3];
-    if (hit != NULL) {
-        const ty_surface* surface = &scene->surfaces[hit->shape];
-        if (surface->first_light < 0 || ty_dot(hit->normal, path->direction) >= 0.0f) return;
-        const ty_light_view* light = &scene->lights[surface->first_light + hit->part];
+    if (end != NULL) {
+        if (end->point.light < 0) return;
+        const ty_light_view* light = &lights->lights[end->point.light];
+        const float distance = end->hit.distance;
         float weight = 1.0f;
-        if (path->pdf > 0.0f)
-            weight = path->pdf /
-                     (path->pdf + light->chosen * ty_light_pdf(light, path->origin, path->direction, hit->distance));
+        if (path->pdf > 0.0f) {
+            const float chosen = ty_lights_probability(lights, end->point.light, path->origin, path->normal);
+            weight = path->pdf / (path->pdf + chosen * ty_light_pdf(light, path->origin, path->direction, distance));
+        }
         if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-            weight *= ty_lamp_rest(hit->distance * hit->distance, light->reach2);
-        for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * surface->emission[c] * weight;
+            weight *= ty_lamp_rest(distance * distance, light->reach2);
+        for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * end->point.emission[c] * weight;
         ty_path_add(path, radiance);
         return;
     }
-    for (int32_t i = 0; i < scene->light_count; ++i) {
-        const ty_light_view* light = &scene->lights[i];
+    for (int32_t i = 0; i < lights->distant_count; ++i) {
+        const ty_light_view* light = &lights->lights[lights->distant[i]];
         if (light->kind != TY_KIND_ENVIRONMENT) continue;
         float weight = 1.0f;
         if (path->pdf > 0.0f && light->chosen > 0.0f)
@@ -73,7 +100,9 @@ typedef struct ty_scatter {
 TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
     if (light->kind == TY_KIND_DIRECTIONAL) return ty_scale(light->direction, -1.0f);
     ty_vec to = ty_sub(light->position, from);
-    if (light->kind == TY_KIND_AREA) to = ty_mad(ty_mad(to, light->u, 0.5f), light->v, 0.5f);
+    const float middle = light->kind == TY_KIND_TRIANGLE ? 1.0f / 3.0f : 0.5f;
+    if (light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE)
+        to = ty_mad(ty_mad(to, light->u, middle), light->v, middle);
     const float d2 = ty_dot(to, to);
     return d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
 }
@@ -92,11 +121,11 @@ TY_FN void ty_scatter_begin(ty_scatter* s, const ty_path* path, const ty_medium_
     const float sum = ty_sum3(path->beta);
     float g = 0.0f;
     s->incoming = path->direction;
-    s->gray = medium->gray;
+    s->gray = medium->gray_g;
+    ty_medium_g(medium, path->origin, s->g);
     for (int c = 0; c < 3; ++c) {
-        s->g[c] = medium->g[c];
         s->share[c] = path->beta[c] / sum;
-        g += s->share[c] * medium->g[c];
+        g += s->share[c] * s->g[c];
     }
     s->guide_count = request->guide_count;
     s->guided = s->guide_count > 0 ? ty_guided_fraction(g, path->depth) : 0.0f;
@@ -105,7 +134,7 @@ TY_FN void ty_scatter_begin(ty_scatter* s, const ty_path* path, const ty_medium_
     s->guide_g[1] = g * g;
     s->guide_g[2] = g * g * g * g;
     for (int32_t i = 0; i < s->guide_count; ++i) {
-        s->axis[i] = ty_light_axis(&request->scene->lights[request->guide_light[i]], path->origin);
+        s->axis[i] = ty_light_axis(&request->scene->lights.lights[request->guide_light[i]], path->origin);
         s->axis_share[i] = request->guide_share[i];
     }
 }
@@ -148,18 +177,15 @@ TY_FN ty_vec ty_scatter_sample(const ty_scatter* s, ty_random* random) {
 
 /* ---- vertices ---- */
 
-/* The light chosen for a vertex, and its sample, unshadowed; NULL if there is none. */
-TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, ty_light_sample* sample) {
-    const ty_scene_view* scene = path->request->scene;
-    if (scene->light_count == 0) return NULL;
-    float pick = 0.0f, u = 0.5f, v = 0.5f;
-    int32_t i = 0;
-    if (scene->light_count > 1) {
-        pick = ty_random_next(&path->random);
-        i = ty_light_choose(scene->lights, scene->light_count, &pick);
-    }
-    const ty_light_view* light = &scene->lights[i];
-    if (light->chosen <= 0.0f) return NULL;
+/* The light chosen for a vertex with what probability, and its sample, unshadowed; NULL if there is none. */
+TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, float* chosen, ty_light_sample* sample) {
+    const ty_light_set* lights = &path->request->scene->lights;
+    if (lights->count == 0) return NULL;
+    float pick = lights->count > 1 ? ty_random_next(&path->random) : 0.0f;
+    const int32_t i = ty_lights_choose(lights, from, path->normal, &pick, chosen);
+    if (i < 0) return NULL;
+    const ty_light_view* light = &lights->lights[i];
+    float u = 0.5f, v = 0.5f;
     if (light->kind >= TY_KIND_AREA) {
         u = ty_random_next(&path->random);
         v = ty_random_next(&path->random);
@@ -193,10 +219,10 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
 
 /* Samples a light from a vertex whose factor (see above) the caller knows how to evaluate: the weight is shared with
  * the vertex taking that direction itself, with density pdf, and with equi-angular sampling of the last stretch. */
-TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, const ty_light_sample* sample,
-                                    const float factor[3], float pdf) {
-    float weight = 1.0f / light->chosen, weighted[3], radiance[3];
-    if (sample->pdf > 0.0f) weight = sample->pdf / (light->chosen * sample->pdf + pdf);
+TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, float chosen,
+                                    const ty_light_sample* sample, const float factor[3], float pdf) {
+    float weight = 1.0f / chosen, weighted[3], radiance[3];
+    if (sample->pdf > 0.0f) weight = sample->pdf / (chosen * sample->pdf + pdf);
     if (path->scattered != 0 && ty_light_is_lamp(light->kind))
         weight *= ty_lamp_rest(sample->distance * sample->distance, light->reach2);
     for (int c = 0; c < 3; ++c) weighted[c] = path->beta[c] * factor[c] * weight;
@@ -207,21 +233,19 @@ TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, c
 /* The equi-angular technique on the ray that the path has just begun: adds light scattered once along it. Rays that
  * pass a lamp at a distance take part by chance. */
 TY_FN void ty_path_add_lamps(ty_path* path, const ty_spans* spans) {
-    const ty_path_request* request = path->request;
-    const ty_scene_view* scene = request->scene;
+    const ty_scene_view* scene = path->request->scene;
     const ty_stretch stretch = ty_spans_stretch(spans);
-    float pick = request->lamp_count > 1 ? ty_random_white(&path->random) : 0.0f;
-    const ty_light_view* light = NULL;
-    for (int32_t i = 0; i < scene->light_count; ++i) {
-        if (!ty_light_is_lamp(scene->lights[i].kind)) continue;
-        light = &scene->lights[i];
-        pick -= light->chosen * request->lamp_share;
-        if (pick < 0.0f) break;
-    }
+    float pick = scene->lights.lamp_count > 1 ? ty_random_white(&path->random) : 0.0f, chosen = 1.0f;
+    const int32_t lamp = ty_lights_choose_lamp(&scene->lights, path->origin, path->direction, stretch.enter,
+                                               stretch.leave, &pick, &chosen);
     const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
     const float along = ty_random_next(&path->random);
-    ty_vec to = ty_sub(light->position, path->origin);
-    if (light->kind == TY_KIND_AREA) to = ty_mad(ty_mad(to, light->u, u), light->v, v);
+    if (lamp < 0) return;
+    const ty_light_view* light = &scene->lights.lights[lamp];
+    float b1, b2;
+    const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
+    const ty_vec place = flat ? ty_light_place(light, u, v, &b1, &b2) : light->position;
+    const ty_vec to = ty_sub(place, path->origin);
     const float nearest = ty_dot(to, path->direction);
     const ty_vec off = ty_mad(to, path->direction, -nearest);
     const float off2 = ty_dot(off, off) + 1e-10f * light->reach2;
@@ -233,33 +257,36 @@ TY_FN void ty_path_add_lamps(ty_path* path, const ty_spans* spans) {
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
     if (!ty_light_sample_from(light, at, u, v, &sample)) return;
-    const float weight = ty_lamp_share(sample.distance * sample.distance, light->reach2) /
-                         (light->chosen * request->lamp_share * density * chance);
+    const float weight = ty_lamp_share(sample.distance * sample.distance, light->reach2) / (chosen * density * chance);
     const float mu = ty_clampf(ty_dot(path->direction, sample.look), -1.0f, 1.0f);
     float factor[3] = {0.0f, 0.0f, 0.0f}, transmittance[3], radiance[3];
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
         const ty_medium_view* medium = &scene->media[spans->medium[i]];
         const float amount = weight * ty_medium_density(medium, at, &path->random);
-        for (int c = 0; c < 3; ++c) factor[c] += path->beta[c] * amount * medium->sigma_s[c] * ty_hg(mu, medium->g[c]);
+        float sigma_s[3], g[3];
+        ty_medium_sigma_s(medium, at, sigma_s);
+        ty_medium_g(medium, at, g);
+        for (int c = 0; c < 3; ++c) factor[c] += path->beta[c] * amount * sigma_s[c] * ty_hg(mu, g[c]);
     }
     if (!(ty_sum3(factor) > 0.0f)) return;
     ty_path_add_light(path, at, &sample, factor, radiance);
     if (!(ty_sum3(radiance) > 0.0f)) return;
     ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, t, &path->random, transmittance);
-    for (int c = 0; c < 3; ++c) path->collided[c] += radiance[c] * transmittance[c];
+    for (int c = 0; c < 3; ++c) path->radiance[ty_part_scattered(path->part)][c] += radiance[c] * transmittance[c];
 }
 
 /* Light scattered at path->origin by a medium, and the direction in which the path goes on. */
 TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     ty_scatter scatter;
     ty_light_sample sample;
-    float phase[3];
+    float phase[3], chosen;
+    path->normal = ty_vec_make(0, 0, 0);
     ty_scatter_begin(&scatter, path, medium);
-    const ty_light_view* light = ty_path_choose_light(path, path->origin, &sample);
+    const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
     if (light != NULL) {
         ty_scatter_phase(&scatter, sample.look, phase);
-        ty_path_add_vertex_light(path, light, &sample, phase,
+        ty_path_add_vertex_light(path, light, chosen, &sample, phase,
                                  sample.pdf > 0.0f ? ty_scatter_pdf(&scatter, sample.look, phase) : 0.0f);
     }
     path->direction = ty_scatter_sample(&scatter, &path->random);
@@ -268,25 +295,27 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
 }
 
-/* Light reflected by a Lambertian surface, and the direction in which the path goes on. */
-TY_FN void ty_path_reflect(ty_path* path, const ty_hit* hit) {
-    const ty_surface* surface = &path->request->scene->surfaces[hit->shape];
-    const ty_vec normal = ty_dot(hit->normal, path->direction) > 0.0f ? ty_scale(hit->normal, -1.0f) : hit->normal;
+/* Light reflected by a Lambertian surface, and the direction in which the path goes on. Cosines are those of the
+ * smoothed normal; nothing comes from behind the face itself. */
+TY_FN void ty_path_reflect(ty_path* path, const ty_encounter* at) {
+    const ty_surface_point* point = &at->point;
     ty_light_sample sample;
-    float factor[3];
-    path->origin = ty_hit_leave(hit, normal);
-    const ty_light_view* light = ty_path_choose_light(path, path->origin, &sample);
-    const float facing = light != NULL ? ty_dot(normal, sample.look) * (1.0f / TY_PI) : 0.0f;
-    if (facing > 0.0f) {
-        for (int c = 0; c < 3; ++c) factor[c] = surface->albedo[c] * facing;
-        ty_path_add_vertex_light(path, light, &sample, factor, facing);
+    float factor[3], chosen;
+    path->origin = ty_hit_leave(&at->hit, point->facing);
+    path->normal = point->normal;
+    const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
+    const float facing = light != NULL ? ty_dot(point->normal, sample.look) * (1.0f / TY_PI) : 0.0f;
+    if (facing > 0.0f && ty_dot(point->facing, sample.look) > 0.0f) {
+        for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * facing;
+        ty_path_add_vertex_light(path, light, chosen, &sample, factor, facing);
     }
     const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
     const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
-    path->direction = ty_direction_about(normal, cosine, v);
+    path->direction = ty_direction_about(point->normal, cosine, v);
     path->pdf = cosine * (1.0f / TY_PI);
-    for (int c = 0; c < 3; ++c) path->beta[c] *= surface->albedo[c];
-    path->survival *= ty_max3(surface->albedo);
+    const bool outside = ty_dot(point->facing, path->direction) > 0.0f;
+    for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? point->albedo[c] : 0.0f;
+    path->survival *= ty_max3(point->albedo);
 }
 
 /* Ends paths that have little left to bring, by a chance that keeps the mean. */
@@ -306,31 +335,36 @@ TY_FN bool ty_path_survives(ty_path* path, float before) {
     return true;
 }
 
-/* The next event of a path: true when it now stands at a vertex, in *medium or, where that is NULL, on *hit. */
-TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit* hit) {
+/* The next event of a path: true when it now stands at a vertex, in *medium or, where that is NULL, at *end. */
+TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_encounter* end) {
     const ty_scene_view* scene = path->request->scene;
     const ty_medium_view* media = scene->media;
     const float before = ty_sum3(path->beta);
     if (!(before > 1e-30f)) return false;
     const bool last = path->request->max_depth > 0 && path->depth >= path->request->max_depth;
     const bool on_surface =
-        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, hit);
+        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
+    if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
     ty_spans spans;
     ty_collision collision;
+    float glow[3] = {0.0f, 0.0f, 0.0f};
     *medium = NULL;
-    ty_spans_find(media, scene->medium_count, path->origin, path->direction, on_surface ? hit->distance : TY_FLOAT_MAX,
-                  &spans);
-    if (spans.count > 0 && path->request->lamp_count > 0 && !last) ty_path_add_lamps(path, &spans);
-    if (spans.has_grid != 0) {
-        if (ty_flight_null(media, &spans, path->origin, path->direction, &path->random, path->beta, &collision)) {
+    ty_spans_find(media, scene->medium_count, path->origin, path->direction,
+                  on_surface ? end->hit.distance : TY_FLOAT_MAX, &spans);
+    if (spans.count > 0 && scene->lights.lamp_count > 0 && !last) ty_path_add_lamps(path, &spans);
+    if (spans.varies != 0) {
+        const bool collides =
+            ty_flight_null(media, &spans, path->origin, path->direction, &path->random, path->beta, glow, &collision);
+        if (spans.emits != 0) ty_path_add(path, glow);
+        if (collides) {
             *medium = &media[collision.medium];
             path->scattered = 1;
             path->origin = ty_mad(path->origin, path->direction, collision.t);
             return ty_path_survives(path, before);
         }
-        ty_path_add_emission(path, path->beta, on_surface ? hit : NULL);
+        ty_path_add_emission(path, path->beta, on_surface ? end : NULL);
         path->scattered = 0;
-        return on_surface && ty_max3(scene->surfaces[hit->shape].albedo) > 0.0f && ty_path_survives(path, before);
+        return on_surface && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, before);
     }
     /* Homogeneous media: what reaches the end is known, so its light is taken in full and the path goes where it has
      * more to bring. */
@@ -339,12 +373,17 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit*
         ty_spans_depth(media, &spans, TY_FLOAT_MAX, reach);
         for (int c = 0; c < 3; ++c) reach[c] = ty_expf(-reach[c]);
     }
+    if (spans.emits != 0) {
+        ty_spans_glow(media, &spans, glow);
+        for (int c = 0; c < 3; ++c) glow[c] *= path->beta[c];
+        ty_path_add(path, glow);
+    }
     for (int c = 0; c < 3; ++c) {
         passing[c] = path->beta[c] * reach[c];
         colliding += path->beta[c] * (1.0f - reach[c]);
-        if (on_surface) reflecting += passing[c] * scene->surfaces[hit->shape].albedo[c];
+        if (on_surface) reflecting += passing[c] * end->point.albedo[c];
     }
-    ty_path_add_emission(path, passing, on_surface ? hit : NULL);
+    ty_path_add_emission(path, passing, on_surface ? end : NULL);
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
     const float chance = colliding / sum;
@@ -367,16 +406,17 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_hit*
 TY_FN uint32_t ty_path_follow(ty_path* path) {
     const int32_t max_depth = path->request->max_depth;
     const ty_medium_view* medium;
-    ty_hit hit;
+    ty_encounter end;
     uint32_t vertices = 0;
-    while (ty_path_advance(path, &medium, &hit)) {
+    while (ty_path_advance(path, &medium, &end)) {
         if (max_depth > 0 && path->depth >= max_depth) break;
         ++path->depth;
         ++vertices;
+        path->part = medium != NULL ? ty_part_scattered(path->part) : ty_part_reflected(path->part);
         if (medium != NULL)
             ty_path_scatter(path, medium);
         else
-            ty_path_reflect(path, &hit);
+            ty_path_reflect(path, &end);
     }
     return vertices;
 }
@@ -388,19 +428,20 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->pdf = 0.0f;
     path->scattered = 0;
     path->depth = 0;
-    for (int c = 0; c < 3; ++c) {
-        path->beta[c] = 1.0f;
-        path->uncollided[c] = path->collided[c] = 0.0f;
-    }
+    path->part = TY_PART_UNCOLLIDED;
+    path->normal = ty_vec_make(0, 0, 0);
+    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
+    memset(path->radiance, 0, sizeof path->radiance);
 }
 
 /* Starts a path that measures fluence at point: light from everywhere, with equal weight. */
 TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     const float factor[3] = {1.0f, 1.0f, 1.0f};
     ty_light_sample sample;
+    float chosen;
     path->origin = point;
-    const ty_light_view* light = ty_path_choose_light(path, point, &sample);
-    if (light != NULL) ty_path_add_vertex_light(path, light, &sample, factor, TY_INV_4PI);
+    const ty_light_view* light = ty_path_choose_light(path, point, &chosen, &sample);
+    if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI);
     const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
     path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     path->pdf = TY_INV_4PI;

@@ -1,0 +1,64 @@
+/* Where media lie on a ray. */
+#ifndef TY_SCENE_SPANS_K_H
+#define TY_SCENE_SPANS_K_H
+
+#include "scene/medium.k.h"
+
+enum { TY_SPANS_MAX = 128 };
+
+/* Stretches of a ray that are inside a medium, in no order; a medium with a shell may have several. Beyond
+ * TY_SPANS_MAX they are left out. */
+typedef struct ty_spans {
+    int32_t count;
+    int32_t varies; /* whether any of the media does */
+    int32_t emits;  /* whether any of the media does */
+    int32_t medium[TY_SPANS_MAX];
+    float enter[TY_SPANS_MAX], leave[TY_SPANS_MAX];
+} ty_spans;
+
+TY_FN void ty_spans_add(ty_spans* spans, TY_GLOBAL const ty_medium_view* media, int32_t medium, float enter,
+                        float leave) {
+    if (spans->count >= TY_SPANS_MAX || !(enter < leave)) return;
+    spans->medium[spans->count] = medium;
+    spans->enter[spans->count] = enter;
+    spans->leave[spans->count++] = leave;
+    spans->varies |= media[medium].varies;
+    spans->emits |= media[medium].emits;
+}
+
+/* Adds the part of [enter, leave] that is inside a medium's shell. Far away is outside, so the crossings are counted
+ * from there. */
+TY_FN void ty_spans_add_shell(ty_spans* spans, TY_GLOBAL const ty_medium_view* media, int32_t medium, ty_vec origin,
+                              ty_vec direction, float enter, float leave) {
+    ty_crossing crossings[TY_CROSSINGS_MAX];
+    const ty_vec o = ty_map_point(media[medium].to_bounds, origin);
+    const ty_vec d = ty_map_direction(media[medium].to_bounds, direction);
+    const int32_t count = ty_mesh_crossings(media[medium].shell, o, d, crossings);
+    int32_t inside = 0;
+    float end = 0.0f;
+    for (int32_t i = count; i-- > 0;) {
+        const int32_t before = inside + crossings[i].leaves;
+        if (inside <= 0 && before > 0) end = crossings[i].t;
+        if (inside > 0 && before <= 0)
+            ty_spans_add(spans, media, medium, ty_maxf(enter, crossings[i].t), ty_minf(leave, end));
+        inside = before;
+    }
+    if (inside > 0) ty_spans_add(spans, media, medium, enter, ty_minf(leave, end));
+}
+
+TY_FN void ty_spans_find(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
+                         float far, ty_spans* spans) {
+    spans->count = 0;
+    spans->varies = 0;
+    spans->emits = 0;
+    for (int32_t m = 0; m < count; ++m) {
+        float enter = 0.0f, leave = far;
+        if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
+        if (media[m].bounds == TY_BOUNDED_SHELL)
+            ty_spans_add_shell(spans, media, m, origin, direction, enter, leave);
+        else
+            ty_spans_add(spans, media, m, enter, leave);
+    }
+}
+
+#endif

@@ -1,0 +1,68 @@
+/* Looking textures up. */
+#ifndef TY_SCENE_TEXTURE_K_H
+#define TY_SCENE_TEXTURE_K_H
+
+#include "base/kernel.h"
+
+/* A texture as kernels see it. With neither rgba8 nor floats there is no texture. */
+typedef struct ty_texture_view {
+    TY_GLOBAL const uint8_t* rgba8; /* 4 per texel, colour coded as sRGB */
+    TY_GLOBAL const float* decode;  /* linear value of each of the 256 codes */
+    TY_GLOBAL const float* floats;  /* 4 per texel, linear */
+    int32_t width, height;
+    int32_t wrap[2]; /* ty_wrap */
+    int32_t nearest;
+} ty_texture_view;
+
+TY_FN bool ty_texture_exists(TY_GLOBAL const ty_texture_view* texture) {
+    return texture->rgba8 != NULL || texture->floats != NULL;
+}
+
+/* Texel index i brought into [0, count). */
+TY_FN int32_t ty_texture_wrap(int32_t i, int32_t count, int32_t wrap) {
+    if (wrap == 1) return i < 0 ? 0 : i >= count ? count - 1 : i;
+    const int32_t period = wrap == 2 ? 2 * count : count;
+    i %= period;
+    i = i < 0 ? i + period : i;
+    return i < count ? i : period - 1 - i;
+}
+
+TY_FN void ty_texture_texel(TY_GLOBAL const ty_texture_view* texture, int32_t x, int32_t y, float rgba[4]) {
+    const size_t at = 4 * ((size_t)ty_texture_wrap(x, texture->width, texture->wrap[0]) +
+                           (size_t)texture->width * (size_t)ty_texture_wrap(y, texture->height, texture->wrap[1]));
+    if (texture->floats != NULL) {
+        for (int c = 0; c < 4; ++c) rgba[c] = texture->floats[at + (size_t)c];
+        return;
+    }
+    for (int c = 0; c < 3; ++c) rgba[c] = texture->decode[texture->rgba8[at + (size_t)c]];
+    rgba[3] = (float)texture->rgba8[at + 3] * (1.0f / 255.0f);
+}
+
+/* A coordinate in texels from the edge, at most 2^20 periods away: beyond, single precision knows no place. */
+TY_FN float ty_texture_coordinate(float u, int32_t count) {
+    return ty_clampf(u, -1048576.0f, 1048576.0f) * (float)count;
+}
+
+/* Linear colour and alpha at (u, v): bilinear between texel centres, or the nearest texel. */
+TY_FN void ty_texture_lookup(TY_GLOBAL const ty_texture_view* texture, float u, float v, float rgba[4]) {
+    float x = ty_texture_coordinate(u - (texture->wrap[0] == 0 ? floorf(u) : 0.0f), texture->width);
+    float y = ty_texture_coordinate(v - (texture->wrap[1] == 0 ? floorf(v) : 0.0f), texture->height);
+    x = x == x ? x : 0.0f;
+    y = y == y ? y : 0.0f;
+    if (texture->nearest != 0) {
+        ty_texture_texel(texture, (int32_t)floorf(x), (int32_t)floorf(y), rgba);
+        return;
+    }
+    const float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
+    const float across = x - 0.5f - left, down = y - 0.5f - top;
+    float row[2][4];
+    for (int j = 0; j < 2; ++j) {
+        float a[4], b[4];
+        ty_texture_texel(texture, (int32_t)left, (int32_t)top + j, a);
+        ty_texture_texel(texture, (int32_t)left + 1, (int32_t)top + j, b);
+        for (int c = 0; c < 4; ++c) row[j][c] = ty_lerpf(a[c], b[c], across);
+    }
+    for (int c = 0; c < 4; ++c) rgba[c] = ty_lerpf(row[0][c], row[1][c], down);
+}
+
+#endif
