@@ -4,30 +4,32 @@
 
 #include "scene/environment.k.h"
 
-/* ty_light_kind, and emissive spheres, which come from shapes. */
+/* ty_light_kind, and emissive spheres and triangles, which come from shapes and meshes. */
 enum {
     TY_KIND_DIRECTIONAL = 0,
     TY_KIND_POINT = 1,
     TY_KIND_SPOT = 2,
     TY_KIND_AREA = 3,
     TY_KIND_ENVIRONMENT = 4,
-    TY_KIND_SPHERE = 5
+    TY_KIND_SPHERE = 5,
+    TY_KIND_TRIANGLE = 6
 };
 
 typedef struct ty_light_view {
     int32_t kind;
-    float color[3];   /* irradiance, intensity or radiance */
-    ty_vec position;  /* point, spot; area: corner; sphere: centre */
-    ty_vec direction; /* directional, spot: the way the light travels; area: unit normal of the emitting side */
-    ty_vec u, v;      /* area: edges */
-    float area;       /* area: m^2 */
-    float radius;     /* sphere */
+    float color[3];             /* irradiance, intensity or radiance */
+    ty_vec position;            /* point, spot; area: corner; sphere: centre */
+    ty_vec direction;           /* directional, spot: the way the light travels; area, triangle: unit normal */
+    ty_vec u, v;                /* area, triangle: edges */
+    float area;                 /* area, triangle: m^2 */
+    float radius;               /* sphere */
     float cos_outer, cos_inner; /* spot: light fades from inner to outer */
     float typical;    /* fluence, unshadowed, at a typical distance, W m^-2; 0 for lights better met than sampled */
     float reach2;     /* m^2; within this squared distance of a lamp, media are bright for it */
     float chosen;     /* probability of being chosen */
     float cumulative; /* of chosen, this light included */
     ty_environment_view environment;
+    int32_t two_sided; /* triangle: emits on its back, too */
 } ty_light_view;
 
 /* A light seen from a point. */
