@@ -26,6 +26,9 @@ struct ty_image {
 /* Whether a key is well formed and not an attribute that OpenEXR itself writes. */
 bool ty_metadata_key_allowed(const char* key);
 
+/* IEC 61966-2-1, display to linear, for x in 0..1. */
+float ty_linear_from_srgb(float x);
+
 /* The shortest decimal form that reads back as exactly value, with a point whatever the locale. */
 enum { TY_NUMBER_TEXT_SIZE = 40 };
 void ty_number_text(double value, char text[TY_NUMBER_TEXT_SIZE]);
