@@ -93,7 +93,19 @@ static inline void write_kind(const char* path, const png_kind* kind) {
 typedef struct jpeg_kind {
     J_COLOR_SPACE from, to; /* of the values, in the file */
     bool progressive, without_adobe_marker;
+    bool many_scans; /* of gray: three for each of the 63 coefficients beside the mean */
 } jpeg_kind;
+
+enum { MANY_SCANS = 1 + 3 * 63 };
+
+static inline void plan_many_scans(jpeg_scan_info scans[MANY_SCANS]) {
+    scans[0] = (jpeg_scan_info){.comps_in_scan = 1};
+    for (int i = 1; i < MANY_SCANS; ++i) {
+        const int coefficient = 1 + (i - 1) % 63, pass = (i - 1) / 63;
+        scans[i] = (jpeg_scan_info){
+            .comps_in_scan = 1, .Ss = coefficient, .Se = coefficient, .Ah = pass == 0 ? 0 : 3 - pass, .Al = 2 - pass};
+    }
+}
 
 /* Smooth, so that little is lost. */
 static inline int jpeg_value(int x, int y, int channel) {
@@ -119,6 +131,12 @@ static inline void write_jpeg(const char* path, const jpeg_kind* kind) {
     jpeg_set_quality(&jpeg, 100, TRUE);
     for (int c = 0; c < jpeg.num_components; ++c) jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
     if (kind->progressive) jpeg_simple_progression(&jpeg);
+    jpeg_scan_info scans[MANY_SCANS];
+    plan_many_scans(scans);
+    if (kind->many_scans) {
+        jpeg.scan_info = scans;
+        jpeg.num_scans = MANY_SCANS;
+    }
     if (kind->without_adobe_marker) jpeg.write_Adobe_marker = FALSE;
     jpeg_start_compress(&jpeg, TRUE);
     for (int y = 0; y < MADE_HEIGHT; ++y) {

@@ -174,19 +174,20 @@ static void check_jpeg(const jpeg_kind* kind) {
 
 static void jpeg_of_every_kind_is_read(void** state) {
     (void)state;
-    static const jpeg_kind kinds[] = {{JCS_GRAYSCALE, JCS_GRAYSCALE, false, false},
-                                      {JCS_RGB, JCS_YCbCr, false, false},
-                                      {JCS_RGB, JCS_YCbCr, true, false},
-                                      {JCS_RGB, JCS_RGB, false, false},
-                                      {JCS_CMYK, JCS_CMYK, false, false},
-                                      {JCS_CMYK, JCS_CMYK, true, true},
-                                      {JCS_CMYK, JCS_YCCK, false, false}};
+    static const jpeg_kind kinds[] = {
+        {.from = JCS_GRAYSCALE, .to = JCS_GRAYSCALE},
+        {.from = JCS_RGB, .to = JCS_YCbCr},
+        {.from = JCS_RGB, .to = JCS_YCbCr, .progressive = true},
+        {.from = JCS_RGB, .to = JCS_RGB},
+        {.from = JCS_CMYK, .to = JCS_CMYK},
+        {.from = JCS_CMYK, .to = JCS_CMYK, .progressive = true, .without_adobe_marker = true},
+        {.from = JCS_CMYK, .to = JCS_YCCK}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) check_jpeg(&kinds[i]);
 }
 
 static void jpeg_is_decoded_to_linear_and_to_texels(void** state) {
     (void)state;
-    const jpeg_kind kind = {JCS_RGB, JCS_YCbCr, false, false};
+    const jpeg_kind kind = {.from = JCS_RGB, .to = JCS_YCbCr};
     write_jpeg("made.jpg", &kind);
     ty_image *image = NULL, *raw = NULL;
     assert_int_equal(ty_image_read(context, "made.jpg", &image), TY_OK);
@@ -242,7 +243,8 @@ static void torture(const char* path, bool checked) {
 static void broken_samples_are_refused(void** state) {
     (void)state;
     const png_kind palette = {PNG_COLOR_TYPE_PALETTE, 4, true, true}, rgb = {PNG_COLOR_TYPE_RGB, 16, false, false};
-    const jpeg_kind sequential = {JCS_RGB, JCS_YCbCr, false, false}, progressive = {JCS_CMYK, JCS_YCCK, true, false};
+    const jpeg_kind sequential = {.from = JCS_RGB, .to = JCS_YCbCr},
+                    progressive = {.from = JCS_CMYK, .to = JCS_YCCK, .progressive = true};
     write_kind("torture.png", &palette);
     torture("torture.png", true);
     write_kind("torture.png", &rgb);
@@ -257,7 +259,7 @@ static void broken_samples_are_refused(void** state) {
 static void short_memory_is_survived(void** state) {
     (void)state;
     const png_kind kind = {PNG_COLOR_TYPE_RGB, 16, false, false};
-    const jpeg_kind jpeg = {JCS_RGB, JCS_YCbCr, false, false};
+    const jpeg_kind jpeg = {.from = JCS_RGB, .to = JCS_YCbCr};
     write_kind("memory.png", &kind);
     write_jpeg("memory.jpg", &jpeg);
     static const char* const paths[] = {"memory.png", "memory.jpg"};

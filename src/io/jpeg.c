@@ -93,7 +93,8 @@ static int32_t choose_channels(struct jpeg_decompress_struct* jpeg) {
 
 static ty_result decode(ty_context* context, const char* path, reader* r, const uint8_t* bytes, size_t size,
                         ty_samples* out) {
-    if (!read_header(r, bytes, size)) return ty_fail(context, TY_ERROR_INPUT, "%s: %s", path, r->message);
+    if (!read_header(r, bytes, size))
+        return ty_fail(context, TY_ERROR_INPUT, "%s: cannot decode this JPEG: %s", path, r->message);
     const int32_t channels = choose_channels(&r->jpeg);
     if (channels == 0)
         return ty_fail(context, TY_ERROR_INPUT, "%s: a JPEG of %d components is neither gray, RGB nor CMYK", path,
@@ -106,7 +107,7 @@ static ty_result decode(ty_context* context, const char* path, reader* r, const 
     if (result != TY_OK) return result;
     if (!read_rows(r, &samples)) {
         ty_free_samples(context, &samples);
-        return ty_fail(context, TY_ERROR_INPUT, "%s: %s", path, r->message);
+        return ty_fail(context, TY_ERROR_INPUT, "%s: cannot decode this JPEG: %s", path, r->message);
     }
     if (channels == 4) rgb_from_cmyk(&samples, r->jpeg.saw_Adobe_marker);
     *out = samples;

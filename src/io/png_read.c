@@ -65,7 +65,7 @@ static bool read_rows(reader* r, const ty_samples* samples) {
 }
 
 static ty_result decode(ty_context* context, const char* path, size_t size, reader* r, ty_samples* out) {
-    if (!read_header(r)) return ty_fail(context, TY_ERROR_INPUT, "%s: %s", path, r->message);
+    if (!read_header(r)) return ty_fail(context, TY_ERROR_INPUT, "%s: cannot decode this PNG: %s", path, r->message);
     const int32_t width = (int32_t)png_get_image_width(r->png, r->info);
     const int32_t height = (int32_t)png_get_image_height(r->png, r->info);
     const int32_t channels = png_get_channels(r->png, r->info);
@@ -77,7 +77,7 @@ static ty_result decode(ty_context* context, const char* path, size_t size, read
     if (result != TY_OK) return result;
     if (!read_rows(r, &samples)) {
         ty_free_samples(context, &samples);
-        return ty_fail(context, TY_ERROR_INPUT, "%s: %s", path, r->message);
+        return ty_fail(context, TY_ERROR_INPUT, "%s: cannot decode this PNG: %s", path, r->message);
     }
     *out = samples;
     return TY_OK;
