@@ -4,6 +4,7 @@ find_package(Threads REQUIRED)
 find_package(embree 3 REQUIRED) # brings TBB::tbb
 find_package(OpenEXR CONFIG REQUIRED) # brings Imath::Imath
 find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 
 if(NOT TARGET PkgConfig::JANSSON)

@@ -1,4 +1,5 @@
-/* OpenEXR files as other writers might make them: half and uint channels, tiles, windows of any kind. */
+/* OpenEXR files as other writers might make them: half and uint channels, tiles with and without levels, windows of any
+ * kind, several parts. */
 #ifndef TY_TESTS_EXR_MAKER_H
 #define TY_TESTS_EXR_MAKER_H
 
@@ -12,6 +13,7 @@ typedef struct foreign {
     exr_attr_box2i_t data, display;
     exr_compression_t compression;
     bool tiled;
+    exr_tile_level_mode_t levels; /* the core library writes no ripmaps */
 } foreign;
 
 enum { FOREIGN_CHANNELS = 3, TILE = 16 };
@@ -44,9 +46,9 @@ static inline void ignore_message(exr_const_context_t exr, exr_result_t code, co
     (void)text;
 }
 
-static inline void encode_chunk(exr_context_t exr, const exr_chunk_info_t* info, int32_t x0, int32_t y0) {
+static inline void encode_chunk(exr_context_t exr, int part, const exr_chunk_info_t* info, int32_t x0, int32_t y0) {
     exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
-    assert_int_equal(exr_encoding_initialize(exr, 0, info, &encode), 0);
+    assert_int_equal(exr_encoding_initialize(exr, part, info, &encode), 0);
     void* values[FOREIGN_CHANNELS];
     for (int c = 0; c < encode.channel_count; ++c) {
         values[c] = malloc((size_t)info->width * (size_t)info->height * 4);
@@ -57,46 +59,78 @@ static inline void encode_chunk(exr_context_t exr, const exr_chunk_info_t* info,
         encode.channels[c].user_pixel_stride = size;
         encode.channels[c].user_line_stride = size * info->width;
     }
-    assert_int_equal(exr_encoding_choose_default_routines(exr, 0, &encode), 0);
-    assert_int_equal(exr_encoding_run(exr, 0, &encode), 0);
+    assert_int_equal(exr_encoding_choose_default_routines(exr, part, &encode), 0);
+    assert_int_equal(exr_encoding_run(exr, part, &encode), 0);
     for (int c = 0; c < encode.channel_count; ++c) free(values[c]);
     exr_encoding_destroy(exr, &encode);
 }
 
-static inline void write_foreign(const char* path, const foreign* f) {
+static inline void add_foreign_part(exr_context_t exr, const char* name, const foreign* f) {
+    const exr_attr_v2f_t centre = {.x = 0, .y = 0};
+    int part = 0;
+    assert_int_equal(exr_add_part(exr, name, f->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &part), 0);
+    assert_int_equal(exr_initialize_required_attr(exr, part, &f->display, &f->data, 1, &centre, 1,
+                                                  EXR_LINEORDER_INCREASING_Y, f->compression),
+                     0);
+    if (f->tiled) assert_int_equal(exr_set_tile_descriptor(exr, part, TILE, TILE, f->levels, EXR_TILE_ROUND_DOWN), 0);
+    for (int c = 0; c < FOREIGN_CHANNELS; ++c)
+        assert_int_equal(
+            exr_add_channel(exr, part, foreign_names[c], foreign_types[c], EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1), 0);
+}
+
+/* One level, with the pixels of another place when it is not the largest. */
+static inline void write_level(exr_context_t exr, int part, const foreign* f, int level) {
+    int32_t width = 0, height = 0, tile_width = 0, tile_height = 0;
+    assert_int_equal(exr_get_level_sizes(exr, part, level, level, &width, &height), 0);
+    assert_int_equal(exr_get_tile_sizes(exr, part, level, level, &tile_width, &tile_height), 0);
+    const int32_t shift = 1000 * level;
+    exr_chunk_info_t info;
+    for (int32_t y = 0; y * tile_height < height; ++y)
+        for (int32_t x = 0; x * tile_width < width; ++x) {
+            assert_int_equal(exr_write_tile_chunk_info(exr, part, x, y, level, level, &info), 0);
+            encode_chunk(exr, part, &info, f->data.min.x + x * tile_width + shift, f->data.min.y + y * tile_height);
+        }
+}
+
+static inline void write_levels(exr_context_t exr, int part, const foreign* f) {
+    int32_t across = 0, down = 0;
+    assert_int_equal(exr_get_tile_levels(exr, part, &across, &down), 0);
+    for (int level = 0; level < across; ++level) write_level(exr, part, f, level);
+}
+
+static inline void write_scanlines(exr_context_t exr, int part, const foreign* f) {
+    int32_t lines = 0;
+    exr_chunk_info_t info;
+    assert_int_equal(exr_get_scanlines_per_chunk(exr, part, &lines), 0);
+    for (int32_t y = f->data.min.y; y <= f->data.max.y; y += lines) {
+        assert_int_equal(exr_write_scanline_chunk_info(exr, part, y, &info), 0);
+        encode_chunk(exr, part, &info, f->data.min.x, y);
+    }
+}
+
+/* Parts are called "part", "part1", "part2" ... */
+static inline void write_foreign_parts(const char* path, const foreign* parts, int count) {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = ignore_message;
     exr_context_t exr = NULL;
-    const exr_attr_v2f_t centre = {.x = 0, .y = 0};
-    int part = 0;
     assert_int_equal(exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &setup), 0);
-    assert_int_equal(exr_add_part(exr, "part", f->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &part), 0);
-    assert_int_equal(exr_initialize_required_attr(exr, 0, &f->display, &f->data, 1, &centre, 1,
-                                                  EXR_LINEORDER_INCREASING_Y, f->compression),
-                     0);
-    if (f->tiled)
-        assert_int_equal(exr_set_tile_descriptor(exr, 0, TILE, TILE, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN), 0);
-    for (int c = 0; c < FOREIGN_CHANNELS; ++c)
-        assert_int_equal(
-            exr_add_channel(exr, 0, foreign_names[c], foreign_types[c], EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1), 0);
+    for (int i = 0; i < count; ++i) {
+        char name[16] = "part";
+        if (i > 0) snprintf(name, sizeof name, "part%d", i);
+        add_foreign_part(exr, name, &parts[i]);
+    }
     assert_int_equal(exr_write_header(exr), 0);
-    const int32_t width = f->data.max.x - f->data.min.x + 1;
-    exr_chunk_info_t info;
-    int32_t lines = 0;
-    if (f->tiled) {
-        for (int32_t y = 0; f->data.min.y + y * TILE <= f->data.max.y; ++y)
-            for (int32_t x = 0; x * TILE < width; ++x) {
-                assert_int_equal(exr_write_tile_chunk_info(exr, 0, x, y, 0, 0, &info), 0);
-                encode_chunk(exr, &info, f->data.min.x + x * TILE, f->data.min.y + y * TILE);
-            }
-    } else {
-        assert_int_equal(exr_get_scanlines_per_chunk(exr, 0, &lines), 0);
-        for (int32_t y = f->data.min.y; y <= f->data.max.y; y += lines) {
-            assert_int_equal(exr_write_scanline_chunk_info(exr, 0, y, &info), 0);
-            encode_chunk(exr, &info, f->data.min.x, y);
-        }
+    for (int i = 0; i < count; ++i) {
+        if (parts[i].tiled)
+            write_levels(exr, i, &parts[i]);
+        else
+            write_scanlines(exr, i, &parts[i]);
     }
     assert_int_equal(exr_finish(&exr), 0);
+}
+
+static inline void write_foreign(const char* path, const foreign* f) {
+    write_foreign_parts(path, f, 1);
 }
 
 static inline exr_attr_box2i_t box(int32_t x0, int32_t y0, int32_t x1, int32_t y1) {

@@ -96,23 +96,42 @@ static void exr_keeps_metadata(void** state) {
     ty_image_destroy(back);
 }
 
+/* Channel c of a part lies in an image over the union of all parts' windows, 0 beyond its own. */
+static void check_foreign_channel(const ty_image* image, const char* name, int c, const foreign* f) {
+    const float* plane = ty_image_plane_const(image, ty_image_find_channel(image, name));
+    assert_non_null(plane);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
+    for (int32_t row = 0; row < ty_image_height(image); ++row)
+        for (int32_t column = 0; column < ty_image_width(image); ++column) {
+            const int32_t x = f->display.min.x + frame[0] + column, y = f->display.min.y + frame[1] + row;
+            const bool inside = x >= f->data.min.x && x <= f->data.max.x && y >= f->data.min.y && y <= f->data.max.y;
+            const float expected = inside ? foreign_value(c, x, y) : 0;
+            if (*plane != expected) fail_msg("%s at %d, %d: %g, not %g", name, x, y, *plane, expected);
+            ++plane;
+        }
+}
+
 static void check_foreign(const foreign* f) {
     write_foreign("foreign.exr", f);
-    ty_image* image = NULL;
+    ty_image *image = NULL, *filled = NULL;
     assert_int_equal(ty_image_read(context, "foreign.exr", &image), TY_OK);
-    assert_int_equal(ty_image_width(image), f->display.max.x - f->display.min.x + 1);
-    assert_int_equal(ty_image_height(image), f->display.max.y - f->display.min.y + 1);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
+    assert_int_equal(frame[0], f->data.min.x - f->display.min.x);
+    assert_int_equal(frame[1], f->data.min.y - f->display.min.y);
+    assert_int_equal(frame[2], f->display.max.x - f->display.min.x + 1);
+    assert_int_equal(frame[3], f->display.max.y - f->display.min.y + 1);
+    assert_int_equal(ty_image_width(image), f->data.max.x - f->data.min.x + 1);
+    assert_int_equal(ty_image_height(image), f->data.max.y - f->data.min.y + 1);
+    assert_int_equal(ty_image_fill_frame(context, image, &filled), TY_OK);
+    assert_int_equal(ty_image_width(filled), frame[2]);
+    assert_int_equal(ty_image_height(filled), frame[3]);
     for (int c = 0; c < FOREIGN_CHANNELS; ++c) {
-        const float* plane = ty_image_plane_const(image, ty_image_find_channel(image, foreign_names[c]));
-        for (int32_t y = f->display.min.y; y <= f->display.max.y; ++y)
-            for (int32_t x = f->display.min.x; x <= f->display.max.x; ++x) {
-                const bool inside =
-                    x >= f->data.min.x && x <= f->data.max.x && y >= f->data.min.y && y <= f->data.max.y;
-                const float expected = inside ? foreign_value(c, x, y) : 0;
-                if (*plane != expected) fail_msg("%d at %d, %d: %g, not %g", c, x, y, *plane, expected);
-                ++plane;
-            }
+        check_foreign_channel(image, foreign_names[c], c, f);
+        check_foreign_channel(filled, foreign_names[c], c, f);
     }
+    ty_image_destroy(filled);
     ty_image_destroy(image);
 }
 
@@ -130,10 +149,98 @@ static void exr_types_layouts_and_windows_are_read(void** state) {
                                                  EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PIZ};
     for (size_t i = 0; i < sizeof windows / sizeof *windows; ++i)
         for (size_t k = 0; k < sizeof lossless / sizeof *lossless; ++k)
-            for (int tiled = 0; tiled < 2; ++tiled) {
-                const foreign f = {windows[i][0], windows[i][1], lossless[k], tiled != 0};
+            for (int layout = 0; layout < 3; ++layout) {
+                const foreign f = {windows[i][0], windows[i][1], lossless[k], layout > 0,
+                                   layout == 2 ? EXR_TILE_MIPMAP_LEVELS : EXR_TILE_ONE_LEVEL};
                 check_foreign(&f);
             }
+}
+
+static void exr_parts_lie_side_by_side(void** state) {
+    (void)state;
+    const exr_attr_box2i_t full = box(-3, -2, 36, 27);
+    const foreign parts[] = {{box(2, 3, 20, 21), full, EXR_COMPRESSION_ZIP, false, EXR_TILE_ONE_LEVEL},
+                             {box(-9, 5, 12, 50), full, EXR_COMPRESSION_PIZ, true, EXR_TILE_MIPMAP_LEVELS},
+                             {full, full, EXR_COMPRESSION_RLE, false, EXR_TILE_ONE_LEVEL}};
+    write_foreign_parts("parts.exr", parts, 3);
+    ty_image *image = NULL, *layer = NULL;
+    assert_int_equal(ty_image_read(context, "parts.exr", &image), TY_OK);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
+    assert_true(frame[0] == -6 && frame[1] == 0 && frame[2] == 40 && frame[3] == 30);
+    assert_int_equal(ty_image_width(image), 46);
+    assert_int_equal(ty_image_height(image), 53);
+    assert_int_equal(ty_image_channel_count(image), 9);
+    for (int c = 0; c < FOREIGN_CHANNELS; ++c) {
+        char name[32];
+        check_foreign_channel(image, foreign_names[c], c, &parts[0]);
+        snprintf(name, sizeof name, "part1.%s", foreign_names[c]);
+        check_foreign_channel(image, name, c, &parts[1]);
+        snprintf(name, sizeof name, "part2.%s", foreign_names[c]);
+        check_foreign_channel(image, name, c, &parts[2]);
+    }
+    assert_int_equal(ty_image_layer(context, image, "part1", &layer), TY_OK);
+    assert_int_equal(ty_image_channel_count(layer), FOREIGN_CHANNELS);
+    check_foreign_channel(layer, "C", 2, &parts[1]);
+    ty_image_destroy(layer);
+    ty_image_destroy(image);
+}
+
+/* Files of the C++ library: 20 x 12 pixels at (3, 5) of a window from (-4, -2) to (59, 29), in the largest level. */
+static float fixture_value(int c, int32_t x, int32_t y) {
+    return c == 3 ? (float)((x * 7 + y * 13) & 1023) : 0.25f * (float)(c + 1) + 0.01f * (float)x + 0.02f * (float)y;
+}
+
+static void check_fixture(const char* name, float tolerance) {
+    static const char* const names[] = {"R", "G", "B", "Z"};
+    static const int32_t expected[4] = {7, 7, 64, 32};
+    char path[1024];
+    snprintf(path, sizeof path, "%s/tests/fuzz/corpus/exr/%s.exr", TYNDALL_SOURCE_DIR, name);
+    ty_image* image = NULL;
+    assert_int_equal(ty_image_read(context, path, &image), TY_OK);
+    assert_int_equal(ty_image_width(image), 20);
+    assert_int_equal(ty_image_height(image), 12);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
+    assert_memory_equal(frame, expected, sizeof frame);
+    for (int c = 0; c < 4; ++c)
+        for (int32_t i = 0; i < 20 * 12; ++i) {
+            const float value = ty_image_plane_const(image, ty_image_find_channel(image, names[c]))[i];
+            const float error = fabsf(value - fixture_value(c, 3 + i % 20, 5 + i / 20));
+            if (!(error <= (c == 3 ? 0 : tolerance))) fail_msg("%s: %s[%d] is off by %g", name, names[c], i, error);
+        }
+    ty_image_destroy(image);
+}
+
+static void exr_of_other_codecs_and_levels_are_read(void** state) {
+    (void)state;
+    const float half = 0x1p-11f, lossy = 0.01f; /* DWA at its usual quality; B44 keeps six bits of each difference */
+    check_fixture("ripmap", half);
+    check_fixture("pxr24", half);
+    check_fixture("b44", lossy);
+    check_fixture("b44a", lossy);
+    check_fixture("dwaa", lossy);
+    check_fixture("dwab", lossy);
+    check_fixture("dwaa_mipmap", lossy);
+}
+
+static void exr_keeps_the_frame(void** state) {
+    (void)state;
+    static const char* const names[] = {"R", "G", "B"};
+    static const int32_t frames[][4] = {{3, 40, 100, 200}, {-5, -60, 7, 3}, {1 << 20, -(1 << 20), 65536, 1}};
+    for (size_t i = 0; i < sizeof frames / sizeof *frames; ++i) {
+        const int32_t* frame = frames[i];
+        ty_image *image = make_image(21, 37, 3, names), *back = NULL;
+        int32_t found[4];
+        assert_int_equal(ty_image_set_frame(image, frame[0], frame[1], frame[2], frame[3]), TY_OK);
+        assert_int_equal(ty_image_write_exr(context, image, "frame.exr"), TY_OK);
+        assert_int_equal(ty_image_read(context, "frame.exr", &back), TY_OK);
+        assert_same_planes(image, back);
+        ty_image_get_frame(back, found);
+        assert_memory_equal(found, frame, sizeof found);
+        ty_image_destroy(image);
+        ty_image_destroy(back);
+    }
 }
 
 /* Overwrites what follows key, after skip bytes, in the file small.exr and saves it as path. */
@@ -150,13 +257,16 @@ static void patch_small_exr(const char* path, const char* key, size_t key_size, 
 
 static void exr_that_cannot_be_shown_is_refused(void** state) {
     (void)state;
-    const foreign f = {box(0, 0, 15, 15), box(0, 0, 15, 15), EXR_COMPRESSION_ZIP, false};
+    const foreign f = {box(0, 0, 15, 15), box(0, 0, 15, 15), EXR_COMPRESSION_ZIP, false, EXR_TILE_ONE_LEVEL};
     write_foreign("small.exr", &f);
     ty_image* image = NULL;
     /* Each attribute is its name, its type, a 4-byte size and the value. */
-    static const int32_t huge[] = {0, 0, 60000, 60000}, twice[] = {2, 2};
-    patch_small_exr("huge.exr", "displayWindow\0box2i", 20, 4, huge, sizeof huge);
-    assert_failed(context, ty_image_read(context, "huge.exr", &image), TY_ERROR_INPUT, "huge.exr", "60001 x 60001");
+    static const int32_t huge[] = {0, 0, 60000, 60000}, wide[] = {0, 0, 69999, 5}, far[] = {9999999, 0, 9999999, 0},
+                         twice[] = {2, 2};
+    patch_small_exr("wide.exr", "displayWindow\0box2i", 20, 4, wide, sizeof wide);
+    assert_failed(context, ty_image_read(context, "wide.exr", &image), TY_ERROR_INPUT, "wide.exr", "70000 x 6 pixels");
+    patch_small_exr("far.exr", "displayWindow\0box2i", 20, 4, far, sizeof far);
+    assert_failed(context, ty_image_read(context, "far.exr", &image), TY_ERROR_INPUT, "far.exr", "(-9999999, 0)");
     patch_small_exr("huge.exr", "dataWindow\0box2i", 17, 4, huge, sizeof huge);
     assert_failed(context, ty_image_read(context, "huge.exr", &image), TY_ERROR_INPUT, "huge.exr", NULL);
     /* The first channel: "A", type, linearity, then the sampling. */
@@ -204,7 +314,7 @@ static void broken_exr_is_refused(void** state) {
     assert_int_equal(ty_image_write_exr(context, image, "small.exr"), TY_OK);
     ty_image_destroy(image);
     torture("small.exr");
-    const foreign f = {box(0, 0, 19, 19), box(0, 0, 19, 19), EXR_COMPRESSION_ZIP, true};
+    const foreign f = {box(0, 0, 19, 19), box(0, 0, 19, 19), EXR_COMPRESSION_ZIP, true, EXR_TILE_ONE_LEVEL};
     write_foreign("small.exr", &f);
     torture("small.exr");
 }
@@ -263,7 +373,7 @@ static void broken_hdr_is_refused(void** state) {
         {"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n12341234", "cannot hold"},
         {"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60 +X 60\n12341234", "cut short"},
         {"hello, world", "neither"},
-        {"", "neither"},
+        {"", "empty"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         put_file("broken.hdr", cases[i].text, strlen(cases[i].text));
@@ -424,6 +534,9 @@ int main(void) {
         cmocka_unit_test(exr_round_trip_is_exact),
         cmocka_unit_test(exr_keeps_metadata),
         cmocka_unit_test(exr_types_layouts_and_windows_are_read),
+        cmocka_unit_test(exr_parts_lie_side_by_side),
+        cmocka_unit_test(exr_of_other_codecs_and_levels_are_read),
+        cmocka_unit_test(exr_keeps_the_frame),
         cmocka_unit_test(exr_that_cannot_be_shown_is_refused),
         cmocka_unit_test(broken_exr_is_refused),
         cmocka_unit_test(hdr_is_read_exactly),

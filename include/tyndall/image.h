@@ -29,13 +29,14 @@ TY_API int32_t ty_image_find_channel(const ty_image* image, const char* name);
 /* The plane of a channel: width*height floats, valid as long as the image. */
 TY_API float* ty_image_plane(ty_image* image, int32_t channel);
 TY_API const float* ty_image_plane_const(const ty_image* image, int32_t channel);
-/* The planes of R, G and B; of the one channel three times when there is only one (Y or any other name).
+/* The planes of R, G and B; of one channel three times where there is only one, whatever its name, or a Y without an X.
  * Returns false when the image has neither. */
 TY_API bool ty_image_rgb_planes(const ty_image* image, const float* planes[3]);
 
 /* Where the pixels lie in a frame of width x height pixels (EXR: data window in display window), x to the right and y
- * down; they may reach beyond it. A new image fills its frame. Errors: TY_ERROR_ARGUMENT (a frame outside 1..65536, an
- * offset beyond 2^20). */
+ * down; they may reach beyond it. A new image fills its frame. All functions on pixels but ty_image_fill_frame and
+ * ty_image_compare, and the PNG writers, see the pixels alone. Errors: TY_ERROR_ARGUMENT (a frame outside 1..65536, an
+ * offset beyond 2^20 either way). */
 TY_API ty_result ty_image_set_frame(ty_image* image, int32_t x, int32_t y, int32_t width, int32_t height);
 /* frame: x, y, width, height as above. */
 TY_API void ty_image_get_frame(const ty_image* image, int32_t frame[4]);

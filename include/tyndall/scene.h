@@ -96,8 +96,9 @@ typedef struct ty_medium_def {
 } ty_medium_def;
 
 /* Radiance of a black body at a temperature, seen as linear Rec.709: Planck's law weighted by the CIE 1931 colour
- * matching functions (so that 683 times its luminance is in cd m^-2), W m^-2 sr^-1. Colours outside Rec.709 are
- * clipped at 0. 0 below 200 K; the colour of 100000 K above that. */
+ * matching functions (so that 683 times its luminance is in cd m^-2), W m^-2 sr^-1. Channels below 0, of colours outside
+ * Rec.709, are clipped (blue below 1900 K; luminance gains 1% by it at 1000 K and 15% at 800 K). 0 below 200 K; above
+ * 100000 K as at 100000 K. */
 TY_API void ty_blackbody(double kelvin, float radiance[3]);
 
 /* The fraction of each cell of a grid that lies within a medium's bounds, 0..1: what grid methods multiply its density

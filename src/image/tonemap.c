@@ -1,4 +1,4 @@
-/* The display transform. */
+/* The display transform, and the sRGB curve back. */
 #include "image/image.h"
 
 #include "base/context.h"
@@ -17,6 +17,10 @@ static float filmic(float x) {
 /* IEC 61966-2-1, linear to display. */
 static float srgb(float x) {
     return x <= 0.0031308f ? 12.92f * x : 1.055f * powf(x, 1 / 2.4f) - 0.055f;
+}
+
+float ty_linear_from_srgb(float x) {
+    return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
 }
 
 static uint8_t to_byte(float value, float scale, bool curve) {

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <tyndall/io.h>
 #include <unistd.h>
 
 enum { HASH_CHUNK = 1 << 16, NAME_TRIES = 1000 };
@@ -146,6 +147,21 @@ ty_result ty_write_file(ty_context* context, const char* path, const void* bytes
     /* A short write leaves the stream's error flag set, which commit looks at. */
     if (size > 0) fwrite(bytes, 1, size, output.stream);
     return ty_output_commit(context, &output);
+}
+
+ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size) {
+    if (bytes == NULL || size == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_bytes_read: bytes or size is NULL");
+    return ty_read_file(context, path, limit, bytes, size);
+}
+
+void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size) {
+    ty_free_file(context, bytes, size);
+}
+
+ty_result ty_bytes_write(ty_context* context, const char* path, const void* bytes, size_t size) {
+    if (bytes == NULL && size > 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_bytes_write: bytes is NULL");
+    return ty_write_file(context, path, bytes, size);
 }
 
 uint64_t ty_hash_bytes(uint64_t hash, const void* bytes, size_t size) {

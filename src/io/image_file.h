@@ -4,11 +4,48 @@
 
 #include "image/image.h"
 
+typedef enum ty_image_format {
+    TY_IMAGE_UNKNOWN,
+    TY_IMAGE_EXR,
+    TY_IMAGE_HDR,
+    TY_IMAGE_PNG,
+    TY_IMAGE_JPEG
+} ty_image_format;
+
+/* Told by the first bytes. */
+ty_image_format ty_image_format_of(const uint8_t* bytes, size_t size);
+
 ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 
-/* Told by content. */
-ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
+/* What PNG and JPEG files hold: rows from the top of interleaved samples of gray (1 channel), gray and alpha (2), RGB
+ * (3) or RGBA (4). */
+typedef struct ty_samples {
+    int32_t width, height, channels;
+    bool wide;   /* 16-bit samples in the machine's byte order, not 8-bit ones */
+    void* data;  /* from ty_alloc_array */
+    size_t size; /* bytes at data */
+} ty_samples;
+
+/* Takes memory for width * height * channels samples, which are not set. */
+ty_result ty_create_samples(ty_context* context, int32_t width, int32_t height, int32_t channels, bool wide,
+                            ty_samples* out);
+void ty_free_samples(ty_context* context, ty_samples* samples);
+
+ty_result ty_read_png(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
+ty_result ty_read_jpeg(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
+
+/* Channels R, G, B or Y, and A where there is one, in 0..1; colour is decoded from sRGB to linear unless raw. */
+ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, bool raw, ty_image** out);
+
+/* A PNG or JPEG to 8-bit RGBA, colour coded in sRGB as in the file (16-bit samples are rounded, no alpha is 255); freed
+ * with ty_free_array(context, rgba8, width * height, 4). */
+ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
+                          int32_t* height, uint8_t** rgba8);
+
+/* An image of any format; raw as in ty_image_from_samples. */
+ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size, bool raw,
+                              ty_image** out);
 
 /* Refuses sides and channel counts outside an image's limits, and images over 1 GiB whose file is too small to hold
  * them even if it compresses a thousandfold. */

@@ -156,22 +156,33 @@ static double typical_fluence(const ty_light_view* light, double d2) {
     }
 }
 
-void ty_light_set_choice(ty_light_view* lights, size_t count, const double lower[3], const double upper[3]) {
-    double d2 = 0, sum = 0;
+static bool has_place(const ty_light_view* light) {
+    return light->kind != TY_KIND_DIRECTIONAL && light->kind != TY_KIND_ENVIRONMENT;
+}
+
+float ty_light_set_choice(ty_light_view* lights, size_t count, const double lower[3], const double upper[3]) {
+    double d2 = 0, placed = 0, sum = 0;
+    size_t choices = 0;
     for (int a = 0; a < 3; ++a) d2 += (upper[a] - lower[a]) * (upper[a] - lower[a]) / 16;
     if (!(d2 > 0)) d2 = 1;
-    size_t sampled = 0;
     for (size_t i = 0; i < count; ++i) {
         lights[i].typical = (float)fmin(typical_fluence(&lights[i], d2), 1e30);
         lights[i].reach2 = (float)fmax(0.3 * lights[i].area, 0.015 * d2);
-        sampled += lights[i].typical > 0;
         sum += (double)lights[i].typical;
+        if (has_place(&lights[i]))
+            placed += (double)lights[i].typical;
+        else
+            choices += lights[i].typical > 0;
     }
-    double running = 0;
+    choices += placed > 0;
+    const double even = choices > 0 ? 0.1 / (double)choices : 0;
+    const double share = placed > 0 ? 0.9 * placed / sum + even : 0;
+    double running = share;
     for (size_t i = 0; i < count; ++i) {
-        const double share = lights[i].typical > 0 ? 0.9 * (double)lights[i].typical / sum + 0.1 / (double)sampled : 0;
-        running += share;
-        lights[i].chosen = (float)share;
+        if (has_place(&lights[i]) || !(lights[i].typical > 0)) continue;
+        lights[i].chosen = (float)(0.9 * (double)lights[i].typical / sum + even);
+        running += (double)lights[i].chosen;
         lights[i].cumulative = (float)running;
     }
+    return (float)share;
 }

@@ -18,9 +18,10 @@ ty_light_view ty_light_sphere_view(const double center[3], double radius, const 
 /* The view of an emissive mesh's triangle; false when it has no area or sends nothing. surface must outlive it. */
 bool ty_light_triangle_view(const ty_surface* surface, int32_t triangle, ty_light_view* out);
 
-/* Sets `typical`, `chosen` and `cumulative`: in proportion to each light's fluence, unshadowed, at a typical distance
- * from what lies in the box [lower, upper], with a tenth shared evenly; 0 for lights that are better met than sampled.
- */
-void ty_light_set_choice(ty_light_view* lights, size_t count, const double lower[3], const double upper[3]);
+/* Sets what lights are to the box [lower, upper]: `typical` and `reach2`, and `chosen` and `cumulative` of those
+ * without a place. Probabilities go by each light's fluence, unshadowed, at a typical distance from what lies in the
+ * box, with a tenth shared evenly; 0 for lights that are better met than sampled. Returns the probability of all lights
+ * with a place together. */
+float ty_light_set_choice(ty_light_view* lights, size_t count, const double lower[3], const double upper[3]);
 
 #endif

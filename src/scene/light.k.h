@@ -30,8 +30,8 @@ typedef struct ty_light_view {
     float cos_outer, cos_inner;           /* spot: light fades from inner to outer */
     float typical;    /* fluence, unshadowed, at a typical distance, W m^-2; 0 for lights better met than sampled */
     float reach2;     /* m^2; within this squared distance of a lamp, media are bright for it */
-    float chosen;     /* probability of being chosen */
-    float cumulative; /* of chosen, this light included */
+    float chosen;     /* of lights without a place: the probability of being chosen */
+    float cumulative; /* of chosen, this light and all that have a place included */
     ty_environment_view environment;
 } ty_light_view;
 

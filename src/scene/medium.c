@@ -2,6 +2,7 @@
 #include "scene/medium.h"
 
 #include "base/context.h"
+#include "scene/blackbody.h"
 #include "scene/check.h"
 #include "scene/shell.h"
 

@@ -5,7 +5,7 @@
 #include "base/random.k.h"
 #include "base/vector.k.h"
 #include "grid/lookup.k.h"
-#include "scene/blackbody.h"
+#include "scene/blackbody.k.h"
 #include "scene/mesh.h"
 
 enum { TY_MEDIA_MAX = 64 };

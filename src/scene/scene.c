@@ -40,7 +40,9 @@ static void drop_commit(ty_scene* scene) {
     ty_free_array(context, scene->light_views, scene->light_view_count, sizeof(ty_light_view));
     ty_free_array(context, scene->surfaces, scene->surface_count, sizeof(ty_surface));
     ty_free_array(context, scene->distant_lights, scene->distant_capacity, sizeof(int32_t));
+    ty_light_tree_destroy(context, scene->light_tree);
     ty_mesh_destroy(scene->mesh);
+    scene->light_tree = NULL;
     scene->distant_lights = NULL;
     scene->medium_views = NULL;
     scene->light_views = NULL;
@@ -199,25 +201,30 @@ static ty_result add_mesh_lights(ty_scene* scene, size_t number, size_t* at) {
     return TY_OK;
 }
 
-/* What kernels see of the first count lights. */
+/* What kernels see of the first count lights: those without a place in a list, the others in a tree. */
 static ty_result view_lights(ty_scene* scene, size_t count) {
     ty_light_set* set = &scene->view.lights;
-    float lamps = 0;
+    ty_light_bounds* bounds = ty_alloc_array(scene->context, count, sizeof *bounds, false);
     scene->distant_lights = ty_alloc_array(scene->context, scene->light_count, sizeof(int32_t), false);
-    if (scene->distant_lights == NULL) return TY_ERROR_MEMORY;
     scene->distant_capacity = scene->light_count;
+    ty_result result = bounds != NULL && scene->distant_lights != NULL ? TY_OK : TY_ERROR_MEMORY;
+    for (size_t i = 0; i < count && result == TY_OK; ++i) {
+        const ty_light_view* light = &scene->light_views[i];
+        ty_light_get_bounds(light, &bounds[i]);
+        set->lamp_count += ty_light_is_lamp(light->kind);
+        if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT)
+            scene->distant_lights[set->distant_count++] = (int32_t)i;
+    }
+    if (result == TY_OK) result = ty_light_tree_create(scene->context, bounds, count, &scene->light_tree);
+    ty_free_array(scene->context, bounds, count, sizeof *bounds);
+    if (result != TY_OK) return result;
+    const ty_scene_info info = ty_scene_get_info(scene);
+    set->placed = ty_light_set_choice(scene->light_views, count, info.lower, info.upper);
     set->lights = scene->light_views;
     set->count = (int32_t)count;
     set->distant = scene->distant_lights;
-    for (size_t i = 0; i < count; ++i) {
-        const ty_light_view* light = &scene->light_views[i];
-        if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT)
-            scene->distant_lights[set->distant_count++] = (int32_t)i;
-        if (!ty_light_is_lamp(light->kind) || !(light->chosen > 0)) continue;
-        ++set->lamp_count;
-        lamps += light->chosen;
-    }
-    if (set->lamp_count > 0) set->lamp_share = 1 / lamps;
+    set->nodes = scene->light_tree->nodes;
+    set->trails = scene->light_tree->trails;
     return TY_OK;
 }
 
@@ -236,8 +243,6 @@ static ty_result commit_lights(ty_scene* scene) {
         const ty_result result = add_mesh_lights(scene, i, &at);
         if (result != TY_OK) return result;
     }
-    const ty_scene_info info = ty_scene_get_info(scene);
-    ty_light_set_choice(scene->light_views, at, info.lower, info.upper);
     return view_lights(scene, at);
 }
 
@@ -372,7 +377,7 @@ static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) 
 static size_t count_bytes(const ty_scene* scene) {
     size_t sum = sizeof *scene + scene->light_view_count * sizeof(ty_light_view) +
                  scene->medium_count * sizeof(ty_medium_view) + scene->surface_count * sizeof(ty_surface) +
-                 ty_mesh_bytes(scene->mesh);
+                 ty_mesh_bytes(scene->mesh) + ty_light_tree_bytes(scene->light_tree);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (scene->environments[i] != NULL) sum += ty_environment_bytes(scene->environments[i]);
     for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {

@@ -4,6 +4,7 @@
 
 #include "scene/environment.h"
 #include "scene/light_choice.k.h"
+#include "scene/light_tree.h"
 #include "scene/medium.k.h"
 #include "scene/mesh.h"
 
@@ -40,6 +41,7 @@ struct ty_scene {
     ty_medium_view* medium_views;
     ty_light_view* light_views;
     size_t light_view_count;
+    ty_light_tree* light_tree;
     int32_t* distant_lights;
     size_t distant_capacity;
     ty_surface* surfaces;

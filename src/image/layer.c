@@ -1,0 +1,87 @@
+/* Layers: groups of channels whose names begin alike, "layer.NAME". */
+#include "image/image.h"
+
+#include "base/context.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <tyndall/io.h>
+
+enum { LIST_SIZE = 256 };
+
+/* The name that a channel has within a layer, NULL when it is not in it. */
+static const char* name_within(const char* channel, const char* layer) {
+    const size_t length = strlen(layer);
+    if (length == 0) return strchr(channel, '.') == NULL ? channel : NULL;
+    const bool within = strncmp(channel, layer, length) == 0 && channel[length] == '.' && channel[length + 1] != '\0';
+    return within ? channel + length + 1 : NULL;
+}
+
+/* The length of a channel's layer, "" or all before the last dot. */
+static size_t layer_length(const char* channel) {
+    const char* dot = strrchr(channel, '.');
+    return dot == NULL ? 0 : (size_t)(dot - channel);
+}
+
+static bool named_before(const ty_image* image, int32_t channel, size_t length) {
+    for (int32_t i = 0; i < channel; ++i)
+        if (layer_length(image->names[i]) == length && strncmp(image->names[i], image->names[channel], length) == 0)
+            return true;
+    return false;
+}
+
+/* Every layer once, in quotes, as far as the text holds them. */
+static void list_layers(const ty_image* image, char list[LIST_SIZE]) {
+    size_t used = 0;
+    for (int32_t i = 0; i < image->channel_count; ++i) {
+        const size_t length = layer_length(image->names[i]);
+        if (named_before(image, i, length)) continue;
+        if (used + length + sizeof ", \"\", ..." > LIST_SIZE) {
+            memcpy(list + used, ", ...", sizeof ", ...");
+            return;
+        }
+        used += (size_t)snprintf(list + used, LIST_SIZE - used, "%s\"%.*s\"", used == 0 ? "" : ", ", (int)length,
+                                 image->names[i]);
+    }
+}
+
+static ty_result create_layer(ty_context* context, const ty_image* image, const char* const* names, int32_t count,
+                              const char* layer, ty_image** out) {
+    ty_image* made = NULL;
+    ty_result result = ty_image_create(context, image->width, image->height, count, names, &made);
+    if (result == TY_OK) result = ty_image_copy_metadata(image, made);
+    if (result != TY_OK) {
+        ty_image_destroy(made);
+        return result;
+    }
+    memcpy(made->frame, image->frame, sizeof made->frame);
+    for (int32_t i = 0, to = 0; i < image->channel_count; ++i)
+        if (name_within(image->names[i], layer) != NULL)
+            memcpy(ty_image_plane(made, to++), ty_image_plane_const(image, i),
+                   (size_t)image->width * (size_t)image->height * sizeof(float));
+    *out = made;
+    return TY_OK;
+}
+
+ty_result ty_image_layer(ty_context* context, const ty_image* image, const char* layer, ty_image** out) {
+    if (image == NULL || layer == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_layer: an argument is NULL");
+    const size_t capacity = (size_t)image->channel_count;
+    const char** names = ty_alloc_array(context, capacity, sizeof *names, false);
+    if (names == NULL) return TY_ERROR_MEMORY;
+    int32_t count = 0;
+    for (int32_t i = 0; i < image->channel_count; ++i) {
+        const char* name = name_within(image->names[i], layer);
+        if (name != NULL) names[count++] = name;
+    }
+    ty_result result;
+    if (count > 0) {
+        result = create_layer(context, image, names, count, layer, out);
+    } else {
+        char list[LIST_SIZE] = "";
+        list_layers(image, list);
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "the image has no layer \"%s\"; it has %s", layer, list);
+    }
+    ty_free_array(context, names, capacity, sizeof *names);
+    return result;
+}

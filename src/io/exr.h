@@ -1,0 +1,45 @@
+/* What reading and writing OpenEXR share: the core C library's view of a file, and its messages. */
+#ifndef TY_IO_EXR_H
+#define TY_IO_EXR_H
+
+#include "image/image.h"
+
+#include <openexr.h>
+#include <stdio.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { TY_EXR_MESSAGE_SIZE = 256 };
+
+/* What the library's callbacks see. */
+typedef struct ty_exr_stream {
+    const uint8_t* bytes; /* when reading */
+    size_t size;
+    FILE* file; /* when writing */
+    char message[TY_EXR_MESSAGE_SIZE];
+} ty_exr_stream;
+
+/* How to begin reading or writing; the stream must outlive it. */
+exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream);
+/* Fails with the library's first message about the stream, or with what code means. */
+ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
+                      exr_result_t code);
+
+/* A part compressed as DWAA or DWAB, which the core library does not decode. */
+typedef struct ty_exr_dwa_part {
+    int index;
+    exr_attr_box2i_t data;
+    const exr_attr_chlist_t* channels;
+    int32_t first_channel; /* of the part in the image */
+    int32_t x0, y0;        /* the image's first pixel in the file's coordinates */
+} ty_exr_dwa_part;
+
+ty_result ty_exr_read_dwa(ty_context* context, const char* path, const ty_exr_stream* stream,
+                          const ty_exr_dwa_part* part, ty_image* image);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
