@@ -15,52 +15,98 @@ static void print_color(const char* label, const float c[3], const char* after) 
         printf("%s(%.6g, %.6g, %.6g)%s", label, (double)c[0], (double)c[1], (double)c[2], after);
 }
 
-static void print_medium(int32_t index, const ty_medium_def* medium) {
+static const char* bounds_name(const ty_medium_def* medium) {
+    static const char* const names[] = {"none", "box", "sphere", "closed mesh"};
+    return names[medium->bounds];
+}
+
+static bool has_emission(const ty_medium_def* medium) {
+    const float* radiance = medium->emission;
+    return medium->temperature_grid != NULL || radiance[0] > 0 || radiance[1] > 0 || radiance[2] > 0;
+}
+
+static void print_grid(const char* label, const ty_grid* grid) {
+    if (grid == NULL) return;
+    const ty_grid_info info = ty_grid_get_info(grid);
+    char bytes[24];
+    cli_format_bytes((double)info.bytes, bytes);
+    printf("            %s %dx%dx%d %s%s, %.6g to %.6g, mean %.6g, %s\n", label, info.size[0], info.size[1],
+           info.size[2], info.type == TY_GRID_F16 ? "half" : "float", info.placed ? "" : ", filling the box",
+           (double)info.min, (double)info.max, info.mean, bytes);
+}
+
+static void print_bounds(const ty_medium_def* medium) {
     static const double none[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    switch (medium->bounds) {
+    case TY_BOUNDS_NONE: printf("            where its density is"); break;
+    case TY_BOUNDS_BOX:
+        print_vector("            box ", medium->box_min, " to ");
+        print_vector("", medium->box_max, " m");
+        break;
+    case TY_BOUNDS_SPHERE:
+        print_vector("            sphere around ", medium->sphere_center, ", ");
+        printf("radius %.6g m", medium->sphere_radius);
+        break;
+    case TY_BOUNDS_SHELL: printf("            within a closed mesh"); break;
+    }
+    bool transformed = false;
+    for (int i = 0; i < 12; ++i) transformed = transformed || medium->transform.m[i] != none[i];
+    printf("%s\n", transformed ? ", transformed" : "");
+}
+
+static void print_fields(const ty_medium_def* medium) {
+    static const char* const labels[] = {"albedo (red)", "albedo (green)", "albedo (blue)"};
+    print_grid("density", medium->density_grid);
+    if (medium->transfer_count > 0)
+        printf("            transfer function of %d points, %.6g to %.6g%s\n", medium->transfer_count,
+               (double)medium->transfer[0].value, (double)medium->transfer[medium->transfer_count - 1].value,
+               medium->transfer_albedo ? ", with albedo" : "");
+    const bool gray = medium->albedo_grid[0] == medium->albedo_grid[1];
+    for (int c = 0; c < (gray ? 1 : 3); ++c) print_grid(gray ? "albedo" : labels[c], medium->albedo_grid[c]);
+    print_grid("g", medium->g_grid);
+    if (!has_emission(medium)) return;
+    print_color("            emission: radiance ", medium->emission, " W m^-2 sr^-1");
+    if (medium->temperature_grid != NULL)
+        printf(", black body of %.6g K at 0 to %.6g K at 1, scale %.6g", medium->kelvin[0], medium->kelvin[1],
+               (double)medium->emission_scale);
+    printf("\n");
+    print_grid("temperature", medium->temperature_grid);
+}
+
+static void print_medium(int32_t index, const ty_medium_def* medium) {
     printf("medium %-4d %s%s", index, medium->name, medium->name[0] == '\0' ? "" : ": ");
     print_color("sigma_s ", medium->sigma_s, ", ");
     print_color("sigma_a ", medium->sigma_a, " 1/m, ");
     print_color("g ", medium->g, "");
     printf(", scale %.6g\n", (double)medium->scale);
-    if (medium->bounds == TY_BOUNDS_BOX) {
-        print_vector("            box ", medium->box_min, " to ");
-        print_vector("", medium->box_max, " m");
-    } else if (medium->bounds == TY_BOUNDS_SPHERE) {
-        print_vector("            sphere around ", medium->sphere_center, ", ");
-        printf("radius %.6g m", medium->sphere_radius);
-    } else {
-        printf("            where its grid is");
-    }
-    bool transformed = false;
-    for (int i = 0; i < 12; ++i) transformed = transformed || medium->transform.m[i] != none[i];
-    printf("%s\n", transformed ? ", transformed" : "");
-    if (medium->density_grid == NULL) return;
-    const ty_grid_info grid = ty_grid_get_info(medium->density_grid);
-    char bytes[24];
-    cli_format_bytes((double)grid.bytes, bytes);
-    printf("            grid %dx%dx%d %s, density %.6g to %.6g, mean %.6g, %s\n", grid.size[0], grid.size[1],
-           grid.size[2], grid.type == TY_GRID_F16 ? "half" : "float", (double)grid.min, (double)grid.max, grid.mean,
-           bytes);
+    print_bounds(medium);
+    print_fields(medium);
 }
 
 static void print_scene(const ty_scene* scene, const char* path) {
     const ty_scene_info info = ty_scene_get_info(scene);
     const ty_camera_def camera = ty_scene_camera(scene);
     const ty_render_settings settings = ty_scene_render_settings(scene);
-    char bytes[24];
+    char bytes[24], texture_bytes[24];
     cli_format_bytes((double)info.bytes, bytes);
+    cli_format_bytes((double)info.texture_bytes, texture_bytes);
     printf("scene       %s\nhash        %016" PRIx64 "\nup          %c\n", path, ty_scene_hash(scene),
            ty_scene_up_axis(scene) == TY_AXIS_Z ? 'z' : 'y');
     printf("render      %s, %d spp, seed %" PRIu64 "\n", settings.method, settings.spp, settings.seed);
     printf("camera      %dx%d, ", camera.resolution[0], camera.resolution[1]);
     print_vector("from ", camera.position, " to ");
     print_vector("", camera.target, "");
-    printf(" m, %.6g degrees high, exposure %.6g\n", camera.fov_y, camera.exposure);
+    const char* source = ty_scene_camera_source(scene);
+    printf(" m, %.6g degrees high, exposure %.6g%s%s\n", camera.fov_y, camera.exposure, source[0] != '\0' ? ", " : "",
+           source);
     for (int32_t i = 0; i < info.media; ++i) {
         ty_medium_def medium;
         if (ty_scene_get_medium(scene, i, &medium) == TY_OK) print_medium(i, &medium);
     }
     printf("media       %d\nlights      %d\nshapes      %d\n", info.media, info.lights, info.shapes);
+    if (info.meshes > 0) printf("meshes      %d, %" PRId64 " triangles\n", info.meshes, info.triangles);
+    if (info.textures > 0) printf("textures    %" PRId64 ", %s\n", info.textures, texture_bytes);
+    printf("emitters    %" PRId64 "\n", info.emitters);
     if (info.bounded) {
         print_vector("bounds      ", info.lower, " to ");
         print_vector("", info.upper, " m\n");
@@ -83,6 +129,51 @@ static void json_color(json_writer* json, const char* name, const float color[3]
     json_numbers(json, name, values, 3);
 }
 
+static void json_grid(json_writer* json, const char* name, const ty_grid* grid) {
+    if (grid == NULL) return;
+    const ty_grid_info info = ty_grid_get_info(grid);
+    json_open_object(json, name);
+    json_numbers(json, "size", (const double[]){info.size[0], info.size[1], info.size[2]}, 3);
+    json_text(json, "type", info.type == TY_GRID_F16 ? "half" : "float");
+    json_bool(json, "placed", info.placed);
+    json_number(json, "min", decimal(info.min));
+    json_number(json, "max", decimal(info.max));
+    json_number(json, "mean", info.mean);
+    json_integer(json, "bytes", (int64_t)info.bytes);
+    json_close_object(json);
+}
+
+static void json_fields(json_writer* json, const ty_medium_def* medium) {
+    if (medium->transfer_count > 0) {
+        json_open_array(json, "transfer");
+        for (int32_t i = 0; i < medium->transfer_count; ++i) {
+            const ty_transfer_point* point = &medium->transfer[i];
+            json_open_object(json, NULL);
+            json_number(json, "value", decimal(point->value));
+            json_number(json, "density", decimal(point->density));
+            if (medium->transfer_albedo) json_color(json, "albedo", point->albedo);
+            json_close_object(json);
+        }
+        json_close_array(json);
+    }
+    if (medium->albedo_grid[0] != NULL) {
+        const bool gray = medium->albedo_grid[0] == medium->albedo_grid[1];
+        json_open_array(json, "albedo");
+        for (int c = 0; c < (gray ? 1 : 3); ++c) json_grid(json, NULL, medium->albedo_grid[c]);
+        json_close_array(json);
+    }
+    json_grid(json, "g_grid", medium->g_grid);
+    if (!has_emission(medium)) return;
+    json_open_object(json, "emission");
+    json_color(json, "radiance", medium->emission);
+    if (medium->temperature_grid != NULL) {
+        json_grid(json, "temperature", medium->temperature_grid);
+        json_numbers(json, "kelvin", medium->kelvin, 2);
+        json_number(json, "scale", decimal(medium->emission_scale));
+    }
+    json_close_object(json);
+}
+
 static void json_medium(json_writer* json, const ty_medium_def* medium) {
     json_open_object(json, NULL);
     json_text(json, "name", medium->name);
@@ -90,6 +181,7 @@ static void json_medium(json_writer* json, const ty_medium_def* medium) {
     json_color(json, "sigma_a", medium->sigma_a);
     json_color(json, "g", medium->g);
     json_number(json, "scale", decimal(medium->scale));
+    json_text(json, "bounds", bounds_name(medium));
     if (medium->bounds == TY_BOUNDS_BOX) {
         json_open_array(json, "box");
         json_numbers(json, NULL, medium->box_min, 3);
@@ -102,17 +194,8 @@ static void json_medium(json_writer* json, const ty_medium_def* medium) {
         json_close_object(json);
     }
     json_numbers(json, "transform", medium->transform.m, 12);
-    if (medium->density_grid != NULL) {
-        const ty_grid_info grid = ty_grid_get_info(medium->density_grid);
-        json_open_object(json, "grid");
-        json_numbers(json, "size", (const double[]){grid.size[0], grid.size[1], grid.size[2]}, 3);
-        json_text(json, "type", grid.type == TY_GRID_F16 ? "half" : "float");
-        json_number(json, "min", decimal(grid.min));
-        json_number(json, "max", decimal(grid.max));
-        json_number(json, "mean", grid.mean);
-        json_integer(json, "bytes", (int64_t)grid.bytes);
-        json_close_object(json);
-    }
+    json_grid(json, "grid", medium->density_grid);
+    json_fields(json, medium);
     json_close_object(json);
 }
 
@@ -140,6 +223,7 @@ static void print_scene_json(const ty_scene* scene, const char* path) {
     json_numbers(&json, "up", camera.up, 3);
     json_number(&json, "fov_y", camera.fov_y);
     json_number(&json, "exposure", camera.exposure);
+    if (ty_scene_camera_source(scene)[0] != '\0') json_text(&json, "source", ty_scene_camera_source(scene));
     json_close_object(&json);
     json_open_array(&json, "media");
     for (int32_t i = 0; i < info.media; ++i) {
@@ -149,6 +233,11 @@ static void print_scene_json(const ty_scene* scene, const char* path) {
     json_close_array(&json);
     json_integer(&json, "lights", info.lights);
     json_integer(&json, "shapes", info.shapes);
+    json_integer(&json, "meshes", info.meshes);
+    json_integer(&json, "triangles", info.triangles);
+    json_integer(&json, "textures", info.textures);
+    json_integer(&json, "texture_bytes", (int64_t)info.texture_bytes);
+    json_integer(&json, "emitters", info.emitters);
     if (info.bounded) {
         json_open_array(&json, "bounds");
         json_numbers(&json, NULL, info.lower, 3);

@@ -130,8 +130,17 @@ enum { NAME_MAX_SIZE = 4096 };
 
 static const char* const volume_extensions[] = {".vdb", ".nvdb", ".nrrd", ".nhdr", NULL};
 
+/* Whether a file may have several grids, told apart by name. */
+static bool has_names(const json_t* volume) {
+    static const char* const extensions[] = {".vdb", ".nvdb", NULL};
+    return ty_has_extension(json_string_value(json_object_get(volume, "file")), extensions);
+}
+
 /* Files of the known types say what they hold, others need "raw". */
 static ty_result check_volume_type(const ty_scene_reader* reader, const json_t* volume, const ty_json_path* place) {
+    const ty_json_path grid = ty_json_path_key(place, "grid");
+    if (json_object_get(volume, "grid") != NULL && !has_names(volume))
+        return ty_reader_fail(reader, &grid, TY_ERROR_INPUT, "is for .vdb and .nvdb files; others hold one grid");
     const bool known = ty_has_extension(json_string_value(json_object_get(volume, "file")), volume_extensions);
     const bool raw = json_object_get(volume, "raw") != NULL;
     const ty_json_path key = ty_json_path_key(place, raw ? "raw" : "file");
@@ -147,7 +156,7 @@ static ty_result check_volume_type(const ty_scene_reader* reader, const json_t* 
 static ty_volume_def describe_volume(const ty_scene_reader* reader, const json_t* volume, const char* grid_name) {
     ty_volume_def def = ty_default_volume_def();
     const char* name = json_string_value(json_object_get(volume, "grid"));
-    def.grid = name != NULL ? name : grid_name;
+    def.grid = name != NULL ? name : has_names(volume) ? grid_name : "";
     def.frame = reader->frame;
     ty_read_int(volume, "frame", &def.frame);
     ty_read_int(volume, "component", &def.component);

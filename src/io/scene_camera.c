@@ -89,8 +89,7 @@ static ty_result read_named(ty_scene_reader* reader, const json_t* camera, const
     const char* file = json_string_value(json_object_get(camera, "file"));
     const char* name = json_string_value(json_object_get(camera, "name"));
     const ty_json_path place = ty_json_path_key(path, name != NULL ? "name" : "file");
-    if (file == NULL)
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"file\" is missing beside it");
+    if (file == NULL) return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"file\" is missing beside it");
     if (!is_gltf(file)) {
         const ty_json_path file_place = ty_json_path_key(path, "file");
         return ty_reader_fail(reader, &file_place, TY_ERROR_INPUT,

@@ -37,8 +37,7 @@ static ty_result read_mesh_file(ty_scene_reader* reader, const json_t* item, con
     ty_mesh_file_def def = ty_default_mesh_file_def();
     const ty_json_path place = ty_json_path_key(path, "file");
     const char* file = NULL;
-    ty_result result =
-        ty_find_mesh_file(reader, &place, json_string_value(json_object_get(item, "file")), &file);
+    ty_result result = ty_find_mesh_file(reader, &place, json_string_value(json_object_get(item, "file")), &file);
     if (result == TY_OK) result = ty_read_mesh_placement(reader, item, path, 1, &def);
     if (result != TY_OK) return result;
     ty_read_bool(item, "meshes", &def.meshes);

@@ -101,7 +101,7 @@ static ty_result hash_lines(ty_context* context, const char* path, const char* c
 }
 
 ty_result ty_hash_file_and_names(ty_context* context, const char* path, uint64_t* hash) {
-    static const char* const gltf[] = {".gltf", NULL}, *const obj[] = {".obj", NULL}, *const nhdr[] = {".nhdr", NULL};
+    static const char *const gltf[] = {".gltf", NULL}, *const obj[] = {".obj", NULL}, *const nhdr[] = {".nhdr", NULL};
     static const char* const libraries[] = {"mtllib ", "mtllib\t", NULL};
     static const char* const maps[] = {"map_Kd ", "map_Ke ", NULL};
     static const char* const data[] = {"data file:", "datafile:", NULL};

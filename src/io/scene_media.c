@@ -149,8 +149,7 @@ static ty_result read_shell(ty_scene_reader* reader, const json_t* bounds, const
     ty_mesh_file_def file = ty_default_mesh_file_def();
     const ty_json_path place = ty_json_path_key(path, "file");
     const char* found = NULL;
-    ty_result result =
-        ty_find_mesh_file(reader, &place, json_string_value(json_object_get(bounds, "file")), &found);
+    ty_result result = ty_find_mesh_file(reader, &place, json_string_value(json_object_get(bounds, "file")), &found);
     if (result == TY_OK) result = ty_read_mesh_placement(reader, bounds, path, unit, &file);
     return result == TY_OK ? ty_read_shell(reader, &place, found, &file, &def->shell) : result;
 }

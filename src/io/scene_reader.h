@@ -14,7 +14,8 @@ typedef struct ty_scene_override {
     ty_json_path path;
 } ty_scene_override;
 
-/* What was read of a file that the scene names: one of grid, image and shell, owned; none when only the hash took it. */
+/* What was read of a file that the scene names: one of grid, image and shell, owned; none when only the hash took it.
+ */
 typedef struct ty_scene_asset {
     char* path;
     ty_grid* grid;
