@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_MAX_LENGTH = 254, PLANE_ALIGNMENT = 16 };
+enum { NAME_MAX_LENGTH = 254, PLANE_ALIGNMENT = 16, OFFSET_MAX = 1 << 20 };
 
 static bool name_allowed(const char* name) {
     if (name == NULL) return false;
@@ -44,6 +44,8 @@ ty_result ty_image_create(ty_context* context, int32_t width, int32_t height, in
     image->context = context;
     image->width = width;
     image->height = height;
+    image->frame[2] = width;
+    image->frame[3] = height;
     image->channel_count = channel_count;
     const size_t pixels = (size_t)width * (size_t)height;
     image->plane_stride = (pixels + PLANE_ALIGNMENT - 1) / PLANE_ALIGNMENT * PLANE_ALIGNMENT;
@@ -77,6 +79,20 @@ void ty_image_destroy(ty_image* image) {
     ty_free_array(context, image->names, (size_t)image->channel_count, sizeof *image->names);
     ty_free_array(context, image->pixels, image->plane_stride * (size_t)image->channel_count, sizeof(float));
     ty_free_array(context, image, 1, sizeof *image);
+}
+
+ty_result ty_image_set_frame(ty_image* image, int32_t x, int32_t y, int32_t width, int32_t height) {
+    if (width < 1 || height < 1 || width > TY_IMAGE_SIDE_MAX || height > TY_IMAGE_SIDE_MAX || abs(x) > OFFSET_MAX ||
+        abs(y) > OFFSET_MAX)
+        return ty_fail(image->context, TY_ERROR_ARGUMENT, "an image lies at (%d, %d) in a frame of %d x %d", (int)x,
+                       (int)y, (int)width, (int)height);
+    const int32_t frame[4] = {x, y, width, height};
+    memcpy(image->frame, frame, sizeof frame);
+    return TY_OK;
+}
+
+void ty_image_get_frame(const ty_image* image, int32_t frame[4]) {
+    memcpy(frame, image->frame, sizeof image->frame);
 }
 
 int32_t ty_image_width(const ty_image* image) {

@@ -16,6 +16,7 @@ typedef struct ty_metadata {
 struct ty_image {
     ty_context* context;
     int32_t width, height, channel_count;
+    int32_t frame[4];    /* x, y, width, height, see ty_image_set_frame */
     size_t plane_stride; /* floats from one plane to the next: width*height, rounded up to 64 bytes */
     char** names;
     float* pixels;
