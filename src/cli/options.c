@@ -125,6 +125,22 @@ static bool parse_size(const char* text, int32_t out[2]) {
     return true;
 }
 
+/* "10,20,64x48": x, y, width, height. */
+static bool parse_crop(const char* text, int32_t out[4]) {
+    for (int i = 0; i < 2; ++i) {
+        char number[8];
+        const size_t length = strcspn(text, ",");
+        int64_t value = 0;
+        if (text[length] != ',' || length >= sizeof number) return false;
+        memcpy(number, text, length);
+        number[length] = '\0';
+        if (!parse_int(number, &value) || value < 0 || value > 65536) return false;
+        out[i] = (int32_t)value;
+        text += length + 1;
+    }
+    return parse_size(text, out + 2);
+}
+
 /* The index of text among the words of "auto|plain|none", or -1. */
 static int find_choice(const char* choices, const char* text) {
     const size_t length = strlen(text);
@@ -176,6 +192,11 @@ static int store_value(const char* command, const cli_option* option, const char
         if (!parse_size(text, option->target))
             return cli_usage_error(command, "--%s: '%s' is not a size like 800x600 (sides 1 to 65536)", option->name,
                                    text);
+        break;
+    case CLI_CROP:
+        if (!parse_crop(text, option->target))
+            return cli_usage_error(command, "--%s: '%s' is not a part of the frame like 10,20,64x48 (X,Y,WxH)",
+                                   option->name, text);
         break;
     case CLI_CHOICE: {
         const int choice = find_choice(option->value, text);

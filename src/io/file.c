@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <tyndall/io.h>
 #include <unistd.h>
 
 enum { HASH_CHUNK = 1 << 16, NAME_TRIES = 1000 };
@@ -197,4 +198,16 @@ char* ty_folder_of(ty_context* context, const char* path) {
     memcpy(folder, path, length);
     folder[length] = '\0';
     return folder;
+}
+
+ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size) {
+    return ty_read_file(context, path, limit, bytes, size);
+}
+
+void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size) {
+    if (bytes != NULL) ty_free_file(context, bytes, size);
+}
+
+ty_result ty_bytes_write(ty_context* context, const char* path, const void* bytes, size_t size) {
+    return ty_write_file(context, path, bytes, size);
 }

@@ -22,10 +22,9 @@ typedef struct sampling {
     uint32_t done_before; /* samples that every item has had before this pass */
     double begun;         /* when the work would have begun, had it been done in one go */
     double cpu_begun;     /* the same in processor seconds */
-    pthread_mutex_t lock; /* guards reporting */
+    pthread_mutex_t lock; /* guards reporting and saving, so that callbacks come one at a time */
     double reported;
     pthread_rwlock_t items; /* blocks come in side by side ("readers"), but not while a state is copied */
-    pthread_mutex_t saving; /* guards state and saved */
     uint8_t* state;         /* NULL: nobody asks for it */
     size_t state_size;
     double saved;             /* when the last state was handed out */
@@ -100,7 +99,7 @@ static ty_path_stats totals(sampling* pass) {
 /* Hands out the state, if it is time to. The other threads wait only while it is copied. */
 static void save(sampling* pass, bool always) {
     const ty_path_def* def = pass->run->def;
-    if (pass->state == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->saving) != 0) return;
+    if (pass->state == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
     if (always || ty_wall_seconds() - pass->saved >= def->state_seconds) {
         pthread_rwlock_wrlock(&pass->items);
         const ty_path_stats stats = totals(pass);
@@ -110,7 +109,7 @@ static void save(sampling* pass, bool always) {
         if (!def->state(def->state_user, pass->state, pass->state_size)) atomic_store(&pass->cancelled, true);
         pass->saved = ty_wall_seconds();
     }
-    pthread_mutex_unlock(&pass->saving);
+    pthread_mutex_unlock(&pass->lock);
 }
 
 /* Time ends work only once every item has a sample. */
@@ -151,7 +150,6 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
         sample = sample + samples < work->count ? sample + samples : 0;
         if (sample == 0) item = next;
         report(pass, false);
-        save(pass, false);
         if (stopped(pass)) return false;
     }
     return true;
@@ -182,6 +180,7 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
         pthread_rwlock_unlock(&pass->items);
     }
     atomic_fetch_add(&pass->finished, 1);
+    save(pass, false);
 }
 
 /* Samples of the next pass: few at first so that time and error are noticed soon, then more. */
@@ -234,7 +233,6 @@ ty_result ty_path_sample(ty_path_run* run) {
         if (pass.state == NULL) return TY_ERROR_MEMORY;
     }
     pthread_mutex_init(&pass.lock, NULL);
-    pthread_mutex_init(&pass.saving, NULL);
     pthread_rwlock_init(&pass.items, NULL);
     sample_passes(&pass);
     const bool cancelled = atomic_load(&pass.cancelled) && pass.done_before < (uint32_t)run->def->spp;
@@ -243,7 +241,6 @@ ty_result ty_path_sample(ty_path_run* run) {
     run->stats.error = relative_error(run);
     save(&pass, true);
     pthread_mutex_destroy(&pass.lock);
-    pthread_mutex_destroy(&pass.saving);
     pthread_rwlock_destroy(&pass.items);
     ty_free_array(run->context, pass.state, pass.state_size, 1);
     return cancelled ? TY_CANCELLED : TY_OK;
