@@ -91,7 +91,7 @@ static bool parse_int(const char* text, int64_t* out) {
     return true;
 }
 
-static bool parse_real(const char* text, double* out) {
+bool cli_parse_real(const char* text, double* out) {
     if (!is_number_start(text) || strpbrk(text, "xX") != NULL) return false;
     char* end = NULL;
     const double value = strtod(text, &end);
@@ -100,7 +100,7 @@ static bool parse_real(const char* text, double* out) {
     return true;
 }
 
-static bool parse_seed(const char* text, uint64_t* out) {
+bool cli_parse_seed(const char* text, uint64_t* out) {
     if (text[0] < '0' || text[0] > '9') return false;
     char* end = NULL;
     errno = 0;
@@ -176,13 +176,13 @@ static int store_value(const char* command, const cli_option* option, const char
         break;
     }
     case CLI_SEED:
-        if (!parse_seed(text, option->target))
+        if (!cli_parse_seed(text, option->target))
             return cli_usage_error(command, "--%s: '%s' is not a whole number from 0 to %" PRIu64, option->name, text,
                                    UINT64_MAX);
         break;
     case CLI_REAL: {
         double value = 0;
-        if (!parse_real(text, &value) || value < option->lower || value > option->upper)
+        if (!cli_parse_real(text, &value) || value < option->lower || value > option->upper)
             return cli_usage_error(command, "--%s: '%s' is not a number from %g to %g", option->name, text,
                                    option->lower, option->upper);
         *(double*)option->target = value;

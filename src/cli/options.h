@@ -76,6 +76,10 @@ int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_argumen
 /* Reports wrong usage of a command (printf-like) and returns CLI_USAGE. */
 int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Numbers as options take them: decimal, finite, nothing before or after. */
+bool cli_parse_real(const char* text, double* out);
+bool cli_parse_seed(const char* text, uint64_t* out);
+
 /* Prints the options all commands share, as in --help. */
 void cli_print_common_options(void);
 
