@@ -160,7 +160,7 @@ static void error_bounds_survive_interruptions(void** state) {
     def.error = 0.08;
     ty_path_stats plain_stats, stats;
     ty_image* plain = render(scene, &def, &plain_stats);
-    for (int n = 1; n < 20; n += 3) {
+    for (int n = 1; n < 14; n += 2) {
         size_t size;
         uint8_t* bytes = stopped_state(scene, &def, n, &size);
         def.resume = bytes;

@@ -190,11 +190,14 @@ static uint32_t next_pass(const ty_path_run* run, uint32_t done) {
     return count;
 }
 
-/* Samples that every item has. */
-static uint32_t fewest_samples(const ty_path_run* run) {
-    uint32_t fewest = UINT32_MAX;
-    for (int64_t i = 0; i < run->item_count; i += TY_PATH_BLOCK)
+/* Samples that every item has; *whole tells whether none has more. */
+static uint32_t fewest_samples(const ty_path_run* run, bool* whole) {
+    uint32_t fewest = UINT32_MAX, most = 0;
+    for (int64_t i = 0; i < run->item_count; i += TY_PATH_BLOCK) {
         if (run->items[i].count < fewest) fewest = run->items[i].count;
+        if (run->items[i].count > most) most = run->items[i].count;
+    }
+    *whole = fewest == most;
     return fewest;
 }
 
@@ -210,8 +213,10 @@ static bool bounds_met(sampling* pass) {
 
 static void sample_passes(sampling* pass) {
     const uint32_t spp = (uint32_t)pass->run->def->spp;
-    pass->done_before = pass->last = fewest_samples(pass->run);
-    while (pass->done_before < spp && !bounds_met(pass)) {
+    bool whole;
+    pass->done_before = pass->last = fewest_samples(pass->run, &whole);
+    /* A pass that was interrupted is ended before bounds are looked at: so the error is that of the same samples. */
+    for (; pass->done_before < spp && !(whole && bounds_met(pass)); whole = true) {
         pass->last = pass->done_before + next_pass(pass->run, pass->done_before);
         atomic_store(&pass->finished, 0);
         ty_parallel_for(pass->run->context, block_count(pass->run), sample_block, pass);

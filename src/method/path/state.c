@@ -81,6 +81,7 @@ void ty_path_state_copy(const ty_path_run* run, const ty_path_stats* stats, uint
 }
 
 void ty_path_state_seal(uint8_t* state, size_t size) {
+    if (size < sizeof(state_header) || size % sizeof(uint64_t) != 0) return;
     const uint64_t sum = checksum(state + checked_from, size - checked_from);
     memcpy(state + offsetof(state_header, checksum), &sum, sizeof sum);
 }

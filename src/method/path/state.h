@@ -8,7 +8,7 @@
 size_t ty_path_state_size(const ty_path_run* run);
 
 /* Copies the run's items and what was done for them into state, then seals it with a checksum. Two calls, because the
- * first must be quick: no block may come in meanwhile. */
+ * first must be quick: no block may come in meanwhile. Bytes of a size that no state has are not sealed. */
 void ty_path_state_copy(const ty_path_run* run, const ty_path_stats* stats, uint8_t* state);
 void ty_path_state_seal(uint8_t* state, size_t size);
 
