@@ -271,6 +271,51 @@ static void rays_pick_lamps_only(void** state) {
     ty_light_tree_destroy(*state, tree);
 }
 
+typedef struct scarce {
+    int64_t bytes; /* handed out */
+    int left;      /* allocations that succeed */
+} scarce;
+
+static void* scarce_alloc(void* user, size_t size) {
+    scarce* memory = user;
+    if (memory->left-- <= 0) return NULL;
+    memory->bytes += (int64_t)size;
+    return aligned_alloc(64, (size + 63) / 64 * 64);
+}
+
+static void scarce_free(void* user, void* pointer, size_t size) {
+    if (pointer != NULL) ((scarce*)user)->bytes -= (int64_t)size;
+    free(pointer);
+}
+
+static void failed_allocations_are_reported(void** state) {
+    (void)state;
+    scarce memory = {0, 1};
+    ty_context_def def = ty_default_context_def();
+    def.alloc = scarce_alloc;
+    def.free = scarce_free;
+    def.alloc_user = &memory;
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    const int64_t before = memory.bytes;
+    for (int i = 0; i < 10; ++i) {
+        views[i] = lamp_at(ty_vec_make((float)i, 0, 0), 1);
+        ty_light_get_bounds(&views[i], &bounds[i]);
+    }
+    for (int enough = 0;; ++enough) {
+        ty_light_tree* tree = NULL;
+        memory.left = enough;
+        const ty_result result = ty_light_tree_create(context, bounds, 10, &tree);
+        ty_light_tree_destroy(context, tree);
+        assert_true(memory.bytes == before);
+        if (result == TY_OK) break;
+        assert_int_equal(result, TY_ERROR_MEMORY);
+        assert_null(tree);
+        assert_true(enough < 5);
+    }
+    ty_context_destroy(context);
+}
+
 static void many_lights_build_fast(void** state) {
     uint64_t random = 11;
     ty_light_tree* tree = random_tree(*state, &random, LIGHTS_MAX, 5, 100);
@@ -302,6 +347,7 @@ int main(void) {
         cmocka_unit_test(grazing_lights_are_not_left_out),
         cmocka_unit_test(awkward_lights),
         cmocka_unit_test(rays_pick_lamps_only),
+        cmocka_unit_test(failed_allocations_are_reported),
         cmocka_unit_test(many_lights_build_fast),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
