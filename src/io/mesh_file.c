@@ -1,6 +1,6 @@
 /* Mesh files into scenes, shells and cameras. */
 #include "base/context.h"
-#include "io/mesh_file.h"
+#include "io/model.h"
 #include "io/schema_text.h"
 
 #include <math.h>
@@ -51,6 +51,16 @@ static ty_affine scene_from_file(const ty_mesh_file_def* def) {
     return def->to_z_up ? ty_affine_multiply(&def->transform, &up) : def->transform;
 }
 
+/* A unit direction in the scene's space. */
+static void turn_direction(const ty_affine* map, const double in[3], double out[3]) {
+    double turned[3], length = 0;
+    for (int r = 0; r < 3; ++r) {
+        turned[r] = map->m[4 * r] * in[0] + map->m[4 * r + 1] * in[1] + map->m[4 * r + 2] * in[2];
+        length += turned[r] * turned[r];
+    }
+    for (int r = 0; r < 3; ++r) out[r] = turned[r] / sqrt(length);
+}
+
 /* ---- Scenes ---- */
 
 typedef struct filler {
@@ -98,55 +108,45 @@ static ty_material_def make_material(const filler* f, int32_t index) {
     return def;
 }
 
-static ty_result add_placed(const filler* f, const ty_model_mesh* mesh, const ty_affine* map, float* positions,
-                            float* normals, uint32_t* indices) {
-    ty_place_positions(mesh, map, positions);
-    if (mesh->normals != NULL) ty_place_normals(mesh, map, normals);
-    ty_place_triangles(mesh, map, 0, indices);
+/* A mesh that its map makes flat, or a point, has no fronts; writers hide things so. */
+static ty_result add_instance(const filler* f, const ty_model_instance* instance, size_t* flat) {
+    const ty_model_mesh* mesh = &f->model->meshes[instance->mesh];
+    ty_affine inverse;
     ty_mesh_def def = ty_default_mesh_def();
+    def.transform = ty_affine_multiply(&f->map, &instance->transform);
+    if (!ty_affine_invert(&def.transform, &inverse)) {
+        ++*flat;
+        return TY_OK;
+    }
     def.vertex_count = (int64_t)mesh->vertex_count;
     def.triangle_count = (int64_t)mesh->triangle_count;
-    def.positions = positions;
-    def.normals = mesh->normals != NULL ? normals : NULL;
+    def.positions = mesh->positions;
+    def.normals = mesh->normals;
     def.uv[0] = mesh->uv[0];
     def.uv[1] = mesh->uv[1];
     def.colors = mesh->colors;
-    def.indices = indices;
+    def.indices = mesh->indices;
     def.material = make_material(f, mesh->material);
     return below(f->context, f->path, f->clean, ty_scene_add_mesh(f->scene, &def));
-}
-
-/* Adds a mesh in the scene's space, where maps need not be invertible. */
-static ty_result add_instance(const filler* f, const ty_model_instance* instance) {
-    const ty_model_mesh* mesh = &f->model->meshes[instance->mesh];
-    const ty_affine map = ty_affine_multiply(&f->map, &instance->transform);
-    const size_t normal_count = mesh->normals != NULL ? mesh->vertex_count : 0;
-    float* positions = ty_alloc_array(f->context, mesh->vertex_count, 3 * sizeof(float), false);
-    float* normals = ty_alloc_array(f->context, normal_count, 3 * sizeof(float), false);
-    uint32_t* indices = ty_alloc_array(f->context, mesh->triangle_count, 3 * sizeof(uint32_t), false);
-    ty_result result = TY_ERROR_MEMORY;
-    if (positions != NULL && normals != NULL && indices != NULL)
-        result = add_placed(f, mesh, &map, positions, normals, indices);
-    ty_free_array(f->context, positions, mesh->vertex_count, 3 * sizeof(float));
-    ty_free_array(f->context, normals, normal_count, 3 * sizeof(float));
-    ty_free_array(f->context, indices, mesh->triangle_count, 3 * sizeof(uint32_t));
-    return result;
 }
 
 static ty_result add_light(const filler* f, const ty_light_def* light) {
     ty_light_def def = *light;
     for (int c = 0; c < 3; ++c) def.color[c] = (float)fmin(def.color[c] * f->def->light_scale, INTENSITY_MAX);
     ty_affine_point(&f->map, light->position, def.position);
-    ty_place_direction(&f->map, light->direction, def.direction);
+    turn_direction(&f->map, light->direction, def.direction);
     return below(f->context, f->path, f->clean, ty_scene_add_light(f->scene, &def));
 }
 
 static ty_result fill_scene(filler* f) {
+    size_t flat = 0;
     ty_result result = make_textures(f);
     for (size_t i = 0; i < f->model->instance_count && result == TY_OK; ++i)
-        result = add_instance(f, &f->model->instances[i]);
+        result = add_instance(f, &f->model->instances[i], &flat);
     for (size_t i = 0; i < f->model->light_count && result == TY_OK; ++i) result = add_light(f, &f->model->lights[i]);
     free_textures(f);
+    if (result == TY_OK && flat > 0)
+        ty_log(f->context, TY_LOG_WARNING, "%s: %zu primitives that are scaled to 0 are left out", f->path, flat);
     return result;
 }
 
@@ -174,6 +174,31 @@ ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mes
 
 /* ---- Shells ---- */
 
+static bool is_mirrored(const ty_affine* map) {
+    const double* m = map->m;
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+               m[2] * (m[4] * m[9] - m[5] * m[8]) <
+           0;
+}
+
+/* A mesh in the scene's space, its indices raised by first; mirrored ones have their corners in the other order, so
+ * that outside stays outside. */
+static void place_mesh(const ty_model_mesh* mesh, const ty_affine* map, uint32_t first, float* positions,
+                       uint32_t* indices) {
+    for (size_t i = 0; i < mesh->vertex_count; ++i) {
+        double point[3];
+        for (size_t a = 0; a < 3; ++a) point[a] = (double)mesh->positions[3 * i + a];
+        ty_affine_point(map, point, point);
+        for (size_t a = 0; a < 3; ++a) positions[3 * i + a] = (float)point[a];
+    }
+    const size_t second = is_mirrored(map) ? 2 : 1;
+    for (size_t i = 0; i < mesh->triangle_count; ++i) {
+        indices[3 * i] = first + mesh->indices[3 * i];
+        indices[3 * i + 1] = first + mesh->indices[3 * i + second];
+        indices[3 * i + 2] = first + mesh->indices[3 * i + 3 - second];
+    }
+}
+
 /* All triangles of a model, joined. */
 static void join_instances(const ty_model* model, const ty_affine* to_scene, float* positions, uint32_t* indices) {
     uint32_t first = 0;
@@ -181,8 +206,7 @@ static void join_instances(const ty_model* model, const ty_affine* to_scene, flo
     for (size_t i = 0; i < model->instance_count; ++i) {
         const ty_model_mesh* mesh = &model->meshes[model->instances[i].mesh];
         const ty_affine map = ty_affine_multiply(to_scene, &model->instances[i].transform);
-        ty_place_positions(mesh, &map, positions + 3 * (size_t)first);
-        ty_place_triangles(mesh, &map, first, indices + 3 * triangles);
+        place_mesh(mesh, &map, first, positions + 3 * (size_t)first, indices + 3 * triangles);
         first += (uint32_t)mesh->vertex_count;
         triangles += mesh->triangle_count;
     }
@@ -249,8 +273,8 @@ static const ty_model_camera* find_camera(const ty_model* model, const char* nam
 static void place_camera(const ty_affine* map, const ty_model_camera* found, ty_camera_def* camera) {
     double forward[3];
     ty_affine_point(map, found->position, camera->position);
-    ty_place_direction(map, found->forward, forward);
-    ty_place_direction(map, found->up, camera->up);
+    turn_direction(map, found->forward, forward);
+    turn_direction(map, found->up, camera->up);
     for (int a = 0; a < 3; ++a) camera->target[a] = camera->position[a] + forward[a];
     camera->fov_y = found->fov_y;
 }

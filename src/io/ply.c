@@ -3,6 +3,7 @@
 #include "io/ply.h"
 
 #include "base/context.h"
+#include "image/image.h"
 
 #include <math.h>
 #include <string.h>
@@ -95,11 +96,6 @@ static bool rows_fit(const ty_ply* ply, const ty_ply_element* element) {
 }
 
 /* ---- Vertices ---- */
-
-static float decode_byte(int value) {
-    const double x = value / 255.0; /* IEC 61966-2-1, display to linear */
-    return (float)(x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4));
-}
 
 /* Integers are coded as sRGB, 0..largest; floats are linear. */
 static float to_linear(const builder* b, double value, ty_ply_type type, bool alpha) {
@@ -265,7 +261,7 @@ ty_result ty_read_ply(ty_context* context, const char* path, const uint8_t* byte
     *model = (ty_model){.context = context};
     ty_ply ply = {.context = context, .path = path, .data = {(const char*)bytes, (const char*)bytes + size}};
     builder b = {.ply = &ply};
-    for (int i = 0; i < 256; ++i) b.coded[i] = decode_byte(i);
+    for (int i = 0; i < 256; ++i) b.coded[i] = ty_linear_from_srgb((float)i / 255);
     ty_result result = ty_ply_read_header(&ply);
     if (result == TY_OK) result = take_vertices(&b, want);
     if (result == TY_OK) result = read_elements(&b);
