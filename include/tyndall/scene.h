@@ -269,14 +269,21 @@ TY_API void ty_scene_set_render_settings(ty_scene* scene, const ty_render_settin
 TY_API uint64_t ty_scene_hash(const ty_scene* scene);
 TY_API void ty_scene_set_hash(ty_scene* scene, uint64_t hash);
 
+/* Where the camera comes from, for reports: "" (default) or the camera of a file that a scene file named. Copied, cut
+ * to 255 bytes. */
+TY_API const char* ty_scene_camera_source(const ty_scene* scene);
+TY_API void ty_scene_set_camera_source(ty_scene* scene, const char* source);
+
 /* Counts and memory, for reports. */
 typedef struct ty_scene_info {
     int32_t media, lights, shapes, meshes;
     int64_t triangles;         /* of meshes */
+    int64_t textures;          /* of meshes */
     int64_t emitters;          /* lights that are sampled: lights, and quads, spheres and triangles that glow */
     bool bounded;              /* whether anything has a place */
     double lower[3], upper[3]; /* box around media and surfaces, m */
-    size_t bytes;              /* memory of grids, tables and ray tracing structures */
+    size_t bytes;              /* memory of grids, textures, tables and ray tracing structures */
+    size_t texture_bytes;      /* the part of it that textures take */
 } ty_scene_info;
 
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);

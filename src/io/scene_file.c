@@ -6,11 +6,9 @@
 #include "io/schema.h"
 #include "io/schema_text.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <tyndall/io.h>
 
 static const char builtin_prefix[] = "builtin:";
 
@@ -57,48 +55,6 @@ static ty_result hash_tree(ty_scene_reader* reader) {
 
 /* ---- Sections ---- */
 
-static ty_result check_view(const ty_scene_reader* reader, const ty_json_path* path, const ty_camera_def* def) {
-    double view[3], across[3];
-    for (int a = 0; a < 3; ++a) view[a] = def->target[a] - def->position[a];
-    for (int a = 0; a < 3; ++a) {
-        const int b = (a + 1) % 3, c = (a + 2) % 3;
-        across[a] = view[b] * def->up[c] - view[c] * def->up[b];
-    }
-    const double distance = hypot(hypot(view[0], view[1]), view[2]);
-    const double up = hypot(hypot(def->up[0], def->up[1]), def->up[2]);
-    if (!(distance > 0)) return ty_reader_fail(reader, path, TY_ERROR_INPUT, "position and target are the same point");
-    if (!(hypot(hypot(across[0], across[1]), across[2]) > 1e-6 * distance * up))
-        return ty_reader_fail(reader, path, TY_ERROR_INPUT, "up points along the view, from position to target");
-    return TY_OK;
-}
-
-static ty_result read_camera(const ty_scene_reader* reader) {
-    const ty_json_path root = {.depth = 0};
-    const ty_json_path path = ty_json_path_key(&root, "camera");
-    const json_t* camera = json_object_get(reader->root, "camera");
-    ty_camera_def def = ty_default_camera_def();
-    if (reader->up_axis == TY_AXIS_Z) {
-        const double position[3] = {0, -def.position[2], 0}, up[3] = {0, 0, 1};
-        memcpy(def.position, position, sizeof position);
-        memcpy(def.up, up, sizeof up);
-    }
-    for (int a = 0; a < 3; ++a) {
-        def.position[a] *= reader->unit;
-        def.target[a] *= reader->unit;
-    }
-    ty_read_vector(camera, "position", reader->unit, def.position);
-    ty_read_vector(camera, "target", reader->unit, def.target);
-    ty_result result = ty_read_direction(reader, camera, &path, "up", def.up);
-    if (result == TY_OK) result = check_view(reader, &path, &def);
-    if (result != TY_OK) return result;
-    ty_read_number(camera, "fov_y", &def.fov_y);
-    ty_read_number(camera, "exposure", &def.exposure);
-    const json_t* resolution = json_object_get(camera, "resolution");
-    for (size_t a = 0; a < 2 && resolution != NULL; ++a)
-        def.resolution[a] = (int32_t)json_number_value(json_array_get(resolution, a));
-    return ty_reader_below(reader, &path, ty_scene_set_camera(reader->scene, &def));
-}
-
 static void read_render(const ty_scene_reader* reader) {
     const json_t* render = json_object_get(reader->root, "render");
     ty_render_settings settings = ty_scene_render_settings(reader->scene);
@@ -117,9 +73,10 @@ static ty_result build_scene(ty_scene_reader* reader) {
     reader->up_axis = up != NULL && strcmp(up, "z") == 0 ? TY_AXIS_Z : TY_AXIS_Y;
     reader->unit = 1;
     ty_read_number(reader->root, "meters_per_unit", &reader->unit);
+    ty_read_int(reader->root, "frame", &reader->frame);
     ty_result result = hash_tree(reader);
     if (result == TY_OK) result = ty_scene_create(reader->context, reader->up_axis, &reader->scene);
-    if (result == TY_OK) result = read_camera(reader);
+    if (result == TY_OK) result = ty_read_camera(reader);
     if (result == TY_OK) result = ty_read_media(reader);
     if (result == TY_OK) result = ty_read_lights(reader);
     if (result == TY_OK) result = ty_read_geometry(reader);
@@ -130,13 +87,7 @@ static ty_result build_scene(ty_scene_reader* reader) {
 }
 
 static void free_reader(ty_scene_reader* reader) {
-    for (size_t i = 0; i < reader->asset_count; ++i) {
-        ty_free_text(reader->context, reader->assets[i].path);
-        ty_free_text(reader->context, reader->assets[i].grid_name);
-        ty_grid_destroy(reader->assets[i].grid);
-        ty_image_destroy(reader->assets[i].image);
-    }
-    ty_free_array(reader->context, reader->assets, reader->asset_capacity, sizeof *reader->assets);
+    ty_free_assets(reader);
     ty_free_overrides(reader);
     json_decref(reader->root);
 }

@@ -1,20 +1,7 @@
-/* The lights and surfaces of a scene file. */
+/* The lights of a scene file. */
 #include "io/scene_reader.h"
 
 #include <string.h>
-
-/* Reads origin, u and v; fails when the edges span no area. */
-static ty_result read_edges(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
-                            double origin[3], double u[3], double v[3]) {
-    ty_read_vector(object, "origin", reader->unit, origin);
-    ty_read_vector(object, "u", reader->unit, u);
-    ty_read_vector(object, "v", reader->unit, v);
-    for (int a = 0; a < 3; ++a)
-        if (u[a] * v[(a + 1) % 3] != u[(a + 1) % 3] * v[a]) return TY_OK;
-    return ty_reader_fail(reader, path, TY_ERROR_INPUT, "the edges u and v span no area");
-}
-
-/* ---- Lights ---- */
 
 static ty_result add_light(const ty_scene_reader* reader, const ty_json_path* path, const ty_light_def* def) {
     return ty_reader_below(reader, path, ty_scene_add_light(reader->scene, def));
@@ -87,7 +74,7 @@ static ty_result read_light(ty_scene_reader* reader, const json_t* light, const 
     ty_read_number(light, "cone", &def.cone);
     ty_read_number(light, "penumbra", &def.penumbra);
     const ty_result result = def.kind == TY_LIGHT_AREA
-                                 ? read_edges(reader, light, path, def.position, def.u, def.v)
+                                 ? ty_read_edges(reader, light, path, def.position, def.u, def.v)
                                  : ty_read_direction(reader, light, path, "direction", def.direction);
     return result == TY_OK ? add_light(reader, path, &def) : result;
 }
@@ -100,46 +87,6 @@ ty_result ty_read_lights(ty_scene_reader* reader) {
     json_array_foreach(json_object_get(reader->root, "lights"), i, light) {
         const ty_json_path path = ty_json_path_index(&lights, i);
         const ty_result result = read_light(reader, light, &path);
-        if (result != TY_OK) return result;
-    }
-    return TY_OK;
-}
-
-/* ---- Surfaces ---- */
-
-static ty_result read_shape(ty_scene_reader* reader, const json_t* item, const ty_json_path* path) {
-    ty_shape_def def = ty_default_shape_def();
-    const json_t* quad = json_object_get(item, "quad");
-    const json_t* sphere = json_object_get(item, "sphere");
-    ty_result result = TY_OK;
-    if (quad != NULL) {
-        def.kind = TY_SHAPE_QUAD;
-        const ty_json_path place = ty_json_path_key(path, "quad");
-        result = read_edges(reader, quad, &place, def.origin, def.u, def.v);
-    } else if (sphere != NULL) {
-        def.kind = TY_SHAPE_SPHERE;
-        ty_read_vector(sphere, "center", reader->unit, def.origin);
-        ty_read_number(sphere, "radius", &def.radius);
-        def.radius *= reader->unit;
-    } else {
-        def.kind = TY_SHAPE_BOX;
-        result = ty_read_box(reader, item, path, "box", reader->unit, def.origin, def.u);
-    }
-    if (result == TY_OK) result = ty_read_transform(reader, item, path, 1, &def.transform);
-    const json_t* material = json_object_get(item, "material");
-    ty_read_rgb(material, "albedo", def.albedo);
-    ty_read_rgb(material, "emission", def.emission);
-    return result == TY_OK ? ty_reader_below(reader, path, ty_scene_add_shape(reader->scene, &def)) : result;
-}
-
-ty_result ty_read_geometry(ty_scene_reader* reader) {
-    const ty_json_path root = {.depth = 0};
-    const ty_json_path geometry = ty_json_path_key(&root, "geometry");
-    size_t i;
-    json_t* item;
-    json_array_foreach(json_object_get(reader->root, "geometry"), i, item) {
-        const ty_json_path path = ty_json_path_index(&geometry, i);
-        const ty_result result = read_shape(reader, item, &path);
         if (result != TY_OK) return result;
     }
     return TY_OK;

@@ -45,10 +45,20 @@ static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium
         return ty_reader_fail(
             reader, path, TY_ERROR_INPUT,
             "the coefficients are missing; give sigma_s and sigma_a, or sigma_t and albedo, or preset");
-    if (total != NULL && (json_object_get(medium, "sigma_t") == NULL || json_object_get(medium, "albedo") == NULL)) {
+    const bool sigma_t = json_object_get(medium, "sigma_t") != NULL, albedo = json_object_get(medium, "albedo") != NULL;
+    const bool points = ty_transfer_has_albedo(medium);
+    if (points && !sigma_t) {
+        const ty_json_path place = ty_json_path_key(path, "transfer");
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "points with albedo need the key \"sigma_t\" beside it");
+    }
+    if (points && albedo) {
+        const ty_json_path place = ty_json_path_key(path, "albedo");
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the points of \"transfer\" give the albedo already");
+    }
+    if (total != NULL && !(sigma_t && (albedo || points))) {
         const ty_json_path place = ty_json_path_key(path, total);
         return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"%s\" is missing beside it",
-                              strcmp(total, "albedo") == 0 ? "sigma_t" : "albedo");
+                              sigma_t ? "albedo" : "sigma_t");
     }
     return TY_OK;
 }
@@ -59,11 +69,15 @@ static ty_result read_coefficients(const ty_scene_reader* reader, const json_t* 
     if (result != TY_OK) return result;
     const char* preset = json_string_value(json_object_get(medium, "preset"));
     if (preset != NULL && !ty_medium_preset(preset, def)) return fail_preset(reader, path, preset);
+    if (preset != NULL && json_is_object(json_object_get(medium, "g"))) {
+        const ty_json_path place = ty_json_path_key(path, "g");
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "a volume does not go with \"preset\"");
+    }
     double g[3] = {0, 0, 0}, sigma_t[3] = {0, 0, 0}, albedo[3] = {0, 0, 0};
     ty_read_rgb(medium, "sigma_s", def->sigma_s);
     ty_read_rgb(medium, "sigma_a", def->sigma_a);
     ty_read_numbers(medium, "sigma_t", sigma_t);
-    ty_read_numbers(medium, "albedo", albedo);
+    ty_read_numbers(medium, "albedo", albedo); /* volumes, which take its place later, count as 0 */
     ty_read_numbers(medium, "g", g);
     const float below_one = nextafterf(1, 0);
     for (int c = 0; c < 3; ++c) {
@@ -118,12 +132,8 @@ static ty_result read_density(ty_scene_reader* reader, const json_t* medium, con
     if (json_is_number(density)) scale *= json_number_value(density);
     def->scale = (float)scale;
     if (!json_is_object(density)) return TY_OK;
-    const char* file = json_string_value(json_object_get(density, "file"));
-    if (file != NULL) {
-        const char* name = json_string_value(json_object_get(density, "grid"));
-        const ty_json_path file_place = ty_json_path_key(&place, "file");
-        return ty_read_volume(reader, &file_place, file, name != NULL ? name : "density", &def->density_grid);
-    }
+    if (json_object_get(density, "file") != NULL)
+        return ty_read_volume(reader, density, &place, "density", def->bounds == TY_BOUNDS_BOX, &def->density_grid);
     const ty_json_path noise_place = ty_json_path_key(&place, "noise");
     const ty_result result = make_noise(reader, json_object_get(density, "noise"), &noise_place, noise);
     def->density_grid = *noise;
@@ -132,23 +142,37 @@ static ty_result read_density(ty_scene_reader* reader, const json_t* medium, con
 
 /* ---- Bounds ---- */
 
-/* Lengths of bounds are multiplied by factor. Fails where the density needs bounds that are not there. */
-static ty_result read_bounds(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
-                             double factor, ty_medium_def* def) {
+/* A closed mesh, in units of unit metres. */
+static ty_result read_shell(ty_scene_reader* reader, const json_t* bounds, const ty_json_path* path, double unit,
+                            ty_medium_def* def) {
+    def->bounds = TY_BOUNDS_SHELL;
+    ty_mesh_file_def file = ty_default_mesh_file_def();
+    const ty_json_path place = ty_json_path_key(path, "file");
+    const char* found = NULL;
+    ty_result result =
+        ty_find_mesh_file(reader, &place, json_string_value(json_object_get(bounds, "file")), &found);
+    if (result == TY_OK) result = ty_read_mesh_placement(reader, bounds, path, unit, &file);
+    return result == TY_OK ? ty_read_shell(reader, &place, found, &file, &def->shell) : result;
+}
+
+/* Bounds are in units of unit metres. Fails where the density needs bounds that are not there. */
+static ty_result read_bounds(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, double unit,
+                             ty_medium_def* def) {
     const json_t* bounds = json_object_get(medium, "bounds");
     const json_t* density = json_object_get(medium, "density");
     const ty_json_path place = ty_json_path_key(path, "bounds");
-    const bool noise = json_object_get(density, "noise") != NULL;
+    const double factor = reader->unit / unit;
     if (json_is_array(bounds)) {
         def->bounds = TY_BOUNDS_BOX;
         return ty_read_box(reader, medium, path, "bounds", factor, def->box_min, def->box_max);
     }
-    if (noise)
+    if (json_object_get(density, "noise") != NULL)
         return ty_reader_fail(reader, bounds != NULL ? &place : path, TY_ERROR_INPUT,
                               "noise needs bounds that are a box, [[x,y,z],[x,y,z]]");
     if (bounds == NULL && json_object_get(density, "file") != NULL) return TY_OK;
     if (bounds == NULL)
         return ty_reader_fail(reader, path, TY_ERROR_INPUT, "a homogeneous medium needs the key \"bounds\"");
+    if (json_object_get(bounds, "file") != NULL) return read_shell(reader, bounds, &place, unit, def);
     const json_t* sphere = json_object_get(bounds, "sphere");
     def->bounds = TY_BOUNDS_SPHERE;
     ty_read_vector(sphere, "center", factor, def->sphere_center);
@@ -159,17 +183,25 @@ static ty_result read_bounds(const ty_scene_reader* reader, const json_t* medium
 
 /* ---- Media ---- */
 
+static bool is_file(const json_t* object, const char* key) {
+    return json_object_get(json_object_get(object, key), "file") != NULL;
+}
+
 static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path) {
     ty_medium_def def = ty_default_medium_def();
     const char* name = json_string_value(json_object_get(medium, "name"));
     if (name != NULL) def.name = name;
-    /* A volume from a file is placed in the file's units, so its bounds stay in them too, and the transform takes both
-     * to metres; everything else is in metres before the transform. */
-    const bool placed = json_object_get(json_object_get(medium, "density"), "file") != NULL;
-    ty_result result = read_coefficients(reader, medium, path, &def);
-    if (result == TY_OK) result = read_bounds(reader, medium, path, placed ? 1 : reader->unit, &def);
-    if (result == TY_OK) result = ty_read_transform(reader, medium, path, placed ? reader->unit : 1, &def.transform);
+    /* Volumes from files are placed in the file's units, so bounds stay in them too, and the transform takes all to
+     * metres; without files everything is in metres before the transform. */
+    const bool files = is_file(medium, "density") || is_file(medium, "albedo") || is_file(medium, "g") ||
+                       is_file(json_object_get(medium, "emission"), "temperature");
+    const double unit = files ? reader->unit : 1;
+    ty_transfer_point points[TY_TRANSFER_MAX];
     ty_grid* noise = NULL;
+    ty_result result = read_coefficients(reader, medium, path, &def);
+    if (result == TY_OK) result = read_bounds(reader, medium, path, unit, &def);
+    if (result == TY_OK) result = ty_read_transform(reader, medium, path, unit, 1, &def.transform);
+    if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);
     if (result == TY_OK) result = read_density(reader, medium, path, &def, &noise);
     if (result == TY_OK) result = ty_reader_below(reader, path, ty_scene_add_medium(reader->scene, &def));
     ty_grid_destroy(noise);

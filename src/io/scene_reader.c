@@ -2,15 +2,12 @@
 #include "io/scene_reader.h"
 
 #include "base/context.h"
-#include "io/file.h"
 #include "io/schema_text.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
-#include <tyndall/io.h>
 
 enum { MESSAGE_SIZE = 1024 };
 
@@ -80,6 +77,11 @@ void ty_read_int(const json_t* object, const char* key, int32_t* out) {
     if (value != NULL) *out = (int32_t)json_number_value(value);
 }
 
+void ty_read_bool(const json_t* object, const char* key, bool* out) {
+    const json_t* value = json_object_get(object, key);
+    if (value != NULL) *out = json_is_true(value);
+}
+
 static void read_array(const json_t* array, double factor, double out[3]) {
     for (size_t a = 0; a < 3; ++a) out[a] = factor * json_number_value(json_array_get(array, a));
 }
@@ -130,8 +132,18 @@ ty_result ty_read_box(const ty_scene_reader* reader, const json_t* object, const
     return TY_OK;
 }
 
+ty_result ty_read_edges(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path, double origin[3],
+                        double u[3], double v[3]) {
+    ty_read_vector(object, "origin", reader->unit, origin);
+    ty_read_vector(object, "u", reader->unit, u);
+    ty_read_vector(object, "v", reader->unit, v);
+    for (int a = 0; a < 3; ++a)
+        if (u[a] * v[(a + 1) % 3] != u[(a + 1) % 3] * v[a]) return TY_OK;
+    return ty_reader_fail(reader, path, TY_ERROR_INPUT, "the edges u and v span no area");
+}
+
 ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
-                            double from_unit, ty_affine* out) {
+                            double from_unit, double to_unit, ty_affine* out) {
     const json_t* transform = json_object_get(object, "transform");
     const ty_json_path place = ty_json_path_key(path, "transform");
     ty_affine map = ty_affine_identity();
@@ -151,70 +163,12 @@ ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object,
         map = ty_affine_compose(translate, rotate, scale);
     }
     for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) map.m[4 * r + c] *= from_unit;
-        map.m[4 * r + 3] *= reader->unit;
+        for (int c = 0; c < 3; ++c) map.m[4 * r + c] *= from_unit / to_unit;
+        map.m[4 * r + 3] *= reader->unit / to_unit;
     }
     ty_affine inverse;
     if (!ty_affine_invert(&map, &inverse))
         return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the matrix cannot be inverted");
     *out = map;
     return TY_OK;
-}
-
-/* ---- Files ---- */
-
-/* Finds or makes the record of a file; *fresh tells which. The bytes of a file not seen before go into the hash. */
-static ty_result find_asset(ty_scene_reader* reader, const ty_json_path* place, const char* file, const char* grid_name,
-                            ty_scene_asset** out, bool* fresh) {
-    if (reader->folder == NULL) return ty_reader_fail(reader, place, TY_ERROR_INPUT, "this scene may not name files");
-    char* path = ty_join_path(reader->context, reader->folder, file);
-    if (path == NULL) return TY_ERROR_MEMORY;
-    bool seen = false;
-    for (size_t i = 0; i < reader->asset_count; ++i) {
-        ty_scene_asset* asset = &reader->assets[i];
-        if (strcmp(asset->path, path) != 0) continue;
-        seen = true;
-        if (strcmp(asset->grid_name, grid_name) != 0) continue;
-        ty_free_text(reader->context, path);
-        *out = asset;
-        *fresh = false;
-        return TY_OK;
-    }
-    ty_result result =
-        seen ? TY_OK : ty_reader_below(reader, place, ty_hash_file(reader->context, path, &reader->hash));
-    char* name = result == TY_OK ? ty_copy_text(reader->context, grid_name) : NULL;
-    if (name == NULL || !ty_grow_array(reader->context, (void**)&reader->assets, &reader->asset_capacity,
-                                       reader->asset_count, sizeof *reader->assets)) {
-        ty_free_text(reader->context, path);
-        ty_free_text(reader->context, name);
-        return result != TY_OK ? result : TY_ERROR_MEMORY;
-    }
-    *out = &reader->assets[reader->asset_count++];
-    **out = (ty_scene_asset){.path = path, .grid_name = name};
-    *fresh = true;
-    return TY_OK;
-}
-
-ty_result ty_read_volume(ty_scene_reader* reader, const ty_json_path* path, const char* file, const char* grid_name,
-                         ty_grid** out) {
-    const char* extension = strrchr(file, '.');
-    if (extension == NULL || strcasecmp(extension, ".vdb") != 0)
-        return ty_reader_fail(reader, path, TY_ERROR_INPUT, "cannot read volumes of this type; known: .vdb");
-    ty_scene_asset* asset = NULL;
-    bool fresh = false;
-    ty_result result = find_asset(reader, path, file, grid_name, &asset, &fresh);
-    if (result == TY_OK && fresh)
-        result = ty_reader_below(reader, path, ty_vdb_read(reader->context, asset->path, grid_name, &asset->grid));
-    if (result == TY_OK) *out = asset->grid;
-    return result;
-}
-
-ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* path, const char* file, const ty_image** out) {
-    ty_scene_asset* asset = NULL;
-    bool fresh = false;
-    ty_result result = find_asset(reader, path, file, "", &asset, &fresh);
-    if (result == TY_OK && fresh)
-        result = ty_reader_below(reader, path, ty_image_read(reader->context, asset->path, &asset->image));
-    if (result == TY_OK) *out = asset->image;
-    return result;
 }

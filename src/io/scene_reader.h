@@ -5,9 +5,7 @@
 #include "io/json_locate.h"
 
 #include <jansson.h>
-#include <tyndall/grid.h>
-#include <tyndall/image.h>
-#include <tyndall/scene.h>
+#include <tyndall/io.h>
 
 typedef struct ty_scene_override {
     const char* text; /* "media[0].g=0.5", borrowed */
@@ -16,12 +14,14 @@ typedef struct ty_scene_override {
     ty_json_path path;
 } ty_scene_override;
 
-/* A file the scene names, read once. */
+/* What was read of a file that the scene names: one of grid, image and shell, owned; none when only the hash took it. */
 typedef struct ty_scene_asset {
     char* path;
-    char* grid_name; /* of volumes */
-    ty_grid* grid;   /* owned; NULL for images */
-    ty_image* image; /* owned; NULL for volumes */
+    ty_grid* grid;
+    ty_volume_def volume; /* what of the file the grid is; texts are borrowed from root */
+    ty_image* image;
+    ty_shell* shell;
+    ty_affine placement; /* of the shell */
 } ty_scene_asset;
 
 typedef struct ty_scene_reader {
@@ -37,6 +37,7 @@ typedef struct ty_scene_reader {
     ty_scene* scene;
     double unit; /* metres */
     ty_axis up_axis;
+    int32_t frame; /* of volumes that do not say theirs */
     uint64_t hash;
     ty_scene_asset* assets;
     size_t asset_count, asset_capacity;
@@ -53,6 +54,7 @@ ty_result ty_reader_below(const ty_scene_reader* reader, const ty_json_path* pat
 void ty_read_number(const json_t* object, const char* key, double* out);
 void ty_read_float(const json_t* object, const char* key, float* out);
 void ty_read_int(const json_t* object, const char* key, int32_t* out);
+void ty_read_bool(const json_t* object, const char* key, bool* out);
 void ty_read_vector(const json_t* object, const char* key, double factor, double out[3]);
 /* One number for all channels, or three. */
 void ty_read_rgb(const json_t* object, const char* key, float out[3]);
@@ -64,16 +66,54 @@ ty_result ty_read_direction(const ty_scene_reader* reader, const json_t* object,
 /* Two corners under key, times factor; fails unless the second is above the first. */
 ty_result ty_read_box(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path, const char* key,
                       double factor, double lower[3], double upper[3]);
-/* The map under "transform", identity when absent, taking points in units of from_unit metres to metres. */
+/* origin, u and v, in metres; fails when the edges span no area. */
+ty_result ty_read_edges(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path, double origin[3],
+                        double u[3], double v[3]);
+/* The map under "transform", identity when absent, taking points in units of from_unit metres to units of to_unit. */
 ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object, const ty_json_path* path,
-                            double from_unit, ty_affine* out);
+                            double from_unit, double to_unit, ty_affine* out);
 
-/* Files, read once and kept by the reader. path is the place of the key that names the file. */
-ty_result ty_read_volume(ty_scene_reader* reader, const ty_json_path* path, const char* file, const char* grid_name,
-                         ty_grid** out);
-ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* path, const char* file, const ty_image** out);
+/* ---- Files: found from the scene's folder, hashed, read once and kept by the reader ---- */
 
-/* The sections of a scene. */
+/* Whether the name ends like one of the extensions, ".vdb", whatever the case; the list ends with NULL. */
+bool ty_has_extension(const char* file, const char* const* extensions);
+/* ".gltf" and ".glb", then the other kinds of files with meshes. */
+extern const char* const ty_gltf_extensions[];
+extern const char* const ty_mesh_extensions[];
+/* The path of a file that is neither image nor volume; its bytes are in the hash. place is that of the key that names
+ * the file. The path is the reader's. */
+ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* place, const char* file, const char** path);
+ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* place, const char* file, const char** path);
+/* place is that of the key that names the file. */
+ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* place, const char* file, const ty_image** out);
+/* file: a path that ty_find_mesh_file gave. placement takes the file's points to the medium's. */
+ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* place, const char* path,
+                        const ty_mesh_file_def* def, ty_shell** out);
+/* A grid of a volume, an object at place; grid_name counts unless the volume names one. Volumes that do not say where
+ * they are are refused unless filling is true: there is a box to fill. */
+ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* place,
+                         const char* grid_name, bool filling, ty_grid** out);
+/* The same for red, green and blue: one grid three times when the volume has one value per voxel. */
+ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, const ty_json_path* place,
+                             const char* grid_name, bool filling, ty_grid* out[3]);
+void ty_free_assets(ty_scene_reader* reader);
+
+/* A file and, as far as they are there, the files that it names: buffers and images of a .gltf, materials and their
+ * images of an .obj, the data of an .nhdr. */
+ty_result ty_hash_file_and_names(ty_context* context, const char* path, uint64_t* hash);
+
+/* ---- The sections of a scene ---- */
+
+/* Sets what goes with coefficients and density: fields of albedo and g, emission, transfer function. points: room for
+ * TY_TRANSFER_MAX. */
+ty_result ty_read_fields(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, ty_medium_def* def,
+                         ty_transfer_point* points);
+/* Whether the points of the transfer function give the albedo. */
+bool ty_transfer_has_albedo(const json_t* medium);
+/* What takes a mesh file's points to units of to_unit metres: units, turning up, and item's transform. */
+ty_result ty_read_mesh_placement(const ty_scene_reader* reader, const json_t* item, const ty_json_path* path,
+                                 double to_unit, ty_mesh_file_def* def);
+ty_result ty_read_camera(ty_scene_reader* reader);
 ty_result ty_read_media(ty_scene_reader* reader);
 ty_result ty_read_lights(ty_scene_reader* reader);
 ty_result ty_read_geometry(ty_scene_reader* reader);

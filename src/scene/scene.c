@@ -9,6 +9,8 @@
 #include "scene/shell.h"
 #include "scene/texture.h"
 
+#include <stdio.h>
+
 ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) {
     if (up_axis != TY_AXIS_Y && up_axis != TY_AXIS_Z)
         return ty_fail(context, TY_ERROR_ARGUMENT, "up_axis: %d is not a ty_axis", (int)up_axis);
@@ -336,6 +338,14 @@ void ty_scene_set_hash(ty_scene* scene, uint64_t hash) {
     scene->hash = hash;
 }
 
+const char* ty_scene_camera_source(const ty_scene* scene) {
+    return scene->camera_source;
+}
+
+void ty_scene_set_camera_source(ty_scene* scene, const char* source) {
+    snprintf(scene->camera_source, sizeof scene->camera_source, "%s", source);
+}
+
 static void widen(ty_scene_info* info, const double point[3]) {
     for (int a = 0; a < 3; ++a) {
         info->lower[a] = fmin(info->lower[a], point[a]);
@@ -393,13 +403,18 @@ static size_t count_bytes(const ty_scene* scene) {
         if (!counted) sum += ty_shell_bytes(shell);
     }
     for (size_t i = 0; i < scene->mesh_count; ++i) sum += ty_triangles_bytes(scene->meshes[i]);
+    return sum;
+}
+
+static void count_textures(const ty_scene* scene, ty_scene_info* info) {
     for (size_t i = 0; i < 2 * scene->mesh_count; ++i) {
         const ty_texture* texture = numbered_texture(scene, i);
         bool counted = texture == NULL;
         for (size_t j = 0; j < i && !counted; ++j) counted = numbered_texture(scene, j) == texture;
-        if (!counted) sum += ty_texture_bytes(texture);
+        if (counted) continue;
+        ++info->textures;
+        info->texture_bytes += ty_texture_bytes(texture);
     }
-    return sum;
 }
 
 ty_scene_info ty_scene_get_info(const ty_scene* scene) {
@@ -419,7 +434,8 @@ ty_scene_info ty_scene_get_info(const ty_scene* scene) {
         info.triangles += (int64_t)scene->meshes[i]->triangle_count;
     }
     for (int a = 0; a < 3 && !info.bounded; ++a) info.lower[a] = info.upper[a] = 0;
-    info.bytes = count_bytes(scene);
+    count_textures(scene, &info);
+    info.bytes = count_bytes(scene) + info.texture_bytes;
     return info;
 }
 

@@ -25,6 +25,7 @@ struct ty_scene {
     ty_camera_def camera;
     ty_render_settings settings;
     uint64_t hash;
+    char camera_source[256];
 
     ty_medium_def* media; /* names and grids owned */
     size_t medium_count, medium_capacity;
