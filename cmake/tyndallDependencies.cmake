@@ -5,6 +5,7 @@ find_package(embree 3 REQUIRED) # brings TBB::tbb
 find_package(OpenEXR CONFIG REQUIRED) # brings Imath::Imath
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 
 if(NOT TARGET PkgConfig::JANSSON)
@@ -13,11 +14,12 @@ endif()
 
 find_library(TYNDALL_OPENVDB_LIBRARY openvdb REQUIRED)
 find_path(TYNDALL_OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
-mark_as_advanced(TYNDALL_OPENVDB_LIBRARY TYNDALL_OPENVDB_INCLUDE_DIR)
+find_path(TYNDALL_NANOVDB_INCLUDE_DIR nanovdb/PNanoVDB.h REQUIRED) # headers only
+mark_as_advanced(TYNDALL_OPENVDB_LIBRARY TYNDALL_OPENVDB_INCLUDE_DIR TYNDALL_NANOVDB_INCLUDE_DIR)
 if(NOT TARGET tyndall::openvdb)
   add_library(tyndall::openvdb UNKNOWN IMPORTED GLOBAL)
   set_target_properties(tyndall::openvdb PROPERTIES
     IMPORTED_LOCATION "${TYNDALL_OPENVDB_LIBRARY}"
-    INTERFACE_INCLUDE_DIRECTORIES "${TYNDALL_OPENVDB_INCLUDE_DIR}"
+    INTERFACE_INCLUDE_DIRECTORIES "${TYNDALL_OPENVDB_INCLUDE_DIR};${TYNDALL_NANOVDB_INCLUDE_DIR}"
     INTERFACE_LINK_LIBRARIES "TBB::tbb;Imath::Imath")
 endif()

@@ -27,7 +27,7 @@ install(FILES
 set(TYNDALL_PC_REQUIRES "")
 set(TYNDALL_PC_LIBS "")
 if(NOT BUILD_SHARED_LIBS)
-  set(TYNDALL_PC_REQUIRES "jansson libpng libjpeg")
+  set(TYNDALL_PC_REQUIRES "jansson libpng libjpeg zlib")
   set(TYNDALL_PC_LIBS " -lembree3 -lOpenEXR -lIex -lOpenEXRCore -lopenvdb -ltbb -lImath -lstdc++ -lm -pthread")
 endif()
 file(RELATIVE_PATH TYNDALL_PC_UP "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")

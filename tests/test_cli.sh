@@ -1,72 +1,16 @@
 #!/usr/bin/env bash
 # The command line tool from outside: what it prints, writes and returns.
 # usage: test_cli.sh TYNDALL (works in the current folder, which it empties)
-set -u
-tyndall=$1
-rm -rf ./*
-checks=0
-failures=0
-
-# expect STATUS ARGUMENT...: runs tyndall; what it printed is in out.txt and err.txt.
-expect() {
-  wanted=$1
-  shift
-  "$tyndall" "$@" > out.txt 2> err.txt < /dev/null
-  status=$?
-  what="tyndall $*"
-  checks=$((checks + 1))
-  [ "$status" -eq "$wanted" ] || fail "exit status $status instead of $wanted: $(head -c 500 err.txt)"
-}
-
-fail() {
-  failures=$((failures + 1))
-  echo "FAILED: $what: $1"
-}
-
-# said FILE PATTERN: FILE has a line that matches the extended regular expression; unsaid: it has none.
-said() {
-  checks=$((checks + 1))
-  grep -Eq -- "$2" "$1" || fail "$1 lacks /$2/: $(head -c 500 "$1")"
-}
-unsaid() {
-  checks=$((checks + 1))
-  ! grep -Eq -- "$2" "$1" || fail "$1 has /$2/: $(head -c 500 "$1")"
-}
-
-present() {
-  checks=$((checks + 1))
-  [ -s "$1" ] || fail "$1 is missing or empty"
-}
-absent() {
-  checks=$((checks + 1))
-  [ ! -e "$1" ] || fail "$1 is there"
-}
-
-# usage_error PATTERN ARGUMENT...: status 2, one line on stderr that matches, nothing on stdout.
-usage_error() {
-  pattern=$1
-  shift
-  expect 2 "$@"
-  said err.txt "^tyndall: .*$pattern"
-  checks=$((checks + 1))
-  [ "$(wc -l < err.txt)" -eq 1 ] || fail "not one line: $(cat err.txt)"
-  [ ! -s out.txt ] || fail "printed: $(head -c 200 out.txt)"
-}
-
-valid_json() {
-  command -v python3 > /dev/null || return 0
-  checks=$((checks + 1))
-  python3 -m json.tool "$1" > /dev/null 2>&1 || fail "$1 is not JSON: $(head -c 500 "$1")"
-}
+. "$(dirname "$0")/cli.sh"
 
 small="--size 24x16 --spp 2"
 
 test_help() {
   expect 0 --help
-  for command in render info diff bench; do said out.txt "^  $command "; done
+  for command in render info diff merge compare bench; do said out.txt "^  $command "; done
   expect 0 --version
   said out.txt '^tyndall [0-9]+\.[0-9]+\.[0-9]+$'
-  for command in render info diff bench; do
+  for command in render info diff merge compare bench; do
     expect 0 "$command" --help
     said out.txt "^usage: tyndall $command "
     said out.txt '--threads N'
@@ -79,7 +23,7 @@ test_help() {
 
 test_usage() {
   usage_error "did you mean 'render'" rendr
-  usage_error "render, info, diff, bench" figure
+  usage_error "render, info, diff, merge, compare" figure
   usage_error "unknown command ''" ''
   usage_error 'did you mean --spp' render builtin:cube_g0 -o a.exr --sp 4
   usage_error 'unknown option --zzzzzzzz ' render builtin:cube_g0 -o a.exr --zzzzzzzz
@@ -104,7 +48,18 @@ test_usage() {
   usage_error '--threads: ' render builtin:cube_g0 -o a.exr --threads 9999
   usage_error '--progress: .*auto\|plain' render builtin:cube_g0 -o a.exr --progress fancy
   usage_error "unknown method 'fog'; known: path" render builtin:cube_g0 -o a.exr --method fog
-  usage_error 'known: variance' render builtin:cube_g0 -o a.exr --aov depth
+  for value in dept depth, all,x ''; do
+    usage_error '--aov' render builtin:cube_g0 -o a.exr "--aov=$value"
+  done
+  usage_error "did you mean 'depth'" render builtin:cube_g0 -o a.exr --aov samples,dpeth
+  usage_error '--aov is for .exr' render builtin:cube_g0 -o a.png --aov depth
+  for value in 1 1,2 1,2,3 1,2,3x -1,2,3x4 1,2,0x4 1,,3x4 1,2,3x4x5 99999,0,1x1 a,2,3x4; do
+    usage_error '--crop: .* like 10,20,64x48' render builtin:cube_g0 -o a.exr --crop "$value"
+  done
+  usage_error 'crop: 8 x 8 pixels at \(20, 0\) are not within 24 x 16' \
+    render builtin:cube_g0 -o a.exr --size 24x16 --crop 20,0,8x8
+  usage_error '--checkpoint .*--resume' render builtin:cube_g0 -o a.exr --checkpoint 1
+  usage_error '--checkpoint: .* number' render builtin:cube_g0 -o a.exr --resume --checkpoint 0
   usage_error 'extension' render builtin:cube_g0 -o a.jpg
   usage_error 'extension' render builtin:cube_g0 -o a.exr --png a.exr
   usage_error 'missing' render builtin:cube_g0 -o missing/a.exr
@@ -168,6 +123,21 @@ test_render() {
   expect 0 info b.exr
   said out.txt '^variance.R '
 
+  expect 0 render builtin:cube_g0 -o b.exr --size 24x16 --spp 3 -q --aov all --crop 3,4,10x5
+  expect 0 info b.exr
+  said out.txt '^size +10x5'
+  for channel in variance.R transmittance.G depth.Z normal.X albedo.B single.R multiple.G; do
+    said out.txt "^$channel "
+  done
+  said out.txt '^samples.N +3 +3 +3$'
+  expect 0 render builtin:cube_g0 -o b.exr --size 24x16 --spp 1 -q --aov depth,normal
+  expect 0 info b.exr
+  said out.txt '^normal.Z '
+  unsaid out.txt '^(variance|samples|albedo)'
+  expect 1 render builtin:cube_g0 -o huge.exr --size 65536x65536 --aov all
+  said err.txt '^tyndall: .*65536 x 65536 pixels: not enough memory: [0-9.]+ MiB are needed, and the machine has'
+  absent huge.exr
+
   # shellcheck disable=SC2086
   expect 0 render builtin:cube_g0 -o c.png $small
   said c.png 'PNG'
@@ -227,25 +197,6 @@ test_bench() {
   valid_json out.txt
 }
 
-# start ARGUMENT...: a render in the background that says on stderr when it is under way.
-start() {
-  what="tyndall $*"
-  "$tyndall" "$@" --progress json > out.txt 2> err.txt < /dev/null &
-  process=$!
-  for _ in $(seq 200); do
-    [ -s err.txt ] && return
-    sleep 0.1
-  done
-  fail "no progress within 20 s"
-}
-
-finished() {
-  wait "$process"
-  status=$?
-  checks=$((checks + 1))
-  [ "$status" -eq "$1" ] || fail "exit status $status instead of $1: $(tail -n 2 err.txt)"
-}
-
 test_interrupt() {
   for signal in INT TERM; do
     rm -f part.exr
@@ -262,8 +213,7 @@ test_interrupt() {
   rmdir going
   finished 1
   said err.txt '^tyndall: .*going/a.exr'
-  checks=$((checks + 1))
-  [ -z "$(find . -name '*tmp*')" ] || fail "temporary files are left: $(find . -name '*tmp*')"
+  no_temporary_files
 }
 
 test_help
@@ -274,5 +224,4 @@ test_same_everywhere
 test_info
 test_bench
 test_interrupt
-echo "$checks checks, $failures failed"
-[ "$failures" -eq 0 ] && [ "$checks" -gt 200 ]
+finish 240

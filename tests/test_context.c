@@ -281,6 +281,11 @@ static void arrays_check_their_size(void** state) {
     assert_error(context, "not enough memory");
     assert_null(ty_alloc_array(context, SIZE_MAX, 1, false));
     assert_error(context, "not enough memory");
+    assert_null(ty_alloc_array(context, (size_t)1 << 46, 1, false)); /* 64 TiB */
+    assert_error(context, "MiB are in use, the machine has ");
+    assert_int_equal(ty_check_memory(context, 0x1p46, "clouds"), TY_ERROR_MEMORY);
+    assert_error(context, "clouds: not enough memory: 67108864.0 MiB are needed, and the machine has ");
+    assert_int_equal(ty_check_memory(context, 1000, "mist"), TY_OK);
     char* none = ty_alloc_array(context, 0, 8, true);
     assert_non_null(none);
     ty_free_array(context, none, 0, 8);

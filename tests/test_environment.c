@@ -348,6 +348,30 @@ static void scale_multiplies_the_map(void** state) {
     ty_image_destroy(image);
 }
 
+/* An image beside its frame gives the map that fills the frame. */
+static void a_map_is_the_frame_of_its_image(void** state) {
+    ty_light_def def = ty_default_light_def();
+    def.kind = TY_LIGHT_ENVIRONMENT;
+    ty_image* image = NULL;
+    assert_int_equal(ty_image_create_rgb(*state, 3, 2, &image), TY_OK);
+    assert_int_equal(ty_image_set_frame(image, 6, 1, 8, 4), TY_OK);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 6; ++i) ty_image_plane(image, c)[i] = 1 + (float)i;
+    def.image = image;
+    ty_environment* environment = NULL;
+    assert_int_equal(ty_environment_create(*state, &def, &environment), TY_OK);
+    ty_image_destroy(image);
+    const ty_environment_view view = ty_environment_get_view(environment, TY_AXIS_Y);
+    assert_int_equal(view.width, 8);
+    assert_int_equal(view.height, 4);
+    for (int i = 0; i < 32; ++i) {
+        const int x = i % 8 - 6, y = i / 8 - 1;
+        const float expected = x >= 0 && x < 2 && y >= 0 && y < 2 ? (float)(1 + x + 3 * y) : 0;
+        assert_true(view.pixels[3 * i] == expected && view.pixels[3 * i + 2] == expected);
+    }
+    ty_environment_destroy(*state, environment);
+}
+
 static void pixels_that_are_not_light_count_as_zero(void** state) {
     const float pixels[12] = {NAN, 1, 1, -2, 1, 1, INFINITY, 1, 1, 5, 1, 1};
     sky s = make_sky(*state, 2, 2, pixels, settings[0]);
@@ -371,6 +395,7 @@ int main(void) {
         cmocka_unit_test(one_texel_is_everywhere),
         cmocka_unit_test(constants_have_no_map),
         cmocka_unit_test(scale_multiplies_the_map),
+        cmocka_unit_test(a_map_is_the_frame_of_its_image),
         cmocka_unit_test(pixels_that_are_not_light_count_as_zero),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

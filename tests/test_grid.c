@@ -97,7 +97,7 @@ static void too_large_grids_are_refused(void** state) {
     ty_grid* grid = NULL;
     assert_int_equal(ty_grid_create(context, &def, &grid), TY_ERROR_MEMORY);
     assert_error(context, "not enough memory for 16777216.0 MiB");
-    assert_true(largest == (size_t)4 << 42);
+    assert_true(largest < (size_t)1 << 30); /* refused before anybody was asked for it */
     ty_context_destroy(context);
 }
 

@@ -1,9 +1,10 @@
-/* Images in memory: channels, metadata, comparison, tone mapping. */
-#include <tyndall/image.h>
+/* Images in memory: channels, layers, frames, metadata, comparison, tone mapping. */
+#include <tyndall/io.h>
 
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -231,6 +232,170 @@ static void equal_and_black_images_have_no_error(void** state) {
     ty_image_destroy(no_colour);
 }
 
+/* Marks each pixel by its place in the frame. */
+static float mark(int c, int32_t x, int32_t y) {
+    return (float)(10000 * c + 100 * y + x);
+}
+
+static ty_image* make_marked(int32_t x, int32_t y, int32_t width, int32_t height) {
+    ty_image* image = make_rgb(width, height);
+    assert_int_equal(ty_image_set_frame(image, x, y, 20, 10), TY_OK);
+    for (int c = 0; c < 3; ++c)
+        for (int32_t i = 0; i < width * height; ++i)
+            ty_image_plane(image, c)[i] = mark(c, x + i % width, y + i / width);
+    return image;
+}
+
+static void frames_are_kept_and_checked(void** state) {
+    (void)state;
+    ty_image* image = make_rgb(5, 3);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
+    assert_true(frame[0] == 0 && frame[1] == 0 && frame[2] == 5 && frame[3] == 3);
+    static const int32_t wrong[][4] = {{0, 0, 0, 3},
+                                       {0, 0, 5, -1},
+                                       {0, 0, 65537, 3},
+                                       {0, 0, 5, 65537},
+                                       {(1 << 20) + 1, 0, 5, 3},
+                                       {0, -(1 << 20) - 1, 5, 3}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        assert_int_equal(ty_image_set_frame(image, wrong[i][0], wrong[i][1], wrong[i][2], wrong[i][3]),
+                         TY_ERROR_ARGUMENT);
+        ty_clear_error(context);
+    }
+    ty_image_get_frame(image, frame);
+    assert_true(frame[0] == 0 && frame[1] == 0 && frame[2] == 5 && frame[3] == 3);
+    assert_int_equal(ty_image_set_frame(image, -7, 1 << 20, 65536, 1), TY_OK);
+    ty_image_get_frame(image, frame);
+    assert_true(frame[0] == -7 && frame[1] == 1 << 20 && frame[2] == 65536 && frame[3] == 1);
+    ty_image_destroy(image);
+}
+
+static void filling_a_frame_cuts_and_pads(void** state) {
+    (void)state;
+    static const int32_t windows[][4] = {{3, 2, 5, 4},  {-4, -3, 10, 8}, {15, 7, 9, 9}, {-2, -2, 30, 20},
+                                         {20, 0, 4, 4}, {-9, 3, 4, 4},   {0, 0, 20, 10}};
+    for (size_t i = 0; i < sizeof windows / sizeof *windows; ++i) {
+        const int32_t* w = windows[i];
+        ty_image *image = make_marked(w[0], w[1], w[2], w[3]), *filled = NULL;
+        assert_int_equal(ty_image_set_number(image, "spp", 7), TY_OK);
+        assert_int_equal(ty_image_fill_frame(context, image, &filled), TY_OK);
+        assert_int_equal(ty_image_width(filled), 20);
+        assert_int_equal(ty_image_height(filled), 10);
+        assert_string_equal(ty_image_get_metadata(filled, "spp"), "7");
+        assert_int_equal(ty_image_find_channel(filled, "B"), 2);
+        for (int c = 0; c < 3; ++c)
+            for (int32_t k = 0; k < 200; ++k) {
+                const int32_t x = k % 20, y = k / 20;
+                const bool inside = x >= w[0] && x < w[0] + w[2] && y >= w[1] && y < w[1] + w[3];
+                assert_true(ty_image_plane_const(filled, c)[k] == (inside ? mark(c, x, y) : 0));
+            }
+        ty_image_destroy(image);
+        ty_image_destroy(filled);
+    }
+}
+
+static void comparison_is_over_the_common_part(void** state) {
+    (void)state;
+    /* They share x 4..7 and y 2..4; pixels beside that differ. */
+    ty_image *a = make_marked(-2, 2, 10, 3), *b = make_marked(4, -1, 9, 12), *c = make_marked(8, 0, 3, 3);
+    ty_difference d;
+    assert_int_equal(ty_image_compare(context, a, b, 1, &d), TY_OK);
+    assert_true(d.differing == 0 && d.rmse[3] == 0 && d.mean_ratio[3] == 1);
+    assert_close(d.rel_mse[3], 0, 0);
+    /* The pixel at (7, 4) of the frame is in both, that at (8, 4) only in b. */
+    ty_image_plane(b, 0)[9 * 5 + 4] = NAN;
+    assert_int_equal(ty_image_compare(context, a, b, 1, &d), TY_OK);
+    assert_int_equal(d.differing, 0);
+    ty_image_plane(a, 1)[10 * 2 + 9] += 6;
+    assert_int_equal(ty_image_compare(context, a, b, 1, &d), TY_OK);
+    assert_int_equal(d.differing, 1);
+    assert_close(d.rmse[1], 6 / sqrt(12), 1e-12);
+    assert_close(d.rmse[0], 0, 0);
+    assert_int_equal(ty_image_compare(context, a, b, 3, &d), TY_OK);
+    assert_close(d.rmse[1], 0, 0); /* blocks begin at (4, 2), so that one of 3 x 3 ends at x 6 */
+    assert_int_equal(ty_image_compare(context, a, b, 4, &d), TY_ERROR_ARGUMENT);
+    ty_clear_error(context);
+    assert_int_equal(ty_image_compare(context, a, c, 1, &d), TY_ERROR_ARGUMENT);
+    assert_non_null(strstr(ty_last_error(context), "no pixel in common"));
+    ty_clear_error(context);
+    assert_int_equal(ty_image_set_frame(b, 4, -1, 21, 10), TY_OK);
+    assert_int_equal(ty_image_compare(context, a, b, 1, &d), TY_ERROR_ARGUMENT);
+    assert_non_null(strstr(ty_last_error(context), "20 x 10 and 21 x 10"));
+    ty_clear_error(context);
+    ty_image_destroy(a);
+    ty_image_destroy(b);
+    ty_image_destroy(c);
+}
+
+static void luminance_stands_for_three(void** state) {
+    (void)state;
+    static const char* const names[] = {"A", "Y"};
+    ty_image* image = NULL;
+    const float* planes[3];
+    assert_int_equal(ty_image_create(context, 2, 2, 2, names, &image), TY_OK);
+    assert_true(ty_image_rgb_planes(image, planes));
+    for (int c = 0; c < 3; ++c) assert_ptr_equal(planes[c], ty_image_plane_const(image, 1));
+    ty_image_destroy(image);
+}
+
+static void layers_are_taken_by_name(void** state) {
+    (void)state;
+    static const char* const names[] = {"R",       "G",      "B", "left.R", "left.G", "left.B", "left.light1.R",
+                                        "depth.Z", "lefty.A"};
+    ty_image *image = NULL, *layer = NULL;
+    assert_int_equal(ty_image_create(context, 3, 2, 9, names, &image), TY_OK);
+    for (int c = 0; c < 9; ++c) ty_image_plane(image, c)[5] = (float)c + 1;
+    assert_int_equal(ty_image_set_frame(image, 1, -1, 9, 8), TY_OK);
+    assert_int_equal(ty_image_set_text(image, "method", "path"), TY_OK);
+    static const struct {
+        const char* layer;
+        int count;
+        const char* name;
+        float value;
+    } cases[] = {{"", 3, "G", 2},
+                 {"left", 4, "B", 6},
+                 {"left", 4, "light1.R", 7},
+                 {"left.light1", 1, "R", 7},
+                 {"depth", 1, "Z", 8}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        assert_int_equal(ty_image_layer(context, image, cases[i].layer, &layer), TY_OK);
+        assert_int_equal(ty_image_channel_count(layer), cases[i].count);
+        const int32_t channel = ty_image_find_channel(layer, cases[i].name);
+        assert_true(channel >= 0 && ty_image_plane_const(layer, channel)[5] == cases[i].value);
+        assert_string_equal(ty_image_get_metadata(layer, "method"), "path");
+        int32_t frame[4];
+        ty_image_get_frame(layer, frame);
+        assert_true(frame[0] == 1 && frame[1] == -1 && frame[2] == 9 && frame[3] == 8);
+        ty_image_destroy(layer);
+    }
+    assert_int_equal(ty_image_layer(context, image, "lef", &layer), TY_ERROR_ARGUMENT);
+    assert_string_equal(ty_last_error(context), "the image has no layer \"lef\"; it has \"\", \"left\", "
+                                                "\"left.light1\", \"depth\", \"lefty\"");
+    ty_clear_error(context);
+    ty_image_destroy(image);
+}
+
+/* More layers than a message can list. */
+static void many_layers_are_listed_as_far_as_they_fit(void** state) {
+    (void)state;
+    enum { COUNT = 40 };
+    char texts[COUNT][32];
+    const char* names[COUNT];
+    for (int i = 0; i < COUNT; ++i) {
+        snprintf(texts[i], sizeof texts[i], "a layer of number %d.Z", i);
+        names[i] = texts[i];
+    }
+    ty_image *image = NULL, *layer = NULL;
+    assert_int_equal(ty_image_create(context, 1, 1, COUNT, names, &image), TY_OK);
+    assert_int_equal(ty_image_layer(context, image, "x", &layer), TY_ERROR_ARGUMENT);
+    const char* message = ty_last_error(context);
+    assert_non_null(strstr(message, "\"a layer of number 3\""));
+    assert_string_equal(message + strlen(message) - 5, ", ...");
+    ty_clear_error(context);
+    ty_image_destroy(image);
+}
+
 /* One row of values through the display transform, as bytes. */
 static void show(const float* values, int count, double exposure, bool curve, uint8_t* bytes) {
     ty_image* image = make_rgb(count, 1);
@@ -292,6 +457,12 @@ int main(void) {
         cmocka_unit_test(partial_blocks_are_left_out),
         cmocka_unit_test(values_that_are_not_finite_are_left_out),
         cmocka_unit_test(equal_and_black_images_have_no_error),
+        cmocka_unit_test(frames_are_kept_and_checked),
+        cmocka_unit_test(filling_a_frame_cuts_and_pads),
+        cmocka_unit_test(comparison_is_over_the_common_part),
+        cmocka_unit_test(luminance_stands_for_three),
+        cmocka_unit_test(layers_are_taken_by_name),
+        cmocka_unit_test(many_layers_are_listed_as_far_as_they_fit),
         cmocka_unit_test(srgb_values_are_those_of_the_standard),
         cmocka_unit_test(filmic_curve_is_monotone_and_bounded),
     };

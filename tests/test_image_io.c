@@ -424,6 +424,32 @@ static void failed_writes_leave_the_old_file(void** state) {
     ty_image_destroy(image);
 }
 
+static void bytes_are_written_and_read_whole(void** state) {
+    (void)state;
+    static const uint8_t content[] = {0, 1, 255, '\n', 0};
+    uint8_t* bytes = NULL;
+    size_t size = 0;
+    assert_int_equal(ty_bytes_write(context, "some.bin", content, sizeof content), TY_OK);
+    assert_int_equal(ty_bytes_read(context, "some.bin", sizeof content, &bytes, &size), TY_OK);
+    assert_int_equal(size, sizeof content);
+    assert_memory_equal(bytes, content, sizeof content);
+    ty_bytes_free(context, bytes, size);
+    assert_int_equal(ty_bytes_write(context, "some.bin", NULL, 0), TY_OK);
+    assert_int_equal(ty_bytes_read(context, "some.bin", 0, &bytes, &size), TY_OK);
+    assert_int_equal(size, 0);
+    ty_bytes_free(context, bytes, size);
+    ty_bytes_free(context, NULL, 0);
+    assert_int_equal(ty_bytes_write(context, "some.bin", content, sizeof content), TY_OK);
+    assert_failed(context, ty_bytes_read(context, "some.bin", sizeof content - 1, &bytes, &size), TY_ERROR_INPUT,
+                  "some.bin", "limit of 4");
+    assert_failed(context, ty_bytes_read(context, "absent.bin", 9, &bytes, &size), TY_ERROR_FILE, "absent.bin", NULL);
+    assert_int_equal(ty_bytes_write(context, "some.bin", NULL, 1), TY_ERROR_ARGUMENT);
+    ty_clear_error(context);
+    assert_failed(context, ty_bytes_write(context, "no/some.bin", content, 1), TY_ERROR_FILE, "no/some.bin", NULL);
+    assert_file_holds("some.bin", content, sizeof content);
+    assert_int_equal(remove_temporary_files(), 0);
+}
+
 static void png_holds_the_tone_mapped_bytes(void** state) {
     (void)state;
     static const char* const names[] = {"R", "G", "B"};
@@ -543,6 +569,7 @@ int main(void) {
         cmocka_unit_test(broken_hdr_is_refused),
         cmocka_unit_test(absent_files_are_reported),
         cmocka_unit_test(failed_writes_leave_the_old_file),
+        cmocka_unit_test(bytes_are_written_and_read_whole),
         cmocka_unit_test(png_holds_the_tone_mapped_bytes),
         cmocka_unit_test(short_memory_is_survived),
         cmocka_unit_test(real_environment_maps_are_read),

@@ -1,67 +1,10 @@
-/* The tree of lights: its probabilities are those of its samples, no light that can be seen is left out, and what it
- * samples is less noisy than lights picked by their power. */
+/* The tree of lights: its probabilities are those of its samples, and no light that can be seen is left out. */
 #include "base/context.h"
-#include "checks.h"
-#include "scene/light_tree.h"
+#include "light_maker.h"
 
 #include <stdio.h>
-#include <time.h>
 
-enum { LIGHTS_MAX = 100000, DRAWS = 100000 };
-
-static ty_light_view views[LIGHTS_MAX];
-static ty_light_bounds bounds[LIGHTS_MAX];
-
-static ty_vec random_point(uint64_t* state, double half) {
-    const double x = uniform_in(state, -half, half), y = uniform_in(state, -half, half);
-    return ty_vec_make((float)x, (float)y, (float)uniform_in(state, -half, half));
-}
-
-static ty_light_view lamp_at(ty_vec position, float intensity) {
-    ty_light_view view = {.kind = TY_KIND_POINT, .position = position};
-    for (int c = 0; c < 3; ++c) view.color[c] = intensity;
-    return view;
-}
-
-static ty_light_view random_lamp(uint64_t* state, double half) {
-    const ty_vec position = random_point(state, half);
-    return lamp_at(position, (float)uniform_in(state, 0.5, 2));
-}
-
-/* A light of a kind somewhere in a cube, of any size and brightness. */
-static ty_light_view random_light(uint64_t* state, int32_t kind, double half) {
-    const ty_vec position = random_point(state, half);
-    ty_light_view view = lamp_at(position, (float)pow(10, uniform_in(state, -2, 2)));
-    view.kind = kind;
-    view.direction = random_unit(state);
-    view.u = ty_scale(random_unit(state), (float)pow(10, uniform_in(state, -2, 0.3)));
-    view.v = ty_scale(random_unit(state), (float)pow(10, uniform_in(state, -2, 0.3)));
-    view.radius = (float)pow(10, uniform_in(state, -2, 0));
-    const double outer = uniform_in(state, 0.01, 1.57);
-    view.cos_outer = (float)cos(outer);
-    view.cos_inner = (float)cos(outer * uniform(state));
-    if (kind != TY_KIND_AREA && kind != TY_KIND_TRIANGLE) return view;
-    const ty_vec cross = ty_cross(view.u, view.v);
-    const float length = sqrtf(ty_dot(cross, cross));
-    view.direction = ty_scale(cross, 1 / length);
-    view.area = kind == TY_KIND_AREA ? length : 0.5f * length;
-    view.two_sided = kind == TY_KIND_TRIANGLE && uniform(state) < 0.3;
-    return view;
-}
-
-static ty_light_tree* tree_of(ty_context* context, size_t count) {
-    ty_light_tree* tree = NULL;
-    for (size_t i = 0; i < count; ++i) ty_light_get_bounds(&views[i], &bounds[i]);
-    assert_int_equal(ty_light_tree_create(context, bounds, count, &tree), TY_OK);
-    return tree;
-}
-
-/* Lights of the kinds that have a place; `kinds` of them, from points on. */
-static ty_light_tree* random_tree(ty_context* context, uint64_t* state, size_t count, int32_t kinds, double half) {
-    static const int32_t kind[5] = {TY_KIND_POINT, TY_KIND_SPHERE, TY_KIND_SPOT, TY_KIND_AREA, TY_KIND_TRIANGLE};
-    for (size_t i = 0; i < count; ++i) views[i] = random_light(state, kind[i % (size_t)kinds], half);
-    return tree_of(context, count);
-}
+enum { DRAWS = 100000 };
 
 /* The steps from a node to the farthest light below it; every light must be there once. */
 static int depth_of(const ty_light_tree* tree, int32_t node, int* seen) {
@@ -218,19 +161,9 @@ static void numbers_are_stretched_back(void** state) {
 /* Whether a light sends anything to a point, on a surface unless normal is 0: some points of the light tell. */
 static bool contributes(const ty_light_view* light, ty_vec from, ty_vec normal, uint64_t* random) {
     for (int i = 0; i < 8; ++i) {
-        ty_light_view seen = *light;
         ty_light_sample sample;
-        float u = (float)uniform(random) * 0.999f, v = (float)uniform(random) * 0.999f;
-        if (light->kind == TY_KIND_TRIANGLE) {
-            seen.kind = TY_KIND_AREA;
-            if (u + v > 1) {
-                u = 1 - u;
-                v = 1 - v;
-            }
-            if (light->two_sided && ty_dot(ty_sub(from, seen.position), seen.direction) < 0)
-                seen.direction = ty_scale(seen.direction, -1);
-        }
-        if (!ty_light_sample_from(&seen, from, u, v, &sample)) continue;
+        const float u = (float)uniform(random) * 0.999f, v = (float)uniform(random) * 0.999f;
+        if (!light_sent(light, from, u, v, &sample)) continue;
         if (ty_dot(normal, normal) > 0 && ty_dot(normal, sample.look) <= 0) continue;
         return true;
     }
@@ -338,114 +271,49 @@ static void rays_pick_lamps_only(void** state) {
     ty_light_tree_destroy(*state, tree);
 }
 
-typedef struct noise {
-    double tree, power, dark; /* relative variances, and the share of draws that find nothing */
-} noise;
+typedef struct scarce {
+    int64_t bytes; /* handed out */
+    int left;      /* allocations that succeed */
+} scarce;
 
-/* Relative variance of one light's sample of the fluence (or irradiance) at random points, by tree and by power. */
-static noise measure_noise(const ty_light_tree* tree, int32_t count, double half, bool surfaces, uint64_t* random) {
-    enum { POINTS = 200 };
-    noise out = {0, 0, 0};
-    double power = 0;
-    for (int32_t i = 0; i < count; ++i) power += (double)bounds[i].power;
-    for (int point = 0; point < POINTS; ++point) {
-        const ty_vec from = random_point(random, half);
-        const ty_vec normal = surfaces ? random_unit(random) : ty_vec_make(0, 0, 0);
-        double sum = 0, by_tree = 0, by_power = 0, found = 0;
-        for (int32_t i = 0; i < count; ++i) {
-            ty_light_sample sample;
-            const double p = (double)ty_light_tree_probability(tree->nodes, tree->trails, i, from, normal);
-            found += p;
-            if (!ty_light_sample_from(&views[i], from, 0.5f, 0.5f, &sample)) continue;
-            double light = (double)sample.radiance[0];
-            if (surfaces) light *= fmax(0, (double)ty_dot(sample.look, normal));
-            if (!(light > 0)) continue;
-            sum += light;
-            by_tree += light * light / p;
-            by_power += light * light * power / (double)bounds[i].power;
-        }
-        if (!(sum > 0)) continue;
-        out.tree += (by_tree / (sum * sum) - 1) / POINTS;
-        out.power += (by_power / (sum * sum) - 1) / POINTS;
-        out.dark += (1 - found) / POINTS;
+static void* scarce_alloc(void* user, size_t size) {
+    scarce* memory = user;
+    if (memory->left-- <= 0) return NULL;
+    memory->bytes += (int64_t)size;
+    return aligned_alloc(64, (size + 63) / 64 * 64);
+}
+
+static void scarce_free(void* user, void* pointer, size_t size) {
+    if (pointer != NULL) ((scarce*)user)->bytes -= (int64_t)size;
+    free(pointer);
+}
+
+static void failed_allocations_are_reported(void** state) {
+    (void)state;
+    scarce memory = {0, 1};
+    ty_context_def def = ty_default_context_def();
+    def.alloc = scarce_alloc;
+    def.free = scarce_free;
+    def.alloc_user = &memory;
+    ty_context* context = NULL;
+    assert_int_equal(ty_context_create(&def, &context), TY_OK);
+    const int64_t before = memory.bytes;
+    for (int i = 0; i < 10; ++i) {
+        views[i] = lamp_at(ty_vec_make((float)i, 0, 0), 1);
+        ty_light_get_bounds(&views[i], &bounds[i]);
     }
-    return out;
-}
-
-/* The light that a point light sends to a stretch of a ray: intensity times the angle it sees it under, over distance.
- */
-static double light_along(const ty_light_view* light, ty_vec origin, ty_vec direction, double leave) {
-    const ty_vec to = ty_sub(light->position, origin), across = ty_cross(to, direction);
-    const double nearest = (double)ty_dot(to, direction), off = sqrt((double)ty_dot(across, across));
-    return (double)light->color[0] * (atan((leave - nearest) / off) + atan(nearest / off)) / off;
-}
-
-/* The same for light that lamps send to random rays. */
-static noise measure_ray_noise(const ty_light_tree* tree, int32_t count, double half, uint64_t* random) {
-    enum { RAYS = 200, RAY_DRAWS = 4096 };
-    noise out = {0, 0, 0};
-    double power = 0;
-    for (int32_t i = 0; i < count; ++i) power += (double)bounds[i].power;
-    for (int ray = 0; ray < RAYS; ++ray) {
-        const ty_vec origin = random_point(random, half), direction = random_unit(random);
-        const float leave = (float)half;
-        double sum = 0, by_tree = 0, by_power = 0;
-        for (int32_t i = 0; i < count; ++i) {
-            const double light = light_along(&views[i], origin, direction, (double)leave);
-            sum += light;
-            by_power += light * light * power / (double)bounds[i].power;
-        }
-        for (int i = 0; i < RAY_DRAWS; ++i) {
-            float u = ((float)i + 0.5f) / RAY_DRAWS, p;
-            const int32_t light = ty_light_tree_sample_ray(tree->nodes, origin, direction, 0, leave, &u, &p);
-            assert_true(light >= 0);
-            const double value = light_along(&views[light], origin, direction, (double)leave) / (double)p;
-            by_tree += value * value / RAY_DRAWS;
-        }
-        out.tree += (by_tree / (sum * sum) - 1) / RAYS;
-        out.power += (by_power / (sum * sum) - 1) / RAYS;
+    for (int enough = 0;; ++enough) {
+        ty_light_tree* tree = NULL;
+        memory.left = enough;
+        const ty_result result = ty_light_tree_create(context, bounds, 10, &tree);
+        ty_light_tree_destroy(context, tree);
+        assert_true(memory.bytes == before);
+        if (result == TY_OK) break;
+        assert_int_equal(result, TY_ERROR_MEMORY);
+        assert_null(tree);
+        assert_true(enough < 5);
     }
-    return out;
-}
-
-typedef enum receiver { IN_MEDIUM, ON_SURFACE, ALONG_RAY } receiver;
-
-static void check_noise(const char* name, const ty_light_tree* tree, int32_t count, double half, receiver where,
-                        double least) {
-    uint64_t random = 10;
-    const noise n = where == ALONG_RAY ? measure_ray_noise(tree, count, half, &random)
-                                       : measure_noise(tree, count, half, where == ON_SURFACE, &random);
-    printf("%-48s relative variance %8.3f by the tree, %9.3f by power: 1/%.0f; %.3f dark\n", name, n.tree, n.power,
-           n.power / n.tree, n.dark);
-    if (!(n.power / n.tree > least)) fail_msg("%s: %g is not %g times as noisy as %g", name, n.power, least, n.tree);
-}
-
-/* A room of lamps; then rooms lit by panels and spots, which face all ways. */
-static void trees_are_less_noisy_than_power(void** state) {
-    uint64_t random = 9;
-    for (int i = 0; i < 100; ++i) views[i] = random_lamp(&random, 3);
-    ty_light_tree* tree = tree_of(*state, 100);
-    check_noise("100 point lights, media", tree, 100, 3, IN_MEDIUM, 12);
-    check_noise("100 point lights, rays", tree, 100, 3, ALONG_RAY, 10);
-    check_noise("100 point lights, surfaces", tree, 100, 3, ON_SURFACE, 8);
-    ty_light_tree_destroy(*state, tree);
-    for (int i = 0; i < 1000; ++i) views[i] = random_lamp(&random, 10);
-    tree = tree_of(*state, 1000);
-    check_noise("1000 point lights, media", tree, 1000, 10, IN_MEDIUM, 25);
-    check_noise("1000 point lights, rays", tree, 1000, 10, ALONG_RAY, 20);
-    ty_light_tree_destroy(*state, tree);
-    for (int i = 0; i < 1000; ++i) {
-        views[i] = random_light(&random, i % 2 ? TY_KIND_AREA : TY_KIND_SPOT, 10);
-        if (views[i].kind == TY_KIND_AREA) {
-            views[i].u = ty_scale(views[i].u, 0.1f);
-            views[i].v = ty_scale(views[i].v, 0.1f);
-            views[i].area *= 0.01f;
-        }
-    }
-    tree = tree_of(*state, 1000);
-    check_noise("1000 spots and panels, media", tree, 1000, 10, IN_MEDIUM, 2.5);
-    check_noise("1000 spots and panels, surfaces", tree, 1000, 10, ON_SURFACE, 10);
-    ty_light_tree_destroy(*state, tree);
+    ty_context_destroy(context);
 }
 
 static void many_lights_build_fast(void** state) {
@@ -479,7 +347,7 @@ int main(void) {
         cmocka_unit_test(grazing_lights_are_not_left_out),
         cmocka_unit_test(awkward_lights),
         cmocka_unit_test(rays_pick_lamps_only),
-        cmocka_unit_test(trees_are_less_noisy_than_power),
+        cmocka_unit_test(failed_allocations_are_reported),
         cmocka_unit_test(many_lights_build_fast),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

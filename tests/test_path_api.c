@@ -1,67 +1,9 @@
 /* The path tracer's calls: arguments, bounds on work, cancelling, what is reported; not whether the light is right. */
-#include "checks.h"
+#include "fog.h"
 
 #include "base/context.h"
 
 #include <stddef.h>
-
-enum { WIDTH = 19, HEIGHT = 11, PIXELS = WIDTH * HEIGHT };
-
-/* A foggy box and a ball under a sun and a constant sky. */
-static ty_scene* foggy_scene(ty_context* context) {
-    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
-    ty_scene* scene = make_scene(context);
-    ty_medium_def fog = box_medium(lower, upper, 2, 0.1f);
-    fog.g[0] = 0.6f;
-    ty_light_def sun = ty_default_light_def(), sky = sun;
-    set3(sun.direction, -1, -2, -0.5);
-    sky.kind = TY_LIGHT_ENVIRONMENT;
-    set3f(sky.color, 0.25f, 0.5f, 0.75f);
-    ty_shape_def ball = ty_default_shape_def();
-    ball.kind = TY_SHAPE_SPHERE;
-    ball.radius = 0.4;
-    assert_int_equal(ty_scene_add_medium(scene, &fog), TY_OK);
-    assert_int_equal(ty_scene_add_light(scene, &sun), TY_OK);
-    assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
-    assert_int_equal(ty_scene_add_shape(scene, &ball), TY_OK);
-    assert_int_equal(ty_scene_commit(scene), TY_OK);
-    return scene;
-}
-
-/* Fog that only absorbs, before a sky of radiance 1. */
-static ty_scene* dark_scene(ty_context* context) {
-    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
-    ty_scene* scene = make_scene(context);
-    const ty_medium_def fog = box_medium(lower, upper, 0, 0.5f);
-    ty_light_def sky = ty_default_light_def();
-    sky.kind = TY_LIGHT_ENVIRONMENT;
-    assert_int_equal(ty_scene_add_medium(scene, &fog), TY_OK);
-    assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
-    assert_int_equal(ty_scene_commit(scene), TY_OK);
-    return scene;
-}
-
-static ty_path_def small_def(int32_t spp) {
-    ty_path_def def = ty_default_path_def();
-    def.spp = spp;
-    def.width = WIDTH;
-    def.height = HEIGHT;
-    return def;
-}
-
-static ty_image* render(const ty_scene* scene, const ty_path_def* def, ty_path_stats* stats) {
-    ty_image* image = NULL;
-    assert_int_equal(ty_path_render(scene, def, &image, stats), TY_OK);
-    return image;
-}
-
-/* The sum of one channel. */
-static double total(const ty_image* image, int channel) {
-    const int64_t count = (int64_t)ty_image_width(image) * ty_image_height(image);
-    double sum = 0;
-    for (int64_t i = 0; i < count; ++i) sum += (double)ty_image_plane_const(image, channel)[i];
-    return sum;
-}
 
 static void assert_valid(const ty_image* image) {
     for (int c = 0; c < 6; ++c)
@@ -71,23 +13,27 @@ static void assert_valid(const ty_image* image) {
         }
 }
 
-static bool same_images(const ty_image* a, const ty_image* b) {
-    for (int c = 0; c < 6; ++c)
-        if (memcmp(ty_image_plane_const(a, c), ty_image_plane_const(b, c), PIXELS * sizeof(float)) != 0) return false;
-    return true;
-}
-
 #define PATH(field, type, value, words)                                                                                \
     { offsetof(ty_path_def, field), type, value, words }
 
 static void wrong_defs_are_refused(void** state) {
     static const bad_field bad[] = {
-        PATH(cookie, FIELD_INT, 0, "ty_default_path_def"),   PATH(spp, FIELD_INT, 0, "path.spp: 0 is outside [1,"),
-        PATH(spp, FIELD_INT, (1 << 24) + 1, "path.spp"),     PATH(max_depth, FIELD_INT, -1, "path.max_depth: -1"),
-        PATH(seconds, FIELD_DOUBLE, -1, "path.seconds: -1"), PATH(seconds, FIELD_DOUBLE, NAN, "path.seconds"),
-        PATH(error, FIELD_DOUBLE, -0.1, "path.error: -0.1"), PATH(error, FIELD_DOUBLE, INFINITY, "path.error"),
-        PATH(width, FIELD_INT, 0, "path: 0 x 11"),           PATH(height, FIELD_INT, 0, "path: 19 x 0"),
-        PATH(width, FIELD_INT, -5, "path: -5 x 11"),         PATH(height, FIELD_INT, 65537, "path: 19 x 65537"),
+        PATH(cookie, FIELD_INT, 0, "ty_default_path_def"),
+        PATH(spp, FIELD_INT, 0, "path.spp: 0 is outside [1,"),
+        PATH(spp, FIELD_INT, (1 << 24) + 1, "path.spp"),
+        PATH(max_depth, FIELD_INT, -1, "path.max_depth: -1"),
+        PATH(seconds, FIELD_DOUBLE, -1, "path.seconds: -1"),
+        PATH(seconds, FIELD_DOUBLE, NAN, "path.seconds"),
+        PATH(error, FIELD_DOUBLE, -0.1, "path.error: -0.1"),
+        PATH(error, FIELD_DOUBLE, INFINITY, "path.error"),
+        PATH(width, FIELD_INT, 0, "path: 0 x 11"),
+        PATH(height, FIELD_INT, 0, "path: 19 x 0"),
+        PATH(aovs, FIELD_INT, 256, "path.aovs: 256"),
+        PATH(state_seconds, FIELD_DOUBLE, -1, "path.state_seconds"),
+        PATH(crop[2], FIELD_INT, 5, "path.crop: 5 x 0 pixels"),
+        PATH(resume_size, FIELD_INT, 8, "path.resume is NULL"),
+        PATH(width, FIELD_INT, -5, "path: -5 x 11"),
+        PATH(height, FIELD_INT, 65537, "path: 19 x 65537"),
     };
     ty_scene* scene = dark_scene(*state);
     ty_image* image = NULL;
@@ -130,6 +76,106 @@ static void images_have_the_asked_size_and_channels(void** state) {
         ty_image_destroy(image);
         def.width = def.height = 0;
     }
+    ty_scene_destroy(scene);
+}
+
+static void channels_are_those_asked_for(void** state) {
+    static const char* const all[] = {"R",
+                                      "G",
+                                      "B",
+                                      "variance.R",
+                                      "variance.G",
+                                      "variance.B",
+                                      "transmittance.R",
+                                      "transmittance.G",
+                                      "transmittance.B",
+                                      "depth.Z",
+                                      "normal.X",
+                                      "normal.Y",
+                                      "normal.Z",
+                                      "albedo.R",
+                                      "albedo.G",
+                                      "albedo.B",
+                                      "single.R",
+                                      "single.G",
+                                      "single.B",
+                                      "multiple.R",
+                                      "multiple.G",
+                                      "multiple.B",
+                                      "samples.N"};
+    ty_scene* scene = foggy_scene(*state);
+    ty_path_def def = small_def(3);
+    def.aovs = TY_AOV_ALL;
+    ty_image* image = render(scene, &def, NULL);
+    assert_int_equal(ty_image_channel_count(image), sizeof all / sizeof *all);
+    for (int c = 0; c < ty_image_channel_count(image); ++c)
+        assert_string_equal(ty_image_channel_name(image, c), all[c]);
+    for (int i = 0; i < PIXELS; ++i) assert_true(ty_image_plane_const(image, 22)[i] == 3.0f);
+    def.aovs = 0;
+    ty_image* plain = render(scene, &def, NULL);
+    assert_int_equal(ty_image_channel_count(plain), 3);
+    for (int c = 0; c < 3; ++c)
+        assert_memory_equal(ty_image_plane_const(plain, c), ty_image_plane_const(image, c), PIXELS * sizeof(float));
+    ty_image_destroy(plain);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
+/* The pixels of a crop are those of the whole frame, bit for bit. */
+static void crops_are_cut_from_the_frame(void** state) {
+    static const int32_t crops[][4] = {{0, 0, 1, 1}, {18, 10, 1, 1}, {5, 3, 9, 7}, {0, 4, 19, 2}};
+    ty_scene* scene = foggy_scene(*state);
+    ty_path_def def = small_def(5);
+    ty_image* whole = render(scene, &def, NULL);
+    for (size_t k = 0; k < sizeof crops / sizeof *crops; ++k) {
+        memcpy(def.crop, crops[k], sizeof def.crop);
+        ty_image* part = render(scene, &def, NULL);
+        int32_t frame[4];
+        ty_image_get_frame(part, frame);
+        assert_int_equal(frame[0], crops[k][0]);
+        assert_int_equal(frame[1], crops[k][1]);
+        assert_int_equal(frame[2], WIDTH);
+        assert_int_equal(frame[3], HEIGHT);
+        assert_int_equal(ty_image_width(part), crops[k][2]);
+        assert_int_equal(ty_image_height(part), crops[k][3]);
+        for (int c = 0; c < 6; ++c)
+            for (int y = 0; y < crops[k][3]; ++y)
+                assert_memory_equal(ty_image_plane_const(part, c) + y * crops[k][2],
+                                    ty_image_plane_const(whole, c) + (crops[k][1] + y) * WIDTH + crops[k][0],
+                                    (size_t)crops[k][2] * sizeof(float));
+        ty_image_destroy(part);
+    }
+    ty_image_destroy(whole);
+    ty_scene_destroy(scene);
+}
+
+static void crops_lie_within_the_frame(void** state) {
+    static const int32_t crops[][4] = {{-1, 0, 5, 5}, {0, -1, 5, 5}, {15, 0, 5, 5},        {0, 7, 5, 5},
+                                       {0, 0, 0, 5},  {1, 1, 5, -5}, {0, 0, INT32_MAX, 5}, {INT32_MAX, 0, 5, 5}};
+    ty_scene* scene = dark_scene(*state);
+    ty_image* image = NULL;
+    for (size_t k = 0; k < sizeof crops / sizeof *crops; ++k) {
+        ty_path_def def = small_def(1);
+        memcpy(def.crop, crops[k], sizeof def.crop);
+        assert_int_equal(ty_path_render(scene, &def, &image, NULL), TY_ERROR_ARGUMENT);
+        assert_error(*state, "path.crop: ");
+        assert_null(image);
+    }
+    ty_scene_destroy(scene);
+}
+
+/* More than any machine has; told at once. */
+static void frames_that_do_not_fit_are_refused(void** state) {
+    ty_scene* scene = dark_scene(*state);
+    ty_path_def def = small_def(1);
+    def.width = def.height = 65536;
+    def.aovs = TY_AOV_ALL;
+    ty_image* image = NULL;
+    const double begun = ty_wall_seconds();
+    assert_int_equal(ty_path_render(scene, &def, &image, NULL), TY_ERROR_MEMORY);
+    assert_error(*state, "path: 65536 x 65536 pixels: not enough memory");
+    assert_true(ty_wall_seconds() - begun < 1);
+    assert_null(image);
     ty_scene_destroy(scene);
 }
 
@@ -465,6 +511,10 @@ int main(void) {
         cmocka_unit_test(wrong_defs_are_refused),
         cmocka_unit_test(scenes_must_be_committed),
         cmocka_unit_test(images_have_the_asked_size_and_channels),
+        cmocka_unit_test(channels_are_those_asked_for),
+        cmocka_unit_test(crops_are_cut_from_the_frame),
+        cmocka_unit_test(crops_lie_within_the_frame),
+        cmocka_unit_test(frames_that_do_not_fit_are_refused),
         cmocka_unit_test(empty_scenes_are_black),
         cmocka_unit_test(statistics_tell_what_was_done),
         cmocka_unit_test(progress_runs_to_the_end),

@@ -65,37 +65,30 @@ static void test_spot(void** state) {
     /* Half way in cosine between 10 and 20 degrees the light has fallen to half. */
     const double mu = (cos(pi / 18) + cos(pi / 9)) / 2, side = 2 * sqrt(1 / (mu * mu) - 1);
     check("spot, in its penumbra", scene, 0.3, 0.4 + side, 0.5 * 5.0 / 4 * pow(mu, 3));
+    const double dim = 0.25 * cos(pi / 18) + 0.75 * cos(pi / 9); /* x^2 (3 - 2 x) of 1/4 */
     check("spot, inside", scene, 0.3 + 2 * tan(pi / 18.5), 0.4, 5.0 / 4 * pow(cos(pi / 18.5), 3));
+    check("spot, far out in its penumbra", scene, 0.3 + 2 * sqrt(1 / (dim * dim) - 1), 0.4,
+          0.15625 * 5.0 / 4 * pow(dim, 3));
     const estimate outside = irradiance_at(scene, 0.3, 0.4 - 2 * tan(pi / 8.9));
     assert_true(outside.mean == 0);
     ty_scene_destroy(scene);
 }
 
-/* A parallelogram's light from below its edge, by the rule of Gauss in both directions. */
-typedef struct area_light {
-    double to[3], u[3], v[3], normal[3], x;
-} area_light;
-
-static double area_at(const void* user, double y) {
-    const area_light* a = user;
-    double to[3];
-    for (int i = 0; i < 3; ++i) to[i] = a->to[i] + a->x * a->u[i] + y * a->v[i];
-    const double d2 = dot3(to, to), facing = -dot3(to, a->normal);
-    return facing > 0 && to[1] > 0 ? to[1] * facing / (d2 * d2) : 0;
-}
-
-static double area_line(const void* user, double x) {
-    area_light a = *(const area_light*)user;
-    a.x = x;
-    return integrate(area_at, &a, 0, 1, 8);
-}
-
-static double area_irradiance(const double corner[3], const double u[3], const double v[3], double x, double z) {
-    area_light a = {.to = {corner[0] - x, corner[1], corner[2] - z}};
-    memcpy(a.u, u, sizeof a.u);
-    memcpy(a.v, v, sizeof a.v);
-    cross3(u, v, a.normal); /* as long as the area: no other factor */
-    return integrate(area_line, &a, 0, 1, 8);
+/* Lambert's rule for the irradiance from a polygon of unit radiance: half the sum over its edges of the angle an edge
+ * is seen under times the cosine between the board's normal and that of the plane through the edge and (x, 0, z). */
+static double polygon_irradiance(const double corner[3], const double u[3], const double v[3], double x, double z) {
+    double to[4][3], sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        for (int a = 0; a < 3; ++a)
+            to[i][a] = corner[a] + (i == 1 || i == 2 ? u[a] : 0) + (i >= 2 ? v[a] : 0) - (double[]){x, 0, z}[a];
+        normalize3(to[i]);
+    }
+    for (int i = 0; i < 4; ++i) {
+        double across[3];
+        cross3(to[i], to[(i + 1) % 4], across);
+        sum += 0.5 * acos(dot3(to[i], to[(i + 1) % 4])) * across[1] / sqrt(dot3(across, across));
+    }
+    return fabs(sum);
 }
 
 /* An area light, or a quad that glows: u x v points down to the board; the other way round it must stay dark. */
@@ -124,10 +117,25 @@ static void test_area(void** state) {
     static const double corner[3] = {-0.5, 0.8, -0.3}, u[3] = {1, 0.2, 0.1}, v[3] = {0.2, 0.1, 1.5};
     for (int light = 0; light < 2; ++light) {
         ty_scene *scene = area_scene(*state, light, corner, u, v), *turned = area_scene(*state, light, corner, v, u);
-        check(light ? "area light" : "emissive quad", scene, -1.5, -1.2, 4 * area_irradiance(corner, u, v, -1.5, -1.2));
+        check(light ? "area light" : "emissive quad", scene, -1.5, -1.2,
+              4 * polygon_irradiance(corner, u, v, -1.5, -1.2));
         assert_true(irradiance_at(turned, -1.5, -1.2).mean == 0);
         ty_scene_destroy(scene);
         ty_scene_destroy(turned);
+    }
+}
+
+static void test_panel(void** state) {
+    static const double corner[3] = {-0.5, 0.6, -0.4}, u[3] = {1.2, 0, 0.1}, v[3] = {-0.2, 0, 0.9};
+    static const double at[3][2] = {{0, 0}, {-0.5, -0.4}, {1.4, -0.6}};
+    for (int light = 0; light < 2; ++light) {
+        ty_scene* scene = area_scene(*state, light, corner, u, v);
+        for (int i = 0; i < 3; ++i) {
+            const double x = at[i][0], z = at[i][1];
+            check(light ? "parallel area light" : "parallel emissive quad", scene, x, z,
+                  4 * polygon_irradiance(corner, u, v, x, z));
+        }
+        ty_scene_destroy(scene);
     }
 }
 
@@ -154,13 +162,85 @@ static void test_box(void** state) {
     add_shape(scene, &box);
     commit(scene);
     static const double low[3] = {0, 0.5, 0}, x[3] = {1, 0, 0}, y[3] = {0, 0.7, 0}, z[3] = {0, 0, 0.6};
-    const double expected = area_irradiance(low, x, z, -0.6, -0.5) + area_irradiance(low, z, y, -0.6, -0.5) +
-                            area_irradiance(low, y, x, -0.6, -0.5);
+    const double expected = polygon_irradiance(low, x, z, -0.6, -0.5) + polygon_irradiance(low, z, y, -0.6, -0.5) +
+                            polygon_irradiance(low, y, x, -0.6, -0.5);
     check("emissive box", scene, -0.6, -0.5, 2 * expected);
     ty_scene_destroy(scene);
 }
 
-/* Lights of every kind together, all in fog, reach the board as exp(-depth) where they are points and beams. */
+/* ---- environments ---- */
+
+static void test_constant_environment(void** state) {
+    ty_scene* scene = board_scene(*state);
+    ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 3);
+    light.scale = 0.5f;
+    add_light(scene, &light);
+    commit(scene);
+    check("constant environment", scene, 0.3, 0.4, pi * 1.5);
+    ty_scene_destroy(scene);
+}
+
+enum { MAP_WIDTH = 16, MAP_HEIGHT = 8, BRIGHT_ROW = 2 };
+
+/* What a bright row of a map brings to a board that faces up, at an angle from the vertical: radiance is linear between
+ * the rows' middles. */
+static double bright_row(const void* user, double angle) {
+    (void)user;
+    const double rows = angle / pi * MAP_HEIGHT - (BRIGHT_ROW + 0.5);
+    return fmax(0, 1 - fabs(rows)) * sin(angle) * cos(angle);
+}
+
+/* A map that is dark but for one texel, which lights as much as its share of a whole bright row. */
+static void test_bright_texel(void** state) {
+    ty_image* map = NULL;
+    must(*state, ty_image_create_rgb(*state, MAP_WIDTH, MAP_HEIGHT, &map));
+    for (int c = 0; c < 3; ++c) ty_image_plane(map, c)[BRIGHT_ROW * MAP_WIDTH + 5] = 40;
+    ty_scene* scene = board_scene(*state);
+    ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 1);
+    light.image = map;
+    light.rotation = 33;
+    add_light(scene, &light);
+    commit(scene);
+    const double middle = pi * (BRIGHT_ROW + 0.5) / MAP_HEIGHT, step = pi / MAP_HEIGHT;
+    const double row =
+        integrate(bright_row, NULL, middle - step, middle, 2) + integrate(bright_row, NULL, middle, middle + step, 2);
+    check("environment with one bright texel", scene, 0.3, 0.4, 40 * 2 * pi / MAP_WIDTH * row);
+    ty_scene_destroy(scene);
+    ty_image_destroy(map);
+}
+
+/* ---- together ---- */
+
+/* Forty lamps and spots under nine panels: what they bring adds up, however few of them a path looks at. */
+static void test_many(void** state) {
+    static const double x = 0.3, z = -0.4, u[3] = {0.5, 0, 0}, v[3] = {0, 0, 0.5};
+    ty_scene* scene = board_scene(*state);
+    double expected = 0, place[4];
+    for (int i = 0; i < 40; ++i) {
+        ty_light_def light = light_of(i % 4 ? TY_LIGHT_POINT : TY_LIGHT_SPOT, 1 + i % 7);
+        even_point(i, place);
+        set3(light.position, 6 * place[0] - 3, 0.8 + 1.7 * place[1], 6 * place[2] - 3);
+        light.cone = 120;
+        light.penumbra = 0;
+        add_light(scene, &light);
+        const double to[3] = {x - light.position[0], light.position[1], z - light.position[2]};
+        const double d2 = dot3(to, to), mu = to[1] / sqrt(d2);
+        if (light.kind == TY_LIGHT_POINT || mu > 0.5) expected += (1 + i % 7) * mu / d2;
+    }
+    for (int i = 0; i < 9; ++i) {
+        ty_light_def light = light_of(TY_LIGHT_AREA, 2);
+        set3(light.position, i % 3 * 2 - 2, 3, i / 3 * 2 - 2);
+        memcpy(light.u, u, sizeof u);
+        memcpy(light.v, v, sizeof v);
+        add_light(scene, &light);
+        expected += 2 * polygon_irradiance(light.position, u, v, x, z);
+    }
+    commit(scene);
+    check("forty lamps and nine panels", scene, x, z, expected);
+    ty_scene_destroy(scene);
+}
+
+/* A sun and a lamp, both in fog, reach the board as exp(-depth) where they are points and beams. */
 static void test_through_fog(void** state) {
     ty_scene* scene = board_scene(*state);
     ty_medium_def fog = medium_cube(4, 0, 0.3, 0);
@@ -185,8 +265,11 @@ static void test_through_fog(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_directional), cmocka_unit_test(test_points), cmocka_unit_test(test_spot),
-        cmocka_unit_test(test_area),        cmocka_unit_test(test_ball),   cmocka_unit_test(test_box),
+        cmocka_unit_test(test_directional),  cmocka_unit_test(test_points),
+        cmocka_unit_test(test_spot),         cmocka_unit_test(test_area),
+        cmocka_unit_test(test_panel),        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_box),          cmocka_unit_test(test_constant_environment),
+        cmocka_unit_test(test_bright_texel), cmocka_unit_test(test_many),
         cmocka_unit_test(test_through_fog),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);

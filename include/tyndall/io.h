@@ -14,20 +14,27 @@
 extern "C" {
 #endif
 
-/* Radiance .hdr, OpenEXR, PNG or JPEG, told by content. EXR: half, float and uint channels, scanlines or tiles (the
- * largest level), the parts of a multi-part file side by side ("part.channel") when they share a frame; the data window
- * becomes the image's frame; metadata comes along. PNG and JPEG: R, G, B (or Y), and A where there is one, 8 or 16 bit,
- * decoded from sRGB to linear (alpha is linear). Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
+/* Radiance .hdr, OpenEXR, PNG or JPEG, told by content.
+ * EXR: half, float and uint channels of any compression, scanlines or tiles (the largest level). The data window's
+ * place in the display window becomes the image's frame; metadata comes along. In a multi-part file, the first part's
+ * channels keep their names and those of the others are called "part.channel"; the image is the smallest that holds the
+ * data of all parts, 0 where a part has none, and has the first part's metadata. Subsampled channels and deep parts are
+ * refused.
+ * PNG and JPEG: R, G, B (or Y), and A where there is one, 8 or 16 bit, decoded from sRGB to linear (alpha is linear, and
+ * colour is not multiplied by it); gamma values and colour profiles in the file are not used. Palettes become R, G, B,
+ * and transparent colours A. CMYK becomes R, G, B without a profile. Orientation marks (EXIF) are not applied.
+ * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_read(ty_context* context, const char* path, ty_image** out);
 /* The same without decoding sRGB: PNG and JPEG samples as they are, 0..1, as for depth maps. */
 TY_API ty_result ty_image_read_raw(ty_context* context, const char* path, ty_image** out);
-/* One layer of an EXR: the channels "layer.NAME" under the names NAME; "" takes those without a layer.
- * A missing layer's message lists those that are there. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/* One layer of an image: the channels "layer.NAME" under the names NAME, which may have dots; "" takes those without a
+ * layer. Frame and metadata come along. A missing layer's message lists those that are there.
+ * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_layer(ty_context* context, const ty_image* image, const char* layer, ty_image** out);
 
-/* OpenEXR: all channels as 32-bit float, ZIP, with metadata. Errors: TY_ERROR_FILE, TY_ERROR_MEMORY. */
+/* OpenEXR: all channels as 32-bit float, ZIP, with metadata and frame. Errors: TY_ERROR_FILE, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_write_exr(ty_context* context, const ty_image* image, const char* path);
-/* PNG, 16-bit, one channel by its index, value * scale rounded and clamped to 0..65535; for depth and masks.
+/* PNG, 16-bit, one channel by its index, value * scale rounded and clamped to 0..65535 (NaN is 0); for depth and masks.
  * Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_write_png16(ty_context* context, const ty_image* image, int32_t channel, double scale,
                                       const char* path);
@@ -116,7 +123,7 @@ TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const
 /* ---- Any file ---- */
 
 /* A file's bytes, freed with ty_bytes_free, and writing bytes whole or not at all. Errors: TY_ERROR_FILE,
- * TY_ERROR_INPUT (more than limit bytes), TY_ERROR_MEMORY. */
+ * TY_ERROR_INPUT (more than limit bytes), TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size);
 TY_API void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size);
 TY_API ty_result ty_bytes_write(ty_context* context, const char* path, const void* bytes, size_t size);

@@ -30,7 +30,8 @@ enum {
     TY_AOV_ALL = 255
 };
 
-/* Takes the state of a render, bytes that only ty_path_def.resume understands; false cancels the work. */
+/* Takes the state of a render, bytes that only ty_path_def.resume understands; false cancels the work. Called from any
+ * thread, but never twice at a time nor while the progress function runs; other threads go on meanwhile. */
 typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 
 typedef struct ty_path_def {
@@ -47,7 +48,9 @@ typedef struct ty_path_def {
                               of the whole frame, bit for bit. Default 0: the whole frame */
     /* Images: every state_seconds (and at the end) the state of the work is handed out; resume takes it up again.
      * A resumed render gives the same image, bit for bit, as one that was never interrupted, with the same spp, seed,
-     * size, crop, aovs and scene; spp may also be larger than before. */
+     * size, crop, aovs, max_depth and scene, on a machine with the same instruction set (ty_path_stats.isa); spp may also
+     * be larger than before. Time that earlier runs took counts for seconds and in ty_path_stats. Memory: 56 bytes a
+     * pixel for the state, 232 with aovs other than variance and samples, and the same for the work itself. */
     ty_path_state_fn state; /* default NULL */
     void* state_user;
     double state_seconds; /* default 60 */
@@ -59,7 +62,7 @@ typedef struct ty_path_def {
 
 TY_API ty_path_def ty_default_path_def(void);
 
-/* What a run did. */
+/* What a run did; with what runs did that it resumed. */
 typedef struct ty_path_stats {
     double seconds;     /* wall clock */
     double cpu_seconds; /* over all threads */
@@ -71,7 +74,8 @@ typedef struct ty_path_stats {
 } ty_path_stats;
 
 /* Radiance through each pixel of the scene's camera: R, G, B, and what def->aovs asks for. On TY_CANCELLED *out is a
- * valid image with fewer samples. stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ * valid image with fewer samples. stats may be NULL.
+ * Errors: TY_ERROR_ARGUMENT, TY_ERROR_INPUT (def->resume), TY_ERROR_MEMORY. */
 TY_API ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats);
 
 /* Radiance arriving along given rays. rays: count x 6 doubles (origin, m; direction of view, any length);

@@ -2,21 +2,28 @@
 #define _GNU_SOURCE
 #include "base/context.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64 };
+
+static const double mebibyte = 1048576;
 
 struct ty_context {
     ty_context_def def;
     int32_t threads;
     pthread_mutex_t lock; /* guards message and the log callback */
     char message[MESSAGE_SIZE];
+    double machine_memory; /* bytes */
+    _Atomic size_t taken;  /* bytes of arrays that were not given back yet */
 };
 
 const char* ty_result_name(ty_result result) {
@@ -61,6 +68,12 @@ static int32_t available_processors(void) {
     return count < 1 ? 1 : count > TY_THREADS_MAX ? TY_THREADS_MAX : count;
 }
 
+/* Bytes of physical memory; infinite where the system does not tell. */
+static double physical_memory(void) {
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page > 0 ? (double)pages * (double)page : INFINITY;
+}
+
 ty_context_def ty_default_context_def(void) {
     return (ty_context_def){.cookie = TY_DEF_COOKIE};
 }
@@ -79,6 +92,8 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
     memset(context, 0, sizeof *context);
     context->def = copy;
     context->threads = copy.threads > 0 ? copy.threads : available_processors();
+    context->machine_memory = physical_memory();
+    atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
     *out = context;
     return TY_OK;
@@ -139,16 +154,31 @@ ty_result ty_check_def(ty_context* context, const void* def, const char* default
     return ty_fail(context, TY_ERROR_ARGUMENT, "a def was not made by %s()", default_function);
 }
 
+/* More than the machine has would be promised, and the process killed when it uses what it was promised. */
+static bool machine_has(const ty_context* context, double bytes) {
+    return bytes + (double)atomic_load(&context->taken) <= context->machine_memory;
+}
+
+ty_result ty_check_memory(ty_context* context, double bytes, const char* what) {
+    if (machine_has(context, bytes)) return TY_OK;
+    return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory: %.1f MiB are needed, and the machine has %.1f MiB",
+                   what, bytes / mebibyte, context->machine_memory / mebibyte);
+}
+
 void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, bool zero) {
     size_t size = 0;
     void* pointer = NULL;
-    if (!__builtin_mul_overflow(count, element_size, &size) && size <= (size_t)PTRDIFF_MAX - ALIGNMENT)
+    const bool sane = !__builtin_mul_overflow(count, element_size, &size) && size <= (size_t)PTRDIFF_MAX - ALIGNMENT;
+    if (sane && machine_has(context, (double)size))
         pointer = context->def.alloc(context->def.alloc_user, size == 0 ? 1 : size);
     if (pointer == NULL) {
-        ty_fail(context, TY_ERROR_MEMORY, "not enough memory for %.1f MiB",
-                (double)count * (double)element_size / 1048576.0);
+        ty_fail(context, TY_ERROR_MEMORY,
+                "not enough memory for %.1f MiB: %.1f MiB are in use, the machine has %.1f MiB",
+                (double)count * (double)element_size / mebibyte, (double)atomic_load(&context->taken) / mebibyte,
+                context->machine_memory / mebibyte);
         return NULL;
     }
+    atomic_fetch_add(&context->taken, size);
     if (zero) memset(pointer, 0, size);
     return pointer;
 }
@@ -156,6 +186,7 @@ void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, boo
 void ty_free_array(ty_context* context, void* pointer, size_t count, size_t element_size) {
     if (pointer == NULL) return;
     const size_t size = count * element_size;
+    atomic_fetch_sub(&context->taken, size);
     context->def.free(context->def.alloc_user, pointer, size == 0 ? 1 : size);
 }
 

@@ -18,10 +18,14 @@ void ty_log(ty_context* context, ty_log_level level, const char* format, ...) __
 /* Fails with TY_ERROR_ARGUMENT when def is NULL or was not made by its default function. */
 ty_result ty_check_def(ty_context* context, const void* def, const char* default_function);
 
-/* Memory aligned to 64 bytes from the context's allocator. ty_alloc_array checks the product for overflow, keeps a
- * message on failure and may be asked for zeros; a count of 0 gives a valid pointer. */
+/* Memory aligned to 64 bytes from the context's allocator. ty_alloc_array checks the product for overflow and that the
+ * context's arrays together fit the machine's memory, keeps a message on failure and may be asked for zeros; a count of
+ * 0 gives a valid pointer. */
 void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, bool zero);
 void ty_free_array(ty_context* context, void* pointer, size_t count, size_t element_size);
+/* Fails with TY_ERROR_MEMORY when several arrays that belong together, bytes in all, will not fit: before the first is
+ * taken, and naming what they are for. */
+ty_result ty_check_memory(ty_context* context, double bytes, const char* what);
 /* A copy of text (NULL counts as ""); freed with ty_free_text. */
 char* ty_copy_text(ty_context* context, const char* text);
 void ty_free_text(ty_context* context, char* text);

@@ -6,7 +6,7 @@
 
 typedef struct bench_options {
     bool json;
-    int32_t spp, size[2], runs;
+    int32_t spp, size[2], runs, side;
     const char* scenes;    /* names, comma-separated */
     const char* reference; /* folder of NAME.exr, or NULL */
 } bench_options;
@@ -20,6 +20,7 @@ typedef struct bench_session {
 /* Each returns CLI_DONE or an exit status after a message. */
 int bench_machine(const bench_session* bench);
 int bench_path(const bench_session* bench);
+int bench_load(const bench_session* bench);
 
 /* The middle one of count values (the mean of the middle two); sorts them. */
 double bench_median(double* values, int count);

@@ -1,17 +1,15 @@
 /* tyndall diff: how an image differs from a reference. */
 #include "cli/commands.h"
+#include "cli/difference.h"
 #include "cli/session.h"
 
 #include <inttypes.h>
-#include <math.h>
-
-static const char* const channel_names[4] = {"R", "G", "B", "all"};
 
 static void print_difference(const ty_difference* difference) {
     printf("%-8s %14s %14s %14s %14s\n", "", "mean ratio", "RMSE", "relative RMSE", "relMSE");
     for (int i = 0; i < 4; ++i)
-        printf("%-8s %14.8g %14.6g %14.6g %14.6g\n", channel_names[i], difference->mean_ratio[i], difference->rmse[i],
-               difference->relative_rmse[i], difference->rel_mse[i]);
+        printf("%-8s %14.8g %14.6g %14.6g %14.6g\n", cli_difference_names[i], difference->mean_ratio[i],
+               difference->rmse[i], difference->relative_rmse[i], difference->rel_mse[i]);
     printf("values that differ: %" PRId64 "\nvalues not finite:  %" PRId64 "\n", difference->differing,
            difference->not_finite);
 }
@@ -19,54 +17,8 @@ static void print_difference(const ty_difference* difference) {
 static void print_difference_json(const ty_difference* difference) {
     json_writer json = json_begin(stdout);
     json_open_object(&json, NULL);
-    for (int i = 0; i < 4; ++i) {
-        json_open_object(&json, channel_names[i]);
-        json_number(&json, "mean_ratio", difference->mean_ratio[i]);
-        json_number(&json, "rmse", difference->rmse[i]);
-        json_number(&json, "relative_rmse", difference->relative_rmse[i]);
-        json_number(&json, "rel_mse", difference->rel_mse[i]);
-        json_close_object(&json);
-    }
-    json_integer(&json, "differing", difference->differing);
-    json_integer(&json, "not_finite", difference->not_finite);
+    cli_difference_json(&json, difference);
     json_close_object(&json);
-}
-
-/* Red where a is brighter than b, blue where it is darker; full at 100 percent of b or of a tenth of b's mean,
- * whichever is larger. */
-static ty_result make_heat_map(cli_session* session, const ty_image* a, const ty_image* b, ty_image** out) {
-    const int32_t width = ty_image_width(a), height = ty_image_height(a);
-    const int64_t count = (int64_t)width * height;
-    const float *pa[3], *pb[3];
-    if (!ty_image_rgb_planes(a, pa) || !ty_image_rgb_planes(b, pb)) return TY_ERROR_ARGUMENT;
-    const ty_result result = ty_image_create_rgb(session->context, width, height, out);
-    if (result != TY_OK) return result;
-    double mean = 0;
-    for (int64_t i = 0; i < count; ++i) {
-        const double sum = (double)pb[0][i] + (double)pb[1][i] + (double)pb[2][i];
-        if (isfinite(sum)) mean += sum / (double)count;
-    }
-    float *red = ty_image_plane(*out, 0), *green = ty_image_plane(*out, 1), *blue = ty_image_plane(*out, 2);
-    for (int64_t i = 0; i < count; ++i) {
-        const double sum_a = (double)pa[0][i] + (double)pa[1][i] + (double)pa[2][i];
-        const double sum_b = (double)pb[0][i] + (double)pb[1][i] + (double)pb[2][i];
-        const double relative = (sum_a - sum_b) / fmax(fmax(sum_b, 0.1 * mean), 1e-30);
-        if (!isfinite(relative)) {
-            green[i] = 1;
-            continue;
-        }
-        red[i] = (float)fmin(fmax(relative, 0), 1);
-        blue[i] = (float)fmin(fmax(-relative, 0), 1);
-    }
-    return TY_OK;
-}
-
-static int write_heat_map(cli_session* session, const ty_image* a, const ty_image* b, const char* path) {
-    ty_image* map = NULL;
-    ty_result result = make_heat_map(session, a, b, &map);
-    if (result == TY_OK) result = ty_image_write_png(session->context, map, 0, false, path);
-    ty_image_destroy(map);
-    return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
 static int diff_images(cli_session* session, const ty_image* a, const ty_image* b, int32_t block, bool json,
@@ -78,7 +30,8 @@ static int diff_images(cli_session* session, const ty_image* a, const ty_image* 
         print_difference_json(&difference);
     else
         print_difference(&difference);
-    return png == NULL ? CLI_DONE : write_heat_map(session, a, b, png);
+    const ty_result written = png == NULL ? TY_OK : cli_write_heat_map(session->context, a, b, png);
+    return written == TY_OK ? CLI_DONE : cli_fail_running(session, written);
 }
 
 static int diff_files(cli_session* session, const char* const paths[2], int32_t block, bool json, const char* png) {

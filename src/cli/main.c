@@ -18,6 +18,9 @@ static const command commands[] = {
     {"render", "render a scene to an image", cli_render},
     {"info", "what a scene, volume or image holds", cli_info},
     {"diff", "how an image differs from another", cli_diff},
+    {"merge", "renderings of one scene to a better or larger one", cli_merge},
+    {"compare", "methods or images with a reference", cli_compare},
+    {"convert", "a volume or an image as another kind of file", cli_convert},
     {"bench", "measure speed", cli_bench},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };

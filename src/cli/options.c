@@ -91,7 +91,7 @@ static bool parse_int(const char* text, int64_t* out) {
     return true;
 }
 
-static bool parse_real(const char* text, double* out) {
+bool cli_parse_real(const char* text, double* out) {
     if (!is_number_start(text) || strpbrk(text, "xX") != NULL) return false;
     char* end = NULL;
     const double value = strtod(text, &end);
@@ -100,7 +100,7 @@ static bool parse_real(const char* text, double* out) {
     return true;
 }
 
-static bool parse_seed(const char* text, uint64_t* out) {
+bool cli_parse_seed(const char* text, uint64_t* out) {
     if (text[0] < '0' || text[0] > '9') return false;
     char* end = NULL;
     errno = 0;
@@ -123,6 +123,22 @@ static bool parse_size(const char* text, int32_t out[2]) {
         out[i] = (int32_t)sides[i];
     }
     return true;
+}
+
+/* "10,20,64x48": x, y, width, height. */
+static bool parse_crop(const char* text, int32_t out[4]) {
+    for (int i = 0; i < 2; ++i) {
+        char number[8];
+        const size_t length = strcspn(text, ",");
+        int64_t value = 0;
+        if (text[length] != ',' || length >= sizeof number) return false;
+        memcpy(number, text, length);
+        number[length] = '\0';
+        if (!parse_int(number, &value) || value < 0 || value > 65536) return false;
+        out[i] = (int32_t)value;
+        text += length + 1;
+    }
+    return parse_size(text, out + 2);
 }
 
 /* The index of text among the words of "auto|plain|none", or -1. */
@@ -160,13 +176,13 @@ static int store_value(const char* command, const cli_option* option, const char
         break;
     }
     case CLI_SEED:
-        if (!parse_seed(text, option->target))
+        if (!cli_parse_seed(text, option->target))
             return cli_usage_error(command, "--%s: '%s' is not a whole number from 0 to %" PRIu64, option->name, text,
                                    UINT64_MAX);
         break;
     case CLI_REAL: {
         double value = 0;
-        if (!parse_real(text, &value) || value < option->lower || value > option->upper)
+        if (!cli_parse_real(text, &value) || value < option->lower || value > option->upper)
             return cli_usage_error(command, "--%s: '%s' is not a number from %g to %g", option->name, text,
                                    option->lower, option->upper);
         *(double*)option->target = value;
@@ -176,6 +192,11 @@ static int store_value(const char* command, const cli_option* option, const char
         if (!parse_size(text, option->target))
             return cli_usage_error(command, "--%s: '%s' is not a size like 800x600 (sides 1 to 65536)", option->name,
                                    text);
+        break;
+    case CLI_CROP:
+        if (!parse_crop(text, option->target))
+            return cli_usage_error(command, "--%s: '%s' is not a part of the frame like 10,20,64x48 (X,Y,WxH)",
+                                   option->name, text);
         break;
     case CLI_CHOICE: {
         const int choice = find_choice(option->value, text);

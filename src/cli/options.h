@@ -9,7 +9,7 @@
 /* Exit statuses. cli_parse returns one of them, or CLI_GO when the command should run. */
 enum { CLI_GO = -1, CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
 
-enum { CLI_LIST_MAX = 256, CLI_POSITIONAL_MAX = 2 };
+enum { CLI_LIST_MAX = 256, CLI_POSITIONAL_MAX = 256 };
 
 typedef struct cli_list {
     const char* items[CLI_LIST_MAX];
@@ -25,6 +25,7 @@ typedef enum cli_kind {
     CLI_SEED,   /* uint64_t */
     CLI_REAL,   /* double in [lower, upper] */
     CLI_SIZE,   /* int32_t[2], "800x600", each in 1..65536 */
+    CLI_CROP,   /* int32_t[4], "10,20,64x48": x, y, width, height */
     CLI_CHOICE, /* int: which word of `value`, "auto|plain|none" */
 } cli_kind;
 
@@ -74,6 +75,10 @@ int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_argumen
 
 /* Reports wrong usage of a command (printf-like) and returns CLI_USAGE. */
 int cli_usage_error(const char* command, const char* format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Numbers as options take them: decimal, finite, nothing before or after. */
+bool cli_parse_real(const char* text, double* out);
+bool cli_parse_seed(const char* text, uint64_t* out);
 
 /* Prints the options all commands share, as in --help. */
 void cli_print_common_options(void);

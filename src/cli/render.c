@@ -1,5 +1,9 @@
 /* tyndall render: a scene to an image. */
+#include "cli/aovs.h"
+#include "cli/checkpoint.h"
 #include "cli/commands.h"
+#include "cli/methods.h"
+#include "cli/report.h"
 #include "cli/session.h"
 
 #include <inttypes.h>
@@ -9,81 +13,12 @@ enum { SPP_MAX = 1 << 24 };
 
 typedef struct render_options {
     const char *output, *png, *aov, *method;
-    int32_t spp, size[2];
-    double time, error, exposure;
-    bool spp_given, exposure_given;
+    uint32_t aovs;
+    int32_t spp, size[2], crop[4];
+    double time, error, exposure, checkpoint;
+    bool spp_given, exposure_given, checkpoint_given, resume;
     cli_list overrides;
 } render_options;
-
-/* What a run did, for --stats and the file's metadata. */
-typedef struct render_report {
-    char scene[17]; /* hash */
-    size_t scene_bytes;
-    char method[16];
-    ty_path_stats path;
-    uint64_t seed;
-    int32_t width, height;
-    double load_seconds;
-    bool complete;
-} render_report;
-
-static void add_stats(json_writer* json, const void* user) {
-    const render_report* report = user;
-    json_text(json, "method", report->method);
-    json_text(json, "scene", report->scene);
-    json_integer(json, "scene_bytes", (int64_t)report->scene_bytes);
-    json_integer(json, "width", report->width);
-    json_integer(json, "height", report->height);
-    json_unsigned(json, "seed", report->seed);
-    json_bool(json, "complete", report->complete);
-    json_number(json, "spp", report->path.spp);
-    json_unsigned(json, "paths", report->path.paths);
-    json_unsigned(json, "vertices", report->path.vertices);
-    json_number(json, "error", report->path.error);
-    json_text(json, "isa", report->path.isa == NULL ? "" : report->path.isa);
-    json_number(json, "load_seconds", report->load_seconds);
-    json_number(json, "render_seconds", report->path.seconds);
-    json_number(json, "render_cpu_seconds", report->path.cpu_seconds);
-}
-
-static ty_result set_metadata(ty_image* image, const render_report* report) {
-    char seed[24];
-    snprintf(seed, sizeof seed, "%" PRIu64, report->seed);
-    const struct {
-        const char *key, *value;
-    } texts[] = {
-        {"tyndall.version", ty_version()},
-        {"tyndall.method", report->method},
-        {"tyndall.scene", report->scene},
-        {"tyndall.seed", seed}, /* text: a double does not hold 64 bits */
-    };
-    const struct {
-        const char* key;
-        double value;
-    } numbers[] = {
-        {"tyndall.spp", report->path.spp},
-        {"tyndall.seconds", report->path.seconds},
-        {"tyndall.error", report->path.error},
-        {"tyndall.complete", report->complete ? 1 : 0},
-    };
-    ty_result result = TY_OK;
-    for (size_t i = 0; result == TY_OK && i < sizeof texts / sizeof texts[0]; ++i)
-        result = ty_image_set_text(image, texts[i].key, texts[i].value);
-    for (size_t i = 0; result == TY_OK && i < sizeof numbers / sizeof numbers[0]; ++i)
-        result = ty_image_set_number(image, numbers[i].key, numbers[i].value);
-    return result;
-}
-
-/* The image's R, G and B alone. */
-static ty_result copy_rgb(ty_context* context, const ty_image* image, ty_image** out) {
-    const int32_t width = ty_image_width(image), height = ty_image_height(image);
-    const float* planes[3];
-    if (!ty_image_rgb_planes(image, planes)) return TY_ERROR_INTERNAL;
-    const ty_result result = ty_image_create_rgb(context, width, height, out);
-    for (int32_t channel = 0; result == TY_OK && channel < 3; ++channel)
-        memcpy(ty_image_plane(*out, channel), planes[channel], sizeof(float) * (size_t)width * (size_t)height);
-    return result;
-}
 
 static ty_result write_images(cli_session* session, const render_options* options, const ty_image* image,
                               double exposure) {
@@ -98,17 +33,17 @@ static ty_result write_images(cli_session* session, const render_options* option
     return TY_OK;
 }
 
-static void print_closing_lines(const render_options* options, const render_report* report) {
-    printf("%s: %dx%d, %.4g spp, relative error %.3g%%, %.1f s (%.3g Mpaths/s)%s\n", report->method, report->width,
+static void print_closing_lines(const render_options* options, const cli_report* report) {
+    printf("%s: %dx%d, %.4g spp, relative error %.3g%%, %.1f s (%.3g Mpaths/s)%s%s\n", report->method, report->width,
            report->height, report->path.spp, 100 * report->path.error, report->path.seconds,
            report->path.seconds > 0 ? 1e-6 * (double)report->path.paths / report->path.seconds : 0.0,
-           report->complete ? "" : ", interrupted");
+           report->resumed ? ", resumed" : "", report->complete ? "" : ", interrupted");
     printf("wrote %s\n", options->output);
     if (options->png != NULL) printf("wrote %s\n", options->png);
 }
 
 static ty_path_def make_path_def(const render_options* options, cli_session* session,
-                                 const ty_render_settings* settings) {
+                                 const ty_render_settings* settings, cli_checkpoint* checkpoint) {
     ty_path_def def = ty_default_path_def();
     const bool bounded_otherwise = options->time > 0 || options->error > 0;
     def.spp = options->spp_given ? options->spp : bounded_otherwise ? SPP_MAX : settings->spp;
@@ -118,60 +53,103 @@ static ty_path_def make_path_def(const render_options* options, cli_session* ses
     def.error = options->error;
     def.width = options->size[0];
     def.height = options->size[1];
+    def.aovs = options->aovs | TY_AOV_SAMPLES;
+    memcpy(def.crop, options->crop, sizeof def.crop);
     def.progress = cli_progress_report;
     def.progress_user = &session->progress;
+    if (options->resume) {
+        def.state = cli_checkpoint_write;
+        def.state_user = checkpoint;
+        def.state_seconds = options->checkpoint;
+        def.resume = checkpoint->bytes;
+        def.resume_size = checkpoint->size;
+    }
     return def;
 }
 
-/* Renders and writes the scene; the exit status. */
-static int render_scene(cli_session* session, const ty_scene* scene, const render_options* options,
-                        render_report* report) {
-    const ty_render_settings settings = ty_scene_render_settings(scene);
-    const char* method = options->method != NULL ? options->method : settings.method;
-    if (strcmp(method, "path") != 0) return cli_usage_error("render", "unknown method '%s'; known: path", method);
-    snprintf(report->method, sizeof report->method, "%s", method);
-    snprintf(report->scene, sizeof report->scene, "%016" PRIx64, ty_scene_hash(scene));
-    report->scene_bytes = ty_scene_get_info(scene).bytes;
-    const ty_path_def def = make_path_def(options, session, &settings);
-    report->seed = def.seed;
-    ty_image* image = NULL;
-    ty_result result = ty_path_render(scene, &def, &image, &report->path);
+/* What is to be said of errors that are not of the state: nothing more. */
+static int fail_rendering(cli_session* session, ty_result result, const cli_checkpoint* checkpoint) {
+    if (result != TY_ERROR_INPUT || checkpoint->bytes == NULL) return cli_fail_running(session, result);
     cli_progress_clear(&session->progress);
-    if (result != TY_OK && result != TY_CANCELLED) return cli_fail_running(session, result);
-    report->complete = result == TY_OK;
-    report->width = ty_image_width(image);
-    report->height = ty_image_height(image);
-    if (options->aov == NULL) {
-        ty_image* rgb = NULL;
-        result = copy_rgb(session->context, image, &rgb);
-        ty_image_destroy(image);
-        image = rgb;
-        if (result != TY_OK) return cli_fail_running(session, result);
-    }
-    const double exposure = options->exposure_given ? options->exposure : ty_scene_camera(scene).exposure;
-    result = set_metadata(image, report);
-    if (result == TY_OK) result = write_images(session, options, image, exposure);
-    ty_image_destroy(image);
+    return cli_fail(CLI_USAGE, "%s: %s; remove it to begin anew", checkpoint->path, ty_last_error(session->context));
+}
+
+/* Writes a finished or partial image; the exit status. */
+static int write_result(cli_session* session, const render_options* options, const cli_report* report, ty_image** image,
+                        double exposure) {
+    ty_result result = (options->aovs & TY_AOV_SAMPLES) == 0 ? cli_drop_even_samples(session->context, image) : TY_OK;
+    if (result == TY_OK) result = cli_report_metadata(*image, report);
+    if (result == TY_OK) result = write_images(session, options, *image, exposure);
     if (result != TY_OK) return cli_fail_running(session, result);
     if (!session->common.quiet) print_closing_lines(options, report);
     return report->complete ? CLI_DONE : CLI_INTERRUPTED;
 }
 
+/* Renders and writes the scene; the exit status. */
+static int render_scene(cli_session* session, const ty_scene* scene, const render_options* options,
+                        cli_checkpoint* checkpoint, cli_report* report) {
+    const ty_render_settings settings = ty_scene_render_settings(scene);
+    const cli_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
+    if (method == NULL) return CLI_USAGE;
+    const ty_path_def def = make_path_def(options, session, &settings, checkpoint);
+    report->method = method->name;
+    report->seed = def.seed;
+    report->scene_bytes = ty_scene_get_info(scene).bytes;
+    snprintf(report->scene, sizeof report->scene, "%016" PRIx64, ty_scene_hash(scene));
+    report->resumed = def.resume != NULL;
+    ty_image* image = NULL;
+    const ty_result result = method->render(scene, &def, &image, &report->path);
+    cli_progress_clear(&session->progress);
+    if (result != TY_OK && result != TY_CANCELLED) return fail_rendering(session, result, checkpoint);
+    report->complete = result == TY_OK;
+    report->width = ty_image_width(image);
+    report->height = ty_image_height(image);
+    const double exposure = options->exposure_given ? options->exposure : ty_scene_camera(scene).exposure;
+    const int status = write_result(session, options, report, &image, exposure);
+    ty_image_destroy(image);
+    return status;
+}
+
+static int load_and_render(cli_session* session, const char* path, const render_options* options) {
+    cli_checkpoint checkpoint = {.session = session};
+    cli_report report = {.method = "", .complete = false};
+    ty_scene* scene = NULL;
+    int status = options->resume ? cli_checkpoint_open(&checkpoint, session, options->output) : CLI_GO;
+    if (status == CLI_GO) {
+        const ty_result result =
+            ty_scene_load(session->context, path, options->overrides.items, options->overrides.count, &scene);
+        if (result != TY_OK) status = cli_fail_reading(session, result);
+    }
+    if (status == CLI_GO) {
+        report.load_seconds = cli_wall_seconds() - session->started;
+        session->stats = cli_report_stats;
+        session->stats_user = &report;
+        status = render_scene(session, scene, options, &checkpoint, &report);
+    }
+    ty_scene_destroy(scene);
+    cli_checkpoint_close(&checkpoint);
+    return cli_session_close(session, status);
+}
+
 /* What can be known to be wrong before any work. */
-static int check_options(const render_options* options) {
+static int check_options(render_options* options) {
     if (options->output == NULL) return cli_usage_error("render", "where to? Give -o OUT.exr or -o OUT.png");
-    if (!cli_has_extension(options->output, ".exr") && !cli_has_extension(options->output, ".png"))
+    const bool png = cli_has_extension(options->output, ".png");
+    if (!png && !cli_has_extension(options->output, ".exr"))
         return cli_usage_error("render", "%s: the extension is not .exr or .png", options->output);
     if (options->png != NULL && !cli_has_extension(options->png, ".png"))
         return cli_usage_error("render", "%s: the extension is not .png", options->png);
-    if (options->aov != NULL && strcmp(options->aov, "variance") != 0)
-        return cli_usage_error("render", "unknown --aov '%s'; known: variance", options->aov);
-    const int status = cli_check_output("render", options->output);
+    if (options->aov != NULL && png)
+        return cli_usage_error("render", "--aov is for .exr images, and %s is none", options->output);
+    if (options->checkpoint_given && !options->resume)
+        return cli_usage_error("render", "--checkpoint says how often --resume saves; give both");
+    int status = options->aov != NULL ? cli_parse_aovs("render", options->aov, &options->aovs) : CLI_GO;
+    if (status == CLI_GO) status = cli_check_output("render", options->output);
     return status != CLI_GO || options->png == NULL ? status : cli_check_output("render", options->png);
 }
 
 int cli_render(int count, char** arguments) {
-    render_options options = {0};
+    render_options options = {.checkpoint = 60};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
@@ -183,18 +161,29 @@ int cli_render(int count, char** arguments) {
         {"error", 0, CLI_REAL, "E", "stop at this relative error of the pixels, 0.01 for 1%", &options.error, 1e-6, 1,
          NULL},
         {"size", 0, CLI_SIZE, "WxH", "pixels (default: what the scene says)", options.size, 0, 0, NULL},
+        {"crop", 0, CLI_CROP, "X,Y,WxH", "only this part of the frame, from the top left", options.crop, 0, 0, NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
          &options.overrides, 0, 0, NULL},
         {"png", 0, CLI_TEXT, "FILE", "also write a PNG", &options.png, 0, 0, NULL},
         {"exposure", 0, CLI_REAL, "STOPS", "of the PNG (default: the camera's)", &options.exposure, -64, 64,
          &options.exposure_given},
-        {"aov", 0, CLI_TEXT, "NAME", "also write these channels to the EXR: variance", &options.aov, 0, 0, NULL},
+        {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
+        {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,
+         0, 0, NULL},
+        {"checkpoint", 0, CLI_REAL, "SECONDS", "how often --resume writes FILE.state (default 60)", &options.checkpoint,
+         0.05, 1e6, &options.checkpoint_given},
     };
     const cli_syntax syntax = {
         "render",
         "SCENE -o OUT.exr|OUT.png [options]",
         "Renders a scene to an image.",
-        "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130.",
+        "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130.\n\n"
+        "With --resume the same command goes on where the last one was interrupted, also by a crash, and ends with\n"
+        "the same image; the seconds of all runs count for --time, and --spp may be larger than before.\n\n"
+        "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "
+        "media\n"
+        "scattered once, and otherwise), albedo (fraction that media scatter), normal, variance (of the pixels),\n"
+        "samples, or all. Partial images always have samples, so that 'tyndall merge' knows what they weigh.",
         table,
         sizeof table / sizeof table[0],
         1,
@@ -204,16 +193,5 @@ int cli_render(int count, char** arguments) {
     if (status == CLI_GO) status = check_options(&options);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "render", &given.common);
-    if (status != CLI_GO) return status;
-
-    ty_scene* scene = NULL;
-    const ty_result result =
-        ty_scene_load(session.context, given.positional[0], options.overrides.items, options.overrides.count, &scene);
-    if (result != TY_OK) return cli_session_close(&session, cli_fail_reading(&session, result));
-    render_report report = {.load_seconds = cli_wall_seconds() - session.started};
-    session.stats = add_stats;
-    session.stats_user = &report;
-    status = render_scene(&session, scene, &options, &report);
-    ty_scene_destroy(scene);
-    return cli_session_close(&session, status);
+    return status == CLI_GO ? load_and_render(&session, given.positional[0], &options) : status;
 }

@@ -141,6 +141,17 @@ int cli_check_output(const char* command, const char* path) {
     return result;
 }
 
+int cli_make_folder(const char* command, const char* path) {
+    struct stat status;
+    if (mkdir(path, 0777) != 0 && errno != EEXIST)
+        return cli_usage_error(command, "the folder %s cannot be made: %s", path, strerror(errno));
+    if (stat(path, &status) != 0 || !S_ISDIR(status.st_mode))
+        return cli_usage_error(command, "%s is there already and is not a folder", path);
+    if (access(path, W_OK | X_OK) != 0)
+        return cli_usage_error(command, "the folder %s cannot be written to: %s", path, strerror(errno));
+    return CLI_GO;
+}
+
 bool cli_has_extension(const char* path, const char* extension) {
     const size_t length = strlen(path), size = strlen(extension);
     return length > size && strcasecmp(path + length - size, extension) == 0;

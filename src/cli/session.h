@@ -32,6 +32,8 @@ int cli_fail(int status, const char* format, ...) __attribute__((format(printf, 
 
 /* Checks before long work that a file can be made at path: CLI_GO, or CLI_USAGE after a message. */
 int cli_check_output(const char* command, const char* path);
+/* The same for a folder, which is made if it is missing. */
+int cli_make_folder(const char* command, const char* path);
 /* Whether path ends in extension (".exr"), in any case. */
 bool cli_has_extension(const char* path, const char* extension);
 

@@ -6,13 +6,11 @@
 
 #include <stdatomic.h>
 
-enum { SIZE_MAX_AXIS = 16384 };
-
 ty_grid_def ty_default_grid_def(void) {
     return (ty_grid_def){.cookie = TY_DEF_COOKIE, .type = TY_GRID_F32, .index_to_local = ty_affine_identity()};
 }
 
-static size_t value_size(ty_grid_type type) {
+size_t ty_grid_value_size(ty_grid_type type) {
     return type == TY_GRID_F16 ? sizeof(uint16_t) : sizeof(float);
 }
 
@@ -20,9 +18,9 @@ static ty_result check_def(ty_context* context, const ty_grid_def* def) {
     const ty_result result = ty_check_def(context, def, "ty_default_grid_def");
     if (result != TY_OK) return result;
     for (int a = 0; a < 3; ++a)
-        if (def->size[a] < 1 || def->size[a] > SIZE_MAX_AXIS)
+        if (def->size[a] < 1 || def->size[a] > TY_GRID_SIDE_MAX)
             return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's size along %c is %d, outside 1..%d", "xyz"[a],
-                           def -> size[a], SIZE_MAX_AXIS);
+                           def -> size[a], TY_GRID_SIDE_MAX);
     if (def->type != TY_GRID_F32 && def->type != TY_GRID_F16)
         return ty_fail(context, TY_ERROR_ARGUMENT, "a grid's type is %d, not a ty_grid_type", (int)def->type);
     ty_affine inverse;
@@ -32,90 +30,163 @@ static ty_result check_def(ty_context* context, const ty_grid_def* def) {
     return TY_OK;
 }
 
-/* Replaces NaN and Inf by 0; returns how many there were. */
-static size_t mend_values(ty_grid* grid) {
+/* Extremes and sum of one slice of voxels, and how many of its values were not finite. */
+typedef struct slice_range {
+    float min, max;
+    double sum;
+    size_t mended;
+} slice_range;
+
+/* Work for ty_parallel_for: the grid, a result per slice, and buffers of a row of floats or two per worker. */
+typedef struct grid_job {
+    ty_grid* grid;
+    slice_range* slices;
+    float* rows;
+} grid_job;
+
+static size_t mend_halves(uint16_t* values, size_t count) {
     size_t mended = 0;
-    if (grid->type == TY_GRID_F16) {
-        uint16_t* values = grid->values;
-        for (size_t i = 0; i < grid->voxels; ++i)
-            if ((values[i] & 0x7c00u) == 0x7c00u) {
-                values[i] = 0;
-                ++mended;
-            }
-    } else {
-        float* values = grid->values;
-        for (size_t i = 0; i < grid->voxels; ++i)
-            if (!isfinite(values[i])) {
-                values[i] = 0;
-                ++mended;
-            }
+    for (size_t i = 0; i < count; ++i) {
+        const bool bad = (values[i] & 0x7c00u) == 0x7c00u;
+        values[i] = bad ? 0 : values[i];
+        mended += bad;
     }
     return mended;
 }
 
-/* One row of bricks along x (item = j + bricks[1] * k). */
-static void brick_row(void* user, int64_t item, int32_t worker) {
-    (void)worker;
-    ty_grid* grid = user;
-    const int32_t bj = (int32_t)(item % grid->bricks[1]), bk = (int32_t)(item / grid->bricks[1]);
-    const ty_grid_view view = ty_grid_get_view(grid);
-    for (int32_t bi = 0; bi < grid->bricks[0]; ++bi) {
-        float low = TY_FLOAT_MAX, high = -TY_FLOAT_MAX;
-        for (int32_t k = TY_BRICK * bk - 1; k <= TY_BRICK * (bk + 1) - 1; ++k)
-            for (int32_t j = TY_BRICK * bj - 1; j <= TY_BRICK * (bj + 1) - 1; ++j)
-                for (int32_t i = TY_BRICK * bi - 1; i <= TY_BRICK * (bi + 1) - 1; ++i) {
-                    const float value = ty_grid_fetch(&view, i, j, k);
-                    low = ty_minf(low, value);
-                    high = ty_maxf(high, value);
-                }
-        float* pair = grid->extremes + 2 * (bi + (size_t)grid->bricks[0] * (size_t)item);
-        pair[0] = low;
-        pair[1] = high;
+static size_t mend_floats(float* values, size_t count) {
+    size_t mended = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const bool bad = (ty_bits_from_float(values[i]) & 0x7f800000u) == 0x7f800000u;
+        values[i] = bad ? 0 : values[i];
+        mended += bad;
     }
+    return mended;
 }
 
-/* Extremes and sum of one slice of voxels. */
-typedef struct slice_range {
-    float min, max;
-    double sum;
-} slice_range;
+static size_t row_start(const ty_grid* grid, int32_t j, int32_t k) {
+    return (size_t)grid->size[0] * ((size_t)j + (size_t)grid->size[1] * (size_t)k);
+}
 
-typedef struct range_job {
-    const ty_grid* grid;
-    slice_range* slices;
-} range_job;
+/* A row of voxels as floats: the storage itself, or converted into buffer. */
+static const float* row_of(const ty_grid* grid, int32_t j, int32_t k, float* buffer) {
+    if (grid->type == TY_GRID_F32) return (const float*)grid->values + row_start(grid, j, k);
+    const uint16_t* halves = (const uint16_t*)grid->values + row_start(grid, j, k);
+    for (int32_t i = 0; i < grid->size[0]; ++i) buffer[i] = ty_half_to_float(halves[i]);
+    return buffer;
+}
 
+/* Replaces NaN and Inf by 0, then takes the extremes and the sum, which is made in the order of the voxels. */
 static void slice_of_range(void* user, int64_t k, int32_t worker) {
-    (void)worker;
-    const range_job* job = user;
-    const ty_grid_view view = ty_grid_get_view(job->grid);
+    const grid_job* job = user;
+    const ty_grid* grid = job->grid;
+    const size_t nx = (size_t)grid->size[0];
     slice_range range = {.min = TY_FLOAT_MAX, .max = -TY_FLOAT_MAX};
-    for (int32_t j = 0; j < job->grid->size[1]; ++j)
-        for (int32_t i = 0; i < job->grid->size[0]; ++i) {
-            const float value = ty_grid_fetch(&view, i, j, (int32_t)k);
-            range.min = ty_minf(range.min, value);
-            range.max = ty_maxf(range.max, value);
-            range.sum += value;
+    for (int32_t j = 0; j < grid->size[1]; ++j) {
+        const size_t start = row_start(grid, j, (int32_t)k);
+        range.mended += grid->type == TY_GRID_F16 ? mend_halves((uint16_t*)grid->values + start, nx)
+                                                  : mend_floats((float*)grid->values + start, nx);
+        const float* row = row_of(grid, j, (int32_t)k, job->rows + 3 * nx * (size_t)worker);
+        float low = range.min, high = range.max;
+        double sum = range.sum;
+#pragma omp simd reduction(min : low) reduction(max : high)
+        for (size_t i = 0; i < nx; ++i) {
+            low = row[i] < low ? row[i] : low;
+            high = row[i] > high ? row[i] : high;
         }
+        for (size_t i = 0; i < nx; ++i) sum += row[i];
+        range.min = low;
+        range.max = high;
+        range.sum = sum;
+    }
     job->slices[k] = range;
 }
 
-static ty_result find_range(ty_grid* grid) {
-    const size_t count = (size_t)grid->size[2];
-    range_job job = {.grid = grid, .slices = ty_alloc_array(grid->context, count, sizeof *job.slices, false)};
-    if (job.slices == NULL) return TY_ERROR_MEMORY;
-    ty_parallel_for(grid->context, grid->size[2], slice_of_range, &job);
+static void fold_row(const float* row, int32_t count, float* low, float* high) {
+    for (int32_t i = 0; i < count; ++i) {
+        low[i] = ty_minf(low[i], row[i]);
+        high[i] = ty_maxf(high[i], row[i]);
+    }
+}
+
+static int32_t clamp_index(int32_t index, int32_t size) {
+    return index < 0 ? 0 : index >= size ? size - 1 : index;
+}
+
+/* The extremes over the rows of the bricks (j, k), each voxel of x apart; returns whether a row outside a placed grid
+ * was among them, where the background counts. */
+static bool fold_rows(const ty_grid* grid, int32_t bj, int32_t bk, float* low, float* high, float* buffer) {
+    bool beyond = false;
+    for (int32_t i = 0; i < grid->size[0]; ++i) {
+        low[i] = TY_FLOAT_MAX;
+        high[i] = -TY_FLOAT_MAX;
+    }
+    for (int32_t k = TY_BRICK * bk - 1; k <= TY_BRICK * (bk + 1) - 1; ++k)
+        for (int32_t j = TY_BRICK * bj - 1; j <= TY_BRICK * (bj + 1) - 1; ++j) {
+            const int32_t row = clamp_index(j, grid->size[1]), slice = clamp_index(k, grid->size[2]);
+            if (grid->placed && (row != j || slice != k))
+                beyond = true;
+            else
+                fold_row(row_of(grid, row, slice, buffer), grid->size[0], low, high);
+        }
+    return beyond;
+}
+
+/* One row of bricks along x (item = j + bricks[1] * k). */
+static void brick_row(void* user, int64_t item, int32_t worker) {
+    const grid_job* job = user;
+    const ty_grid* grid = job->grid;
+    const int32_t nx = grid->size[0];
+    float* low = job->rows + 3 * (size_t)nx * (size_t)worker;
+    float* high = low + nx;
+    const bool beyond =
+        fold_rows(grid, (int32_t)(item % grid->bricks[1]), (int32_t)(item / grid->bricks[1]), low, high, high + nx);
+    for (int32_t bi = 0; bi < grid->bricks[0]; ++bi) {
+        const int32_t first = TY_BRICK * bi - 1, last = TY_BRICK * (bi + 1) - 1;
+        const bool background = grid->placed && (beyond || first < 0 || last >= nx);
+        float* pair = grid->extremes + 2 * (bi + (size_t)grid->bricks[0] * (size_t)item);
+        pair[0] = background ? grid->background : TY_FLOAT_MAX;
+        pair[1] = background ? grid->background : -TY_FLOAT_MAX;
+        for (int32_t i = clamp_index(first, nx); i <= clamp_index(last, nx); ++i) {
+            pair[0] = ty_minf(pair[0], low[i]);
+            pair[1] = ty_maxf(pair[1], high[i]);
+        }
+    }
+}
+
+static void sum_slices(ty_grid* grid, const slice_range* slices) {
+    size_t mended = 0;
+    double sum = 0;
     grid->min = TY_FLOAT_MAX;
     grid->max = -TY_FLOAT_MAX;
-    double sum = 0;
-    for (size_t k = 0; k < count; ++k) {
-        grid->min = ty_minf(grid->min, job.slices[k].min);
-        grid->max = ty_maxf(grid->max, job.slices[k].max);
-        sum += job.slices[k].sum;
+    for (int32_t k = 0; k < grid->size[2]; ++k) {
+        grid->min = ty_minf(grid->min, slices[k].min);
+        grid->max = ty_maxf(grid->max, slices[k].max);
+        sum += slices[k].sum;
+        mended += slices[k].mended;
     }
     grid->mean = sum / (double)grid->voxels;
-    ty_free_array(grid->context, job.slices, count, sizeof *job.slices);
-    return TY_OK;
+    if (mended > 0)
+        ty_log(grid->context, TY_LOG_WARNING, "a grid had %zu values that are not finite; they count as 0", mended);
+}
+
+/* Mends values, then finds their range and the bricks' extremes. */
+static ty_result survey(ty_grid* grid) {
+    ty_context* context = grid->context;
+    const size_t slices = (size_t)grid->size[2];
+    const size_t floats = 3 * (size_t)grid->size[0] * (size_t)ty_context_threads(context);
+    grid_job job = {.grid = grid,
+                    .slices = ty_alloc_array(context, slices, sizeof *job.slices, false),
+                    .rows = ty_alloc_array(context, floats, sizeof *job.rows, false)};
+    const bool allocated = job.slices != NULL && job.rows != NULL;
+    if (allocated) {
+        ty_parallel_for(context, grid->size[2], slice_of_range, &job);
+        sum_slices(grid, job.slices);
+        ty_parallel_for(context, (int64_t)grid->bricks[1] * grid->bricks[2], brick_row, &job);
+    }
+    ty_free_array(context, job.slices, slices, sizeof *job.slices);
+    ty_free_array(context, job.rows, floats, sizeof *job.rows);
+    return allocated ? TY_OK : TY_ERROR_MEMORY;
 }
 
 static size_t brick_count(const ty_grid* grid) {
@@ -124,7 +195,7 @@ static size_t brick_count(const ty_grid* grid) {
 
 ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out) {
     const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
-    const size_t bytes = value_size(def->type);
+    const size_t bytes = ty_grid_value_size(def->type);
     ty_result result = check_def(context, def);
     ty_grid* grid = result == TY_OK ? ty_alloc_array(context, 1, sizeof *grid, true) : NULL;
     if (grid == NULL) {
@@ -146,11 +217,7 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
         ty_grid_destroy(grid);
         return TY_ERROR_MEMORY;
     }
-    const size_t mended = mend_values(grid);
-    if (mended > 0)
-        ty_log(context, TY_LOG_WARNING, "a grid had %zu values that are not finite; they count as 0", mended);
-    ty_parallel_for(context, (int64_t)grid->bricks[1] * grid->bricks[2], brick_row, grid);
-    if (find_range(grid) != TY_OK) {
+    if (survey(grid) != TY_OK) {
         ty_grid_destroy(grid);
         return TY_ERROR_MEMORY;
     }
@@ -164,7 +231,7 @@ ty_result ty_grid_create(ty_context* context, const ty_grid_def* def, ty_grid** 
     void* values = NULL;
     if (def->values != NULL) {
         const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
-        const size_t bytes = value_size(def->type);
+        const size_t bytes = ty_grid_value_size(def->type);
         values = ty_alloc_array(context, voxels, bytes, false);
         if (values == NULL) return TY_ERROR_MEMORY;
         memcpy(values, def->values, voxels * bytes);
@@ -180,7 +247,7 @@ ty_grid* ty_grid_retain(ty_grid* grid) {
 void ty_grid_destroy(ty_grid* grid) {
     if (grid == NULL || atomic_fetch_sub(&grid->owners, 1) > 1) return;
     ty_context* context = grid->context;
-    ty_free_array(context, grid->values, grid->voxels, value_size(grid->type));
+    ty_free_array(context, grid->values, grid->voxels, ty_grid_value_size(grid->type));
     ty_free_array(context, grid->extremes, brick_count(grid), 2 * sizeof(float));
     ty_free_array(context, grid, 1, sizeof *grid);
 }
@@ -194,7 +261,7 @@ ty_grid_info ty_grid_get_info(const ty_grid* grid) {
         .min = grid->min,
         .max = grid->max,
         .mean = grid->mean,
-        .bytes = sizeof *grid + grid->voxels * value_size(grid->type) + brick_count(grid) * 2 * sizeof(float),
+        .bytes = sizeof *grid + grid->voxels * ty_grid_value_size(grid->type) + brick_count(grid) * 2 * sizeof(float),
         .index_to_local = grid->index_to_local,
     };
 }

@@ -8,6 +8,8 @@
 
 /* Voxels along the edge of a brick: one cell of the table of extremes. */
 #define TY_BRICK 8
+/* Voxels along the longest side a grid may have. */
+#define TY_GRID_SIDE_MAX 16384
 
 struct ty_grid {
     ty_context* context;
@@ -27,6 +29,9 @@ struct ty_grid {
     int32_t bricks[3];
     float* extremes;
 };
+
+/* Bytes of a value. */
+size_t ty_grid_value_size(ty_grid_type type);
 
 /* Takes over values, an array from ty_alloc_array of exactly the voxels' bytes (or NULL for zeros); def->values is
  * not looked at. values is freed on failure. */

@@ -6,8 +6,11 @@
 
 #include <string.h>
 
-/* No more of a chunk than this is unpacked at once. */
-static const uint64_t chunk_size_max = (uint64_t)1 << 31;
+/* No larger chunks are unpacked: tiles may be far larger than the image, which takes nothing in the file. */
+static uint64_t chunk_size_max(size_t file_size) {
+    const uint64_t most = (uint64_t)1 << 31, likely = ((uint64_t)1 << 26) + ((uint64_t)file_size << 10);
+    return likely < most ? likely : most;
+}
 
 /* A part of the file, and where its channels begin in the image. */
 typedef struct part {
@@ -62,7 +65,7 @@ static ty_result inspect_part(reader* r, int index, part* p) {
     uint64_t unpacked = 0;
     code = exr_get_chunk_unpacked_size(r->exr, index, &unpacked);
     if (code != EXR_ERR_SUCCESS) return fail(r, code);
-    if (unpacked > chunk_size_max)
+    if (unpacked > chunk_size_max(r->stream.size))
         return ty_fail(r->context, TY_ERROR_INPUT, "%s: a block of pixels takes %llu bytes, more than can be read",
                        r->path, (unsigned long long)unpacked);
     return TY_OK;

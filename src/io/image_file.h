@@ -39,7 +39,7 @@ ty_result ty_read_jpeg(ty_context* context, const char* path, const uint8_t* byt
 ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, bool raw, ty_image** out);
 
 /* A PNG or JPEG to 8-bit RGBA, colour coded in sRGB as in the file (16-bit samples are rounded, no alpha is 255); freed
- * with ty_free_array(context, rgba8, width * height, 4). */
+ * with ty_free_array(context, rgba8, width * height, 4). May be called from several threads at once. */
 ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
                           int32_t* height, uint8_t** rgba8);
 

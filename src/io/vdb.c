@@ -2,28 +2,17 @@
 #include "io/vdb.h"
 
 #include "base/context.h"
-#include "grid/grid.h"
 #include "io/file.h"
+#include "io/volume_file.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static bool is_tree(const ty_vdb_grid* grid, const char* value) {
-    char type[48];
-    snprintf(type, sizeof type, "Tree_%s_5_4_3", value);
-    return strcmp(grid->type, type) == 0;
-}
-
-/* 4 for float trees, 8 for double trees, 0 for all others. */
-static size_t value_size(const ty_vdb_grid* grid) {
-    return is_tree(grid, "float") ? sizeof(float) : is_tree(grid, "double") ? sizeof(double) : 0;
-}
-
 /* "Tree_vec3s_5_4_3" -> "vec3s"; a float grid stored as half is "half". */
 static void show_type(const ty_vdb_grid* grid, char* text, size_t size) {
     const char* start = strncmp(grid->type, "Tree_", 5) == 0 ? grid->type + 5 : grid->type;
-    if (grid->half && is_tree(grid, "float")) start = "half";
+    if (grid->half && strcmp(start, "float_5_4_3") == 0) start = "half";
     snprintf(text, size, "%.*s", (int)strcspn(start, "_"), start);
 }
 
@@ -44,7 +33,7 @@ static const ty_vdb_grid* tree_owner(const ty_vdb_file* file, const ty_vdb_grid*
 static ty_result complete_statistics(const ty_vdb_file* file, ty_vdb_grid* grid) {
     if (grid->has_statistics) return TY_OK;
     const ty_vdb_grid* owner = tree_owner(file, grid);
-    if (owner == NULL || owner->tree == 0 || value_size(owner) == 0) {
+    if (owner == NULL || owner->tree == 0 || ty_vdb_value_of(owner).bytes == 0) {
         grid->active_voxels = -1;
         for (int a = 0; a < 3; ++a) {
             grid->lower[a] = 1;
@@ -52,19 +41,13 @@ static ty_result complete_statistics(const ty_vdb_file* file, ty_vdb_grid* grid)
         }
         return TY_OK;
     }
-    ty_vdb_grid measured = *owner;
-    ty_result result = ty_vdb_check_tree(file, owner, value_size(owner));
-    if (result == TY_OK) result = ty_openvdb_measure(file, &measured);
-    if (result != TY_OK) return result;
-    grid->active_voxels = measured.active_voxels;
-    memcpy(grid->lower, measured.lower, sizeof grid->lower);
-    memcpy(grid->upper, measured.upper, sizeof grid->upper);
-    return TY_OK;
+    return ty_vdb_measure(file, owner, grid);
 }
 
 ty_result ty_vdb_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity, int32_t* count) {
     if (count == NULL || capacity < 0 || (entries == NULL && capacity > 0))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_list: entries or count is NULL, or capacity negative");
+    if (ty_is_nanovdb(path)) return ty_nanovdb_list(context, path, entries, capacity, count);
     ty_vdb_file file;
     ty_result result = ty_vdb_open(context, path, &file);
     if (result != TY_OK) return result;
@@ -99,16 +82,24 @@ static ty_result missing_grid(const ty_vdb_file* file, const char* name) {
                    file->count == 1 ? "is" : "are", file->count == 0 ? "none" : names);
 }
 
-/* Finds a grid that can be read as density, and the owner of its tree. */
-static ty_result choose_grid(const ty_vdb_file* file, const char* name, const ty_vdb_grid** grid,
-                             const ty_vdb_grid** owner) {
+static ty_result find_readable(const ty_vdb_file* file, const char* name, const ty_vdb_grid** grid) {
     *grid = find_grid(file, name);
     if (*grid == NULL) return missing_grid(file, name);
     char type[32];
     show_type(*grid, type, sizeof type);
-    if (value_size(*grid) == 0)
-        return ty_fail(file->context, TY_ERROR_INPUT, "%s: grid \"%s\" is of type %s, not float, half or double",
+    if (ty_vdb_value_of(*grid).bytes == 0)
+        return ty_fail(file->context, TY_ERROR_INPUT, "%s: grid \"%s\" is of type %s, not float, half, double or vec3s",
                        file->path, name, type);
+    return TY_OK;
+}
+
+/* Finds a grid that can be read as density, and the owner of its tree. */
+static ty_result choose_grid(const ty_vdb_file* file, const char* name, int32_t component, const ty_vdb_grid** grid,
+                             const ty_vdb_grid** owner) {
+    ty_result result = find_readable(file, name, grid);
+    if (result == TY_OK)
+        result = ty_check_component(file->context, file->path, name, component, ty_vdb_value_of(*grid).components);
+    if (result != TY_OK) return result;
     ty_affine inverse;
     if (!(*grid)->affine)
         return ty_fail(file->context, TY_ERROR_INPUT,
@@ -117,37 +108,40 @@ static ty_result choose_grid(const ty_vdb_file* file, const char* name, const ty
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: the transform of grid \"%s\" cannot be inverted", file->path,
                        name);
     *owner = tree_owner(file, *grid);
-    if (*owner == NULL || (*owner)->tree == 0 || value_size(*owner) != value_size(*grid))
+    if (*owner == NULL || (*owner)->tree == 0 || strcmp((*owner)->type, (*grid)->type) != 0)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: grid \"%s\" shares the tree of \"%s\", which cannot be read",
                        file->path, name, (*grid)->parent);
     return TY_OK;
 }
 
-ty_result ty_vdb_read(ty_context* context, const char* path, const char* grid_name, ty_grid** out) {
-    if (grid_name == NULL || out == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_read: grid_name or out is NULL");
+ty_result ty_vdb_read_component(ty_context* context, const char* path, const char* name, int32_t component,
+                                ty_grid** out) {
     ty_vdb_file file;
     ty_result result = ty_vdb_open(context, path, &file);
     if (result != TY_OK) return result;
     const ty_vdb_grid *grid = NULL, *owner = NULL;
-    ty_vdb_dense dense = {0};
-    ty_grid_def def = ty_default_grid_def();
-    result = choose_grid(&file, grid_name, &grid, &owner);
-    if (result == TY_OK) result = ty_vdb_check_tree(&file, owner, value_size(owner));
-    if (result == TY_OK) result = ty_openvdb_read(&file, owner, &dense);
-    if (result == TY_OK) {
-        ty_affine offset = ty_affine_identity();
-        for (int a = 0; a < 3; ++a) {
-            def.size[a] = dense.size[a];
-            offset.m[4 * a + 3] = dense.lower[a];
-        }
-        def.type = dense.type;
-        def.background = dense.background;
-        def.placed = true;
-        def.index_to_local = ty_affine_multiply(&grid->index_to_world, &offset);
-    }
+    result = choose_grid(&file, name, component, &grid, &owner);
+    if (result == TY_OK)
+        result = ty_vdb_read_tree(&file, owner, component < 0 ? 0 : component, &grid->index_to_world, out);
     ty_vdb_close(&file);
-    return result == TY_OK ? ty_grid_adopt(context, &def, dense.values, out) : result;
+    return result;
+}
+
+ty_result ty_vdb_components(ty_context* context, const char* path, const char* name, int32_t* out) {
+    ty_vdb_file file;
+    ty_result result = ty_vdb_open(context, path, &file);
+    if (result != TY_OK) return result;
+    const ty_vdb_grid* grid = NULL;
+    result = find_readable(&file, name, &grid);
+    if (result == TY_OK) *out = ty_vdb_value_of(grid).components;
+    ty_vdb_close(&file);
+    return result;
+}
+
+ty_result ty_vdb_read(ty_context* context, const char* path, const char* grid_name, ty_grid** out) {
+    if (grid_name == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_vdb_read: grid_name or out is NULL");
+    return ty_vdb_read_component(context, path, grid_name, -1, out);
 }
 
 ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,

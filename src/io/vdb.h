@@ -1,10 +1,10 @@
-/* OpenVDB files in two halves: vdb_file.c reads the container (grids, statistics, transforms) and checks every size
- * inside a tree, so that OpenVDB, which trusts what it reads, only ever meets trees that are whole; vdb.cpp alone
- * sees OpenVDB and turns trees into dense arrays and back. */
+/* OpenVDB files in three parts: vdb_file.c reads the container (grids, statistics, transforms), vdb_tree.c reads trees,
+ * checking every count and length in them, and vdb.cpp alone sees OpenVDB, which unpacks blosc and writes. */
 #ifndef TY_IO_VDB_H
 #define TY_IO_VDB_H
 
-#include <tyndall/grid.h>
+#include "io/sparse.h"
+
 #include <tyndall/io.h>
 
 #ifdef __cplusplus
@@ -40,23 +40,25 @@ typedef struct ty_vdb_file {
 /* Reads what the file holds, without any tree. */
 ty_result ty_vdb_open(ty_context* context, const char* path, ty_vdb_file* file);
 void ty_vdb_close(ty_vdb_file* file);
-/* Walks the tree of a float or double grid (value_size 4 or 8) and checks every count and length in it. */
-ty_result ty_vdb_check_tree(const ty_vdb_file* file, const ty_vdb_grid* grid, size_t value_size);
+/* The bytes of a grid's tree, from ty_alloc_array. */
+ty_result ty_vdb_load(const ty_vdb_file* file, const ty_vdb_grid* grid, uint8_t** bytes, size_t* size);
+ty_result ty_vdb_damaged(const ty_vdb_file* file, const char* what);
 
-/* A tree made dense over its active box. */
-typedef struct ty_vdb_dense {
-    int32_t lower[3], size[3];
-    ty_grid_type type;
-    float background;
-    void* values; /* from ty_alloc_array */
-} ty_vdb_dense;
+/* What one value of a tree is; bytes is 0 for trees that cannot be read. */
+typedef struct ty_vdb_value {
+    uint32_t bytes;     /* of a component: 4 or 8 */
+    int32_t components; /* 1, or 3 for vectors */
+} ty_vdb_value;
 
-/* OpenVDB's part; trees must have been checked. */
-ty_result ty_openvdb_read(const ty_vdb_file* file, const ty_vdb_grid* grid, ty_vdb_dense* dense);
-/* Fills in a grid's statistics from its topology. */
-ty_result ty_openvdb_measure(const ty_vdb_file* file, ty_vdb_grid* grid);
-/* Whether a compressed block with its byte count (blosc, else zip) unpacks to raw bytes. */
-bool ty_openvdb_decodes(bool blosc, const void* block, size_t size, size_t raw);
+ty_vdb_value ty_vdb_value_of(const ty_vdb_grid* grid);
+/* Fills in a grid's statistics from the topology of a tree. */
+ty_result ty_vdb_measure(const ty_vdb_file* file, const ty_vdb_grid* owner, ty_vdb_grid* grid);
+/* One component of a tree, dense over its active box. */
+ty_result ty_vdb_read_tree(const ty_vdb_file* file, const ty_vdb_grid* owner, int32_t component,
+                           const ty_affine* index_to_world, ty_grid** out);
+
+/* OpenVDB's part. Whether a blosc block of size bytes, its byte count among them, unpacks to raw bytes. */
+bool ty_openvdb_unpack_blosc(const void* block, size_t size, void* to, size_t raw);
 /* Writes to the file named temporary, which exists; path is for messages. */
 ty_result ty_openvdb_write(ty_context* context, const ty_grid* grid, const char* name, const char* codec,
                            const char* path, const char* temporary);

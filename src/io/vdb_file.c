@@ -1,5 +1,5 @@
-/* The container of OpenVDB files, formats 222 to 224: header, metadata, grid descriptors, transforms, and a walk over
- * trees that checks every count and length before OpenVDB sees them. Little-endian throughout. */
+/* The container of OpenVDB files, formats 222 to 224: header, metadata, grid descriptors, transforms. Little-endian
+ * throughout. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/vdb.h"
 
@@ -13,10 +13,7 @@ enum {
     VERSION_OLDEST = 222, /* the first whose nodes and compression are stored as described here */
     VERSION_NEWEST = 224,
     UUID_SIZE = 36,
-    DESCRIPTOR_SIZE_MIN = 36,
-    COMPRESS_ZIP = 1,
-    COMPRESS_MASK = 2,
-    COMPRESS_BLOSC = 4
+    DESCRIPTOR_SIZE_MIN = 36
 };
 
 static const uint64_t magic = 0x56444220;
@@ -159,7 +156,7 @@ static bool take_grid(cursor* c, ty_vdb_grid* grid) {
     return move_to(c, grid->end);
 }
 
-static ty_result damaged(const ty_vdb_file* file, const char* what) {
+ty_result ty_vdb_damaged(const ty_vdb_file* file, const char* what) {
     return ty_fail(file->context, TY_ERROR_INPUT, "%s: damaged or cut short (%s)", file->path, what);
 }
 
@@ -176,7 +173,7 @@ static ty_result read_header(ty_vdb_file* file, cursor* c) {
     uint8_t has_offsets = 0;
     take(c, &has_offsets, 1);
     skip(c, UUID_SIZE);
-    if (!take_metadata(c, NULL)) return damaged(file, "header");
+    if (!take_metadata(c, NULL)) return ty_vdb_damaged(file, "header");
     if (has_offsets == 0)
         return ty_fail(file->context, TY_ERROR_INPUT, "%s: written as a stream, without the offsets of its grids",
                        file->path);
@@ -185,13 +182,13 @@ static ty_result read_header(ty_vdb_file* file, cursor* c) {
 
 static ty_result read_grids(ty_vdb_file* file, cursor* c) {
     const uint32_t count = take_u32(c);
-    if (c->bad || count > c->size / DESCRIPTOR_SIZE_MIN) return damaged(file, "number of grids");
+    if (c->bad || count > c->size / DESCRIPTOR_SIZE_MIN) return ty_vdb_damaged(file, "number of grids");
     for (uint32_t i = 0; i < count; ++i) {
         if (!ty_grow_array(file->context, (void**)&file->grids, &file->capacity, file->count, sizeof *file->grids))
             return TY_ERROR_MEMORY;
         ty_vdb_grid* grid = &file->grids[file->count];
         memset(grid, 0, sizeof *grid);
-        if (!take_grid(c, grid)) return damaged(file, "grid descriptor");
+        if (!take_grid(c, grid)) return ty_vdb_damaged(file, "grid descriptor");
         ++file->count;
     }
     return TY_OK;
@@ -210,126 +207,22 @@ ty_result ty_vdb_open(ty_context* context, const char* path, ty_vdb_file* file) 
     return result;
 }
 
+ty_result ty_vdb_load(const ty_vdb_file* file, const ty_vdb_grid* grid, uint8_t** bytes, size_t* size) {
+    const size_t length = (size_t)(grid->end - grid->tree);
+    uint8_t* loaded = ty_alloc_array(file->context, length, 1, false);
+    if (loaded == NULL) return TY_ERROR_MEMORY;
+    cursor c = {.stream = file->stream, .size = file->size};
+    if (!move_to(&c, grid->tree) || !take(&c, loaded, length)) {
+        ty_free_array(file->context, loaded, length, 1);
+        return ty_vdb_damaged(file, grid->name);
+    }
+    *bytes = loaded;
+    *size = length;
+    return TY_OK;
+}
+
 void ty_vdb_close(ty_vdb_file* file) {
     if (file->stream != NULL) fclose(file->stream);
     ty_free_array(file->context, file->grids, file->capacity, sizeof *file->grids);
     *file = (ty_vdb_file){0};
-}
-
-enum { LEAF_SLOTS = 512, NODE_SLOTS_MAX = 32768, BLOSC_HEAD = 16, COUNT_SIZE = 8 };
-
-/* What the walk over one tree needs. */
-typedef struct walk {
-    cursor cursor;
-    uint32_t compression;
-    uint64_t value_size, stored_size; /* bytes of a value on its own, and of one among a node's compressed values */
-    bool half;
-    uint64_t leaves;
-    uint8_t* block; /* room for any compressed block with its byte count */
-} walk;
-
-/* What a codec at most makes of raw bytes. */
-static uint64_t packed_size_max(uint64_t raw) {
-    return raw + raw / 256 + 64;
-}
-
-/* The rest of a compressed block. Blosc believes its own header (flags, raw size, block size, compressed size), so
- * that must be right; an inner node's values must also decode, since OpenVDB loses the nodes read so far otherwise. */
-static bool check_compressed(walk* w, int64_t stored, uint64_t raw, bool inner) {
-    cursor* c = &w->cursor;
-    const bool blosc = (w->compression & COMPRESS_BLOSC) != 0;
-    if ((uint64_t)stored > packed_size_max(raw) || (blosc && stored < BLOSC_HEAD)) return spoil(c);
-    const uint64_t needed = inner ? (uint64_t)stored : blosc ? BLOSC_HEAD : 0;
-    memcpy(w->block, &stored, COUNT_SIZE);
-    if (!take(c, w->block + COUNT_SIZE, needed)) return false;
-    if (blosc) {
-        uint32_t head[4];
-        memcpy(head, w->block + COUNT_SIZE, sizeof head);
-        if (head[1] != raw || head[2] == 0 || head[3] != stored) return spoil(c);
-    }
-    if (inner && !ty_openvdb_decodes(blosc, w->block, COUNT_SIZE + needed, raw)) return spoil(c);
-    return skip(c, (uint64_t)stored - needed);
-}
-
-/* count values as one block: plain, or a byte count (negative for stored, positive for compressed) and the bytes. */
-static bool check_block(walk* w, uint64_t count, bool inner) {
-    cursor* c = &w->cursor;
-    const uint64_t raw = count * w->stored_size;
-    if (w->half && count == 0) return true;
-    if ((w->compression & (COMPRESS_BLOSC | COMPRESS_ZIP)) == 0) return skip(c, raw);
-    const int64_t stored = take_i64(c);
-    if (c->bad) return false;
-    if (stored <= 0) return stored == -(int64_t)raw ? skip(c, raw) : spoil(c);
-    return check_compressed(w, stored, raw, inner);
-}
-
-static uint64_t count_bits(const uint8_t* mask, uint64_t bytes) {
-    uint64_t count = 0;
-    for (uint64_t i = 0; i < bytes; i += sizeof(uint64_t)) {
-        uint64_t word;
-        memcpy(&word, mask + i, sizeof word);
-        count += (uint64_t)__builtin_popcountll(word);
-    }
-    return count;
-}
-
-/* The values of a node with slots places, of which active are on: how inactive values are coded (0..6), up to two of
- * those values, a mask that selects between them, then the block. */
-static bool check_values(walk* w, uint64_t slots, uint64_t active) {
-    uint8_t coding = 0;
-    if (!take(&w->cursor, &coding, 1) || coding > 6) return spoil(&w->cursor);
-    const bool one = coding == 2 || coding == 4 || coding == 5, two = coding == 5;
-    if (!skip(&w->cursor, ((uint64_t)one + two) * w->value_size)) return false;
-    if (coding >= 3 && coding <= 5 && !skip(&w->cursor, slots / 8)) return false;
-    return check_block(w, (w->compression & COMPRESS_MASK) != 0 && coding != 6 ? active : slots, slots > LEAF_SLOTS);
-}
-
-/* A node with 2^(3 log2) slots: child and value masks, values, then the children in turn. Leaves have a mask alone. */
-static bool check_node(walk* w, unsigned log2) {
-    const uint64_t slots = (uint64_t)1 << 3 * log2;
-    if (slots == LEAF_SLOTS) {
-        ++w->leaves;
-        return skip(&w->cursor, slots / 8);
-    }
-    uint8_t mask[NODE_SLOTS_MAX / 8];
-    if (!take(&w->cursor, mask, slots / 8)) return false;
-    const uint64_t children = count_bits(mask, slots / 8);
-    if (!take(&w->cursor, mask, slots / 8) || !check_values(w, slots, count_bits(mask, slots / 8))) return false;
-    for (uint64_t i = 0; i < children; ++i)
-        if (!check_node(w, log2 - 1)) return false;
-    return true;
-}
-
-static bool check_root(walk* w) {
-    enum { ROOT_CHILD_LOG2 = 5, ORIGIN_SIZE = 12 };
-    cursor* c = &w->cursor;
-    if (take_u32(c) != 1) return spoil(c); /* buffers */
-    skip(c, w->value_size);                /* background */
-    const uint32_t tiles = take_u32(c), children = take_u32(c);
-    for (uint32_t i = 0; i < tiles && !c->bad; ++i) {
-        uint8_t active = 0;
-        if (skip(c, ORIGIN_SIZE + w->value_size) && take(c, &active, 1) && active > 1) spoil(c);
-    }
-    for (uint32_t i = 0; i < children && !c->bad; ++i)
-        if (skip(c, ORIGIN_SIZE)) check_node(w, ROOT_CHILD_LOG2);
-    return !c->bad;
-}
-
-ty_result ty_vdb_check_tree(const ty_vdb_file* file, const ty_vdb_grid* grid, size_t value_size) {
-    const size_t block_size = COUNT_SIZE + packed_size_max(NODE_SLOTS_MAX * sizeof(double));
-    walk w = {.cursor = {.stream = file->stream, .size = grid->end},
-              .compression = grid->compression,
-              .value_size = value_size,
-              .stored_size = grid->half ? sizeof(uint16_t) : value_size,
-              .half = grid->half,
-              .block = ty_alloc_array(file->context, block_size, 1, false)};
-    if (w.block == NULL) return TY_ERROR_MEMORY;
-    move_to(&w.cursor, grid->tree);
-    check_root(&w);
-    for (uint64_t i = 0; i < w.leaves && !w.cursor.bad; ++i) {
-        uint8_t mask[LEAF_SLOTS / 8];
-        if (take(&w.cursor, mask, sizeof mask)) check_values(&w, LEAF_SLOTS, count_bits(mask, sizeof mask));
-    }
-    ty_free_array(file->context, w.block, block_size, 1);
-    return w.cursor.bad ? damaged(file, grid->name) : TY_OK;
 }

@@ -107,6 +107,19 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
     return TY_OK;
 }
 
+/* The map is the image's frame: pixels beyond it are left out, and those that it lacks are black. */
+static ty_result copy_map(ty_context* context, ty_environment* env, const ty_image* image) {
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
+    if (frame[0] == 0 && frame[1] == 0 && frame[2] == ty_image_width(image) && frame[3] == ty_image_height(image))
+        return copy_pixels(context, env, image);
+    ty_image* filled = NULL;
+    ty_result result = ty_image_fill_frame(context, image, &filled);
+    if (result == TY_OK) result = copy_pixels(context, env, filled);
+    ty_image_destroy(filled);
+    return result;
+}
+
 ty_result ty_environment_create(ty_context* context, const ty_light_def* def, ty_environment** out) {
     ty_environment* env = ty_alloc_array(context, 1, sizeof *env, true);
     if (env == NULL) return TY_ERROR_MEMORY;
@@ -115,7 +128,7 @@ ty_result ty_environment_create(ty_context* context, const ty_light_def* def, ty
     for (int c = 0; c < 3; ++c) env->mean[c] = def->color[c] * def->scale;
     ty_result result = TY_OK;
     if (def->image != NULL) {
-        result = copy_pixels(context, env, def->image);
+        result = copy_map(context, env, def->image);
         if (result == TY_OK) result = build_tables(context, env);
     }
     if (result != TY_OK) {

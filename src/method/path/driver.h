@@ -6,6 +6,9 @@
 
 #include <tyndall/path.h>
 
+/* Items whose samples come in together: all of them have equally many. */
+enum { TY_PATH_BLOCK = 64, TY_PATH_SPP_MAX = 1 << 24 };
+
 /* Accumulated samples of one item. */
 typedef struct ty_path_item {
     ty_path_sums sums;
@@ -18,16 +21,24 @@ typedef struct ty_path_run {
     const char* stage;
     ty_path_request request;
     ty_sobol sobol;
-    ty_path_item* items;  /* item_count, zeroed */
-    ty_path_parts* parts; /* item_count, zeroed; NULL: not kept */
+    int32_t height;       /* of the whole frame; pixels only */
+    uint64_t scene_hash;  /* pixels only */
+    ty_path_item* items;  /* item_count, zeroed or as a state says */
+    ty_path_parts* parts; /* the same; NULL: not kept */
     int64_t item_count;
-    ty_path_stats stats; /* result */
+    ty_path_kernel kernel;
+    ty_path_stats stats; /* result; before sampling, what the runs before this one did */
 } ty_path_run;
 
 /* Checks def and the scene and fills in everything but kind, geometry and items. */
 ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run);
 
-/* Samples all items in passes until def's bounds are met. TY_OK or TY_CANCELLED; items are valid either way. */
+/* Takes memory for item_count items, and for their parts if asked. */
+ty_result ty_path_take_items(ty_path_run* run, bool with_parts);
+void ty_path_free_items(ty_path_run* run);
+
+/* Samples all items in passes until def's bounds are met. TY_OK or TY_CANCELLED, and items are valid either way;
+ * TY_ERROR_MEMORY before any work. */
 ty_result ty_path_sample(ty_path_run* run);
 
 /* The mean of an item's samples, and the variance of that mean (0 from fewer than two samples). */

@@ -6,24 +6,16 @@
 
 /* Allocates the run's items, samples them and copies the results out. */
 static ty_result sample_items(ty_path_run* run, double* mean, double* uncollided, double* variance) {
-    run->items = ty_alloc_array(run->context, (size_t)run->item_count, sizeof *run->items, true);
-    if (run->items == NULL) return TY_ERROR_MEMORY;
-    if (uncollided != NULL) {
-        run->parts = ty_alloc_array(run->context, (size_t)run->item_count, sizeof *run->parts, true);
-        if (run->parts == NULL) {
-            ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
-            return TY_ERROR_MEMORY;
-        }
-    }
-    const ty_result result = ty_path_sample(run);
+    ty_result result = ty_path_take_items(run, uncollided != NULL);
+    if (result != TY_OK) return result;
+    result = ty_path_sample(run);
     for (int64_t i = 0; i < run->item_count; ++i)
         for (int c = 0; c < 3; ++c) {
             mean[3 * i + c] = ty_path_item_mean(&run->items[i], c);
             if (uncollided != NULL) uncollided[3 * i + c] = run->parts[i].uncollided[c] / fmax(run->items[i].count, 1);
             if (variance != NULL) variance[3 * i + c] = ty_path_item_variance(&run->items[i], c);
         }
-    ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
-    if (uncollided != NULL) ty_free_array(run->context, run->parts, (size_t)run->item_count, sizeof *run->parts);
+    ty_path_free_items(run);
     return result;
 }
 

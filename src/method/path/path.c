@@ -1,44 +1,75 @@
 /* Rendering an image. */
 #include "base/context.h"
-#include "method/path/driver.h"
+#include "method/path/aov.h"
+#include "method/path/state.h"
 
-static const char* const channel_names[6] = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
+#include <stdio.h>
 
-static void write_pixels(const ty_path_run* run, ty_image* image) {
-    for (int c = 0; c < 3; ++c) {
-        float* mean = ty_image_plane(image, c);
-        float* variance = ty_image_plane(image, 3 + c);
-        for (int64_t i = 0; i < run->item_count; ++i) {
-            mean[i] = (float)ty_path_item_mean(&run->items[i], c);
-            variance[i] = (float)ty_path_item_variance(&run->items[i], c);
-        }
+/* The part of the frame to render: all of it unless the def crops. */
+static ty_result choose_crop(ty_path_run* run) {
+    const int32_t* crop = run->def->crop;
+    int32_t* out = run->request.crop;
+    const int32_t width = run->request.width, height = run->height;
+    if (crop[0] == 0 && crop[1] == 0 && crop[2] == 0 && crop[3] == 0) {
+        out[2] = width;
+        out[3] = height;
+        return TY_OK;
     }
+    if (crop[0] < 0 || crop[1] < 0 || crop[2] < 1 || crop[3] < 1 || crop[0] > width - crop[2] ||
+        crop[1] > height - crop[3])
+        return ty_fail(run->context, TY_ERROR_ARGUMENT, "path.crop: %d x %d pixels at (%d, %d) are not within %d x %d",
+                       crop[2], crop[3], crop[0], crop[1], width, height);
+    for (int i = 0; i < 4; ++i) out[i] = crop[i];
+    return TY_OK;
+}
+
+/* Fills in what to render of which frame. */
+static ty_result prepare_pixels(const ty_scene* scene, ty_path_run* run) {
+    const ty_path_def* def = run->def;
+    const ty_camera_def camera = ty_scene_camera(scene);
+    run->stage = "path";
+    run->scene_hash = ty_scene_hash(scene);
+    run->request.kind = TY_PATH_PIXELS;
+    run->request.width = def->width > 0 ? def->width : camera.resolution[0];
+    run->height = def->height > 0 ? def->height : camera.resolution[1];
+    run->request.camera = ty_camera_get_view(&camera, run->request.width, run->height);
+    const ty_result result = choose_crop(run);
+    run->item_count = (int64_t)run->request.crop[2] * run->request.crop[3];
+    return result;
+}
+
+/* Tells at once when items, image and state together do not fit. */
+static ty_result check_memory(const ty_path_run* run) {
+    const double item = (double)(sizeof *run->items + (ty_aovs_need_parts(run->def->aovs) ? sizeof *run->parts : 0));
+    const double pixel = item * (run->def->state != NULL ? 2 : 1) + (double)ty_aovs_pixel_size(run->def->aovs);
+    char what[64];
+    snprintf(what, sizeof what, "path: %d x %d pixels", run->request.crop[2], run->request.crop[3]);
+    return ty_check_memory(run->context, pixel * (double)run->item_count, what);
+}
+
+static ty_result render_pixels(ty_path_run* run, ty_image** out) {
+    ty_image* image = NULL;
+    ty_result result = run->def->resume != NULL ? ty_path_state_resume(run) : TY_OK;
+    if (result == TY_OK) result = ty_path_image_create(run, &image);
+    if (result == TY_OK) result = ty_path_sample(run);
+    if (result != TY_OK && result != TY_CANCELLED) {
+        ty_image_destroy(image);
+        return result;
+    }
+    ty_path_image_fill(run, image);
+    *out = image;
+    return result;
 }
 
 ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats) {
     ty_path_run run;
     ty_result result = ty_path_prepare(scene, def, &run);
+    if (result == TY_OK) result = prepare_pixels(scene, &run);
+    if (result == TY_OK) result = check_memory(&run);
+    if (result == TY_OK) result = ty_path_take_items(&run, ty_aovs_need_parts(def->aovs));
     if (result != TY_OK) return result;
-    const ty_camera_def camera = ty_scene_camera(scene);
-    const int32_t width = def->width > 0 ? def->width : camera.resolution[0];
-    const int32_t height = def->height > 0 ? def->height : camera.resolution[1];
-    run.stage = "path";
-    run.request.kind = TY_PATH_PIXELS;
-    run.request.camera = ty_camera_get_view(&camera, width, height);
-    run.request.width = width;
-    run.request.crop[2] = width;
-    run.request.crop[3] = height;
-    run.item_count = (int64_t)width * height;
-    run.items = ty_alloc_array(run.context, (size_t)run.item_count, sizeof *run.items, true);
-    if (run.items == NULL) return TY_ERROR_MEMORY;
-    ty_image* image = NULL;
-    result = ty_image_create(run.context, width, height, 6, channel_names, &image);
-    if (result == TY_OK) {
-        result = ty_path_sample(&run);
-        write_pixels(&run, image);
-        *out = image;
-        if (stats != NULL) *stats = run.stats;
-    }
-    ty_free_array(run.context, run.items, (size_t)run.item_count, sizeof *run.items);
+    result = render_pixels(&run, out);
+    if (stats != NULL && (result == TY_OK || result == TY_CANCELLED)) *stats = run.stats;
+    ty_path_free_items(&run);
     return result;
 }

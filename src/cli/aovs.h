@@ -1,0 +1,16 @@
+/* --aov: the channels beside R, G and B. */
+#ifndef TY_CLI_AOVS_H
+#define TY_CLI_AOVS_H
+
+#include <tyndall/tyndall.h>
+
+/* What --help says of --aov. */
+extern const char* const cli_aov_list;
+
+/* "depth,normal" or "all" as TY_AOV_...: CLI_GO, or CLI_USAGE after a message. */
+int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs);
+
+/* Takes samples.N out of an image when it says the same everywhere. */
+ty_result cli_drop_even_samples(ty_context* context, ty_image** image);
+
+#endif

@@ -1,0 +1,52 @@
+/* What a rendering did, in --stats and in an image's metadata. */
+#include "cli/report.h"
+
+#include <inttypes.h>
+
+void cli_report_stats(json_writer* json, const void* user) {
+    const cli_report* report = user;
+    json_text(json, "method", report->method);
+    json_text(json, "scene", report->scene);
+    json_integer(json, "scene_bytes", (int64_t)report->scene_bytes);
+    json_integer(json, "width", report->width);
+    json_integer(json, "height", report->height);
+    json_unsigned(json, "seed", report->seed);
+    json_bool(json, "resumed", report->resumed);
+    json_bool(json, "complete", report->complete);
+    json_number(json, "spp", report->path.spp);
+    json_unsigned(json, "paths", report->path.paths);
+    json_unsigned(json, "vertices", report->path.vertices);
+    json_number(json, "error", report->path.error);
+    json_text(json, "isa", report->path.isa == NULL ? "" : report->path.isa);
+    json_number(json, "load_seconds", report->load_seconds);
+    json_number(json, "render_seconds", report->path.seconds);
+    json_number(json, "render_cpu_seconds", report->path.cpu_seconds);
+}
+
+ty_result cli_report_metadata(ty_image* image, const cli_report* report) {
+    char seed[24];
+    snprintf(seed, sizeof seed, "%" PRIu64, report->seed);
+    const struct {
+        const char *key, *value;
+    } texts[] = {
+        {"tyndall.version", ty_version()},
+        {"tyndall.method", report->method},
+        {"tyndall.scene", report->scene},
+        {"tyndall.seed", seed}, /* text: a double does not hold 64 bits */
+    };
+    const struct {
+        const char* key;
+        double value;
+    } numbers[] = {
+        {"tyndall.spp", report->path.spp},
+        {"tyndall.seconds", report->path.seconds},
+        {"tyndall.error", report->path.error},
+        {"tyndall.complete", report->complete ? 1 : 0},
+    };
+    ty_result result = TY_OK;
+    for (size_t i = 0; result == TY_OK && i < sizeof texts / sizeof texts[0]; ++i)
+        result = ty_image_set_text(image, texts[i].key, texts[i].value);
+    for (size_t i = 0; result == TY_OK && i < sizeof numbers / sizeof numbers[0]; ++i)
+        result = ty_image_set_number(image, numbers[i].key, numbers[i].value);
+    return result;
+}

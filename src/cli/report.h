@@ -1,0 +1,24 @@
+/* What a rendering did, for --stats and an image's metadata. */
+#ifndef TY_CLI_REPORT_H
+#define TY_CLI_REPORT_H
+
+#include "cli/json.h"
+
+#include <tyndall/tyndall.h>
+
+typedef struct cli_report {
+    char scene[17]; /* hash */
+    size_t scene_bytes;
+    const char* method;
+    ty_path_stats path;
+    uint64_t seed;
+    int32_t width, height;
+    double load_seconds;
+    bool resumed, complete;
+} cli_report;
+
+/* Adds a cli_report to --stats (cli_session.stats). */
+void cli_report_stats(json_writer* json, const void* user);
+ty_result cli_report_metadata(ty_image* image, const cli_report* report);
+
+#endif

@@ -1,0 +1,120 @@
+/* What a mesh file holds, whatever its kind: the readers fill a ty_model, mesh_file.c turns it into a scene. */
+#ifndef TY_IO_MODEL_H
+#define TY_IO_MODEL_H
+
+#include <tyndall/scene.h>
+
+/* What to read of a file. */
+enum {
+    TY_MODEL_MESHES = 1,    /* positions and triangles */
+    TY_MODEL_SHADING = 2,   /* normals, texture coordinates and colours of vertices */
+    TY_MODEL_MATERIALS = 4, /* materials and textures */
+    TY_MODEL_LIGHTS = 8,
+    TY_MODEL_CAMERAS = 16,
+    TY_MODEL_ALL = 31
+};
+
+/* Triangles of one material, counter-clockwise seen from the front. Arrays are from ty_alloc_array, optional ones may
+ * be NULL; all have one element per vertex, as ty_mesh_def has them. Every index is below vertex_count, every number
+ * finite, every colour in 0..1. */
+typedef struct ty_model_mesh {
+    size_t vertex_count, triangle_count;
+    float* positions;
+    float* normals; /* unit, or zero where the file has no direction */
+    float* uv[2];
+    float* colors;
+    uint32_t* indices;
+    int32_t material; /* -1: none */
+} ty_model_mesh;
+
+/* A mesh where it stands; the map need not be invertible. */
+typedef struct ty_model_instance {
+    int32_t mesh;
+    ty_affine transform; /* mesh to file */
+} ty_model_instance;
+
+/* Texels, 4 bytes each, once decoded; before that the bytes of an image file. */
+typedef struct ty_model_image {
+    char* name; /* for messages: "level.glb: images[2]" */
+    uint8_t* encoded;
+    size_t encoded_size;
+    int32_t width, height;
+    uint8_t* rgba8;
+} ty_model_image;
+
+typedef struct ty_model_texture {
+    int32_t image;
+    ty_wrap wrap[2];
+    bool nearest;
+} ty_model_texture;
+
+/* def without its textures, which are given by number; -1: none. */
+typedef struct ty_model_material {
+    char* name;
+    ty_material_def def;
+    int32_t albedo_texture, emission_texture;
+} ty_model_material;
+
+/* In the file's space; directions are unit. */
+typedef struct ty_model_camera {
+    char* name;
+    double position[3], forward[3], up[3];
+    double fov_y;      /* degrees */
+    bool orthographic; /* fov_y is then 0 */
+} ty_model_camera;
+
+typedef struct ty_model {
+    ty_context* context;
+    ty_model_mesh* meshes;
+    ty_model_instance* instances;
+    ty_model_image* images;
+    ty_model_texture* textures;
+    ty_model_material* materials;
+    ty_light_def* lights; /* in the file's space: point, spot, directional */
+    ty_model_camera* cameras;
+    size_t mesh_count, instance_count, image_count, texture_count, material_count, light_count, camera_count;
+    size_t mesh_capacity, instance_capacity, image_capacity, texture_capacity, material_capacity, light_capacity,
+        camera_capacity;
+} ty_model;
+
+/* A model of one of these files from bytes; path stands for the file in messages. folder is where the files that it
+ * names are looked for ("" is the current folder), and with NULL it may name none. want: TY_MODEL_... flags. *model is
+ * empty before the call and to be freed after it, whatever the result. */
+ty_result ty_read_gltf(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,
+                       unsigned want, ty_model* model);
+ty_result ty_read_obj(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,
+                      unsigned want, ty_model* model);
+ty_result ty_read_ply(ty_context* context, const char* path, const uint8_t* bytes, size_t size, unsigned want,
+                      ty_model* model);
+/* The same from a file, told by content, OBJ by its extension. */
+ty_result ty_read_model(ty_context* context, const char* path, unsigned want, ty_model* model);
+void ty_model_free(ty_model* model);
+
+/* Each adds one element, filled as given; strings and arrays become the model's. On failure they are freed. */
+ty_result ty_model_add_mesh(ty_model* model, ty_model_mesh* mesh);
+ty_result ty_model_add_instance(ty_model* model, size_t mesh, const ty_affine* transform);
+ty_result ty_model_add_image(ty_model* model, ty_model_image* image);
+ty_result ty_model_add_texture(ty_model* model, const ty_model_texture* texture);
+ty_result ty_model_add_material(ty_model* model, ty_model_material* material);
+ty_result ty_model_add_light(ty_model* model, const ty_light_def* light);
+ty_result ty_model_add_camera(ty_model* model, ty_model_camera* camera);
+
+/* Takes the arrays of a mesh with vertex_count and triangle_count: positions and indices always. */
+ty_result ty_model_alloc_mesh(ty_context* context, ty_model_mesh* mesh, bool normals, bool uv0, bool uv1, bool colors);
+void ty_model_free_mesh(ty_context* context, ty_model_mesh* mesh);
+
+/* Makes a mesh's shading arrays what the comment at ty_model_mesh promises: normals unit, what is not finite 0,
+ * colours clamped. */
+void ty_model_tidy_shading(ty_model_mesh* mesh);
+/* A material with the given albedo and no textures. */
+ty_model_material ty_model_plain_material(float albedo);
+/* Decodes all images, over the context's threads. */
+ty_result ty_model_decode_images(ty_model* model);
+/* Over all instances. */
+int64_t ty_model_triangles(const ty_model* model);
+
+/* The path of a file named inside another one: folder/name. Names that are absolute or lead out of the folder are
+ * refused, as are all when folder is NULL; place is what names it in messages. Freed with ty_free_text. */
+ty_result ty_model_inner_path(ty_context* context, const char* place, const char* folder, const char* name, char** out);
+
+#endif

@@ -1,0 +1,39 @@
+/* Voxels as raw bytes: of ten types, in either byte order, one component among several. */
+#ifndef TY_IO_SAMPLES_H
+#define TY_IO_SAMPLES_H
+
+#include <tyndall/grid.h>
+
+typedef enum ty_sample_type {
+    TY_SAMPLE_INT8,
+    TY_SAMPLE_UINT8,
+    TY_SAMPLE_INT16,
+    TY_SAMPLE_UINT16,
+    TY_SAMPLE_INT32,
+    TY_SAMPLE_UINT32,
+    TY_SAMPLE_INT64,
+    TY_SAMPLE_UINT64,
+    TY_SAMPLE_HALF,
+    TY_SAMPLE_FLOAT,
+    TY_SAMPLE_DOUBLE,
+    TY_SAMPLE_TYPES
+} ty_sample_type;
+
+/* "int8" ... "double"; TY_SAMPLE_TYPES for any other name. */
+ty_sample_type ty_sample_type_of(const char* name);
+const char* ty_sample_name(ty_sample_type type);
+size_t ty_sample_size(ty_sample_type type);
+/* What a grid of such samples is: half for half, int8 and uint8, which it holds exactly, else float. */
+ty_grid_type ty_sample_grid_type(ty_sample_type type);
+
+typedef struct ty_samples {
+    const uint8_t* bytes;
+    ty_sample_type type;
+    bool big_endian;
+    size_t first, step; /* in samples: where the component begins, and from voxel to voxel */
+} ty_samples;
+
+/* A grid of def->size such voxels, x fastest, of ty_sample_grid_type; placed as def says. */
+ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out);
+
+#endif

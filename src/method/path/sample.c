@@ -1,0 +1,252 @@
+/* Sampling many items in passes over threads, with progress, states, bounds on time and error, and cancelling. */
+#define _POSIX_C_SOURCE 200809L
+#include "base/context.h"
+#include "method/path/driver.h"
+#include "method/path/state.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX };
+
+static const double progress_interval = 0.1;
+
+/* What a thread does between two looks at whether to stop, seconds. */
+static const double stride_seconds = 2e-3;
+
+typedef struct sampling {
+    ty_path_run* run;
+    uint32_t last;        /* samples of each item after this pass */
+    uint32_t done_before; /* samples that every item has had before this pass */
+    double begun;         /* when the work would have begun, had it been done in one go */
+    double cpu_begun;     /* the same in processor seconds */
+    pthread_mutex_t lock; /* guards reporting and saving, so that callbacks come one at a time */
+    double reported;
+    pthread_rwlock_t items; /* blocks come in side by side ("readers"), but not while a state is copied */
+    uint8_t* state;         /* NULL: nobody asks for it */
+    size_t state_size;
+    double saved;             /* when the last state was handed out */
+    _Atomic int64_t finished; /* blocks of this pass */
+    _Atomic uint64_t vertices, paths;
+    _Atomic uint32_t stride; /* paths that take about stride_seconds */
+    _Atomic bool cancelled, out_of_time;
+} sampling;
+
+/* Root mean square standard error over the mean, all items and channels together. */
+static double relative_error(const ty_path_run* run) {
+    double variance = 0, mean = 0;
+    for (int64_t i = 0; i < run->item_count; ++i)
+        for (int c = 0; c < 3; ++c) {
+            variance += ty_path_item_variance(&run->items[i], c);
+            mean += ty_path_item_mean(&run->items[i], c);
+        }
+    const double n = 3.0 * (double)run->item_count;
+    return mean > 0 ? sqrt(variance / n) / (mean / n) : 0;
+}
+
+static int64_t block_count(const ty_path_run* run) {
+    return (run->item_count + TY_PATH_BLOCK - 1) / TY_PATH_BLOCK;
+}
+
+/* Fraction of the work that is done, whichever bound is nearest. */
+static double fraction_done(const sampling* pass, double seconds, double samples) {
+    const ty_path_def* def = pass->run->def;
+    double fraction = samples / def->spp;
+    if (def->seconds > 0) fraction = fmax(fraction, seconds / def->seconds);
+    if (def->error > 0 && pass->run->stats.error > 0 && pass->done_before > 0) {
+        const double needed = pass->done_before * pow(pass->run->stats.error / def->error, 2);
+        fraction = fmax(fraction, samples / needed);
+    }
+    return fmin(fraction, 1);
+}
+
+/* Tells the caller where things stand, if it is time to; sets cancelled when the caller wishes. */
+static void report(sampling* pass, bool always) {
+    const ty_path_def* def = pass->run->def;
+    const double seconds = ty_wall_seconds() - pass->begun;
+    if (def->seconds > 0 && seconds >= def->seconds) atomic_store(&pass->out_of_time, true);
+    if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
+    if (always || seconds - pass->reported >= progress_interval) {
+        pass->reported = seconds;
+        const double share = (double)atomic_load(&pass->finished) / (double)block_count(pass->run);
+        const double samples = pass->done_before + share * (pass->last - pass->done_before);
+        const double fraction = fraction_done(pass, seconds, samples);
+        const ty_progress progress = {
+            .stage = pass->run->stage,
+            .fraction = fraction,
+            .seconds = seconds,
+            .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
+            .done = pass->done_before,
+            .total = def->spp < TY_PATH_SPP_MAX ? (uint64_t)def->spp : 0,
+        };
+        if (!def->progress(def->progress_user, &progress)) atomic_store(&pass->cancelled, true);
+    }
+    pthread_mutex_unlock(&pass->lock);
+}
+
+static ty_path_stats totals(sampling* pass) {
+    ty_path_stats stats = pass->run->stats;
+    stats.seconds = ty_wall_seconds() - pass->begun;
+    stats.cpu_seconds = ty_cpu_seconds() - pass->cpu_begun;
+    stats.paths = atomic_load(&pass->paths);
+    stats.vertices = atomic_load(&pass->vertices);
+    stats.spp = (double)stats.paths / (double)pass->run->item_count;
+    return stats;
+}
+
+/* Hands out the state, if it is time to. The other threads wait only while it is copied. */
+static void save(sampling* pass, bool always) {
+    const ty_path_def* def = pass->run->def;
+    if (pass->state == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
+    if (always || ty_wall_seconds() - pass->saved >= def->state_seconds) {
+        pthread_rwlock_wrlock(&pass->items);
+        const ty_path_stats stats = totals(pass);
+        ty_path_state_copy(pass->run, &stats, pass->state);
+        pthread_rwlock_unlock(&pass->items);
+        ty_path_state_seal(pass->state, pass->state_size);
+        if (!def->state(def->state_user, pass->state, pass->state_size)) atomic_store(&pass->cancelled, true);
+        pass->saved = ty_wall_seconds();
+    }
+    pthread_mutex_unlock(&pass->lock);
+}
+
+/* Time ends work only once every item has a sample. */
+static bool stopped(sampling* pass) {
+    return atomic_load_explicit(&pass->cancelled, memory_order_relaxed) ||
+           (pass->done_before > 0 && atomic_load_explicit(&pass->out_of_time, memory_order_relaxed));
+}
+
+/* A part of a block on its way: what its items have so far, not yet seen by others. */
+typedef struct block_work {
+    int64_t begin, end;
+    uint32_t first, count; /* samples */
+    uint64_t vertices;
+    ty_path_sums sums[TY_PATH_BLOCK];
+    ty_path_parts parts[TY_PATH_BLOCK];
+} block_work;
+
+/* Samples in strides that take a few milliseconds; how they are cut changes no result. False when told to stop. */
+static bool sample_in_strides(sampling* pass, block_work* work) {
+    const ty_path_run* run = pass->run;
+    int64_t item = work->begin;
+    uint32_t sample = 0;
+    while (item < work->end) {
+        const uint32_t stride = atomic_load_explicit(&pass->stride, memory_order_relaxed);
+        const uint32_t left = work->count - sample;
+        const uint32_t samples = stride < left ? stride : left;
+        const int64_t many = sample > 0 || samples < left ? 1 : stride / work->count;
+        const int64_t next = item + many < work->end ? item + many : work->end;
+        const double begun = ty_wall_seconds();
+        work->vertices +=
+            run->kernel(&run->request, item, next, work->first + sample, samples, work->sums + (item - work->begin),
+                        run->parts != NULL ? work->parts + (item - work->begin) : NULL);
+        const double seconds = ty_wall_seconds() - begun;
+        uint32_t better = stride;
+        if (seconds > 2 * stride_seconds && stride > 1) better = stride / 2;
+        if (seconds < 0.5 * stride_seconds && stride < STRIDE_MAX) better = stride * 2;
+        atomic_store_explicit(&pass->stride, better, memory_order_relaxed);
+        sample = sample + samples < work->count ? sample + samples : 0;
+        if (sample == 0) item = next;
+        report(pass, false);
+        if (stopped(pass)) return false;
+    }
+    return true;
+}
+
+static void sample_block(void* user, int64_t block, int32_t worker) {
+    (void)worker;
+    sampling* pass = user;
+    ty_path_run* run = pass->run;
+    if (stopped(pass)) return;
+    block_work work = {.begin = block * TY_PATH_BLOCK};
+    work.end = work.begin + TY_PATH_BLOCK < run->item_count ? work.begin + TY_PATH_BLOCK : run->item_count;
+    work.first = run->items[work.begin].count;
+    if (work.first < pass->last) {
+        const size_t size = (size_t)(work.end - work.begin);
+        work.count = pass->last - work.first;
+        for (size_t i = 0; i < size; ++i) work.sums[i] = run->items[(size_t)work.begin + i].sums;
+        if (run->parts != NULL) memcpy(work.parts, run->parts + work.begin, size * sizeof *run->parts);
+        if (!sample_in_strides(pass, &work)) return;
+        pthread_rwlock_rdlock(&pass->items);
+        for (size_t i = 0; i < size; ++i) {
+            run->items[(size_t)work.begin + i].sums = work.sums[i];
+            run->items[(size_t)work.begin + i].count = pass->last;
+        }
+        if (run->parts != NULL) memcpy(run->parts + work.begin, work.parts, size * sizeof *run->parts);
+        atomic_fetch_add(&pass->vertices, work.vertices);
+        atomic_fetch_add(&pass->paths, (uint64_t)size * work.count);
+        pthread_rwlock_unlock(&pass->items);
+    }
+    atomic_fetch_add(&pass->finished, 1);
+    save(pass, false);
+}
+
+/* Samples of the next pass: few at first so that time and error are noticed soon, then more. */
+static uint32_t next_pass(const ty_path_run* run, uint32_t done) {
+    uint32_t count = done < 1 ? 1 : done < PASS_MAX ? done : PASS_MAX;
+    if (done + count > (uint32_t)run->def->spp) count = (uint32_t)run->def->spp - done;
+    return count;
+}
+
+/* Samples that every item has; *whole tells whether none has more. */
+static uint32_t fewest_samples(const ty_path_run* run, bool* whole) {
+    uint32_t fewest = UINT32_MAX, most = 0;
+    for (int64_t i = 0; i < run->item_count; i += TY_PATH_BLOCK) {
+        if (run->items[i].count < fewest) fewest = run->items[i].count;
+        if (run->items[i].count > most) most = run->items[i].count;
+    }
+    *whole = fewest == most;
+    return fewest;
+}
+
+/* Whether a bound other than that on samples is met, between passes. */
+static bool bounds_met(sampling* pass) {
+    ty_path_run* run = pass->run;
+    if (run->def->error > 0 && pass->done_before > 0) {
+        run->stats.error = relative_error(run);
+        if (pass->done_before >= 4 && run->stats.error <= run->def->error) return true;
+    }
+    return run->def->seconds > 0 && pass->done_before > 0 && ty_wall_seconds() - pass->begun >= run->def->seconds;
+}
+
+static void sample_passes(sampling* pass) {
+    const uint32_t spp = (uint32_t)pass->run->def->spp;
+    bool whole;
+    pass->done_before = pass->last = fewest_samples(pass->run, &whole);
+    /* A pass that was interrupted is ended before bounds are looked at: so the error is that of the same samples. */
+    for (; pass->done_before < spp && !(whole && bounds_met(pass)); whole = true) {
+        pass->last = pass->done_before + next_pass(pass->run, pass->done_before);
+        atomic_store(&pass->finished, 0);
+        ty_parallel_for(pass->run->context, block_count(pass->run), sample_block, pass);
+        if (atomic_load(&pass->finished) < block_count(pass->run)) return;
+        pass->done_before = pass->last;
+    }
+}
+
+ty_result ty_path_sample(ty_path_run* run) {
+    sampling pass = {.run = run, .begun = ty_wall_seconds() - run->stats.seconds};
+    pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds;
+    pass.saved = ty_wall_seconds();
+    atomic_init(&pass.paths, run->stats.paths);
+    atomic_init(&pass.vertices, run->stats.vertices);
+    atomic_init(&pass.stride, STRIDE_FIRST);
+    if (run->def->state != NULL && run->request.kind == TY_PATH_PIXELS) {
+        pass.state_size = ty_path_state_size(run);
+        pass.state = ty_alloc_array(run->context, pass.state_size, 1, false);
+        if (pass.state == NULL) return TY_ERROR_MEMORY;
+    }
+    pthread_mutex_init(&pass.lock, NULL);
+    pthread_rwlock_init(&pass.items, NULL);
+    sample_passes(&pass);
+    const bool cancelled = atomic_load(&pass.cancelled) && pass.done_before < (uint32_t)run->def->spp;
+    report(&pass, true);
+    run->stats = totals(&pass);
+    run->stats.error = relative_error(run);
+    save(&pass, true);
+    pthread_mutex_destroy(&pass.lock);
+    pthread_rwlock_destroy(&pass.items);
+    ty_free_array(run->context, pass.state, pass.state_size, 1);
+    return cancelled ? TY_CANCELLED : TY_OK;
+}

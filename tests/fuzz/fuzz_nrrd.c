@@ -1,0 +1,32 @@
+/* NRRD files with attached data: every component of them. The bytes go through a file in memory. */
+#define _GNU_SOURCE
+#include "fuzz_target.h"
+
+#include <tyndall/io.h>
+
+#include <stdio.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+static void read_all(ty_context* context, const char* path) {
+    ty_volume_def def = ty_default_volume_def();
+    int32_t components = 0;
+    if (ty_volume_components(context, path, &def, &components) != TY_OK) return;
+    for (def.component = 0; def.component < components && def.component < 4; ++def.component) {
+        ty_grid* grid = NULL;
+        if (ty_volume_read(context, path, &def, &grid) == TY_OK) ty_grid_destroy(grid);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
+    const int file = memfd_create("fuzz.nrrd", MFD_CLOEXEC);
+    if (file < 0 || write(file, bytes, size) != (ssize_t)size) abort();
+    char path[64];
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    size_t used = 0;
+    ty_context* context = fuzz_context(&used);
+    read_all(context, path);
+    fuzz_finish(context, &used);
+    close(file);
+    return 0;
+}

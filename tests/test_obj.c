@@ -1,0 +1,271 @@
+/* Wavefront OBJ files and their materials. */
+#define _GNU_SOURCE
+#include "mesh_maker.h"
+
+#include "io/obj.h"
+
+#include <locale.h>
+#include <png.h>
+
+static log_book book;
+static ty_context* context;
+
+static int start(void** state) {
+    (void)state;
+    context = logged_context(&book, 2);
+    return 0;
+}
+
+static int stop(void** state) {
+    (void)state;
+    ty_context_destroy(context);
+    return 0;
+}
+
+static ty_result read_text(const char* text, const char* folder, ty_model* model) {
+    book = (log_book){0};
+    return ty_read_obj(context, "made.obj", folder, (const uint8_t*)text, strlen(text), TY_MODEL_ALL, model);
+}
+
+static void read_well(const char* text, const char* folder, ty_model* model) {
+    if (read_text(text, folder, model) != TY_OK) fail_msg("%s", ty_last_error(context));
+    assert_true(model_is_whole(model));
+}
+
+static void assert_indices(const ty_model_mesh* mesh, const uint32_t* expected, size_t triangles) {
+    assert_int_equal(mesh->triangle_count, triangles);
+    for (size_t i = 0; i < 3 * triangles; ++i) assert_int_equal(mesh->indices[i], expected[i]);
+}
+
+/* Two triangles of a quad share two vertices; a third has a corner with other texture coordinates. */
+static void corners_become_vertices(void** state) {
+    (void)state;
+    static const char text[] = "# a comment\r\n"
+                               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                               "vt 0 0\nvt 1 0.25\nvt 1 1\nvt 0 1\nvn 0 0 2\n"
+                               "o thing\ng some group\ns 1\n"
+                               "f 1/1/1 2/2/1 3/3/1 4/4/1\n"
+                               "f -4/3/-1 -3/2/-1 -2/3/-1\n";
+    ty_model model;
+    read_well(text, NULL, &model);
+    assert_int_equal(model.mesh_count, 1);
+    const ty_model_mesh* mesh = &model.meshes[0];
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3, 4, 1, 2};
+    assert_indices(mesh, indices, 3);
+    assert_int_equal(mesh->vertex_count, 5);
+    static const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 0};
+    static const float uv[] = {0, 1, 1, 0.75f, 1, 0, 0, 0, 1, 0}; /* row 0 of a texture is at v = 1 of the file */
+    static const float normal[] = {0, 0, 1};
+    assert_floats(mesh->positions, positions, 15);
+    assert_floats(mesh->uv[0], uv, 10);
+    for (int i = 0; i < 5; ++i) assert_floats(mesh->normals + 3 * i, normal, 3);
+    assert_null(mesh->colors);
+    assert_true(model.materials[mesh->material].def.albedo[0] == 0.5f);
+    ty_model_free(&model);
+}
+
+static void all_forms_of_corners_are_read(void** state) {
+    (void)state;
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5\nvn 1 0 0\n"
+                               "f 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nf 1/ 2// 3\n";
+    ty_model model;
+    read_well(text, NULL, &model);
+    assert_int_equal(model.mesh_count, 2); /* flat and smooth */
+    assert_int_equal(model.meshes[0].triangle_count, 3);
+    assert_null(model.meshes[0].normals);
+    assert_int_equal(model.meshes[1].triangle_count, 1);
+    assert_non_null(model.meshes[1].normals);
+    assert_null(model.meshes[1].uv[0]);
+    ty_model_free(&model);
+}
+
+static void colours_of_vertices_are_read(void** state) {
+    (void)state;
+    static const char text[] = "v 0 0 0 1 0.5 0\nv 1e0 0 0 0 2 0\nv 0 .1E+1 \\\n -0. 0 0 1\nv 5 5 5 1\nf 1 2 3 4\n";
+    static const float colors[] = {1, 0.5f, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 1, 1, 1, 1};
+    ty_model model;
+    read_well(text, NULL, &model);
+    assert_floats(model.meshes[0].colors, colors, 16);
+    assert_true(model.meshes[0].positions[7] == 1);
+    assert_true(model.materials[0].def.albedo[1] == 1);
+    ty_model_free(&model);
+}
+
+static void put_png(const char* path) {
+    static const uint8_t rgba[] = {1, 2, 3, 255, 5, 6, 7, 255};
+    uint8_t bytes[1024];
+    png_image image = {.version = PNG_IMAGE_VERSION, .width = 2, .height = 1, .format = PNG_FORMAT_RGBA};
+    png_alloc_size_t size = sizeof bytes;
+    assert_int_equal(png_image_write_to_memory(&image, bytes, &size, 0, rgba, 0, NULL), 1);
+    put_file(path, bytes, size);
+}
+
+static void materials_are_read(void** state) {
+    (void)state;
+    put_png("bricks and mortar.png");
+    put_text("made of.mtl", "newmtl red wall\nKd 1 0.25 2\nKe 3\nNs 5\nillum 2\nd 0.5\n"
+                            "newmtl bricks\nKd 0 0 0\nmap_Kd -s 1 1 1 -clamp on bricks and mortar.png\n"
+                            "map_Ke .\\bricks and mortar.png\nmap_d x.png\nTr 0\n"
+                            "newmtl unused\nmap_Kd bricks and mortar.png\n");
+    static const char text[] = "mtllib made of.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                               "usemtl bricks\nf 1 2 3\nusemtl red wall\nf 1 2 3\nusemtl bricks\nf 3 2 1\n"
+                               "usemtl nowhere\nf 1 3 2\nl 1 2\n";
+    ty_model model;
+    read_well(text, "", &model);
+    assert_int_equal(model.material_count, 4);
+    assert_int_equal(model.mesh_count, 3); /* none, red, bricks */
+    assert_int_equal(model.meshes[0].material, 0);
+    assert_int_equal(model.meshes[1].material, 1);
+    assert_int_equal(model.meshes[2].material, 2);
+    assert_int_equal(model.meshes[2].triangle_count, 2);
+    static const float red[] = {1, 0.25f, 1}, glow[] = {3, 3, 3}, white[] = {1, 1, 1};
+    assert_string_equal(model.materials[1].name, "red wall");
+    assert_floats(model.materials[1].def.albedo, red, 3);
+    assert_floats(model.materials[1].def.emission, glow, 3);
+    assert_true(model.materials[1].def.alpha == 0.5f && model.materials[1].def.alpha_mode == TY_ALPHA_BLEND);
+    assert_floats(model.materials[2].def.albedo, white, 3);
+    assert_int_equal(model.materials[2].def.alpha_mode, TY_ALPHA_OPAQUE);
+    assert_int_equal(model.texture_count, 3);
+    assert_int_equal(model.textures[0].wrap[0], TY_WRAP_CLAMP);
+    assert_int_equal(model.textures[1].wrap[0], TY_WRAP_REPEAT);
+    const ty_model_image* image = &model.images[model.textures[model.materials[2].albedo_texture].image];
+    assert_int_equal(image->width, 2);
+    assert_int_equal(image->rgba8[4], 5);
+    assert_int_equal(book.warnings, 3); /* map_d, the line, the unknown material */
+    ty_model_free(&model);
+}
+
+static void missing_materials_are_survived(void** state) {
+    (void)state;
+    ty_model model;
+    read_well("mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n", "", &model);
+    assert_int_equal(book.warnings, 2);
+    assert_int_equal(model.meshes[0].material, 0);
+    ty_model_free(&model);
+}
+
+static void numbers_do_not_depend_on_the_locale(void** state) {
+    (void)state;
+    if (setlocale(LC_ALL, "de_DE.UTF-8") == NULL && setlocale(LC_ALL, "fr_FR.UTF-8") == NULL) skip();
+    ty_model model;
+    const ty_result result = read_text("v 0.5 0 0\nv 1.25 0 0\nv 0 1 0\nf 1 2 3\n", NULL, &model);
+    setlocale(LC_ALL, "C");
+    assert_int_equal(result, TY_OK);
+    assert_true(model.meshes[0].positions[0] == 0.5f && model.meshes[0].positions[3] == 1.25f);
+    ty_model_free(&model);
+}
+
+static void broken_files_are_refused(void** state) {
+    (void)state;
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"", "made.obj: there are no faces"},
+        {"v 0 0 0\nv 1 0 0\n", "made.obj: there are no faces"},
+        {"v 0 0\n", "made.obj:1: numbers are missing or damaged"},
+        {"\nv 0 0 x\n", "made.obj:2: numbers are missing or damaged"},
+        {"v 1 2 3,5\n", "made.obj:1: numbers are missing or damaged"},
+        {"v 1 2 1e99\n", "made.obj:1: a number is not finite"},
+        {"v 1 2 nan\n", "made.obj:1: a number is not finite"},
+        {"vn 1 2\n", "made.obj:1: numbers are missing or damaged"},
+        {"v 0 0 0\nf 1 2 3\n", "made.obj:2: there is no vertex 2, but 1 so far"},
+        {"v 0 0 0\nf 1 -2 1\n", "made.obj:2: there is no vertex -2, but 1 so far"},
+        {"v 0 0 0\nf 0 1 1\n", "made.obj:2: there is no vertex 0"},
+        {"v 0 0 0\nf 1/1 1 1\n", "made.obj:2: there is no texture vertex 1, but 0 so far"},
+        {"v 0 0 0\nf 1//4 1 1\n", "made.obj:2: there is no normal 4"},
+        {"v 0 0 0\nf 1 a 1\n", "made.obj:2: a face is damaged"},
+        {"v 0 0 0\nf 1/1/1/1 1 1\n", "made.obj:2: there is no texture vertex 1"},
+        {"v 0 0 0\nf 1 1x 1\n", "made.obj:2: a face is damaged"},
+        {"v 0 0 0\nf 99999999999999999999 1 1\n", "made.obj:2: a face is damaged"},
+        {"mtllib ../up.mtl\n", "made.obj:1: \"../up.mtl\" leads out of the file's folder"},
+        {"mtllib /etc/passwd\n", "made.obj:1: \"/etc/passwd\" is not a path relative to the file"},
+        {"mtllib\n", "made.obj:1: the name of a material file is damaged"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        ty_model model;
+        assert_failed(context, read_text(cases[i].text, "", &model), TY_ERROR_INPUT, "made.obj", cases[i].message);
+        ty_model_free(&model);
+    }
+}
+
+static void broken_materials_are_refused(void** state) {
+    (void)state;
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"newmtl a\nKd 1 2\n", "made.mtl:2: a colour is not three numbers"},
+        {"newmtl a\nKe 1 2 inf\n", "made.mtl:2: a colour is not finite"},
+        {"newmtl a\nd\n", "made.mtl:2: the opacity is not a number"},
+        {"newmtl a\nmap_Kd -clamp on\n", "made.mtl:2: the name of a map is damaged"},
+        {"newmtl a\n\nmap_Kd ../x.png\n", "made.mtl:3: \"../x.png\" leads out"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        ty_model model = {.context = context};
+        const ty_result result = ty_read_mtl(context, "made.mtl", "", cases[i].text, strlen(cases[i].text), &model);
+        assert_failed(context, result, TY_ERROR_INPUT, "made.mtl", cases[i].message);
+        ty_model_free(&model);
+    }
+    put_text("absent.mtl", "newmtl a\nmap_Kd absent.png\n");
+    ty_model model;
+    assert_failed(context, read_text("mtllib absent.mtl\n", "", &model), TY_ERROR_FILE, "absent.png", "No such file");
+    ty_model_free(&model);
+}
+
+/* A grid of a million triangles: every vertex is found again by the four faces that share it. */
+static void large_files_are_read(void** state) {
+    (void)state;
+    enum { SIDE = 708, LINE_SIZE = 64 };
+    const size_t room = (size_t)(SIDE + 1) * (SIDE + 1) * LINE_SIZE + (size_t)SIDE * SIDE * LINE_SIZE;
+    char* text = malloc(room);
+    assert_non_null(text);
+    size_t used = 0;
+    for (int y = 0; y <= SIDE; ++y)
+        for (int x = 0; x <= SIDE; ++x) used += (size_t)sprintf(text + used, "v %d.25 %d.5 -1.5e-3\n", x, y);
+    for (int y = 0; y < SIDE; ++y)
+        for (int x = 1; x <= SIDE; ++x) {
+            const int a = y * (SIDE + 1) + x, b = a + SIDE + 1;
+            used += (size_t)sprintf(text + used, "f %d %d %d %d\n", a, a + 1, b + 1, b);
+        }
+    struct timespec begin, end;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    ty_model model;
+    read_well(text, NULL, &model);
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    printf("%.1f MB of OBJ in %.2f s\n", (double)used / 1e6,
+           (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec));
+    assert_int_equal(model.meshes[0].triangle_count, 2 * SIDE * SIDE);
+    assert_int_equal(model.meshes[0].vertex_count, (SIDE + 1) * (SIDE + 1));
+    ty_model_free(&model);
+    free(text);
+}
+
+static void short_memory_is_survived(void** state) {
+    (void)state;
+    static const char text[] = "v 0 0 0 1 1 1\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\nf 1 2 3\n";
+    strict_memory memory = {.limit = (size_t)1 << 30, .until_refusal = -1};
+    ty_context* strict = strict_context(&memory);
+    const size_t before = memory.used;
+    ty_result result = TY_ERROR_MEMORY;
+    for (int64_t n = 0; result == TY_ERROR_MEMORY && n < 200; ++n) {
+        ty_model model;
+        memory.until_refusal = n;
+        result = ty_read_obj(strict, "made.obj", NULL, (const uint8_t*)text, strlen(text), TY_MODEL_ALL, &model);
+        memory.until_refusal = -1;
+        ty_model_free(&model);
+        assert_int_equal(memory.used, before);
+        ty_clear_error(strict);
+    }
+    assert_int_equal(result, TY_OK);
+    ty_context_destroy(strict);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(corners_become_vertices),        cmocka_unit_test(all_forms_of_corners_are_read),
+        cmocka_unit_test(colours_of_vertices_are_read),   cmocka_unit_test(materials_are_read),
+        cmocka_unit_test(missing_materials_are_survived), cmocka_unit_test(numbers_do_not_depend_on_the_locale),
+        cmocka_unit_test(broken_files_are_refused),       cmocka_unit_test(broken_materials_are_refused),
+        cmocka_unit_test(large_files_are_read),           cmocka_unit_test(short_memory_is_survived),
+    };
+    return cmocka_run_group_tests(tests, start, stop);
+}

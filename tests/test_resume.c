@@ -1,0 +1,261 @@
+/* States: a render that was interrupted anywhere goes on to the same bits, and no other bytes are taken for one. */
+#include "fog.h"
+
+enum { KEPT_MAX = 64 };
+
+/* Keeps what is handed out; stops the work after so many states. */
+typedef struct keeper {
+    uint8_t* bytes[KEPT_MAX];
+    size_t size;
+    int calls, every, kept, stop_at; /* stop_at 0: never */
+} keeper;
+
+static bool keep(void* user, const void* state, size_t size) {
+    keeper* k = user;
+    ++k->calls;
+    if (k->every > 0 && k->calls % k->every == 0 && k->kept < KEPT_MAX) {
+        k->bytes[k->kept] = malloc(size);
+        assert_non_null(k->bytes[k->kept]);
+        memcpy(k->bytes[k->kept++], state, size);
+    }
+    k->size = size;
+    return k->calls != k->stop_at;
+}
+
+static void forget(keeper* k) {
+    for (int i = 0; i < k->kept; ++i) free(k->bytes[i]);
+    *k = (keeper){.every = 1};
+}
+
+/* As many states as there can be. */
+static ty_path_def kept_def(int32_t spp, keeper* k) {
+    ty_path_def def = small_def(spp);
+    def.aovs = TY_AOV_ALL;
+    def.crop[0] = 1;
+    def.crop[2] = WIDTH - 1;
+    def.crop[3] = HEIGHT;
+    def.state = keep;
+    def.state_user = k;
+    def.state_seconds = 0;
+    return def;
+}
+
+/* The last state of a render that was stopped at its n-th; the caller frees it. */
+static uint8_t* stopped_state(const ty_scene* scene, const ty_path_def* wanted, int n, size_t* size) {
+    keeper k = {.every = 1, .stop_at = n};
+    ty_path_def def = *wanted;
+    def.state = keep;
+    def.state_user = &k;
+    def.state_seconds = 0;
+    ty_image* image = NULL;
+    assert_int_equal(ty_path_render(scene, &def, &image, NULL), TY_CANCELLED);
+    ty_image_destroy(image);
+    assert_true(k.kept > 0);
+    uint8_t* last = k.bytes[--k.kept];
+    *size = k.size;
+    forget(&k);
+    return last;
+}
+
+static void states_come_in_time_and_at_the_end(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    keeper k = {.every = 1000000};
+    ty_path_def def = kept_def(4, &k);
+    def.state_seconds = 1e6;
+    ty_image_destroy(render(scene, &def, NULL));
+    assert_int_equal(k.calls, 1);
+    def.state_seconds = 0;
+    ty_image_destroy(render(scene, &def, NULL));
+    assert_true(k.calls > 4);
+    ty_scene_destroy(scene);
+}
+
+/* Every state that was handed out while threads worked gives the same image. */
+static void any_state_leads_to_the_same_image(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    keeper k = {.every = 1}, nobody = {0};
+    const ty_path_def def = kept_def(40, &k);
+    ty_path_stats plain_stats;
+    ty_image* plain = render(scene, &def, &plain_stats);
+    assert_true(k.kept > 5);
+    for (int i = 0; i < k.kept; ++i) {
+        ty_path_def again = kept_def(40, &nobody);
+        again.resume = k.bytes[i];
+        again.resume_size = k.size;
+        ty_path_stats stats;
+        ty_image* image = render(scene, &again, &stats);
+        assert_true(same_images(image, plain));
+        assert_int_equal(stats.paths, plain_stats.paths);
+        assert_int_equal(stats.vertices, plain_stats.vertices);
+        assert_close(stats.error, plain_stats.error, 0);
+        ty_image_destroy(image);
+    }
+    forget(&k);
+    ty_image_destroy(plain);
+    ty_scene_destroy(scene);
+}
+
+/* Interrupted again and again. */
+static void renders_survive_many_interruptions(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_path_def def = small_def(24);
+    ty_image* plain = render(scene, &def, NULL);
+    uint8_t* last = NULL;
+    size_t size = 0;
+    ty_image* image = NULL;
+    ty_result result = TY_CANCELLED;
+    int runs = 0;
+    for (; result == TY_CANCELLED; ++runs) {
+        keeper k = {.every = 1, .stop_at = 6};
+        def.state = keep;
+        def.state_user = &k;
+        def.state_seconds = 0;
+        def.resume = last;
+        def.resume_size = size;
+        ty_image_destroy(image);
+        result = ty_path_render(scene, &def, &image, NULL);
+        assert_true(k.kept > 0);
+        free(last);
+        last = k.bytes[--k.kept];
+        size = k.size;
+        forget(&k);
+        assert_true(runs < 1000);
+    }
+    assert_int_equal(result, TY_OK);
+    assert_true(runs > 2);
+    assert_true(same_images(image, plain));
+    free(last);
+    ty_image_destroy(image);
+    ty_image_destroy(plain);
+    ty_scene_destroy(scene);
+}
+
+static void more_samples_may_follow(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    keeper k = {.every = 1}, nobody = {0};
+    ty_path_def def = kept_def(7, &k);
+    def.state_seconds = 1e6;
+    ty_image_destroy(render(scene, &def, NULL));
+    ty_path_def more = kept_def(30, &nobody);
+    ty_image* plain = render(scene, &more, NULL);
+    more.resume = k.bytes[0];
+    more.resume_size = k.size;
+    ty_image* image = render(scene, &more, NULL);
+    assert_true(same_images(image, plain));
+    more.spp = 6;
+    ty_image* none = NULL;
+    assert_int_equal(ty_path_render(scene, &more, &none, NULL), TY_ERROR_INPUT);
+    assert_error(*state, "the state has 7 samples per pixel, more than the 6 asked for");
+    assert_null(none);
+    forget(&k);
+    ty_image_destroy(image);
+    ty_image_destroy(plain);
+    ty_scene_destroy(scene);
+}
+
+/* The error bound is looked at after the same samples as without the interruption. */
+static void error_bounds_survive_interruptions(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_path_def def = small_def(1 << 20);
+    def.error = 0.08;
+    ty_path_stats plain_stats, stats;
+    ty_image* plain = render(scene, &def, &plain_stats);
+    for (int n = 1; n < 14; n += 2) {
+        size_t size;
+        uint8_t* bytes = stopped_state(scene, &def, n, &size);
+        def.resume = bytes;
+        def.resume_size = size;
+        ty_image* image = render(scene, &def, &stats);
+        assert_true(same_images(image, plain));
+        assert_close(stats.spp, plain_stats.spp, 0);
+        def.resume = NULL;
+        def.resume_size = 0;
+        free(bytes);
+        ty_image_destroy(image);
+    }
+    ty_image_destroy(plain);
+    ty_scene_destroy(scene);
+}
+
+/* Time that earlier runs took counts. */
+static void time_bounds_survive_interruptions(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    keeper k = {.every = 1};
+    ty_path_def def = small_def(1 << 24);
+    def.seconds = 0.2;
+    def.state = keep;
+    def.state_user = &k;
+    ty_path_stats first, second;
+    ty_image_destroy(render(scene, &def, &first));
+    def.resume = k.bytes[0];
+    def.resume_size = k.size;
+    ty_image* image = render(scene, &def, &second);
+    assert_true(second.paths == first.paths && second.seconds >= first.seconds);
+    ty_image_destroy(image);
+    forget(&k);
+    ty_scene_destroy(scene);
+}
+
+static void refuse(ty_context* context, const ty_scene* scene, ty_path_def def, const void* bytes, size_t size,
+                   const char* words) {
+    ty_image* image = NULL;
+    def.resume = bytes;
+    def.resume_size = size;
+    assert_int_equal(ty_path_render(scene, &def, &image, NULL), TY_ERROR_INPUT);
+    assert_error(context, words);
+    assert_null(image);
+}
+
+static void states_of_other_renders_are_refused(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_path_def def = small_def(8);
+    def.seed = 3;
+    size_t size;
+    uint8_t* bytes = stopped_state(scene, &def, 2, &size);
+    const ty_path_def same = def;
+    def.seed = 4;
+    refuse(*state, scene, def, bytes, size, "the state is of seed 3, not 4");
+    def = same;
+    def.width = WIDTH + 1;
+    refuse(*state, scene, def, bytes, size, "the state is of 19 x 11 pixels, not 20 x 11");
+    def = same;
+    def.crop[2] = 3;
+    def.crop[3] = 2;
+    refuse(*state, scene, def, bytes, size, "the state is of the crop 0,0,19x11, not 0,0,3x2");
+    def = same;
+    def.max_depth = 9;
+    refuse(*state, scene, def, bytes, size, "the state is of max_depth 0, not 9");
+    def = same;
+    def.aovs |= TY_AOV_DEPTH;
+    refuse(*state, scene, def, bytes, size, "the state has other channels");
+    free(bytes);
+    ty_scene_destroy(scene);
+}
+
+static void damaged_states_are_refused(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_path_def def = small_def(8);
+    def.width = def.height = 5;
+    size_t size;
+    uint8_t* bytes = stopped_state(scene, &def, 2, &size);
+    for (size_t cut = 0; cut < size; cut += cut < 200 ? 1 : 61)
+        refuse(*state, scene, def, bytes, cut, cut < 150 ? "is cut short" : "the state is");
+    for (size_t i = 0; i < size; ++i) {
+        bytes[i] ^= 0x10;
+        refuse(*state, scene, def, bytes, size, i < 8 ? "not the state of a render" : "the state ");
+        bytes[i] ^= 0x10;
+    }
+    refuse(*state, scene, def, "a text that is none", 19, "is cut short");
+    free(bytes);
+    ty_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(states_come_in_time_and_at_the_end),  cmocka_unit_test(any_state_leads_to_the_same_image),
+        cmocka_unit_test(renders_survive_many_interruptions),  cmocka_unit_test(more_samples_may_follow),
+        cmocka_unit_test(error_bounds_survive_interruptions),  cmocka_unit_test(time_bounds_survive_interruptions),
+        cmocka_unit_test(states_of_other_renders_are_refused), cmocka_unit_test(damaged_states_are_refused),
+    };
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}
