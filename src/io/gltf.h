@@ -66,6 +66,8 @@ ty_result ty_gltf_read_reference(const ty_gltf* gltf, const json_t* object, cons
 
 /* ---- gltf_buffer.c: bytes ---- */
 
+/* "a%20b" -> "a b", in place; false for a damaged escape or a zero byte. */
+bool ty_gltf_decode_percent(char* text);
 /* The bytes that a URI holds (base64) or names (a file); freed with ty_free_file. */
 ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* place, const char* uri, uint8_t** bytes,
                            size_t* size);

@@ -62,8 +62,7 @@ static int hex_value(char c) {
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* "a%20b" -> "a b", in place; false for a damaged escape or a zero byte. */
-static bool decode_percent(char* text) {
+bool ty_gltf_decode_percent(char* text) {
     char* to = text;
     for (const char* at = text; *at != '\0'; ++at) {
         if (*at != '%') {
@@ -87,8 +86,9 @@ static ty_result load_file(const ty_gltf* gltf, const ty_json_path* place, const
     const size_t length = strlen(name) + 1; /* decoding shortens the text */
     ty_json_path_text(place, where, sizeof where);
     snprintf(message, sizeof message, "%s: %s", gltf->path, where);
-    ty_result result = decode_percent(name) ? ty_model_inner_path(gltf->context, message, gltf->folder, name, &path)
-                                            : ty_gltf_fail(gltf, place, "a URI with a damaged %% escape");
+    ty_result result = ty_gltf_decode_percent(name)
+                           ? ty_model_inner_path(gltf->context, message, gltf->folder, name, &path)
+                           : ty_gltf_fail(gltf, place, "a URI with a damaged %% escape");
     ty_free_array(gltf->context, name, length, 1);
     if (result == TY_OK) result = ty_read_file(gltf->context, path, file_size_max, bytes, size);
     ty_free_text(gltf->context, path);
