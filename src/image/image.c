@@ -7,12 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_MAX_LENGTH = 254, PLANE_ALIGNMENT = 16, OFFSET_MAX = 1 << 20 };
+enum { PLANE_ALIGNMENT = 16 };
 
 static bool name_allowed(const char* name) {
     if (name == NULL) return false;
     const size_t length = strlen(name);
-    return length >= 1 && length <= NAME_MAX_LENGTH;
+    return length >= 1 && length <= TY_IMAGE_NAME_MAX;
 }
 
 static ty_result check_names(ty_context* context, int32_t count, const char* const* names) {
@@ -22,7 +22,7 @@ static ty_result check_names(ty_context* context, int32_t count, const char* con
     for (int32_t i = 0; i < count; ++i) {
         if (!name_allowed(names[i]))
             return ty_fail(context, TY_ERROR_ARGUMENT, "the name of image channel %d is not 1..%d characters long",
-                           (int)i, (int)NAME_MAX_LENGTH);
+                           (int)i, (int)TY_IMAGE_NAME_MAX);
         for (int32_t j = 0; j < i; ++j)
             if (strcmp(names[i], names[j]) == 0)
                 return ty_fail(context, TY_ERROR_ARGUMENT, "two image channels are called \"%s\"", names[i]);
@@ -44,9 +44,9 @@ ty_result ty_image_create(ty_context* context, int32_t width, int32_t height, in
     image->context = context;
     image->width = width;
     image->height = height;
+    image->channel_count = channel_count;
     image->frame[2] = width;
     image->frame[3] = height;
-    image->channel_count = channel_count;
     const size_t pixels = (size_t)width * (size_t)height;
     image->plane_stride = (pixels + PLANE_ALIGNMENT - 1) / PLANE_ALIGNMENT * PLANE_ALIGNMENT;
     image->names = ty_alloc_array(context, (size_t)channel_count, sizeof *image->names, true);
@@ -79,20 +79,6 @@ void ty_image_destroy(ty_image* image) {
     ty_free_array(context, image->names, (size_t)image->channel_count, sizeof *image->names);
     ty_free_array(context, image->pixels, image->plane_stride * (size_t)image->channel_count, sizeof(float));
     ty_free_array(context, image, 1, sizeof *image);
-}
-
-ty_result ty_image_set_frame(ty_image* image, int32_t x, int32_t y, int32_t width, int32_t height) {
-    if (width < 1 || height < 1 || width > TY_IMAGE_SIDE_MAX || height > TY_IMAGE_SIDE_MAX || abs(x) > OFFSET_MAX ||
-        abs(y) > OFFSET_MAX)
-        return ty_fail(image->context, TY_ERROR_ARGUMENT, "an image lies at (%d, %d) in a frame of %d x %d", (int)x,
-                       (int)y, (int)width, (int)height);
-    const int32_t frame[4] = {x, y, width, height};
-    memcpy(image->frame, frame, sizeof frame);
-    return TY_OK;
-}
-
-void ty_image_get_frame(const ty_image* image, int32_t frame[4]) {
-    memcpy(frame, image->frame, sizeof image->frame);
 }
 
 int32_t ty_image_width(const ty_image* image) {
@@ -129,11 +115,15 @@ const float* ty_image_plane_const(const ty_image* image, int32_t channel) {
 
 bool ty_image_rgb_planes(const ty_image* image, const float* planes[3]) {
     static const char* const names[] = {"R", "G", "B"};
-    const float* found[3];
-    for (int c = 0; c < 3; ++c)
-        found[c] = ty_image_plane_const(image, image->channel_count == 1 ? 0 : ty_image_find_channel(image, names[c]));
-    if (found[0] == NULL || found[1] == NULL || found[2] == NULL) return false;
-    for (int c = 0; c < 3; ++c) planes[c] = found[c];
+    int32_t found[3];
+    for (int c = 0; c < 3; ++c) found[c] = ty_image_find_channel(image, names[c]);
+    if (found[0] < 0 || found[1] < 0 || found[2] < 0) {
+        const bool luminance = ty_image_find_channel(image, "X") < 0; /* Y beside X is a coordinate */
+        found[0] = image->channel_count == 1 ? 0 : luminance ? ty_image_find_channel(image, "Y") : -1;
+        if (found[0] < 0) return false;
+        found[1] = found[2] = found[0];
+    }
+    for (int c = 0; c < 3; ++c) planes[c] = ty_image_plane_const(image, found[c]);
     return true;
 }
 
@@ -200,6 +190,29 @@ ty_result ty_image_set_number(ty_image* image, const char* key, double value) {
     char text[TY_NUMBER_TEXT_SIZE];
     ty_number_text(value, text);
     return set_metadata(image, key, text, true, value);
+}
+
+ty_result ty_image_copy_metadata(const ty_image* from, ty_image* to) {
+    for (size_t i = 0; i < from->metadata_count; ++i) {
+        const ty_metadata* entry = &from->metadata[i];
+        const ty_result result = set_metadata(to, entry->key, entry->text, entry->is_number, entry->number);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}
+
+ty_result ty_image_create_like(ty_context* context, const ty_image* image, int32_t width, int32_t height,
+                               ty_image** out) {
+    ty_image* made = NULL;
+    ty_result result =
+        ty_image_create(context, width, height, image->channel_count, (const char* const*)image->names, &made);
+    if (result == TY_OK) result = ty_image_copy_metadata(image, made);
+    if (result != TY_OK) {
+        ty_image_destroy(made);
+        return result;
+    }
+    *out = made;
+    return TY_OK;
 }
 
 int32_t ty_image_metadata_count(const ty_image* image) {

@@ -4,7 +4,13 @@
 
 #include <tyndall/image.h>
 
-enum { TY_IMAGE_SIDE_MAX = 65536, TY_IMAGE_CHANNELS_MAX = 1024, TY_METADATA_KEY_MAX = 31 };
+enum {
+    TY_IMAGE_SIDE_MAX = 65536,
+    TY_IMAGE_OFFSET_MAX = 1 << 20,
+    TY_IMAGE_CHANNELS_MAX = 1024,
+    TY_IMAGE_NAME_MAX = 254,
+    TY_METADATA_KEY_MAX = 31
+};
 
 typedef struct ty_metadata {
     char key[TY_METADATA_KEY_MAX + 1];
@@ -16,7 +22,7 @@ typedef struct ty_metadata {
 struct ty_image {
     ty_context* context;
     int32_t width, height, channel_count;
-    int32_t frame[4];    /* x, y, width, height, see ty_image_set_frame */
+    int32_t frame[4];    /* x, y, width, height: see ty_image_set_frame */
     size_t plane_stride; /* floats from one plane to the next: width*height, rounded up to 64 bytes */
     char** names;
     float* pixels;
@@ -24,8 +30,28 @@ struct ty_image {
     size_t metadata_count, metadata_capacity;
 };
 
+/* An image of other pixels with the same channels; metadata comes along, the frame does not. */
+ty_result ty_image_create_like(ty_context* context, const ty_image* image, int32_t width, int32_t height,
+                               ty_image** out);
+ty_result ty_image_copy_metadata(const ty_image* from, ty_image* to);
+
+/* A rectangle of pixels in a frame: x0 <= x < x1, y0 <= y < y1; empty when x0 >= x1 or y0 >= y1. */
+typedef struct ty_window {
+    int32_t x0, y0, x1, y1;
+} ty_window;
+
+/* Where an image's pixels lie in its frame. */
+ty_window ty_image_window(const ty_image* image);
+/* What two windows share. */
+ty_window ty_common_window(ty_window a, ty_window b);
+/* The index in a plane of the pixel at (x, y) of the frame. */
+size_t ty_image_index(const ty_image* image, int32_t x, int32_t y);
+
 /* Whether a key is well formed and not an attribute that OpenEXR itself writes. */
 bool ty_metadata_key_allowed(const char* key);
+
+/* IEC 61966-2-1, display to linear, for x in 0..1. */
+float ty_linear_from_srgb(float x);
 
 /* The shortest decimal form that reads back as exactly value, with a point whatever the locale. */
 enum { TY_NUMBER_TEXT_SIZE = 40 };

@@ -16,50 +16,60 @@ typedef struct pair {
     double a, b;
 } pair;
 
-/* The mean of one channel over a block, pixels that are not finite in either image left out; false if none is left. */
-static bool block_mean(const float* a, const float* b, size_t width, size_t x0, size_t y0, size_t block, pair* mean) {
+/* The same pixels of one channel of two images. */
+typedef struct match {
+    const float *a, *b;
+    size_t stride_a, stride_b; /* floats from one row to the next */
+    size_t width, height;
+} match;
+
+/* The mean over a block, pixels that are not finite in either image left out; false if none is left. */
+static bool block_mean(const match* m, size_t x0, size_t y0, size_t block, pair* mean) {
     double sum_a = 0, sum_b = 0;
     int64_t count = 0;
-    for (size_t y = y0; y < y0 + block; ++y)
+    for (size_t y = y0; y < y0 + block; ++y) {
+        const float *a = m->a + y * m->stride_a, *b = m->b + y * m->stride_b;
         for (size_t x = x0; x < x0 + block; ++x) {
-            const size_t i = y * width + x;
-            if (!isfinite(a[i]) || !isfinite(b[i])) continue;
-            sum_a += a[i];
-            sum_b += b[i];
+            if (!isfinite(a[x]) || !isfinite(b[x])) continue;
+            sum_a += a[x];
+            sum_b += b[x];
             ++count;
         }
+    }
     if (count == 0) return false;
     *mean = (pair){sum_a / (double)count, sum_b / (double)count};
     return true;
 }
 
-static void count_values(const float* a, const float* b, size_t pixels, ty_difference* difference) {
-    for (size_t i = 0; i < pixels; ++i) {
-        difference->not_finite += !isfinite(a[i]) + !isfinite(b[i]);
-        difference->differing += memcmp(&a[i], &b[i], sizeof a[i]) != 0;
+static void count_values(const match* m, ty_difference* difference) {
+    for (size_t y = 0; y < m->height; ++y) {
+        const float *a = m->a + y * m->stride_a, *b = m->b + y * m->stride_b;
+        for (size_t x = 0; x < m->width; ++x) {
+            difference->not_finite += !isfinite(a[x]) + !isfinite(b[x]);
+            difference->differing += memcmp(&a[x], &b[x], sizeof a[x]) != 0;
+        }
     }
 }
 
-/* Adds the square error relative to b^2 + softening over one channel. Equal values count 0 even where both are 0. */
-static double relative_square(const float* a, const float* b, size_t width, size_t height, size_t block,
-                              double softening) {
+/* Adds the square error relative to b^2 + softening. Equal values count 0 even where both are 0. */
+static double relative_square(const match* m, size_t block, double softening) {
     double sum = 0;
-    for (size_t y = 0; y + block <= height; y += block)
-        for (size_t x = 0; x + block <= width; x += block) {
+    for (size_t y = 0; y + block <= m->height; y += block)
+        for (size_t x = 0; x + block <= m->width; x += block) {
             pair mean;
-            if (!block_mean(a, b, width, x, y, block, &mean) || mean.a == mean.b) continue;
+            if (!block_mean(m, x, y, block, &mean) || mean.a == mean.b) continue;
             const double error = mean.a - mean.b;
             sum += error * error / (mean.b * mean.b + softening);
         }
     return sum;
 }
 
-static tally sum_channel(const float* a, const float* b, size_t width, size_t height, size_t block) {
+static tally sum_channel(const match* m, size_t block) {
     tally sums = {0};
-    for (size_t y = 0; y + block <= height; y += block)
-        for (size_t x = 0; x + block <= width; x += block) {
+    for (size_t y = 0; y + block <= m->height; y += block)
+        for (size_t x = 0; x + block <= m->width; x += block) {
             pair mean;
-            if (!block_mean(a, b, width, x, y, block, &mean)) continue;
+            if (!block_mean(m, x, y, block, &mean)) continue;
             sums.a += mean.a;
             sums.b += mean.b;
             sums.square += (mean.a - mean.b) * (mean.a - mean.b);
@@ -83,27 +93,46 @@ static double softening(const tally* sums) {
     return 0.01 * mean * mean;
 }
 
+/* The pixels that both images have, per channel; *grey tells that the three are one. */
+static ty_result match_images(ty_context* context, const ty_image* a, const ty_image* b, match matches[3], bool* grey) {
+    if (a->frame[2] != b->frame[2] || a->frame[3] != b->frame[3])
+        return ty_fail(context, TY_ERROR_ARGUMENT, "images of %d x %d and %d x %d cannot be compared", (int)a->frame[2],
+                       (int)a->frame[3], (int)b->frame[2], (int)b->frame[3]);
+    const ty_window common = ty_common_window(ty_image_window(a), ty_image_window(b));
+    if (common.x0 >= common.x1 || common.y0 >= common.y1)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "the images to compare have no pixel in common");
+    const float *pa[3], *pb[3];
+    if (!ty_image_rgb_planes(a, pa) || !ty_image_rgb_planes(b, pb))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "an image to compare has neither R, G and B nor one channel alone");
+    for (int c = 0; c < 3; ++c)
+        matches[c] = (match){.a = pa[c] + ty_image_index(a, common.x0, common.y0),
+                             .b = pb[c] + ty_image_index(b, common.x0, common.y0),
+                             .stride_a = (size_t)a->width,
+                             .stride_b = (size_t)b->width,
+                             .width = (size_t)(common.x1 - common.x0),
+                             .height = (size_t)(common.y1 - common.y0)};
+    *grey = pa[0] == pa[1] && pb[0] == pb[1];
+    return TY_OK;
+}
+
 ty_result ty_image_compare(ty_context* context, const ty_image* a, const ty_image* b, int32_t block,
                            ty_difference* out) {
     if (a == NULL || b == NULL || out == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_compare: an argument is NULL");
-    if (a->width != b->width || a->height != b->height)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "images of %d x %d and %d x %d cannot be compared", (int)a->width,
-                       (int)a->height, (int)b->width, (int)b->height);
-    if (block < 1 || block > a->width || block > a->height)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "blocks of %d pixels do not fit an image of %d x %d", (int)block,
-                       (int)a->width, (int)a->height);
-    const float *pa[3], *pb[3];
-    if (!ty_image_rgb_planes(a, pa) || !ty_image_rgb_planes(b, pb))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "an image to compare has neither R, G and B nor one channel alone");
+    match matches[3];
+    bool grey = false;
+    const ty_result result = match_images(context, a, b, matches, &grey);
+    if (result != TY_OK) return result;
+    const size_t width = matches[0].width, height = matches[0].height, side = (size_t)block;
+    if (block < 1 || side > width || side > height)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "blocks of %d pixels do not fit an image of %zu x %zu", (int)block,
+                       width, height);
 
-    const size_t width = (size_t)a->width, height = (size_t)a->height, side = (size_t)block;
-    const bool grey = pa[0] == pa[1] && pb[0] == pb[1];
     ty_difference difference = {0};
     tally sums[3], all = {0};
     for (int c = 0; c < 3; ++c) {
-        if (c == 0 || !grey) count_values(pa[c], pb[c], width * height, &difference);
-        sums[c] = c > 0 && grey ? sums[0] : sum_channel(pa[c], pb[c], width, height, side);
+        if (c == 0 || !grey) count_values(&matches[c], &difference);
+        sums[c] = c > 0 && grey ? sums[0] : sum_channel(&matches[c], side);
         all.a += sums[c].a;
         all.b += sums[c].b;
         all.square += sums[c].square;
@@ -111,8 +140,8 @@ ty_result ty_image_compare(ty_context* context, const ty_image* a, const ty_imag
     }
     double all_relative = 0;
     for (int c = 0; c < 3; ++c) {
-        fill(&difference, c, &sums[c], relative_square(pa[c], pb[c], width, height, side, softening(&sums[c])));
-        all_relative += relative_square(pa[c], pb[c], width, height, side, softening(&all));
+        fill(&difference, c, &sums[c], relative_square(&matches[c], side, softening(&sums[c])));
+        all_relative += relative_square(&matches[c], side, softening(&all));
     }
     fill(&difference, 3, &all, all_relative);
     *out = difference;

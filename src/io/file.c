@@ -149,6 +149,21 @@ ty_result ty_write_file(ty_context* context, const char* path, const void* bytes
     return ty_output_commit(context, &output);
 }
 
+ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size) {
+    if (bytes == NULL || size == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_bytes_read: bytes or size is NULL");
+    return ty_read_file(context, path, limit, bytes, size);
+}
+
+void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size) {
+    ty_free_file(context, bytes, size);
+}
+
+ty_result ty_bytes_write(ty_context* context, const char* path, const void* bytes, size_t size) {
+    if (bytes == NULL && size > 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_bytes_write: bytes is NULL");
+    return ty_write_file(context, path, bytes, size);
+}
+
 uint64_t ty_hash_bytes(uint64_t hash, const void* bytes, size_t size) {
     const uint8_t* p = bytes;
     for (size_t i = 0; i < size; ++i) hash = (hash ^ p[i]) * 0x100000001b3ull;
@@ -198,16 +213,4 @@ char* ty_folder_of(ty_context* context, const char* path) {
     memcpy(folder, path, length);
     folder[length] = '\0';
     return folder;
-}
-
-ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size) {
-    return ty_read_file(context, path, limit, bytes, size);
-}
-
-void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size) {
-    if (bytes != NULL) ty_free_file(context, bytes, size);
-}
-
-ty_result ty_bytes_write(ty_context* context, const char* path, const void* bytes, size_t size) {
-    return ty_write_file(context, path, bytes, size);
 }
