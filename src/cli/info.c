@@ -103,7 +103,11 @@ static channel_summary summarise(const float* values, int64_t count) {
 
 static void print_image(const ty_image* image, const char* path) {
     const int32_t width = ty_image_width(image), height = ty_image_height(image);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
     printf("image            %s\nsize             %dx%d\n", path, width, height);
+    if (frame[0] != 0 || frame[1] != 0 || frame[2] != width || frame[3] != height)
+        printf("frame            %dx%d, from pixel (%d, %d) on\n", frame[2], frame[3], frame[0], frame[1]);
     printf("%-16s %12s %12s %12s\n", "channel", "min", "mean", "max");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
         const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
@@ -120,12 +124,15 @@ static void print_image(const ty_image* image, const char* path) {
 
 static void print_image_json(const ty_image* image, const char* path) {
     const int32_t width = ty_image_width(image), height = ty_image_height(image);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
     json_writer json = json_begin(stdout);
     json_open_object(&json, NULL);
     json_text(&json, "kind", "image");
     json_text(&json, "file", path);
     json_integer(&json, "width", width);
     json_integer(&json, "height", height);
+    json_numbers(&json, "frame", (const double[]){frame[0], frame[1], frame[2], frame[3]}, 4);
     json_open_array(&json, "channels");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
         const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
