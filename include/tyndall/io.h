@@ -20,9 +20,9 @@ extern "C" {
  * channels keep their names and those of the others are called "part.channel"; the image is the smallest that holds the
  * data of all parts, 0 where a part has none, and has the first part's metadata. Subsampled channels and deep parts are
  * refused.
- * PNG and JPEG: R, G, B (or Y), and A where there is one, 8 or 16 bit, decoded from sRGB to linear (alpha is linear, and
- * colour is not multiplied by it); gamma values and colour profiles in the file are not used. Palettes become R, G, B,
- * and transparent colours A. CMYK becomes R, G, B without a profile. Orientation marks (EXIF) are not applied.
+ * PNG and JPEG: R, G, B (or Y), and A where there is one, 8 or 16 bit, decoded from sRGB to linear (alpha is linear,
+ * and colour is not multiplied by it); gamma values and colour profiles in the file are not used. Palettes become R, G,
+ * B, and transparent colours A. CMYK becomes R, G, B without a profile. Orientation marks (EXIF) are not applied.
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_read(ty_context* context, const char* path, ty_image** out);
 /* The same without decoding sRGB: PNG and JPEG samples as they are, 0..1, as for depth maps. */
