@@ -10,11 +10,6 @@ ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* byte
 /* Told by content. */
 ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out);
 
-/* PNG or JPEG, told by content, as rows of R, G, B, A bytes, top row first, coded as the file has them; freed with
- * ty_free_array(context, rgba8, width * height, 4). May be called from several threads at once. */
-ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
-                          int32_t* height, uint8_t** rgba8);
-
 /* Refuses sides and channel counts outside an image's limits, and images over 1 GiB whose file is too small to hold
  * them even if it compresses a thousandfold. */
 ty_result ty_check_image_size(ty_context* context, const char* path, size_t file_size, int64_t width, int64_t height,
