@@ -100,7 +100,7 @@ TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, cons
  * is refused.
  *
  * Wavefront OBJ (.obj with .mtl): polygons become fans about their first corner, which suits convex ones. Kd, Ke, d,
- * Tr, map_Kd and map_Ke count; colours of vertices are taken as linear. A missing .mtl is a warning, a missing map an
+ * map_Kd and map_Ke count; colours of vertices are taken as linear. A missing .mtl is a warning, a missing map an
  * error.
  *
  * PLY, text or binary: polygons as in OBJ; integer colours of vertices are taken as sRGB, floats as linear.
