@@ -393,6 +393,57 @@ static void test_the_hash_follows_files_within_files(void** state) {
     assert_true(before != hash_of(scan));
 }
 
+/* ---- The manual ---- */
+
+static void put_vdb(const char* path, const char* grid_name) {
+    const float values[] = {0, 1};
+    ty_grid_def def = ty_default_grid_def();
+    def.size[0] = 2;
+    def.size[1] = def.size[2] = 1;
+    def.values = values;
+    def.placed = true;
+    ty_grid* grid = NULL;
+    assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK);
+    assert_int_equal(ty_vdb_write(context, grid, grid_name, "none", path), TY_OK);
+    ty_grid_destroy(grid);
+}
+
+/* The files that the examples name. */
+static void put_examples(void) {
+    put_vdb("plume_0030.vdb", "density");
+    put_vdb("smoke.vdb", "density");
+    put_vdb("heat.vdb", "temperature");
+    put_nrrd("head.nrrd", 1, "400 1500");
+    put_text("level.glb", "{\"asset\":{\"version\":\"2.0\"}}");
+    put_text("dragon.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                           "property float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
+                           "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 3 2\n3 0 1 3\n3 1 2 3\n");
+}
+
+static void test_the_manuals_examples_load(void** state) {
+    (void)state;
+    static const char fence[] = "\n```json\n";
+    put_examples();
+    size_t size = 0;
+    uint8_t* bytes = get_file(TYNDALL_SOURCE_DIR "/docs/scene.md", &size);
+    char* manual = (char*)bytes;
+    manual[size] = '\0';
+    int loaded = 0;
+    for (char* at = manual; (at = strstr(at, fence)) != NULL;) {
+        at += strlen(fence);
+        char* end = strstr(at, "\n```");
+        assert_non_null(end);
+        *end = '\0';
+        if (strstr(at, "\"tyndall\": 1") != NULL) {
+            ty_scene_destroy(load(at));
+            ++loaded;
+        }
+        at = end + 1;
+    }
+    assert_int_equal(loaded, 6);
+    free(bytes);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_frames_pick_files),
@@ -409,6 +460,7 @@ int main(void) {
         cmocka_unit_test(test_cameras_come_from_files),
         cmocka_unit_test(test_the_geometrys_camera_is_used),
         cmocka_unit_test(test_the_hash_follows_files_within_files),
+        cmocka_unit_test(test_the_manuals_examples_load),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }
