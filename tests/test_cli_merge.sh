@@ -59,6 +59,8 @@ test_crops() {
   draw left --spp 4 --seed 9 --crop 0,0,20x36
   draw top --spp 4 --seed 9 --crop 20,0,28x10
   draw rest --spp 4 --seed 9 --crop 20,10,28x26
+  expect 0 info rest.exr
+  said out.txt '^frame +48x36, from pixel \(20, 10\) on$'
   expect 0 merge left.exr rest.exr top.exr -o pasted.exr
   said out.txt '48x36, 4 spp'
   same frame.exr pasted.exr

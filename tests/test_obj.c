@@ -105,7 +105,7 @@ static void materials_are_read(void** state) {
     put_png("bricks and mortar.png");
     put_text("made of.mtl", "newmtl red wall\nKd 1 0.25 2\nKe 3\nNs 5\nillum 2\nd 0.5\n"
                             "newmtl bricks\nKd 0 0 0\nmap_Kd -s 1 1 1 -clamp on bricks and mortar.png\n"
-                            "map_Ke .\\bricks and mortar.png\nmap_d x.png\nTr 0\n"
+                            "map_Ke .\\bricks and mortar.png\nmap_d x.png\nTr 1\n"
                             "newmtl unused\nmap_Kd bricks and mortar.png\n");
     static const char text[] = "mtllib made of.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
                                "usemtl bricks\nf 1 2 3\nusemtl red wall\nf 1 2 3\nusemtl bricks\nf 3 2 1\n"

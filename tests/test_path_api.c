@@ -121,6 +121,32 @@ static void channels_are_those_asked_for(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* What media scattered is part of the radiance; fractions are fractions; normals have unit length or are 0. */
+static void channels_agree_with_one_another(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_path_def def = small_def(64);
+    def.aovs = TY_AOV_ALL;
+    ty_image* image = render(scene, &def, NULL);
+    const float* plane[23];
+    for (int c = 0; c < 23; ++c) plane[c] = ty_image_plane_const(image, c);
+    for (int i = 0; i < PIXELS; ++i) {
+        for (int c = 0; c < 3; ++c) {
+            const double radiance = (double)plane[c][i], single = (double)plane[16 + c][i];
+            const double multiple = (double)plane[19 + c][i];
+            assert_true(single >= 0 && multiple >= 0 && single + multiple <= radiance * (1 + 1e-5));
+            assert_true(plane[6 + c][i] >= 0 && plane[6 + c][i] <= 1.00001f);
+            assert_true(plane[13 + c][i] >= 0 && plane[13 + c][i] <= 1.00001f);
+        }
+        const double x = (double)plane[10][i], y = (double)plane[11][i], z = (double)plane[12][i];
+        const double length = sqrt(x * x + y * y + z * z);
+        assert_true(length == 0 || fabs(length - 1) < 1e-6);
+        assert_true(plane[9][i] >= 0);
+        assert_true((plane[9][i] == 0) == (length == 0));
+    }
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
 /* The pixels of a crop are those of the whole frame, bit for bit. */
 static void crops_are_cut_from_the_frame(void** state) {
     static const int32_t crops[][4] = {{0, 0, 1, 1}, {18, 10, 1, 1}, {5, 3, 9, 7}, {0, 4, 19, 2}};
@@ -512,6 +538,7 @@ int main(void) {
         cmocka_unit_test(scenes_must_be_committed),
         cmocka_unit_test(images_have_the_asked_size_and_channels),
         cmocka_unit_test(channels_are_those_asked_for),
+        cmocka_unit_test(channels_agree_with_one_another),
         cmocka_unit_test(crops_are_cut_from_the_frame),
         cmocka_unit_test(crops_lie_within_the_frame),
         cmocka_unit_test(frames_that_do_not_fit_are_refused),

@@ -1,6 +1,7 @@
 /* OpenVDB files: round trips, files of other makes built byte by byte, broken ones, and real ones. */
 #define _GNU_SOURCE
 #include "files.h"
+#include "small_volume.h"
 #include "vdb_maker.h"
 
 #include <tyndall/io.h>
@@ -266,7 +267,7 @@ static void statistics_come_from_the_file_or_the_tree(void** state) {
     grids[1].name = "density\x1e"
                     "1";
     grids[2].name = "motion";
-    grids[2].type = "Tree_vec3s_5_4_3_HalfFloat";
+    grids[2].type = "Tree_vec3d_5_4_3_HalfFloat";
     grids[3].name = "halved";
     grids[3].type = "Tree_float_5_4_3_HalfFloat";
     grids[3].statistics = true;
@@ -286,7 +287,7 @@ static void statistics_come_from_the_file_or_the_tree(void** state) {
             assert_true(entries[i].voxel_size[a] == a + 2);
         }
     }
-    assert_string_equal(entries[2].type, "vec3s");
+    assert_string_equal(entries[2].type, "vec3d");
     assert_int_equal(entries[2].active_voxels, -1);
     assert_string_equal(entries[3].type, "half");
     assert_made_grid("list.vdb", "density[1]");
@@ -460,6 +461,67 @@ static float* read_nrrd(const char* path, size_t voxels) {
     return values;
 }
 
+static void vectors_are_read_by_component(void** state) {
+    (void)state;
+    static const char path[] = TYNDALL_SOURCE_DIR "/tests/fuzz/corpus/vdb/vectors.vdb";
+    static const float scales[3] = {1, -1, 2}; /* of the vectors' components */
+    ty_volume_def def = ty_default_volume_def();
+    def.grid = "velocity";
+    int32_t components = 0;
+    assert_int_equal(ty_volume_components(context, path, &def, &components), TY_OK);
+    assert_int_equal(components, 3);
+    for (def.component = 0; def.component < 3; ++def.component) {
+        ty_grid* grid = NULL;
+        assert_int_equal(ty_volume_read(context, path, &def, &grid), TY_OK);
+        const ty_grid_info info = ty_grid_get_info(grid);
+        assert_true(info.size[0] == 16 && info.size[1] == 8 && info.size[2] == 12);
+        assert_true(info.background == (float)(def.component + 1));
+        assert_small_values(grid, scales[def.component], 0);
+        assert_small_place(grid);
+        ty_grid_destroy(grid);
+    }
+    ty_grid* grid = NULL;
+    assert_failed(context, ty_volume_read(context, path, &def, &grid), TY_ERROR_INPUT, path, "component 3");
+    def.grid = "density";
+    assert_failed(context, ty_volume_read(context, path, &def, &grid), TY_ERROR_INPUT, path, "1 value per voxel");
+    def.component = 0;
+    assert_int_equal(ty_volume_read(context, path, &def, &grid), TY_OK);
+    assert_small_values(grid, 1, 0);
+    ty_grid_destroy(grid);
+}
+
+/* Two children of the root for one place would be written over one another. */
+static void a_place_given_twice_is_refused(void** state) {
+    (void)state;
+    const made d = plain;
+    making.size = 0;
+    put_header(&making, 224, 1);
+    put_text(&making, "density");
+    put_text(&making, "Tree_float_5_4_3");
+    put_text(&making, "");
+    const size_t offsets = making.size;
+    put_zeros(&making, 24);
+    const int64_t head = (int64_t)making.size;
+    put_i32(&making, 2);
+    put_metadata(&making, &d);
+    put_map(&making, "ScaleMap");
+    put_i32(&making, 1);
+    put_value(&making, &d, 0);
+    put_i32(&making, 2);
+    put_i32(&making, 0);
+    static const int32_t origin[3] = {0, 0, 0};
+    for (int i = 0; i < 2; ++i) {
+        put_origin(&making, origin);
+        put_value(&making, &d, 1);
+        put_u8(&making, 0);
+    }
+    const int64_t places[3] = {head, head, (int64_t)making.size};
+    memcpy(making.bytes + offsets, places, sizeof places);
+    put_file("twice.vdb", making.bytes, making.size);
+    ty_grid* grid = NULL;
+    assert_failed(context, ty_vdb_read(context, "twice.vdb", "density", &grid), TY_ERROR_INPUT, "twice.vdb", "damaged");
+}
+
 static void real_cloud_equals_its_dense_copy(void** state) {
     (void)state;
     char path[1024];
@@ -483,6 +545,26 @@ static void real_cloud_equals_its_dense_copy(void** state) {
     }
     free(expected);
     ty_grid_destroy(grid);
+}
+
+static void real_temperature_lies_where_density_does(void** state) {
+    (void)state;
+    char path[1024], frames[1024];
+    data_path("volumes/plume/plume_0042.vdb", path);
+    snprintf(frames, sizeof frames, "%.*splume_####.vdb", (int)(strlen(path) - strlen("plume_0042.vdb")), path);
+    static const char* const names[] = {"density", "temperature"};
+    ty_grid_info info[2];
+    for (int i = 0; i < 2; ++i) {
+        ty_volume_def def = ty_default_volume_def();
+        def.grid = names[i];
+        def.frame = 42;
+        ty_grid* grid = NULL;
+        assert_int_equal(ty_volume_read(context, frames, &def, &grid), TY_OK);
+        info[i] = ty_grid_get_info(grid);
+        ty_grid_destroy(grid);
+    }
+    assert_memory_equal(info[0].size, info[1].size, sizeof info[0].size);
+    assert_near(info[1].index_to_local.m, info[0].index_to_local.m, 12);
 }
 
 static void real_plume_is_listed_and_stays_half(void** state) {
@@ -530,7 +612,10 @@ int main(void) {
         cmocka_unit_test(broken_files_are_refused),
         cmocka_unit_test(failed_writes_leave_the_old_file),
         cmocka_unit_test(short_memory_is_survived),
+        cmocka_unit_test(vectors_are_read_by_component),
+        cmocka_unit_test(a_place_given_twice_is_refused),
         cmocka_unit_test(real_cloud_equals_its_dense_copy),
+        cmocka_unit_test(real_temperature_lies_where_density_does),
         cmocka_unit_test(real_plume_is_listed_and_stays_half),
     };
     return cmocka_run_group_tests(tests, start, stop);

@@ -20,9 +20,9 @@ extern "C" {
  * channels keep their names and those of the others are called "part.channel"; the image is the smallest that holds the
  * data of all parts, 0 where a part has none, and has the first part's metadata. Subsampled channels and deep parts are
  * refused.
- * PNG and JPEG: R, G, B (or Y), and A where there is one, 8 or 16 bit, decoded from sRGB to linear (alpha is linear, and
- * colour is not multiplied by it); gamma values and colour profiles in the file are not used. Palettes become R, G, B,
- * and transparent colours A. CMYK becomes R, G, B without a profile. Orientation marks (EXIF) are not applied.
+ * PNG and JPEG: R, G, B (or Y), and A where there is one, 8 or 16 bit, decoded from sRGB to linear (alpha is linear,
+ * and colour is not multiplied by it); gamma values and colour profiles in the file are not used. Palettes become R, G,
+ * B, and transparent colours A. CMYK becomes R, G, B without a profile. Orientation marks (EXIF) are not applied.
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_read(ty_context* context, const char* path, ty_image** out);
 /* The same without decoding sRGB: PNG and JPEG samples as they are, 0..1, as for depth maps. */
@@ -97,28 +97,49 @@ TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, cons
 
 /* ---- Meshes ---- */
 
+/* Files are told by content (OBJ by its extension), and may name others only in their own folder or below.
+ *
+ * glTF 2.0 (.gltf, .glb): the default scene, or the first, or without scenes all nodes. Materials become Lambertian
+ * surfaces of their base colour (metal and roughness are not looked at) with emission, alpha and double-sidedness.
+ * Triangles, strips and fans are taken, a primitive of anything else is left out with a warning, as are meshes scaled
+ * to 0; skins, animations and morph targets are ignored. Extensions: KHR_lights_punctual, KHR_texture_transform,
+ * KHR_materials_emissive_strength, KHR_materials_unlit (ignored), KHR_mesh_quantization; a file that requires another
+ * is refused.
+ *
+ * Wavefront OBJ (.obj with .mtl): polygons become fans about their first corner, which suits convex ones. Kd, Ke, d,
+ * map_Kd and map_Ke count; colours of vertices are taken as linear. A missing .mtl is a warning, a missing map an
+ * error.
+ *
+ * PLY, text or binary: polygons as in OBJ; integer colours of vertices are taken as sRGB, floats as linear.
+ *
+ * What has no material is grey 0.5, or its vertices' colours; in glTF it is white, as its specification says. */
 typedef struct ty_mesh_file_def {
     uint32_t cookie;                 /* set by ty_default_mesh_file_def; checked */
-    ty_affine transform;             /* file units to m; default identity */
+    ty_affine transform;             /* file units to m, invertible; default identity */
     bool to_z_up;                    /* turn y-up files (glTF) into a z-up scene, (x, y, z) -> (x, -z, y), before
                                         transform; default false */
     bool meshes, lights;             /* what to take; default true */
-    double light_scale;              /* multiplies intensity and irradiance of punctual lights; default 1: a candela
-                                        counts as 1 W sr^-1, a lux as 1 W m^-2 */
-    double emission_scale;           /* multiplies emission of materials; default 1 */
-    const ty_material_def* material; /* takes the place of all materials; default NULL */
+    double light_scale;              /* multiplies intensity and irradiance of punctual lights, 0..1e15; default 1: a
+                                        candela counts as 1 W sr^-1, a lux as 1 W m^-2 */
+    double emission_scale;           /* multiplies emission of materials, 0..1e15; default 1 */
+    const ty_material_def* material; /* takes the place of all materials, whose textures are then not read; vertex
+                                        colours still multiply it; default NULL */
 } ty_mesh_file_def;
 
 TY_API ty_mesh_file_def ty_default_mesh_file_def(void);
-/* Adds the meshes and lights of a glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj with .mtl) or PLY file to a scene.
- * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
+/* Adds the meshes and lights of a file to a scene; when it fails, some may have been added.
+ * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT (def). */
 TY_API ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mesh_file_def* def);
-/* A camera of a glTF file by name, or its first when name is NULL: position, target, up and fov_y are set, the rest of
- * *camera stays; *found tells whether there was one. A wrong name's message lists those that are there. */
+/* A camera of a glTF file by name (its own, or its node's when it has none), or the first when name is NULL: position,
+ * target (1 m ahead), up and fov_y are set, the rest of *camera stays; *found tells whether there was one, and *camera
+ * stays as it is when not. OBJ and PLY files have none. A wrong name's message lists those that are there; an
+ * orthographic camera is TY_ERROR_INPUT. Errors otherwise as ty_scene_add_mesh_file. */
 TY_API ty_result ty_mesh_file_camera(ty_context* context, const char* path, const ty_mesh_file_def* def,
                                      const char* name, ty_camera_def* camera, bool* found);
-/* All triangles of a file as one shell; transform is applied to it. */
-TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out);
+/* All triangles of a file as one shell; to_z_up and transform are applied to it. Errors: TY_ERROR_INPUT (also when
+ * there are no triangles), the rest as ty_scene_add_mesh_file. */
+TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def,
+                                    ty_shell** out);
 
 /* ---- Any file ---- */
 

@@ -1,14 +1,9 @@
 /* tyndall convert: a volume or an image into a file of another kind, told by the extensions. */
 #include "cli/convert.h"
 #include "cli/commands.h"
+#include "cli/raw_options.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-/* What of the command line goes into a ty_volume_def as text. */
-typedef struct volume_words {
-    const char *size, *type, *spacing;
-} volume_words;
 
 static bool has_one_of(const char* path, const char* const* extensions) {
     for (; *extensions != NULL; ++extensions)
@@ -62,34 +57,6 @@ static int convert_volume(cli_session* session, const ty_volume_def* def, const 
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
-/* "A,B,C" as numbers in (0, upper]. */
-static bool parse_triple(const char* text, double upper, double out[3]) {
-    for (int a = 0; a < 3; ++a) {
-        char* end;
-        out[a] = strtod(text, &end);
-        if (end == text || *end != (a < 2 ? ',' : '\0') || !(out[a] > 0 && out[a] <= upper)) return false;
-        text = end + 1;
-    }
-    return true;
-}
-
-static int parse_raw(const volume_words* words, ty_volume_def* def) {
-    double size[3] = {0, 0, 0};
-    if (words->size != NULL) {
-        if (!parse_triple(words->size, 16384, size))
-            return cli_usage_error("convert", "--raw-size: '%s' is not X,Y,Z from 1 to 16384", words->size);
-        for (int a = 0; a < 3; ++a) def->raw_size[a] = (int32_t)size[a];
-    }
-    if (words->spacing != NULL && !parse_triple(words->spacing, 1e15, def->raw_spacing))
-        return cli_usage_error("convert", "--raw-spacing: '%s' is not X,Y,Z above 0", words->spacing);
-    if (words->type == NULL) return CLI_GO;
-    if (strlen(words->type) >= sizeof def->raw_type)
-        return cli_usage_error("convert", "--raw-type: '%s' is not int8, uint8 ... uint64, half, float or double",
-                               words->type);
-    memcpy(def->raw_type, words->type, strlen(words->type) + 1);
-    return CLI_GO;
-}
-
 static int convert(cli_session* session, const ty_volume_def* def, const char* codec,
                    const convert_image_options* image, const char* const paths[2]) {
     if (is_image(paths[0])) return cli_convert_image(session, image, paths[0], paths[1]);
@@ -98,8 +65,7 @@ static int convert(cli_session* session, const ty_volume_def* def, const char* c
 
 int cli_convert(int count, char** arguments) {
     ty_volume_def def = ty_default_volume_def();
-    volume_words words = {NULL, NULL, NULL};
-    const char* codec = NULL;
+    const char *codec = NULL, *raw_size = NULL, *raw_type = NULL, *raw_spacing = NULL;
     convert_image_options image = {.scale = 65535};
     const cli_option table[] = {
         {"grid", 0, CLI_TEXT, "NAME", "of a VDB or NanoVDB (default density)", &def.grid, 0, 0, NULL},
@@ -107,10 +73,10 @@ int cli_convert(int count, char** arguments) {
         {"frame", 0, CLI_INT, "N", "takes the place of the #s in IN", &def.frame, 0, INT32_MAX, NULL},
         {"codec", 0, CLI_TEXT, "NAME", ".vdb: zip, blosc, none; .nvdb: zip, none; .nrrd: gzip, none", &codec, 0, 0,
          NULL},
-        {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &words.size, 0, 0, NULL},
-        {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &words.type, 0, 0,
+        {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
+        {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
-        {"raw-spacing", 0, CLI_TEXT, "X,Y,Z", "units between voxels", &words.spacing, 0, 0, NULL},
+        {"raw-spacing", 0, CLI_TEXT, "X,Y,Z", "units between voxels", &raw_spacing, 0, 0, NULL},
         {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &def.raw_big_endian, 0, 0, NULL},
         {"layer", 0, CLI_TEXT, "NAME", "of an EXR", &image.layer, 0, 0, NULL},
         {"channel", 0, CLI_TEXT, "NAME", "of an image, for --bits 16 (default the first)", &image.channel, 0, 0, NULL},
@@ -130,7 +96,7 @@ int cli_convert(int count, char** arguments) {
                                2};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
-    if (status == CLI_GO) status = parse_raw(&words, &def);
+    if (status == CLI_GO) status = cli_parse_raw("convert", raw_size, raw_type, raw_spacing, &def);
     if (status == CLI_GO) status = cli_check_output("convert", given.positional[1]);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "convert", &given.common);

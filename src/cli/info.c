@@ -1,6 +1,7 @@
 /* tyndall info: what a file holds. */
 #include "cli/info.h"
 #include "cli/commands.h"
+#include "cli/raw_options.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -8,9 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Memory of a grid read densely; 0 for types that are not read. */
+/* Memory of one component of a grid read densely; 0 for types that are not read. */
 static double dense_bytes(const ty_vdb_entry* entry) {
-    const double value = strcmp(entry->type, "float") == 0 ? 4 : strcmp(entry->type, "half") == 0 ? 2 : 0;
+    static const char* const floats[] = {"float", "double", "vec3s", "vec3f", "fp4", "fp8", "fp16", "fpn"};
+    double value = strcmp(entry->type, "half") == 0 ? 2 : 0;
+    for (size_t i = 0; i < sizeof floats / sizeof floats[0]; ++i)
+        if (strcmp(entry->type, floats[i]) == 0) value = 4;
     double voxels = 1;
     for (int axis = 0; axis < 3; ++axis)
         voxels *= entry->lower[axis] > entry->upper[axis] ? 0 : (double)entry->upper[axis] - entry->lower[axis] + 1;
@@ -75,6 +79,53 @@ int cli_info_volume(cli_session* session, const char* path, bool json) {
     return CLI_DONE;
 }
 
+static void print_dense(const ty_grid_info* info, int32_t components, const char* path) {
+    char bytes[24];
+    cli_format_bytes((double)info->bytes, bytes);
+    printf("volume           %s\nsize             %dx%dx%d\nvalues           %d per voxel, %s when read, %s each\n",
+           path, info->size[0], info->size[1], info->size[2], components, info->type == TY_GRID_F16 ? "half" : "float",
+           bytes);
+    printf("range            %.6g to %.6g, mean %.6g\n", (double)info->min, (double)info->max, info->mean);
+    if (!info->placed) printf("placed           no\n");
+    for (int r = 0; r < 3 && info->placed; ++r) {
+        const double* row = info->index_to_local.m + 4 * r;
+        printf("%-16s %.9g %.9g %.9g %+.9g\n", r == 0 ? "index to place" : "", row[0], row[1], row[2], row[3]);
+    }
+}
+
+static void print_dense_json(const ty_grid_info* info, int32_t components, const char* path) {
+    json_writer json = json_begin(stdout);
+    json_open_object(&json, NULL);
+    json_text(&json, "kind", "volume");
+    json_text(&json, "file", path);
+    json_numbers(&json, "size", (const double[]){info->size[0], info->size[1], info->size[2]}, 3);
+    json_integer(&json, "components", components);
+    json_text(&json, "type", info->type == TY_GRID_F16 ? "half" : "float");
+    json_number(&json, "dense_bytes", (double)info->bytes);
+    json_number(&json, "min", (double)info->min);
+    json_number(&json, "max", (double)info->max);
+    json_number(&json, "mean", info->mean);
+    json_bool(&json, "placed", info->placed);
+    json_numbers(&json, "index_to_local", info->index_to_local.m, 12);
+    json_close_object(&json);
+}
+
+/* Volumes of one grid: NRRD and raw. */
+static int info_dense(cli_session* session, const char* path, const ty_volume_def* def, bool json) {
+    ty_grid* grid = NULL;
+    int32_t components = 0;
+    ty_result result = ty_volume_components(session->context, path, def, &components);
+    if (result == TY_OK) result = ty_volume_read(session->context, path, def, &grid);
+    if (result != TY_OK) return cli_fail_reading(session, result);
+    const ty_grid_info info = ty_grid_get_info(grid);
+    ty_grid_destroy(grid);
+    if (json)
+        print_dense_json(&info, components, path);
+    else
+        print_dense(&info, components, path);
+    return CLI_DONE;
+}
+
 typedef struct channel_summary {
     double min, max, mean; /* of the finite values */
     int64_t nan, infinite;
@@ -103,7 +154,11 @@ static channel_summary summarise(const float* values, int64_t count) {
 
 static void print_image(const ty_image* image, const char* path) {
     const int32_t width = ty_image_width(image), height = ty_image_height(image);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
     printf("image            %s\nsize             %dx%d\n", path, width, height);
+    if (frame[0] != 0 || frame[1] != 0 || frame[2] != width || frame[3] != height)
+        printf("frame            %dx%d, from pixel (%d, %d) on\n", frame[2], frame[3], frame[0], frame[1]);
     printf("%-16s %12s %12s %12s\n", "channel", "min", "mean", "max");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
         const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
@@ -120,12 +175,15 @@ static void print_image(const ty_image* image, const char* path) {
 
 static void print_image_json(const ty_image* image, const char* path) {
     const int32_t width = ty_image_width(image), height = ty_image_height(image);
+    int32_t frame[4];
+    ty_image_get_frame(image, frame);
     json_writer json = json_begin(stdout);
     json_open_object(&json, NULL);
     json_text(&json, "kind", "image");
     json_text(&json, "file", path);
     json_integer(&json, "width", width);
     json_integer(&json, "height", height);
+    json_numbers(&json, "frame", (const double[]){frame[0], frame[1], frame[2], frame[3]}, 4);
     json_open_array(&json, "channels");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
         const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
@@ -160,12 +218,14 @@ int cli_info_image(cli_session* session, const char* path, bool json) {
     return CLI_DONE;
 }
 
-typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_IMAGE } file_kind;
+typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_NRRD, FILE_IMAGE } file_kind;
 
 /* Told by the first bytes; JSON begins with a brace after blanks. */
 static file_kind kind_of(const unsigned char* head, size_t size) {
     static const unsigned char vdb[4] = {0x20, 0x42, 0x44, 0x56}, exr[4] = {0x76, 0x2f, 0x31, 0x01};
     if (size >= 4 && memcmp(head, vdb, 4) == 0) return FILE_VOLUME;
+    if (size >= 7 && memcmp(head, "NanoVDB", 7) == 0) return FILE_VOLUME;
+    if (size >= 4 && memcmp(head, "NRRD", 4) == 0) return FILE_NRRD;
     if (size >= 4 && memcmp(head, exr, 4) == 0) return FILE_IMAGE;
     if (size >= 2 && head[0] == '#' && head[1] == '?') return FILE_IMAGE;
     size_t i = 0;
@@ -173,7 +233,8 @@ static file_kind kind_of(const unsigned char* head, size_t size) {
     return i < size && head[i] == '{' ? FILE_SCENE : FILE_UNKNOWN;
 }
 
-static int info_of_file(cli_session* session, const char* path, const cli_list* overrides, bool json) {
+static int info_of_file(cli_session* session, const char* path, const cli_list* overrides, const ty_volume_def* raw,
+                        bool json) {
     if (strncmp(path, "builtin:", 8) == 0) return cli_info_scene(session, path, overrides, json);
     FILE* file = fopen(path, "rb");
     if (file == NULL) return cli_fail(CLI_USAGE, "%s: %s", path, strerror(errno));
@@ -182,28 +243,36 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
     const bool failed = ferror(file) != 0;
     fclose(file);
     if (failed) return cli_fail(CLI_USAGE, "%s: cannot be read", path);
-    const file_kind kind = kind_of(head, size);
+    const file_kind kind = raw->raw_size[0] > 0 ? FILE_NRRD : kind_of(head, size);
     if (overrides->count > 0 && kind != FILE_SCENE)
         return cli_usage_error("info", "-D is for scenes, and %s is none", path);
     switch (kind) {
     case FILE_SCENE: return cli_info_scene(session, path, overrides, json);
     case FILE_VOLUME: return cli_info_volume(session, path, json);
+    case FILE_NRRD: return info_dense(session, path, raw, json);
     case FILE_IMAGE: return cli_info_image(session, path, json);
     case FILE_UNKNOWN: break;
     }
-    return cli_fail(CLI_USAGE, "%s: neither a scene (.json) nor a volume (.vdb) nor an image (.exr, .hdr)", path);
+    return cli_fail(CLI_USAGE,
+                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd) nor an image (.exr, .hdr)", path);
 }
 
 int cli_info(int count, char** arguments) {
     bool json = false;
     cli_list overrides = {0};
+    ty_volume_def raw = ty_default_volume_def();
+    const char *raw_size = NULL, *raw_type = NULL;
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &json, 0, 0, NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene first, as for render", &overrides, 0, 0, NULL},
+        {"raw-size", 0, CLI_TEXT, "X,Y,Z", "FILE is a raw volume of so many voxels", &raw_size, 0, 0, NULL},
+        {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
+         NULL},
+        {"big-endian", 0, CLI_FLAG, NULL, "of a raw volume", &raw.raw_big_endian, 0, 0, NULL},
     };
     const cli_syntax syntax = {"info",
                                "FILE [options]",
-                               "Tells what a scene, an OpenVDB volume or an image (EXR, HDR) holds.",
+                               "Tells what a scene, a volume (VDB, NanoVDB, NRRD, raw) or an image (EXR, HDR) holds.",
                                NULL,
                                table,
                                sizeof table / sizeof table[0],
@@ -211,8 +280,9 @@ int cli_info(int count, char** arguments) {
                                1};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
+    if (status == CLI_GO) status = cli_parse_raw("info", raw_size, raw_type, NULL, &raw);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "info", &given.common);
     if (status != CLI_GO) return status;
-    return cli_session_close(&session, info_of_file(&session, given.positional[0], &overrides, json));
+    return cli_session_close(&session, info_of_file(&session, given.positional[0], &overrides, &raw, json));
 }

@@ -67,7 +67,7 @@ static ty_path_def make_path_def(const render_options* options, cli_session* ses
     return def;
 }
 
-/* What is to be said of errors that are not of the state: nothing more. */
+/* Wrong input can only be the state, whose message does not know its file. */
 static int fail_rendering(cli_session* session, ty_result result, const cli_checkpoint* checkpoint) {
     if (result != TY_ERROR_INPUT || checkpoint->bytes == NULL) return cli_fail_running(session, result);
     cli_progress_clear(&session->progress);

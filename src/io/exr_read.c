@@ -212,6 +212,8 @@ static ty_result read_tiles(reader* r, const part* p, exr_decode_pipeline_t* dec
 
 static ty_result read_part(reader* r, const part* p) {
     if (p->compression == EXR_COMPRESSION_DWAA || p->compression == EXR_COMPRESSION_DWAB) {
+        /* The C++ library takes memory for whatever sizes a header names; the core has checked them, and goes on. */
+        if (r->stream.message[0] != '\0') return fail(r, EXR_ERR_FILE_BAD_HEADER);
         const ty_exr_dwa_part dwa = {p->index, p->data, p->channels, p->first_channel, r->data.min.x, r->data.min.y};
         return ty_exr_read_dwa(r->context, r->path, &r->stream, &dwa, r->image);
     }

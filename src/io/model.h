@@ -77,9 +77,9 @@ typedef struct ty_model {
         camera_capacity;
 } ty_model;
 
-/* A model of one of these files from bytes; path stands for the file in messages. folder is where the files that it
- * names are looked for ("" is the current folder), and with NULL it may name none. want: TY_MODEL_... flags. *model is
- * empty before the call and to be freed after it, whatever the result. */
+/* A model of one of these files from bytes, which end with a zero that size does not count; path stands for the file in
+ * messages. folder is where the files that it names are looked for ("" is the current folder), and with NULL it may
+ * name none. want: TY_MODEL_... flags. *model is to be freed after the call, whatever the result. */
 ty_result ty_read_gltf(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,
                        unsigned want, ty_model* model);
 ty_result ty_read_obj(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,

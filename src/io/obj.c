@@ -5,7 +5,6 @@
 #include "base/context.h"
 #include "io/file.h"
 #include "io/number.h"
-#include "io/schema_text.h"
 
 #include <math.h>
 #include <stdio.h>

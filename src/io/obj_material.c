@@ -38,11 +38,10 @@ static ty_result read_color(const library* lib, ty_words* line, double high, flo
     return TY_OK;
 }
 
-/* "d a" or "Tr 1-a" */
-static ty_result read_opacity(const library* lib, ty_words* line, bool transparency, ty_material_def* def) {
+/* "d a". Tr is not read: writers do not agree whether 1 is clear or solid. */
+static ty_result read_opacity(const library* lib, ty_words* line, ty_material_def* def) {
     double value = 0;
     if (!ty_next_number(line, &value) || !isfinite(value)) return fail(lib, "the opacity is not a number");
-    if (transparency) value = 1 - value;
     def->alpha = (float)fmin(fmax(value, 0), 1);
     def->alpha_mode = def->alpha < 1 ? TY_ALPHA_BLEND : TY_ALPHA_OPAQUE;
     return TY_OK;
@@ -131,8 +130,7 @@ static ty_result read_key(library* lib, ty_word key, ty_words* line, ty_model_ma
     ty_material_def* def = &material->def;
     if (ty_word_is(key, "Kd")) return read_color(lib, line, 1, def->albedo);
     if (ty_word_is(key, "Ke")) return read_color(lib, line, 1e15, def->emission);
-    if (ty_word_is(key, "d")) return read_opacity(lib, line, false, def);
-    if (ty_word_is(key, "Tr")) return read_opacity(lib, line, true, def);
+    if (ty_word_is(key, "d")) return read_opacity(lib, line, def);
     if (ty_word_is(key, "map_Kd")) return read_map(lib, line, &material->albedo_texture);
     if (ty_word_is(key, "map_Ke")) return read_map(lib, line, &material->emission_texture);
     if (ty_word_is(key, "map_d")) ++lib->ignored;

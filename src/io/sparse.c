@@ -51,6 +51,7 @@ static int compare_origins(const void* a, const void* b) {
 
 /* Whether no two of the root's entries are for the same place. */
 static bool roots_differ(const ty_sparse* sparse) {
+    if (sparse->root_count == 0) return true;
     qsort(sparse->roots, sparse->root_count, sizeof *sparse->roots, compare_origins);
     for (size_t i = 1; i < sparse->root_count; ++i)
         if (compare_origins(sparse->roots[i - 1], sparse->roots[i]) == 0) return false;

@@ -1,0 +1,10 @@
+/* The options that tell what a raw volume is. */
+#ifndef TY_CLI_RAW_OPTIONS_H
+#define TY_CLI_RAW_OPTIONS_H
+
+#include <tyndall/io.h>
+
+/* size and spacing: "X,Y,Z"; type: "uint8"; each may be NULL. CLI_GO, or CLI_USAGE after a message. */
+int cli_parse_raw(const char* command, const char* size, const char* type, const char* spacing, ty_volume_def* def);
+
+#endif
