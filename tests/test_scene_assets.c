@@ -6,6 +6,7 @@
 #include "scene/scene.h"
 #include "scene/shell.h"
 
+#include <sys/stat.h>
 #include <tyndall/io.h>
 
 #define HEAD "{'tyndall':1,"
@@ -128,6 +129,17 @@ static void test_frames_pick_files(void** state) {
     assert_ptr_equal(medium_of(scene, 0).density_grid, medium_of(scene, 1).density_grid);
     assert_float_equal(ty_grid_get_info(medium_of(scene, 0).density_grid).max, 4, 0);
     assert_true(ty_scene_hash(scene) != hash);
+    ty_scene_destroy(scene);
+}
+
+static void test_folders_keep_their_signs(void** state) {
+    (void)state;
+    mkdir("a#b", 0777);
+    put_nrrd("a#b/smoke_12.nrrd", 1, "0 12");
+    put_text("a#b/scene.json", quoted(HEAD "'frame':12,'media':[{'sigma_s':1,'density':{'file':'smoke_##.nrrd'}}]}"));
+    ty_scene* scene = NULL;
+    if (ty_scene_load(context, "a#b/scene.json", NULL, 0, &scene) != TY_OK) fail_msg("%s", ty_last_error(context));
+    assert_float_equal(ty_grid_get_info(medium_of(scene, 0).density_grid).max, 12, 0);
     ty_scene_destroy(scene);
 }
 
@@ -447,6 +459,7 @@ static void test_the_manuals_examples_load(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_frames_pick_files),
+        cmocka_unit_test(test_folders_keep_their_signs),
         cmocka_unit_test(test_raw_volumes),
         cmocka_unit_test(test_components),
         cmocka_unit_test(test_albedo_and_g_volumes),
