@@ -243,8 +243,13 @@ static void write_text(const char* path, const char* text) {
     assert_int_equal(fclose(file), 0);
 }
 
-/* density.vdb with grids "density" and sky.exr, in the current folder. */
+/* density.vdb with a grid "density", sky.exr, tetra.obj and camera.gltf, in the current folder. */
 static void write_files(ty_context* context) {
+    write_text("tetra.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n");
+    write_text("camera.gltf",
+               "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"camera\":0}],"
+               "\"cameras\":[{\"type\":\"perspective\",\"name\":\"front\","
+               "\"perspective\":{\"yfov\":1,\"znear\":0.1}}]}");
     float values[8] = {0, 1, 2, 3, 4, 5, 6, 7};
     ty_grid_def def = ty_default_grid_def();
     for (int a = 0; a < 3; ++a) def.size[a] = 2;
@@ -370,13 +375,20 @@ static void test_overrides(void** state) {
 /* ---- Every key ---- */
 
 static const char every_key[] =
-    "{\"$schema\":\"scene.schema.json\",\"tyndall\":1,\"meters_per_unit\":1,\"up_axis\":\"z\","
-    "\"camera\":{\"position\":[0,-5,0],\"target\":[0,0,0],\"up\":[0,0,1],\"fov_y\":40,\"resolution\":[8,6],"
+    "{\"$schema\":\"scene.schema.json\",\"tyndall\":1,\"meters_per_unit\":1,\"up_axis\":\"z\",\"frame\":1,"
+    "\"camera\":{\"file\":\"camera.gltf\",\"name\":\"front\",\"position\":[0,-5,0],\"target\":[0,0,0],\"up\":[0,0,1],"
+    "\"fov_y\":40,\"resolution\":[8,6],"
     "\"exposure\":0},"
     "\"media\":[{\"name\":\"a\",\"density\":1,\"bounds\":{\"sphere\":{\"center\":[0,0,0],\"radius\":1}},"
     "\"transform\":{\"translate\":[0,0,0],\"rotate\":[0,0,0],\"scale\":[1,1,1]},\"sigma_s\":1,\"sigma_a\":1,\"scale\":"
     "1,\"g\":0},"
-    "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\"},\"sigma_t\":1,\"albedo\":1},"
+    "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\",\"component\":0,\"frame\":2},\"sigma_t\":1,"
+    "\"transfer\":[{\"value\":0,\"density\":1,\"albedo\":1},{\"value\":1,\"density\":2,\"albedo\":[1,1,1]}]},"
+    "{\"density\":{\"file\":\"camera.gltf\",\"raw\":{\"size\":[2,2,2],\"type\":\"uint8\",\"spacing\":1,\"offset\":-1,"
+    "\"big_endian\":true}},\"sigma_t\":1,\"albedo\":{\"file\":\"density.vdb\",\"grid\":\"density\"},"
+    "\"g\":{\"file\":\"density.vdb\",\"grid\":\"density\"},\"bounds\":{\"file\":\"tetra.obj\",\"transform\":{}},"
+    "\"emission\":{\"radiance\":1,\"temperature\":{\"file\":\"density.vdb\",\"grid\":\"density\"},"
+    "\"kelvin\":[300,900],\"scale\":1}},"
     "{\"preset\":\"apple\"," BOX ",\"density\":{\"noise\":{\"kind\":\"fbm\",\"resolution\":[4,5,6],\"seed\":4294967295,"
     "\"frequency\":2,\"octaves\":2,\"gain\":0.5,\"lacunarity\":2,\"coverage\":0.5,\"sharpness\":4}}},"
     "{\"sigma_s\":1," BOX ",\"density\":{\"noise\":{\"kind\":\"constant\",\"resolution\":2}}}],"
@@ -390,7 +402,8 @@ static const char every_key[] =
     "\"resolution\":16}}],"
     "\"geometry\":[{\"quad\":{\"origin\":[0,0,0],\"u\":[1,0,0],\"v\":[0,1,0]},\"material\":{\"albedo\":0.5,"
     "\"emission\":1},"
-    "\"transform\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
+    "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"light_scale\":1,"
+    "\"emission_scale\":1,\"material\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
@@ -420,11 +433,12 @@ static void test_every_key_is_accepted(void** state) {
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
     const ty_scene_info info = ty_scene_get_info(scene);
-    assert_int_equal(info.media, 4);
+    assert_int_equal(info.media, 5);
     assert_int_equal(info.lights, 8);
+    assert_int_equal(info.meshes, 1);
     assert_int_equal(info.shapes, 3);
     ty_medium_def medium;
-    assert_int_equal(ty_scene_get_medium(scene, 2, &medium), TY_OK);
+    assert_int_equal(ty_scene_get_medium(scene, 3, &medium), TY_OK);
     const int32_t size[3] = {4, 5, 6};
     assert_memory_equal(ty_grid_get_info(medium.density_grid).size, size, sizeof size);
     ty_scene_destroy(scene);

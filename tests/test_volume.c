@@ -29,10 +29,11 @@ static void frames_take_the_place_of_hashes(void** state) {
         int32_t frame;
         const char* expected;
     } cases[] = {{"plume_####.vdb", 42, "plume_0042.vdb"},
+                 {"c#/plume_##.vdb", 7, "c#/plume_07.vdb"},
                  {"a#b", 7, "a7b"},
                  {"a##", 12345, "a12345"},
                  {"plain.vdb", 9, "plain.vdb"},
-                 {"##/x", 0, "00/x"}};
+                 {"##/x", 0, "##/x"}};
     char out[64];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         assert_int_equal(ty_volume_path(context, cases[i].path, cases[i].frame, out, sizeof out), TY_OK);

@@ -70,7 +70,7 @@ typedef struct ty_volume_def {
     uint32_t cookie;       /* set by ty_default_volume_def; checked */
     const char* grid;      /* VDB, NanoVDB: the grid's name; default "density" */
     int32_t component;     /* of grids and NRRDs with several values per voxel; default 0 */
-    int32_t frame;         /* takes the place of the #s in the path, zero-padded to as many digits; default 0 */
+    int32_t frame;         /* takes the place of the #s in the file's name, zero-padded to as many digits; default 0 */
     int32_t raw_size[3];   /* raw: x, y, z, x fastest; default 0 (must be set for raw) */
     char raw_type[8];      /* raw: int8, uint8, ... uint64, half, float, double; default "uint8" */
     bool raw_big_endian;   /* default false */
@@ -91,8 +91,8 @@ TY_API ty_volume_def ty_default_volume_def(void);
  * Values are kept as they are, as float (half when the file has half, and for int8 and uint8, which it holds exactly).
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
-/* The path with its #s, which stand in one place, replaced; size: of out. Errors: TY_ERROR_ARGUMENT (too long, negative
- * frame, #s in several places). */
+/* The path with the #s of the file's name, which stand in one place there, replaced; those of folders are kept; size: of
+ * out. Errors: TY_ERROR_ARGUMENT (too long, negative frame, #s in several places). */
 TY_API ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size);
 /* How many values per voxel a grid of the file has (1, or 3 for vec3s); errors as ty_volume_read. */
 TY_API ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out);
@@ -146,8 +146,7 @@ TY_API ty_result ty_mesh_file_camera(ty_context* context, const char* path, cons
                                      const char* name, ty_camera_def* camera, bool* found);
 /* All triangles of a file as one shell; to_z_up and transform are applied to it. Errors: TY_ERROR_INPUT (also when
  * there are no triangles), the rest as ty_scene_add_mesh_file. */
-TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def,
-                                    ty_shell** out);
+TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out);
 
 /* ---- Any file ---- */
 

@@ -201,11 +201,6 @@ static ty_result read_grid(ty_scene_reader* reader, const ty_json_path* place, c
     return result;
 }
 
-static ty_result fail_unplaced(const ty_scene_reader* reader, const ty_json_path* place) {
-    return ty_reader_fail(reader, place, TY_ERROR_INPUT,
-                          "a volume that does not say where it is needs bounds that are a box, [[x,y,z],[x,y,z]]");
-}
-
 /* What is checked before a volume is read, its path with the frame in it, and how many values per voxel it has: 1 when
  * one component was asked for. */
 static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* place, bool filling,
@@ -213,7 +208,9 @@ static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, cons
     const ty_json_path file_place = ty_json_path_key(place, "file");
     ty_result result = check_volume_type(reader, volume, place);
     if (result != TY_OK) return result;
-    if (def->raw_size[0] > 0 && !(def->raw_spacing[0] > 0) && !filling) return fail_unplaced(reader, place);
+    if (def->raw_size[0] > 0 && !(def->raw_spacing[0] > 0) && !filling)
+        return ty_reader_fail(reader, place, TY_ERROR_INPUT,
+                              "a raw volume without spacing needs bounds that are a box, [[x,y,z],[x,y,z]]");
     char name[NAME_MAX_SIZE];
     const char* file = json_string_value(json_object_get(volume, "file"));
     result = ty_volume_path(reader->context, file, def->frame, name, sizeof name);
@@ -223,11 +220,6 @@ static ty_result open_volume(ty_scene_reader* reader, const json_t* volume, cons
     *components = 1;
     if (json_object_get(volume, "component") != NULL) return TY_OK;
     return ty_reader_below(reader, &file_place, ty_volume_components(reader->context, *path, def, components));
-}
-
-static ty_result check_placed(const ty_scene_reader* reader, const ty_json_path* place, bool filling,
-                              const ty_grid* grid) {
-    return filling || ty_grid_get_info(grid).placed ? TY_OK : fail_unplaced(reader, place);
 }
 
 ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* place,
@@ -241,11 +233,7 @@ ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty
     if (components > 1)
         return ty_reader_fail(reader, place, TY_ERROR_INPUT,
                               "the volume has %d values per voxel; the key \"component\" is missing", (int)components);
-    ty_grid* grid = NULL;
-    result = read_grid(reader, &file_place, path, &def, &grid);
-    if (result == TY_OK) result = check_placed(reader, place, filling, grid);
-    if (result == TY_OK) *out = grid;
-    return result;
+    return read_grid(reader, &file_place, path, &def, out);
 }
 
 ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, const ty_json_path* place,
@@ -265,7 +253,6 @@ ty_result ty_read_volume_rgb(ty_scene_reader* reader, const json_t* volume, cons
         if (components == 3) def.component = c;
         result = read_grid(reader, &file_place, path, &def, &grids[c]);
     }
-    if (result == TY_OK) result = check_placed(reader, place, filling, grids[0]);
     for (int c = 0; c < 3 && result == TY_OK; ++c) out[c] = grids[components == 3 ? c : 0];
     return result;
 }

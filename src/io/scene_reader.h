@@ -90,8 +90,8 @@ ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* place, const 
 /* file: a path that ty_find_mesh_file gave. placement takes the file's points to the medium's. */
 ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* place, const char* path,
                         const ty_mesh_file_def* def, ty_shell** out);
-/* A grid of a volume, an object at place; grid_name counts unless the volume names one. Volumes that do not say where
- * they are are refused unless filling is true: there is a box to fill. */
+/* A grid of a volume, an object at place; grid_name counts unless the volume names one. Raw volumes
+ * without spacing are refused unless filling is true: there is a box to fill. */
 ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* place,
                          const char* grid_name, bool filling, ty_grid** out);
 /* The same for red, green and blue: one grid three times when the volume has one value per voxel. */

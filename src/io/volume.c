@@ -47,7 +47,9 @@ ty_result ty_check_component(ty_context* context, const char* path, const char* 
 ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size) {
     if (path == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_path: path or out is NULL");
     if (frame < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "frame is %d, below 0", frame);
-    const size_t first = strcspn(path, "#"), digits = strspn(path + first, "#");
+    const char* slash = strrchr(path, '/'); /* folders keep their #s */
+    const size_t name = slash != NULL ? (size_t)(slash + 1 - path) : 0;
+    const size_t first = name + strcspn(path + name, "#"), digits = strspn(path + first, "#");
     char number[64] = "";
     if (digits >= sizeof number) return ty_fail(context, TY_ERROR_ARGUMENT, "%s: too many #s", path);
     if (digits > 0) snprintf(number, sizeof number, "%0*d", (int)digits, frame);
