@@ -157,8 +157,8 @@ static float chance_of(float dx, float dy, float dz, float ox, float oy, unsigne
 }
 
 /* Where Embree keeps the fields of N rays and hits that it hands to filters, in rows of N. */
-enum { RAY_ORG_X = 0, RAY_ORG_Y = 1, RAY_DIR_X = 4, RAY_DIR_Y = 5, RAY_DIR_Z = 6, RAY_TFAR = 8 };
-enum { HIT_NG_X = 0, HIT_NG_Y = 1, HIT_NG_Z = 2, HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5 };
+enum { RAY_ORG_X = 0, RAY_ORG_Y = 1, RAY_DIR_X = 4, RAY_DIR_Y = 5, RAY_DIR_Z = 6 };
+enum { HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5 };
 
 static float row(const void* rows, unsigned field, unsigned count, unsigned i) {
     return ((const float*)rows)[field * count + i];
@@ -179,44 +179,13 @@ static void filter_alpha(const struct RTCFilterFunctionNArguments* given) {
     }
 }
 
-/* The queries of ty_mesh_crossings carry where the crossings go. */
-typedef struct crossing_query {
-    struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
-    ty_crossing* crossings;
-    int32_t count;
-} crossing_query;
-
-/* Notes a crossing, in order, and lets the ray go on. A ray along an edge meets both triangles: that is one crossing.
- */
-static void collect_crossing(const struct RTCFilterFunctionNArguments* given) {
-    crossing_query* query = (crossing_query*)given->context;
-    given->valid[0] = 0;
-    const float t = row(given->ray, RAY_TFAR, given->N, 0);
-    const float along = row(given->ray, RAY_DIR_X, given->N, 0) * row(given->hit, HIT_NG_X, given->N, 0) +
-                        row(given->ray, RAY_DIR_Y, given->N, 0) * row(given->hit, HIT_NG_Y, given->N, 0) +
-                        row(given->ray, RAY_DIR_Z, given->N, 0) * row(given->hit, HIT_NG_Z, given->N, 0);
-    const ty_crossing crossing = {t, along > 0.0f ? 1 : -1};
-    int32_t at = query->count;
-    while (at > 0 && query->crossings[at - 1].t > t) --at;
-    for (int32_t near = at - 1; near <= at; ++near)
-        if (near >= 0 && near < query->count && query->crossings[near].leaves == crossing.leaves &&
-            fabsf(query->crossings[near].t - t) <= 2e-6f * t)
-            return;
-    if (at >= TY_CROSSINGS_MAX) return;
-    const int32_t last = query->count < TY_CROSSINGS_MAX ? query->count++ : TY_CROSSINGS_MAX - 1;
-    for (int32_t i = last; i > at; --i) query->crossings[i] = query->crossings[i - 1];
-    query->crossings[at] = crossing;
-}
-
 static ty_result add_triangles(ty_mesh* mesh, const ty_triangles* triangles, unsigned id, const ty_surface* surface) {
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, triangles->positions, 0,
                                3 * sizeof(float), triangles->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles->indices, 0,
                                3 * sizeof(uint32_t), triangles->triangle_count);
-    if (surface == NULL) {
-        rtcSetGeometryIntersectFilterFunction(geometry, collect_crossing);
-    } else if (surface->alpha_mode != TY_ALPHA_OPAQUE) {
+    if (surface->alpha_mode != TY_ALPHA_OPAQUE) {
         rtcSetGeometryUserData(geometry, (void*)surface); /* only read */
         rtcSetGeometryIntersectFilterFunction(geometry, filter_alpha);
         rtcSetGeometryOccludedFilterFunction(geometry, filter_alpha);
@@ -272,12 +241,6 @@ ty_result ty_mesh_create(ty_context* context, const ty_mesh_parts* parts, ty_mes
     for (size_t i = 0; i < parts->mesh_count && result == TY_OK; ++i)
         result = add_triangles(mesh, parts->meshes[i], MESHES + (unsigned)i, &mesh->surfaces[i]);
     return finish_mesh(mesh, result, out);
-}
-
-ty_result ty_mesh_create_shell(ty_context* context, const ty_triangles* triangles, ty_mesh** out) {
-    ty_mesh* mesh = NULL;
-    const ty_result result = start_mesh(context, &mesh);
-    return result == TY_OK ? finish_mesh(mesh, add_triangles(mesh, triangles, MESHES, NULL), out) : result;
 }
 
 void ty_mesh_destroy(ty_mesh* mesh) {
@@ -442,14 +405,88 @@ void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t co
 
 /* ---- closed surfaces ---- */
 
+/* The queries of ty_mesh_crossings carry where the crossings go. */
+typedef struct crossing_query {
+    struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
+    ty_crossing_ray ray;
+    ty_crossing* crossings;
+    int32_t count, beyond;
+} crossing_query;
+
+/* Notes a crossing, in order. */
+static void note_crossing(crossing_query* query, ty_crossing crossing) {
+    int32_t at = query->count;
+    while (at > 0 && query->crossings[at - 1].t > crossing.t) --at;
+    if (query->count == TY_CROSSINGS_MAX) {
+        query->beyond += at < query->count ? query->crossings[query->count - 1].leaves : crossing.leaves;
+        if (at == query->count) return;
+        --query->count;
+    }
+    for (int32_t i = query->count++; i > at; --i) query->crossings[i] = query->crossings[i - 1];
+    query->crossings[at] = crossing;
+}
+
+/* Embree asks whether a ray hits a triangle whose box it meets; the ray goes on anyway. */
+static void meet_shell_triangle(const struct RTCIntersectFunctionNArguments* given) {
+    const ty_triangles* triangles = given->geometryUserPtr;
+    const uint32_t* corners = triangles->indices + 3 * (size_t)given->primID;
+    crossing_query* query = (crossing_query*)given->context;
+    ty_crossing crossing;
+    if (ty_crossing_find(&query->ray, triangles->positions + 3 * (size_t)corners[0],
+                         triangles->positions + 3 * (size_t)corners[1], triangles->positions + 3 * (size_t)corners[2],
+                         &crossing))
+        note_crossing(query, crossing);
+}
+
+/* A triangle's box, wider by more than ty_crossing_find rounds. */
+static void bound_shell_triangle(const struct RTCBoundsFunctionArguments* given) {
+    const ty_triangles* triangles = given->geometryUserPtr;
+    float low[3] = {TY_FLOAT_MAX, TY_FLOAT_MAX, TY_FLOAT_MAX}, high[3] = {-TY_FLOAT_MAX, -TY_FLOAT_MAX, -TY_FLOAT_MAX};
+    for (size_t corner = 0; corner < 3; ++corner)
+        for (size_t a = 0; a < 3; ++a) {
+            const float value =
+                triangles->positions[3 * (size_t)triangles->indices[3 * (size_t)given->primID + corner] + a];
+            low[a] = ty_minf(low[a], value);
+            high[a] = ty_maxf(high[a], value);
+        }
+    const float size = ty_maxf(high[0] - low[0], ty_maxf(high[1] - low[1], high[2] - low[2]));
+    struct RTCBounds* out = given->bounds_o;
+    float* lower[3] = {&out->lower_x, &out->lower_y, &out->lower_z};
+    float* upper[3] = {&out->upper_x, &out->upper_y, &out->upper_z};
+    for (int a = 0; a < 3; ++a) {
+        const float room = 1e-6f * (size + ty_maxf(fabsf(low[a]), fabsf(high[a])));
+        *lower[a] = low[a] - room;
+        *upper[a] = high[a] + room;
+    }
+}
+
+static ty_result add_shell(ty_mesh* mesh, const ty_triangles* triangles) {
+    RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)triangles->triangle_count);
+    rtcSetGeometryUserData(geometry, (void*)triangles); /* only read */
+    rtcSetGeometryBoundsFunction(geometry, bound_shell_triangle, NULL);
+    rtcSetGeometryIntersectFunction(geometry, meet_shell_triangle);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(mesh->scene, geometry, MESHES);
+    rtcReleaseGeometry(geometry);
+    return rtcGetDeviceError(mesh->device) == RTC_ERROR_NONE ? TY_OK : fail(mesh, "taking a shell");
+}
+
+ty_result ty_mesh_create_shell(ty_context* context, const ty_triangles* triangles, ty_mesh** out) {
+    ty_mesh* mesh = NULL;
+    const ty_result result = start_mesh(context, &mesh);
+    return result == TY_OK ? finish_mesh(mesh, add_shell(mesh, triangles), out) : result;
+}
+
 int32_t ty_mesh_crossings(const ty_mesh* shell, ty_vec origin, ty_vec direction,
-                          ty_crossing crossings[TY_CROSSINGS_MAX]) {
-    crossing_query query = {.crossings = crossings};
+                          ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond) {
+    crossing_query query = {.ray = ty_crossing_ray_begin(origin, direction), .crossings = crossings};
     rtcInitIntersectContext(&query.context);
     struct RTCRayHit ray = {
         .ray = make_ray(origin, direction, TY_FLOAT_MAX),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
     rtcIntersect1(shell->scene, &query.context, &ray);
+    *beyond = query.beyond;
     return query.count;
 }

@@ -2,6 +2,7 @@
 #ifndef TY_SCENE_MESH_H
 #define TY_SCENE_MESH_H
 
+#include "scene/crossing.k.h"
 #include "scene/surface.k.h"
 #include "scene/triangles.h"
 
@@ -49,18 +50,13 @@ void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t co
 
 /* ---- closed surfaces ---- */
 
-typedef struct ty_crossing {
-    float t;
-    int32_t leaves; /* 1: the ray comes out there, -1: it goes in */
-} ty_crossing;
-
 enum { TY_CROSSINGS_MAX = 64 };
 
 /* A mesh of its own for a shell's triangles, whose arrays must outlive it. */
 ty_result ty_mesh_create_shell(ty_context* context, const ty_triangles* triangles, ty_mesh** out);
 /* Where a ray (direction of any length) crosses a shell's triangles beyond its origin, nearest first; returns how
- * many. Of more than TY_CROSSINGS_MAX, the farthest are left out. */
+ * many. Of more than TY_CROSSINGS_MAX, the farthest are left out; *beyond: how many more of those lead out than in. */
 int32_t ty_mesh_crossings(const ty_mesh* shell, ty_vec origin, ty_vec direction,
-                          ty_crossing crossings[TY_CROSSINGS_MAX]);
+                          ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond);
 
 #endif

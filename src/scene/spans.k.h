@@ -33,9 +33,9 @@ TY_FN void ty_spans_add_shell(ty_spans* spans, TY_GLOBAL const ty_medium_view* m
     ty_crossing crossings[TY_CROSSINGS_MAX];
     const ty_vec o = ty_map_point(media[medium].to_bounds, origin);
     const ty_vec d = ty_map_direction(media[medium].to_bounds, direction);
-    const int32_t count = ty_mesh_crossings(media[medium].shell, o, d, crossings);
-    int32_t inside = 0;
-    float end = 0.0f;
+    int32_t inside;
+    const int32_t count = ty_mesh_crossings(media[medium].shell, o, d, crossings, &inside);
+    float end = count > 0 ? crossings[count - 1].t : 0.0f;
     for (int32_t i = count; i-- > 0;) {
         const int32_t before = inside + crossings[i].leaves;
         if (inside <= 0 && before > 0) end = crossings[i].t;

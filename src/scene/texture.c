@@ -49,7 +49,7 @@ static void fill_decode(float decode[256]) {
 }
 
 static float mend(float value) {
-    return value > 0 ? fminf(value, (float)TY_COLOR_MAX) : 0.0f;
+    return isfinite(value) && value > 0 ? fminf(value, (float)TY_COLOR_MAX) : 0.0f;
 }
 
 static void copy_image(ty_texture* texture, const ty_image* image) {

@@ -38,17 +38,19 @@ TY_FN void ty_texture_texel(TY_GLOBAL const ty_texture_view* texture, int32_t x,
     rgba[3] = (float)texture->rgba8[at + 3] * (1.0f / 255.0f);
 }
 
-/* A coordinate in texels from the edge, at most 2^20 periods away: beyond, single precision knows no place. */
-TY_FN float ty_texture_coordinate(float u, int32_t count) {
-    return ty_clampf(u, -1048576.0f, 1048576.0f) * (float)count;
+/* A coordinate in periods brought to where its texels are numbered from -count to 2 count; what is not finite counts as
+ * an edge. */
+TY_FN float ty_texture_coordinate(float u, int32_t wrap) {
+    if (wrap == 1) return ty_clampf(u, -1.0f, 2.0f);
+    const float period = wrap == 2 ? 2.0f : 1.0f;
+    const float rest = u - period * floorf(u / period);
+    return rest == rest ? rest : 0.0f;
 }
 
 /* Linear colour and alpha at (u, v): bilinear between texel centres, or the nearest texel. */
 TY_FN void ty_texture_lookup(TY_GLOBAL const ty_texture_view* texture, float u, float v, float rgba[4]) {
-    float x = ty_texture_coordinate(u - (texture->wrap[0] == 0 ? floorf(u) : 0.0f), texture->width);
-    float y = ty_texture_coordinate(v - (texture->wrap[1] == 0 ? floorf(v) : 0.0f), texture->height);
-    x = x == x ? x : 0.0f;
-    y = y == y ? y : 0.0f;
+    const float x = ty_texture_coordinate(u, texture->wrap[0]) * (float)texture->width;
+    const float y = ty_texture_coordinate(v, texture->wrap[1]) * (float)texture->height;
     if (texture->nearest != 0) {
         ty_texture_texel(texture, (int32_t)floorf(x), (int32_t)floorf(y), rgba);
         return;
