@@ -9,6 +9,11 @@
 
 enum { CHANNEL_NAME_SHORT = 31 };
 
+/* The library's own step of compressing a chunk. */
+typedef struct chunk_compressor {
+    exr_result_t (*compress)(exr_encode_pipeline_t* encode);
+} chunk_compressor;
+
 static exr_result_t write_header(exr_context_t exr, const ty_image* image) {
     int index = 0;
     exr_result_t code = exr_add_part(exr, NULL, EXR_STORAGE_SCANLINE, &index);
@@ -34,10 +39,21 @@ static exr_result_t write_header(exr_context_t exr, const ty_image* image) {
     return code;
 }
 
+/* A chunk as long as its pixels counts as not compressed, so one that ZIP leaves at just that length, as noise does
+ * now and then, must hold the pixels themselves: OpenEXR 3.1's core takes ZIP's bytes. */
+static exr_result_t compress_clearly(exr_encode_pipeline_t* encode) {
+    const chunk_compressor* compressor = encode->encoding_user_data;
+    const exr_result_t code = compressor->compress(encode);
+    if (code == EXR_ERR_SUCCESS && encode->compressed_bytes == encode->packed_bytes)
+        memcpy(encode->compressed_buffer, encode->packed_buffer, encode->packed_bytes);
+    return code;
+}
+
 static exr_result_t write_pixels(exr_context_t exr, const ty_image* image) {
     int32_t lines = 0;
     exr_result_t code = exr_get_scanlines_per_chunk(exr, 0, &lines);
     exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
+    chunk_compressor compressor = {NULL};
     bool encoding = false;
     for (int32_t y = 0; code == EXR_ERR_SUCCESS && y < image->height; y += lines) {
         exr_chunk_info_t info;
@@ -54,7 +70,12 @@ static exr_result_t write_pixels(exr_context_t exr, const ty_image* image) {
             channel->user_pixel_stride = sizeof(float);
             channel->user_line_stride = image->width * (int32_t)sizeof(float);
         }
-        if (!encoding) code = exr_encoding_choose_default_routines(exr, 0, &encode);
+        if (!encoding) {
+            code = exr_encoding_choose_default_routines(exr, 0, &encode);
+            compressor.compress = encode.compress_fn;
+            encode.encoding_user_data = &compressor;
+            encode.compress_fn = compress_clearly;
+        }
         encoding = true;
         if (code == EXR_ERR_SUCCESS) code = exr_encoding_run(exr, 0, &encode);
     }
