@@ -127,6 +127,20 @@ static void both_byte_orders_are_read(void** state) {
     }
 }
 
+/* Normals of any length, whose squares single precision cannot hold. */
+static void normals_become_unit(void** state) {
+    (void)state;
+    static const char text[] = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                               "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                               "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                               "0 0 0 3e-40 -4e-40 0\n1 0 0 0 3e30 4e30\n1 1 0 0 0 0\n0 1 0 nan 1 0\n4 0 1 2 3\n";
+    static const float normals[] = {0.6f, -0.8f, 0, 0, 0.6f, 0.8f, 0, 0, 0, 0, 0, 0};
+    ty_model model;
+    read_well(text, strlen(text), &model);
+    assert_floats(model.meshes[0].normals, normals, 12);
+    ty_model_free(&model);
+}
+
 /* Every beginning of a file is refused, and no flipped bit does harm. */
 static void torn_files_do_no_harm(void** state) {
     (void)state;
@@ -215,6 +229,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(text_is_read),
         cmocka_unit_test(both_byte_orders_are_read),
+        cmocka_unit_test(normals_become_unit),
         cmocka_unit_test(torn_files_do_no_harm),
         cmocka_unit_test(broken_files_are_refused),
         cmocka_unit_test(short_memory_is_survived),

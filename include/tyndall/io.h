@@ -42,19 +42,20 @@ TY_API ty_result ty_image_write_png16(ty_context* context, const ty_image* image
 TY_API ty_result ty_image_write_png(ty_context* context, const ty_image* image, double exposure, bool curve,
                                     const char* path);
 
-/* One grid of an OpenVDB file. */
+/* One grid of an OpenVDB or NanoVDB file. */
 typedef struct ty_vdb_entry {
     char name[128];
-    char type[32]; /* "float", "half", "vec3s", ... as the file says */
-    int64_t active_voxels;
+    char type[32];              /* "float", "half", "vec3s", "fp16", ... as the file says */
+    int64_t active_voxels;      /* -1: not known */
     int32_t lower[3], upper[3]; /* index box of active voxels, inclusive; lower > upper when empty */
     double voxel_size[3];
 } ty_vdb_entry;
 
-/* At most capacity entries are written; *count is how many there are. Errors: TY_ERROR_FILE, TY_ERROR_INPUT. */
+/* The grids of an OpenVDB or NanoVDB file, told by content. At most capacity entries are written; *count is how many
+ * there are. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_vdb_list(ty_context* context, const char* path, ty_vdb_entry* entries, int32_t capacity,
                              int32_t* count);
-/* A float or half scalar grid by name, dense over its active box, placed by the file's affine transform (index ->
+/* A float, half or double grid by name, dense over its active box, placed by the file's affine transform (index ->
  * file units). A missing grid's message lists those that are there; an empty grid gives one voxel of background.
  * Half grids stay half. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_vdb_read(ty_context* context, const char* path, const char* grid_name, ty_grid** out);
@@ -74,23 +75,29 @@ typedef struct ty_volume_def {
     char raw_type[8];      /* raw: int8, uint8, ... uint64, half, float, double; default "uint8" */
     bool raw_big_endian;   /* default false */
     int64_t raw_offset;    /* raw: bytes to skip; -1: as many as the file has too many; default 0 */
-    double raw_spacing[3]; /* raw: units between voxels; default 0: unplaced */
+    double raw_spacing[3]; /* raw: units between voxels, the first one's centre at 0; default 0: unplaced */
 } ty_volume_def;
 
 TY_API ty_volume_def ty_default_volume_def(void);
-/* A scalar grid from an OpenVDB (.vdb), NanoVDB (.nvdb, uncompressed or zip), NRRD (.nrrd, .nhdr; raw, gzip, ascii;
- * attached or detached data) or raw file (any other extension, with raw_size), told by content where that is possible.
- * NRRDs are placed by their space directions or spacings and origin (spacings without an origin: the first voxel's
- * centre at 0), in the file's units, axes in the order of the file; values are kept as they are, as float (half when
- * the file has half, and for int8 and uint8, which it holds exactly).
+/* A scalar grid from an OpenVDB (.vdb: float, half, double, vec3s by component), NanoVDB (.nvdb, plain or zip: float,
+ * half, double, fp4 to fp16, fpn, vec3f by component), NRRD (.nrrd, .nhdr; raw, gzip, text; attached data, or one file
+ * in the header's folder or below it) or raw file (any other extension, with raw_size), told by content where that is
+ * possible. VDB and NanoVDB grids come as by ty_vdb_read.
+ * NRRDs have three axes, or four of which the first or last holds components (by kinds, else the first or last of at
+ * most 4). They are placed by their space directions or spacings and origin (spacings without an origin: the first
+ * voxel's centre at 0; neither: spacing 1), in the file's units, axes in the order of the file; axis mins and maxs,
+ * thicknesses, centerings and the name of the space are not looked at. Raw data must be exactly as long as the header
+ * or raw_size says.
+ * Values are kept as they are, as float (half when the file has half, and for int8 and uint8, which it holds exactly).
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
-/* The path with the #s of the file's name replaced, those of folders kept; size: of out. Errors: TY_ERROR_ARGUMENT (too
- * long, negative frame). */
+/* The path with the #s of the file's name, which stand in one place there, replaced; those of folders are kept; size: of
+ * out. Errors: TY_ERROR_ARGUMENT (too long, negative frame, #s in several places). */
 TY_API ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size);
 /* How many values per voxel a grid of the file has (1, or 3 for vec3s); errors as ty_volume_read. */
 TY_API ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out);
-/* NRRD with space directions and origin; float or half ("half" is written as float: NRRD has none), gzip or raw. */
+/* NRRD with space directions and origin; float (half grids too: NRRD has no half), gzip or raw.
+ * Errors: TY_ERROR_FILE, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, bool gzip, const char* path);
 /* NanoVDB, float, values equal to the background inactive, codec "none" or "zip". Errors as ty_vdb_write. */
 TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, const char* grid_name, const char* codec,

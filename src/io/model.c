@@ -134,10 +134,11 @@ static float finite_or_zero(float value) {
     return isfinite(value) ? value : 0;
 }
 
+/* In double precision, where no square of a float overflows or vanishes. */
 static void tidy_normal(float n[3]) {
-    const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    const float factor = length > 0 && isfinite(length) ? 1 / length : 0;
-    for (int a = 0; a < 3; ++a) n[a] = factor > 0 && isfinite(factor) ? n[a] * factor : 0;
+    const double x = (double)n[0], y = (double)n[1], z = (double)n[2];
+    const double length = sqrt(x * x + y * y + z * z);
+    for (int a = 0; a < 3; ++a) n[a] = length > 0 && isfinite(length) ? (float)((double)n[a] / length) : 0;
 }
 
 void ty_model_tidy_shading(ty_model_mesh* mesh) {

@@ -15,7 +15,7 @@ enum {
     VERSION_MAJOR = 32,
     SEGMENT_SIZE = 16,
     METADATA_SIZE = 176,
-    SEGMENTS_MAX = 65536,
+    GRIDS_MAX = 65536,
     /* Offsets in what a segment says of a grid. */
     OFFSET_SIZE = 0,
     OFFSET_STORED = 8,
@@ -125,7 +125,7 @@ ty_result ty_nanovdb_open(ty_context* context, const char* path, ty_nanovdb_file
     file->stream = stream;
     uint64_t at = 0;
     do result = read_segment(file, &at);
-    while (result == TY_OK && at < file->size && file->count < SEGMENTS_MAX);
+    while (result == TY_OK && at < file->size && file->count < GRIDS_MAX);
     if (result != TY_OK) ty_nanovdb_close(file);
     return result;
 }

@@ -100,7 +100,8 @@ static bool check_blosc(const uint8_t* packed, size_t size, size_t raw) {
 static bool take_block(walk* w, node_values* values) {
     const tree* t = w->tree;
     const size_t raw = values->stored_count * t->stored_size;
-    if (t->half && values->stored_count == 0) return true;
+    values->stored = t->bytes;
+    if (t->half && values->stored_count == 0) return true; /* not even an empty block is there */
     int64_t stored = -(int64_t)raw;
     if ((t->compression & (COMPRESS_BLOSC | COMPRESS_ZIP)) != 0) {
         const uint8_t* count = take(w, sizeof stored);

@@ -1,0 +1,119 @@
+#!/usr/bin/env bash
+# tyndall convert and info on volumes and images from outside: conversions there and back, messages, exit statuses.
+# usage: test_convert.sh TYNDALL DATA (works in the current folder, which it empties; DATA may be missing)
+set -u
+tyndall=$1
+data=${TYNDALL_DATA:-$2}
+rm -rf ./*
+checks=0
+failures=0
+
+# expect STATUS ARGUMENT...: runs tyndall; what it printed is in out.txt and err.txt.
+expect() {
+  wanted=$1
+  shift
+  "$tyndall" "$@" > out.txt 2> err.txt < /dev/null
+  status=$?
+  what="tyndall $*"
+  checks=$((checks + 1))
+  [ "$status" -eq "$wanted" ] || fail "exit status $status instead of $wanted: $(head -c 500 err.txt)"
+}
+
+fail() {
+  failures=$((failures + 1))
+  echo "FAILED: $what: $1"
+}
+
+# said FILE PATTERN: FILE has a line that matches the extended regular expression.
+said() {
+  checks=$((checks + 1))
+  grep -Eq -- "$2" "$1" || fail "$1 lacks /$2/: $(head -c 500 "$1")"
+}
+
+# same A B: two files hold the same bytes.
+same() {
+  checks=$((checks + 1))
+  cmp -s "$1" "$2" || fail "$1 and $2 differ"
+}
+
+# usage_error PATTERN ARGUMENT...: status 2 and one line on stderr that matches.
+usage_error() {
+  pattern=$1
+  shift
+  expect 2 "$@"
+  said err.txt "^tyndall: .*$pattern"
+  checks=$((checks + 1))
+  [ "$(wc -l < err.txt)" -eq 1 ] || fail "not one line: $(cat err.txt)"
+}
+
+test_raw_through_every_format() {
+  printf 'abcdefghijklmnopqrstuvwx' > letters.raw
+  expect 0 convert letters.raw a.nrrd --raw-size 2,3,4 --raw-spacing 1,2,0.5 --codec none
+  expect 0 convert a.nrrd b.vdb
+  expect 0 convert b.vdb c.nvdb
+  expect 0 convert c.nvdb d.nrrd --codec none
+  same a.nrrd d.nrrd
+  expect 0 info d.nrrd
+  said out.txt '^size +2x3x4$'
+  said out.txt '^range +97 to 120, mean 108.5$'
+  said out.txt '^index to place +1 0 0 \+0$'
+  expect 0 info letters.raw --raw-size 2,3,4
+  said out.txt '^values .*half when read'
+  expect 0 info c.nvdb
+  said out.txt '^density +float +24 active voxels'
+  expect 0 info a.nrrd --json
+  said out.txt '"index_to_local"'
+}
+
+test_messages() {
+  printf 'abcdefgh' > eight.raw
+  usage_error 'needs its size' convert eight.raw a.vdb
+  usage_error '8 bytes; 2 x 2 x 3' convert eight.raw a.vdb --raw-size 2,2,3
+  usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2
+  usage_error 'raw-size' convert eight.raw a.vdb --raw-size 2,2,1.5
+  usage_error 'raw_type is "bits"' convert eight.raw a.vdb --raw-size 2,2,2 --raw-type bits
+  usage_error 'goes to .vdb, .nvdb or .nrrd' convert eight.raw a.txt --raw-size 2,2,2
+  usage_error "codec 'lzma'" convert eight.raw a.vdb --raw-size 2,2,2 --codec lzma
+  usage_error "codec 'blosc'" convert eight.raw a.nvdb --raw-size 2,2,2 --codec blosc
+  usage_error 'No such file' convert gone.vdb a.nrrd
+  usage_error 'no/such' convert eight.raw no/such/a.vdb --raw-size 2,2,2
+  expect 0 convert eight.raw a.vdb --raw-size 2,2,2
+  usage_error 'no grid "smoke"; there is density' convert a.vdb b.nrrd --grid smoke
+  usage_error 'component 1' convert a.vdb b.nrrd --component 1
+}
+
+test_images() {
+  expect 0 render builtin:cube_g0 --size 16x12 --spp 1 -o a.exr
+  expect 0 convert a.exr b.exr
+  expect 0 diff a.exr b.exr
+  said out.txt '^values that differ: 0$'
+  expect 0 convert a.exr a.png --exposure 1 --curve filmic
+  expect 0 convert a.exr depth.png --bits 16 --channel G --scale 1000
+  usage_error "no channel 'Z'" convert a.exr depth.png --bits 16 --channel Z
+  usage_error 'goes to .exr or .png' convert a.exr a.vdb
+  usage_error 'for .png' convert a.exr b.exr --bits 16
+  usage_error 'neither 8 nor 16' convert a.exr a.png --bits 12
+}
+
+test_real_volumes() {
+  cloud="$data/volumes/wdas_cloud_sixteenth.vdb"
+  [ -r "$cloud" ] || { echo "skipped: no $cloud (set TYNDALL_DATA)"; return; }
+  expect 0 convert "$cloud" cloud.nrrd --codec none
+  expect 0 convert cloud.nrrd cloud.vdb
+  expect 0 convert cloud.vdb again.nrrd --codec none
+  expect 0 info again.nrrd
+  said out.txt '^range +0 to 1, '
+  expect 0 convert "$data/volumes/plume/plume_####.vdb" velocity.nrrd --frame 42 --grid velocity --component 2
+  usage_error 'plume_0043' convert "$data/volumes/plume/plume_####.vdb" velocity.nrrd --frame 43
+}
+
+test_bench() {
+  expect 0 bench load --side 16 --runs 1
+  for name in 'vdb none float' 'vdb blosc half' 'nvdb zip' 'nrrd gzip'; do said out.txt "^$name "; done
+  expect 0 bench load --side 16 --runs 1 --json
+  said out.txt '"mvoxels_per_second"'
+}
+
+for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
+echo "$checks checks, $failures failed"
+[ "$failures" -eq 0 ]
