@@ -8,23 +8,22 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 enum { LINE_SIZE = 4096, GLTF_SIZE_MAX = 1 << 30 };
 
-/* The path of a file that the file at path names, NULL when it cannot be opened; freed with ty_free_text. */
+/* The path of a file that the file at path names, NULL when there is no such file; freed with ty_free_text. */
 static ty_result find_named(ty_context* context, const char* path, const char* name, char** out) {
     *out = NULL;
     char* folder = ty_folder_of(context, path);
     char* found = folder != NULL ? ty_join_path(context, folder, name) : NULL;
     ty_free_text(context, folder);
     if (found == NULL) return TY_ERROR_MEMORY;
-    FILE* stream = fopen(found, "rb");
-    if (stream == NULL) {
+    struct stat status;
+    if (stat(found, &status) == 0 && S_ISREG(status.st_mode))
+        *out = found;
+    else
         ty_free_text(context, found);
-        return TY_OK;
-    }
-    fclose(stream);
-    *out = found;
     return TY_OK;
 }
 

@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# tyndall info of scenes that name files, from outside. usage: test_cli_scene.sh TYNDALL (empties the current folder)
+. "$(dirname "$0")/cli.sh"
+
+write_files() {
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n' > tetra.obj
+  printf '\001\002' > heat_07.raw
+  cat > camera.gltf << 'END'
+{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0}],
+ "cameras": [{"type": "perspective", "name": "front", "perspective": {"yfov": 1, "znear": 0.1}}]}
+END
+  cat > scene.json << 'END'
+{"tyndall": 1, "frame": 7,
+ "media": [
+   {"name": "milk", "sigma_s": 1, "bounds": {"file": "tetra.obj"}},
+   {"name": "fire", "sigma_t": 1, "bounds": [[0, 0, 0], [1, 1, 1]], "density": {"noise": {"resolution": 4}},
+    "transfer": [{"value": 0, "density": 0, "albedo": 0.5}, {"value": 1, "density": 2, "albedo": 0.5}],
+    "emission": {"temperature": {"file": "heat_##.raw", "raw": {"size": [2, 1, 1]}}, "kelvin": [300, 1500]}}],
+ "geometry": [{"file": "camera.gltf"}, {"file": "tetra.obj", "material": {"emission": 1}}]}
+END
+}
+
+test_text() {
+  expect 0 info scene.json
+  said out.txt '^camera .*57.2958 degrees high, exposure 0, the first of camera.gltf$'
+  said out.txt '^            within a closed mesh$'
+  said out.txt '^            box \(0, 0, 0\) to \(1, 1, 1\) m$'
+  said out.txt '^            density 4x4x4 half, filling the box, '
+  said out.txt '^            transfer function of 2 points, 0 to 1, with albedo$'
+  said out.txt '^            emission: radiance 0 W m\^-2 sr\^-1, black body of 300 K at 0 to 1500 K at 1, scale 1$'
+  said out.txt '^            temperature 2x1x1 half, filling the box, 1 to 2, '
+  said out.txt '^meshes      1, 4 triangles$'
+  said out.txt '^emitters    4$'
+  expect 0 info scene.json -D camera.file=camera.gltf -D camera.name=front
+  said out.txt ', "front" of camera.gltf$'
+  usage_error 'cannot open \./heat_08.raw|cannot open heat_08.raw' info scene.json -D frame=8
+}
+
+test_json() {
+  expect 0 info scene.json --json
+  valid_json out.txt
+  said out.txt '"source": "the first of camera.gltf"'
+  said out.txt '"bounds": "closed mesh"'
+  said out.txt '"kelvin": \[300, 1500\]'
+  said out.txt '"triangles": 4'
+  said out.txt '"emitters": 4'
+  said out.txt '"albedo": \[0.5, 0.5, 0.5\]'
+}
+
+write_files
+test_text
+test_json
+finish 20
