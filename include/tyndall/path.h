@@ -79,7 +79,8 @@ typedef struct ty_path_stats {
 TY_API ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image** out, ty_path_stats* stats);
 
 /* Radiance arriving along given rays. rays: count x 6 doubles (origin, m; direction of view, any length);
- * radiance: count x 3, mean over def->spp samples; variance: count x 3, variance of that mean, or NULL.
+ * radiance: count x 3, mean over def->spp samples; variance: count x 3, variance of that mean, or NULL. A ray meets a
+ * surface with TY_ALPHA_BLEND either in all samples or in none.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED leaves the outputs undefined. */
 TY_API ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, int64_t count, const double* rays,
                                   double* radiance, double* variance);

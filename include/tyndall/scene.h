@@ -176,7 +176,7 @@ TY_API void ty_texture_sample(const ty_texture* texture, double u, double v, flo
 typedef enum ty_alpha_mode {
     TY_ALPHA_OPAQUE = 0, /* alpha is not looked at */
     TY_ALPHA_MASK = 1,   /* there is a surface where alpha >= cutoff */
-    TY_ALPHA_BLEND = 2   /* alpha is the fraction of the surface that is there */
+    TY_ALPHA_BLEND = 2   /* alpha is the fraction of rays that meet the surface; the same ray always meets the same */
 } ty_alpha_mode;
 
 /* A Lambertian surface. Colours multiply: factor, texture, and for albedo the vertex colour. */
@@ -202,7 +202,8 @@ typedef struct ty_mesh_def {
     int64_t vertex_count;   /* 1..2^31 - 1 */
     int64_t triangle_count; /* 1..2^31 - 1 */
     const float* positions; /* 3 per vertex, m, before transform */
-    const float* normals;   /* 3 per vertex, or NULL (default): flat triangles */
+    const float* normals;   /* 3 per vertex, or NULL (default): flat triangles. Smoothed surfaces lose what they would
+                               send behind their triangles: a white ball of 288 triangles 0.2%, of 4608 0.02% */
     const float* uv[2];     /* 2 per vertex, or NULL (default): 0 */
     const float* colors;    /* 4 per vertex: linear R, G, B and alpha, 0..1; or NULL (default): 1 */
     const uint32_t* indices;

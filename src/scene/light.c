@@ -73,25 +73,31 @@ ty_light_view ty_light_sphere_view(const double center[3], double radius, const 
     return view;
 }
 
-/* Mean radiance over a triangle with a texture: about one sample per texel, 16..4096. */
-static void mean_emission(const ty_surface* surface, int32_t triangle, float mean[3]) {
+/* How many texels of a texture a triangle covers. */
+static double count_texels(const ty_surface* surface, const ty_texture_view* texture, int32_t set, const float map[6],
+                           int32_t triangle) {
     const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
-    const float* uv = surface->uv[surface->emission_uv];
-    double texels = 16;
-    if (uv != NULL) {
-        const float* a = uv + 2 * (size_t)corners[0];
-        const float* b = uv + 2 * (size_t)corners[1];
-        const float* c = uv + 2 * (size_t)corners[2];
-        const double area = fabs((double)(b[0] - a[0]) * (c[1] - a[1]) - (double)(b[1] - a[1]) * (c[0] - a[0])) / 2;
-        texels = area * surface->emission_texture.width * surface->emission_texture.height;
-    }
+    const float* uv = surface->uv[set];
+    if (uv == NULL || !ty_texture_exists(texture)) return 1;
+    const float* a = uv + 2 * (size_t)corners[0];
+    const float* b = uv + 2 * (size_t)corners[1];
+    const float* c = uv + 2 * (size_t)corners[2];
+    const double area = fabs((double)(b[0] - a[0]) * (c[1] - a[1]) - (double)(b[1] - a[1]) * (c[0] - a[0])) / 2;
+    return area * fabs((double)map[0] * map[4] - (double)map[1] * map[3]) * texture->width * texture->height;
+}
+
+/* Mean radiance over a triangle with textures: about one sample per texel, 16..4096. */
+static void mean_emission(const ty_surface* surface, int32_t triangle, float mean[3]) {
+    const double texels =
+        fmax(count_texels(surface, &surface->emission_texture, surface->emission_uv, surface->emission_map, triangle),
+             count_texels(surface, &surface->albedo_texture, surface->albedo_uv, surface->albedo_map, triangle));
     const int32_t side = (int32_t)fmin(fmax(ceil(sqrt(texels)), 4), 64);
     double sum[3] = {0, 0, 0};
     for (int32_t j = 0; j < side; ++j)
         for (int32_t i = 0; i < side; ++i) {
             const float root = sqrtf(((float)i + 0.5f) / (float)side), v = ((float)j + 0.5f) / (float)side;
             float emission[3];
-            ty_surface_emission(surface, triangle, 1.0f - root, root * v, emission);
+            ty_surface_sent(surface, triangle, 1.0f - root, root * v, emission);
             for (int c = 0; c < 3; ++c) sum[c] += (double)emission[c];
         }
     for (int c = 0; c < 3; ++c) mean[c] = (float)(sum[c] / side / side);
@@ -104,14 +110,11 @@ bool ty_light_triangle_view(const ty_surface* surface, int32_t triangle, ty_ligh
     out->position = ty_vec_load(surface->positions + 3 * (size_t)corners[0]);
     out->u = ty_sub(ty_vec_load(surface->positions + 3 * (size_t)corners[1]), out->position);
     out->v = ty_sub(ty_vec_load(surface->positions + 3 * (size_t)corners[2]), out->position);
-    const ty_vec cross = ty_cross(out->u, out->v);
-    const float length = sqrtf(ty_dot(cross, cross));
-    if (!(length > 0)) return false;
-    out->direction = ty_scale(cross, 1 / length);
-    out->area = length / 2;
+    out->direction = ty_triangle_normal(out->u, out->v, &out->area);
+    if (!(out->area > 0)) return false;
     out->two_sided = surface->two_sided;
     out->part = triangle;
-    if (ty_texture_exists(&surface->emission_texture)) {
+    if (ty_texture_exists(&surface->emission_texture) || surface->alpha_mode != TY_ALPHA_OPAQUE) {
         out->textured = surface;
         mean_emission(surface, triangle, out->color);
     } else {

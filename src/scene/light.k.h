@@ -24,7 +24,8 @@ typedef struct ty_light_view {
     ty_vec u, v;       /* area, triangle: edges */
     float area;        /* area, triangle: m^2 */
     int32_t two_sided; /* triangle: emits on both sides, else on its front */
-    TY_GLOBAL const ty_surface* textured; /* triangle: where radiance is looked up; NULL: it is color everywhere */
+    TY_GLOBAL const ty_surface* textured; /* triangle: where radiance is looked up, alpha included; NULL: it is color
+                                             everywhere */
     int32_t part;                         /* triangle: its number in the mesh */
     float radius;                         /* sphere */
     float cos_outer, cos_inner;           /* spot: light fades from inner to outer */
@@ -126,7 +127,7 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
         out->pdf = d2 / (mu * light->area);
         if (light->textured == NULL) return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
         float emission[3];
-        ty_surface_emission(light->textured, light->part, b1, b2, emission);
+        ty_surface_sent(light->textured, light->part, b1, b2, emission);
         return ty_light_set_rgb(out->radiance, emission, 1.0f / out->pdf);
     }
     const float falloff =

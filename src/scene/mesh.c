@@ -147,17 +147,14 @@ static ty_result add_spheres(ty_mesh* mesh, const ty_shape_def* shapes, size_t c
 }
 
 /* A number in [0, 1) that belongs to a ray and a triangle. */
-static float chance_of(float dx, float dy, float dz, float ox, float oy, unsigned triangle) {
-    uint32_t bits = ty_mix32(ty_bits_from_float(dx) ^ triangle);
-    bits = ty_mix32(bits ^ ty_bits_from_float(dy));
-    bits = ty_mix32(bits ^ ty_bits_from_float(dz));
-    bits = ty_mix32(bits ^ ty_bits_from_float(ox));
-    bits = ty_mix32(bits ^ ty_bits_from_float(oy));
+static float chance_of(const float ray[6], unsigned triangle) {
+    uint32_t bits = triangle;
+    for (int i = 0; i < 6; ++i) bits = ty_mix32(bits ^ ty_bits_from_float(ray[i]));
     return (float)(bits >> 8) * 0x1p-24f;
 }
 
 /* Where Embree keeps the fields of N rays and hits that it hands to filters, in rows of N. */
-enum { RAY_ORG_X = 0, RAY_ORG_Y = 1, RAY_DIR_X = 4, RAY_DIR_Y = 5, RAY_DIR_Z = 6 };
+enum { RAY_ORIGIN = 0, RAY_DIRECTION = 4 };
 enum { HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5 };
 
 static float row(const void* rows, unsigned field, unsigned count, unsigned i) {
@@ -170,12 +167,14 @@ static void filter_alpha(const struct RTCFilterFunctionNArguments* given) {
     for (unsigned i = 0; i < given->N; ++i) {
         if (given->valid[i] == 0) continue;
         const unsigned triangle = ((const unsigned*)given->hit)[HIT_PRIMITIVE * given->N + i];
-        const float chance = chance_of(row(given->ray, RAY_DIR_X, given->N, i), row(given->ray, RAY_DIR_Y, given->N, i),
-                                       row(given->ray, RAY_DIR_Z, given->N, i), row(given->ray, RAY_ORG_X, given->N, i),
-                                       row(given->ray, RAY_ORG_Y, given->N, i), triangle);
-        if (!ty_surface_is_there(surface, (int32_t)triangle, row(given->hit, HIT_U, given->N, i),
-                                 row(given->hit, HIT_V, given->N, i), chance))
-            given->valid[i] = 0;
+        float ray[6];
+        for (unsigned a = 0; a < 3; ++a) {
+            ray[a] = row(given->ray, RAY_ORIGIN + a, given->N, i);
+            ray[3 + a] = row(given->ray, RAY_DIRECTION + a, given->N, i);
+        }
+        const float presence = ty_surface_presence(surface, (int32_t)triangle, row(given->hit, HIT_U, given->N, i),
+                                                   row(given->hit, HIT_V, given->N, i));
+        if (!(chance_of(ray, triangle) < presence)) given->valid[i] = 0;
     }
 }
 
@@ -286,9 +285,8 @@ static void describe_triangle(const ty_mesh* mesh, unsigned geometry, unsigned t
     const ty_vec b = ty_vec_load(surface->positions + 3 * (size_t)corners[1]);
     const ty_vec c = ty_vec_load(surface->positions + 3 * (size_t)corners[2]);
     const ty_vec ab = ty_sub(b, a), ac = ty_sub(c, a);
-    const ty_vec cross = ty_cross(ab, ac);
-    const float square = ty_dot(cross, cross);
-    hit->normal = square > 0.0f ? ty_scale(cross, 1.0f / sqrtf(square)) : ty_vec_make(0, 0, 1);
+    float area;
+    hit->normal = ty_triangle_normal(ab, ac, &area);
     hit->position = ty_mad(ty_mad(a, ab, b1), ac, b2);
     hit->margin = triangle_margin(hit->normal, a, b, c);
     hit->surface = mesh->first_mesh + (int32_t)(geometry - MESHES);

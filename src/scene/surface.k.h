@@ -33,7 +33,7 @@ typedef struct ty_surface {
     TY_GLOBAL const float* normals;
     TY_GLOBAL const float* uv[2];
     TY_GLOBAL const float* colors;
-    TY_GLOBAL const int32_t* lights; /* per triangle, -1: does not emit; NULL: none does */
+    TY_GLOBAL const int32_t* lights; /* per triangle, -1: is not sampled; NULL: none glows */
 } ty_surface;
 
 /* What light does at a hit. */
@@ -42,12 +42,24 @@ typedef struct ty_surface_point {
     float emission[3]; /* towards where the ray came from */
     ty_vec facing;     /* the face's unit normal on that side */
     ty_vec normal;     /* the same, smoothed: what cosines are taken with */
-    int32_t light;     /* in the scene view; -1: does not emit */
+    int32_t light;     /* in the scene view; -1: is not sampled, and all it sends is met */
 } ty_surface_point;
 
 /* Where a ray that leaves a hit towards direction may start without hitting the same surface again. */
 TY_FN ty_vec ty_hit_leave(const ty_hit* hit, ty_vec direction) {
     return ty_mad(hit->position, hit->normal, ty_dot(hit->normal, direction) < 0.0f ? -hit->margin : hit->margin);
+}
+
+/* The unit normal of a triangle with edges ab and ac, of whatever size, and its area; along z, with area 0, where it
+ * has none. */
+TY_FN ty_vec ty_triangle_normal(ty_vec ab, ty_vec ac, float* area) {
+    const float of_ab = ty_maxf(fabsf(ab.x), ty_maxf(fabsf(ab.y), fabsf(ab.z)));
+    const float size = ty_maxf(of_ab, ty_maxf(fabsf(ac.x), ty_maxf(fabsf(ac.y), fabsf(ac.z))));
+    const ty_vec cross = ty_cross(ty_scale(ab, 1.0f / size), ty_scale(ac, 1.0f / size));
+    const float length = sqrtf(ty_dot(cross, cross));
+    const bool exists = length > 0.0f;
+    *area = exists ? 0.5f * length * size * size : 0.0f;
+    return exists ? ty_scale(cross, 1.0f / length) : ty_vec_make(0.0f, 0.0f, 1.0f);
 }
 
 /* Values per corner, count each, between the corners of a triangle. */
@@ -96,12 +108,20 @@ TY_FN void ty_surface_color(TY_GLOBAL const ty_surface* surface, int32_t triangl
     for (int c = 0; c < 4; ++c) rgba[c] *= factor[c];
 }
 
-/* Whether a point of a triangle is there at all, alpha considered; chance: in [0, 1). */
-TY_FN bool ty_surface_is_there(TY_GLOBAL const ty_surface* surface, int32_t triangle, float b1, float b2,
-                               float chance) {
+/* The fraction of rays for which a point of a triangle is there, by its alpha. */
+TY_FN float ty_surface_presence(TY_GLOBAL const ty_surface* surface, int32_t triangle, float b1, float b2) {
     float rgba[4];
+    if (surface->alpha_mode == 0) return 1.0f;
     ty_surface_color(surface, triangle, b1, b2, rgba);
-    return surface->alpha_mode == 1 ? rgba[3] >= surface->cutoff : chance < rgba[3];
+    if (surface->alpha_mode == 1) return rgba[3] >= surface->cutoff ? 1.0f : 0.0f;
+    return ty_minf(rgba[3], 1.0f);
+}
+
+/* Radiance that a triangle sends from a point, in the mean over rays. */
+TY_FN void ty_surface_sent(TY_GLOBAL const ty_surface* surface, int32_t triangle, float b1, float b2, float sent[3]) {
+    const float presence = ty_surface_presence(surface, triangle, b1, b2);
+    ty_surface_emission(surface, triangle, b1, b2, sent);
+    for (int c = 0; c < 3; ++c) sent[c] *= presence;
 }
 
 /* What a ray along direction meets at hit. */
@@ -124,7 +144,7 @@ TY_FN void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit
     ty_surface_color(surface, hit->part, hit->b1, hit->b2, rgba);
     for (int c = 0; c < 3; ++c) out->albedo[c] = ty_minf(rgba[c], 1.0f);
     out->light = surface->lights != NULL && glows ? surface->lights[hit->part] : -1;
-    if (out->light >= 0) ty_surface_emission(surface, hit->part, hit->b1, hit->b2, out->emission);
+    if (surface->lights != NULL && glows) ty_surface_emission(surface, hit->part, hit->b1, hit->b2, out->emission);
     if (surface->normals == NULL) return;
     ty_surface_interpolate(surface->normals, 3, surface->indices + 3 * (size_t)hit->part, hit->b1, hit->b2, smooth);
     const ty_vec normal = ty_vec_make(smooth[0], smooth[1], smooth[2]);

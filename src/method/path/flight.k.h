@@ -32,6 +32,18 @@ TY_FN int32_t ty_pick(const float* weights, int32_t count, float sum, float* u) 
 
 /* ---- media that are all homogeneous: in closed form ---- */
 
+/* 1 - exp(-depth), without cancellation in thin media. */
+TY_FN float ty_stopped(float depth) {
+    if (depth > 0.03f) return 1.0f - ty_expf(-depth);
+    return depth * (1.0f - depth * (0.5f - depth * (1.0f / 6.0f - depth * (1.0f / 24.0f))));
+}
+
+/* The depth that stops a fraction of the light, the inverse of ty_stopped. */
+TY_FN float ty_stopping_depth(float fraction) {
+    if (fraction > 0.03f) return -ty_logf(1.0f - fraction);
+    return fraction * (1.0f + fraction * (0.5f + fraction * (1.0f / 3.0f + fraction * 0.25f)));
+}
+
 /* Optical depth per channel of homogeneous spans from the ray's origin to t. */
 TY_FN void ty_spans_depth(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float t, float depth[3]) {
     for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
@@ -81,9 +93,9 @@ TY_FN void ty_spans_glow(TY_GLOBAL const ty_medium_view* media, const ty_spans* 
         const bool last = next >= TY_FLOAT_MAX;
         for (int c = 0; c < 3; ++c) {
             if (!(sigma_t[c] > 0.0f)) continue;
-            const float passes = last ? 0.0f : ty_expf(-sigma_t[c] * (next - at));
-            radiance[c] += passed[c] * (1.0f - passes) * sends[c] / sigma_t[c];
-            passed[c] *= passes;
+            const float depth = sigma_t[c] * (next - at);
+            radiance[c] += passed[c] * (last ? 1.0f : ty_stopped(depth)) * sends[c] / sigma_t[c];
+            passed[c] *= last ? 0.0f : ty_expf(-depth);
         }
         if (last) return;
         at = next;
@@ -92,22 +104,22 @@ TY_FN void ty_spans_glow(TY_GLOBAL const ty_medium_view* media, const ty_spans* 
 
 /* Samples a collision, by u in [0, 1), for light that is known to collide: beta comes in as the throughput at the ray's
  * origin and goes out as that after scattering, up to the phase function; its mean is the integral over the spans.
- * reach: transmittance of all spans. Returns false where nothing scatters. */
-TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, const float reach[3],
+ * stopped: the fraction of light that collides in the spans. Returns false where nothing scatters. */
+TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, const float stopped[3],
                                  float u, ty_random* random, float beta[3], ty_collision* out) {
     float weight[3];
-    for (int c = 0; c < 3; ++c) weight[c] = beta[c] * (1.0f - reach[c]);
+    for (int c = 0; c < 3; ++c) weight[c] = beta[c] * stopped[c];
     const float sum = ty_sum3(weight);
     if (!(sum > 0.0f)) return false;
     const bool gray = spans->count == 1 && media[spans->medium[0]].gray != 0;
     const int32_t channel = gray ? 0 : ty_pick(weight, 3, sum, &u);
-    const float depth = -ty_logf(1.0f - ty_minf(u, 0x1.fffffep-1f) * (1.0f - reach[channel]));
+    const float depth = ty_stopping_depth(ty_minf(u, 0x1.fffffep-1f) * stopped[channel]);
     out->t = ty_spans_invert(media, spans, channel, depth);
     if (gray) {
         TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[0]];
         out->medium = spans->medium[0];
         out->t = ty_minf(out->t, spans->leave[0]);
-        for (int c = 0; c < 3; ++c) beta[c] *= (1.0f - reach[0]) * medium->sigma_s[c] / medium->sigma_t[0];
+        for (int c = 0; c < 3; ++c) beta[c] *= stopped[0] * medium->sigma_s[c] / medium->sigma_t[0];
         return ty_sum3(beta) > 0.0f;
     }
     /* Which medium scatters, and the density of t in the mixture over channels. */

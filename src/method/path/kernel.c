@@ -44,7 +44,7 @@ static void look(const ty_path* path, uint64_t number, uint32_t sample, ty_path_
     const bool hits =
         scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit);
     const float far = hits ? end.hit.distance : TY_FLOAT_MAX;
-    float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, glow[3];
+    float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, glow[3] = {0.0f, 0.0f, 0.0f};
     ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &random, transmittance);
     ty_spans spans;
     ty_collision collision;

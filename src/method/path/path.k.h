@@ -50,22 +50,29 @@ typedef struct ty_encounter {
     ty_surface_point point;
 } ty_encounter;
 
-/* Light that the ray meets at its end, weighted against light sampling from where the ray began. end: NULL where it
- * meets no surface. */
+/* The share of light met on a surface that light sampling from where the ray began leaves to the ray. */
+TY_FN float ty_path_met_weight(const ty_path* path, const ty_encounter* end) {
+    const ty_light_set* lights = &path->request->scene->lights;
+    const float distance = end->hit.distance;
+    float weight = 1.0f;
+    if (end->point.light < 0) return weight;
+    const ty_light_view* light = &lights->lights[end->point.light];
+    if (path->pdf > 0.0f) {
+        const float chosen = ty_lights_probability(lights, end->point.light, path->origin, path->normal);
+        weight = path->pdf / (path->pdf + chosen * ty_light_pdf(light, path->origin, path->direction, distance));
+    }
+    if (path->scattered != 0 && ty_light_is_lamp(light->kind))
+        weight *= ty_lamp_rest(distance * distance, light->reach2);
+    return weight;
+}
+
+/* Light that the ray meets at its end. end: NULL where it meets no surface. */
 TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_encounter* end) {
     const ty_light_set* lights = &path->request->scene->lights;
     float radiance[3];
     if (end != NULL) {
-        if (end->point.light < 0) return;
-        const ty_light_view* light = &lights->lights[end->point.light];
-        const float distance = end->hit.distance;
-        float weight = 1.0f;
-        if (path->pdf > 0.0f) {
-            const float chosen = ty_lights_probability(lights, end->point.light, path->origin, path->normal);
-            weight = path->pdf / (path->pdf + chosen * ty_light_pdf(light, path->origin, path->direction, distance));
-        }
-        if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-            weight *= ty_lamp_rest(distance * distance, light->reach2);
+        if (!(ty_max3(end->point.emission) > 0.0f)) return;
+        const float weight = ty_path_met_weight(path, end);
         for (int c = 0; c < 3; ++c) radiance[c] = throughput[c] * end->point.emission[c] * weight;
         ty_path_add(path, radiance);
         return;
@@ -368,19 +375,17 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_enco
     }
     /* Homogeneous media: what reaches the end is known, so its light is taken in full and the path goes where it has
      * more to bring. */
-    float reach[3] = {1.0f, 1.0f, 1.0f}, passing[3], reflecting = 0.0f, colliding = 0.0f;
-    if (spans.count > 0) {
-        ty_spans_depth(media, &spans, TY_FLOAT_MAX, reach);
-        for (int c = 0; c < 3; ++c) reach[c] = ty_expf(-reach[c]);
-    }
+    float depth[3], stopped[3], passing[3], reflecting = 0.0f, colliding = 0.0f;
+    ty_spans_depth(media, &spans, TY_FLOAT_MAX, depth);
     if (spans.emits != 0) {
         ty_spans_glow(media, &spans, glow);
         for (int c = 0; c < 3; ++c) glow[c] *= path->beta[c];
         ty_path_add(path, glow);
     }
     for (int c = 0; c < 3; ++c) {
-        passing[c] = path->beta[c] * reach[c];
-        colliding += path->beta[c] * (1.0f - reach[c]);
+        stopped[c] = ty_stopped(depth[c]);
+        passing[c] = path->beta[c] * ty_expf(-depth[c]);
+        colliding += path->beta[c] * stopped[c];
         if (on_surface) reflecting += passing[c] * end->point.albedo[c];
     }
     ty_path_add_emission(path, passing, on_surface ? end : NULL);
@@ -389,7 +394,7 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_enco
     const float chance = colliding / sum;
     const float u = ty_random_next(&path->random);
     if (u < chance) {
-        if (!ty_flight_homogeneous(media, &spans, reach, u / chance, &path->random, path->beta, &collision))
+        if (!ty_flight_homogeneous(media, &spans, stopped, u / chance, &path->random, path->beta, &collision))
             return false;
         for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
         *medium = &media[collision.medium];
