@@ -96,9 +96,9 @@ typedef struct ty_medium_def {
 } ty_medium_def;
 
 /* Radiance of a black body at a temperature, seen as linear Rec.709: Planck's law weighted by the CIE 1931 colour
- * matching functions (so that 683 times its luminance is in cd m^-2), W m^-2 sr^-1. Channels below 0, of colours outside
- * Rec.709, are clipped (blue below 1900 K; luminance gains 1% by it at 1000 K and 15% at 800 K). 0 below 200 K; above
- * 100000 K as at 100000 K. */
+ * matching functions (so that 683 times its luminance is in cd m^-2), W m^-2 sr^-1. Channels below 0, of colours
+ * outside Rec.709, are clipped (blue below 1900 K; luminance gains 1% by it at 1000 K and 15% at 800 K). 0 below 200 K;
+ * above 100000 K as at 100000 K. */
 TY_API void ty_blackbody(double kelvin, float radiance[3]);
 
 /* The fraction of each cell of a grid that lies within a medium's bounds, 0..1: what grid methods multiply its density
@@ -290,6 +290,40 @@ typedef struct ty_scene_info {
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);
 /* One medium as added, with its grid (not retained for the caller); TY_ERROR_ARGUMENT past the end. */
 TY_API ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out);
+/* One mesh as it stands in the world (its transform is the identity); the arrays are the scene's own and last as long
+ * as it; textures are not retained for the caller. TY_ERROR_ARGUMENT past the end. */
+TY_API ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out);
+
+/* ---- Rays ---- */
+
+typedef struct ty_ray {
+    float origin[3];    /* m, finite */
+    float direction[3]; /* unit */
+    float far;          /* how far the ray goes, m, > 0; infinity is allowed */
+} ty_ray;
+
+/* What a ray meets first. */
+typedef struct ty_ray_hit {
+    float distance;    /* from the origin, m; the ray's far where it meets nothing */
+    int32_t surface;   /* shapes as they were added, then area lights, then meshes; -1: the ray meets nothing, and what
+                          follows is 0 */
+    int32_t part;      /* which side of a box (-x, +x, -y, ...), which triangle of a mesh; else 0 */
+    float b1, b2;      /* of triangles: weights of the second and third corner */
+    float position[3]; /* m, on the surface to rounding, however long the ray was */
+    float normal[3];   /* unit, of the flat face or the sphere, on its front */
+    float margin;      /* m; a ray that starts this far off the surface, along its normal, does not meet it again */
+} ty_ray_hit;
+
+/* What each of many rays meets first in a committed scene, over the context's threads: hits[i] belongs to rays[i].
+ * coherent: whether neighbours in the array go nearly the same way (a camera's pixels in small tiles, rays to one
+ * lamp): they then travel in packets of sixteen, which is about twice as fast; rays that scatter go one by one. What
+ * is met does not depend on it, but for rounding. Surfaces with alpha are met or not as the ray itself decides.
+ * Errors: TY_ERROR_ARGUMENT (scene not committed, count negative). */
+TY_API ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent,
+                                ty_ray_hit* hits);
+/* Whether each ray meets anything at all, which is quicker to find out. Errors as ty_scene_trace. */
+TY_API ty_result ty_scene_trace_shadows(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent,
+                                        bool* shadowed);
 
 #ifdef __cplusplus
 }

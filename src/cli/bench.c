@@ -14,6 +14,7 @@ typedef struct bench_entry {
 static const bench_entry benches[] = {
     {"machine", "peak arithmetic and memory bandwidth of this machine", bench_machine},
     {"path", "noise, time and samples per second of the path tracer over scenes", bench_path},
+    {"rays", "rays per second through a mesh, beside a bare loop over Embree", bench_rays},
     {"load", "reading volumes of every format", bench_load},
 };
 enum { BENCH_COUNT = sizeof benches / sizeof benches[0] };
@@ -73,14 +74,17 @@ int cli_bench(int count, char** arguments) {
                              .size = {256, 256},
                              .runs = 3,
                              .side = 192,
-                             .scenes = "cube_g0,cube_g0.7,cube_g0.96,cornell_fog,cloud_sun,cloud_sky"};
+                             .scenes = "cube_g0,cube_g0.7,cube_g0.96,cornell_fog,lamps,cloud_sun,cloud_sky"};
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &options.json, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, NULL},
-        {"size", 0, CLI_SIZE, "WxH", "pixels (default 256x256)", options.size, 0, 0, NULL},
+        {"size", 0, CLI_SIZE, "WxH", "pixels (default 256x256; rays: 1024x1024)", options.size, 0, 0,
+         &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, NULL},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024, NULL},
-        {"scenes", 0, CLI_TEXT, "A,B,...", "builtin scenes to render", &options.scenes, 0, 0, NULL},
+        {"scenes", 0, CLI_TEXT, "A,B,...", "scenes to render: files, or names of builtin ones", &options.scenes, 0, 0,
+         NULL},
+        {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},
     };
     char details[512] = "benches:";

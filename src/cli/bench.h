@@ -7,7 +7,9 @@
 typedef struct bench_options {
     bool json;
     int32_t spp, size[2], runs, side;
-    const char* scenes;    /* names, comma-separated */
+    bool size_given;
+    const char* scenes;    /* names or paths, comma-separated */
+    const char* mesh;      /* file, or NULL */
     const char* reference; /* folder of NAME.exr, or NULL */
 } bench_options;
 
@@ -20,6 +22,7 @@ typedef struct bench_session {
 /* Each returns CLI_DONE or an exit status after a message. */
 int bench_machine(const bench_session* bench);
 int bench_path(const bench_session* bench);
+int bench_rays(const bench_session* bench);
 int bench_load(const bench_session* bench);
 
 /* The middle one of count values (the mean of the middle two); sorts them. */

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { NAME_MAX_BYTES = 64 };
+enum { PATH_SIZE = 4096 };
 
 typedef struct path_result {
     double relative_rmse;  /* of one image */
@@ -110,20 +110,35 @@ static void print_result(const bench_session* bench, const char* name, const pat
     fflush(stdout);
 }
 
+/* What a scene is given as is a file if it looks like a path, else a builtin scene's name. */
+static ty_result load_scene(const bench_session* bench, const char* given, ty_scene** out) {
+    char path[PATH_SIZE + 16];
+    const bool is_file = strchr(given, '/') != NULL || cli_has_extension(given, ".json");
+    snprintf(path, sizeof path, "%s%s", is_file ? "" : "builtin:", given);
+    return ty_scene_load(bench->session->context, path, NULL, 0, out);
+}
+
+/* The last part of a path, without .json. */
+static void get_name(const char* given, char out[PATH_SIZE]) {
+    const char* slash = strrchr(given, '/');
+    snprintf(out, PATH_SIZE, "%s", slash == NULL ? given : slash + 1);
+    if (cli_has_extension(out, ".json")) out[strlen(out) - strlen(".json")] = '\0';
+}
+
 static ty_result load_reference(const bench_session* bench, const char* name, ty_image** out) {
     if (bench->options->reference == NULL) return TY_OK;
-    char path[4096];
+    char path[2 * PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s.exr", bench->options->reference, name);
     return ty_image_read(bench->session->context, path, out);
 }
 
-static int bench_scene(const bench_session* bench, const char* name) {
+static int bench_scene(const bench_session* bench, const char* given) {
     cli_session* session = bench->session;
-    char path[NAME_MAX_BYTES + 16];
-    snprintf(path, sizeof path, "builtin:%s", name);
+    char name[PATH_SIZE];
+    get_name(given, name);
     ty_scene* scene = NULL;
     ty_image* reference = NULL;
-    ty_result result = ty_scene_load(session->context, path, NULL, 0, &scene);
+    ty_result result = load_scene(bench, given, &scene);
     if (result == TY_OK) result = load_reference(bench, name, &reference);
     if (result != TY_OK) {
         ty_scene_destroy(scene);
@@ -160,14 +175,14 @@ int bench_path(const bench_session* bench) {
     }
     int status = CLI_DONE;
     for (const char* rest = options->scenes; status == CLI_DONE && rest != NULL;) {
-        char name[NAME_MAX_BYTES];
+        char given[PATH_SIZE];
         const size_t length = strcspn(rest, ",");
-        if (length == 0 || length >= sizeof name)
+        if (length == 0 || length >= sizeof given)
             return cli_usage_error("bench", "--scenes: '%s' is not a list like cube_g0,cloud_sun", options->scenes);
-        memcpy(name, rest, length);
-        name[length] = '\0';
+        memcpy(given, rest, length);
+        given[length] = '\0';
         rest = rest[length] == ',' ? rest + length + 1 : NULL;
-        status = bench_scene(bench, name);
+        status = bench_scene(bench, given);
     }
     if (bench->json != NULL) json_close_object(bench->json);
     return status;

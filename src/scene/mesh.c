@@ -352,12 +352,12 @@ bool ty_mesh_occluded(const ty_mesh* mesh, ty_vec origin, ty_vec direction, floa
 /* ---- packets ---- */
 
 static void set_packet_ray(struct RTCRay16* packet, int32_t i, const ty_ray* ray) {
-    packet->org_x[i] = ray->origin.x;
-    packet->org_y[i] = ray->origin.y;
-    packet->org_z[i] = ray->origin.z;
-    packet->dir_x[i] = ray->direction.x;
-    packet->dir_y[i] = ray->direction.y;
-    packet->dir_z[i] = ray->direction.z;
+    packet->org_x[i] = ray->origin[0];
+    packet->org_y[i] = ray->origin[1];
+    packet->org_z[i] = ray->origin[2];
+    packet->dir_x[i] = ray->direction[0];
+    packet->dir_y[i] = ray->direction[1];
+    packet->dir_z[i] = ray->direction[2];
     packet->tnear[i] = 0.0f;
     packet->tfar[i] = ray->far;
     packet->time[i] = 0.0f;
@@ -383,7 +383,7 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
         hits[i].surface = -1;
         hits[i].distance = packet.ray.tfar[i];
         if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-        hits[i].position = ty_mad(rays[i].origin, rays[i].direction, hits[i].distance);
+        hits[i].position = ty_mad(ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), hits[i].distance);
         describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
     }
 }

@@ -36,11 +36,6 @@ bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, flo
 bool ty_mesh_occluded(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far);
 
 /* Many rays at once, sixteen by sixteen: quickest where neighbours go the same way. */
-typedef struct ty_ray {
-    ty_vec origin, direction; /* unit */
-    float far;
-} ty_ray;
-
 enum { TY_PACKET = 16 };
 
 /* hits[i].surface is -1 where ray i meets nothing. count: 1..TY_PACKET. */

@@ -445,3 +445,19 @@ ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_de
     *out = scene->media[index];
     return TY_OK;
 }
+
+ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {
+    if (index < 0 || (size_t)index >= scene->mesh_count)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "meshes: there is no mesh %d", (int)index);
+    const ty_triangles* mesh = scene->meshes[index];
+    *out = ty_default_mesh_def();
+    out->vertex_count = (int64_t)mesh->vertex_count;
+    out->triangle_count = (int64_t)mesh->triangle_count;
+    out->positions = mesh->positions;
+    out->normals = mesh->normals;
+    for (int set = 0; set < 2; ++set) out->uv[set] = mesh->uv[set];
+    out->colors = mesh->colors;
+    out->indices = mesh->indices;
+    out->material = mesh->material;
+    return TY_OK;
+}
