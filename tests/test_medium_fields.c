@@ -1,7 +1,7 @@
 /* Media with transfer functions and fields: what is refused, values against closed forms, extremes against brute force.
  */
 #include "checks.h"
-#include "mesh_maker.h"
+#include "triangle_maker.h"
 
 #include "scene/scene.h"
 

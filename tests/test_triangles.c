@@ -1,7 +1,7 @@
 /* Meshes: hits against closed forms, normals and their sides, alpha, what is refused, memory. */
 #include "checks.h"
 #include "files.h"
-#include "mesh_maker.h"
+#include "triangle_maker.h"
 
 #include "scene/scene.h"
 

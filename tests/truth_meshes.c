@@ -1,6 +1,6 @@
 /* Meshes: as lights against the shapes that they stand for, textures, alpha, and white furnaces. */
 #include "truth_cases.h"
-#include "mesh_maker.h"
+#include "triangle_maker.h"
 
 enum { ITEMS = 64 };
 
