@@ -228,17 +228,21 @@ static void packets_are_single_rays(void** state) {
         ty_hit hits[TY_PACKET], single;
         bool occluded[TY_PACKET];
         for (int32_t k = 0; k < count; ++k) {
-            random_ray(&random, &rays[k].origin, &rays[k].direction);
+            ty_vec origin, direction;
+            random_ray(&random, &origin, &direction);
+            rays[k] = (ty_ray){.origin = {origin.x, origin.y, origin.z},
+                               .direction = {direction.x, direction.y, direction.z}};
             rays[k].far = uniform(&random) < 0.5 ? 2 : TY_FLOAT_MAX;
         }
         ty_mesh_intersect_packet(traced, rays, count, hits);
         ty_mesh_occluded_packet(traced, rays, count, occluded);
         for (int32_t k = 0; k < count; ++k) {
             const ty_ray* ray = &rays[k];
-            const bool met = ty_mesh_intersect(traced, ray->origin, ray->direction, ray->far, &single);
+            const ty_vec origin = ty_vec_load(ray->origin), direction = ty_vec_load(ray->direction);
+            const bool met = ty_mesh_intersect(traced, origin, direction, ray->far, &single);
             assert_int_equal(hits[k].surface >= 0, met);
             assert_int_equal(occluded[k], met);
-            assert_int_equal(ty_mesh_occluded(traced, ray->origin, ray->direction, ray->far), met);
+            assert_int_equal(ty_mesh_occluded(traced, origin, direction, ray->far), met);
             meshes += met && single.surface == 1;
             balls += met && single.surface == 0;
             missed += !met;
