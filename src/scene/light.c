@@ -159,6 +159,17 @@ static double typical_fluence(const ty_light_view* light, double d2) {
     }
 }
 
+/* Squared distance from a light's place to the box [lower, upper]. */
+static double distance2_to_box(const ty_light_view* light, const double lower[3], const double upper[3]) {
+    const double place[3] = {light->position.x, light->position.y, light->position.z};
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double beyond = fmax(fmax(lower[a] - place[a], place[a] - upper[a]), 0);
+        sum += beyond * beyond;
+    }
+    return sum;
+}
+
 static bool has_place(const ty_light_view* light) {
     return light->kind != TY_KIND_DIRECTIONAL && light->kind != TY_KIND_ENVIRONMENT;
 }
@@ -169,7 +180,8 @@ float ty_light_set_choice(ty_light_view* lights, size_t count, const double lowe
     for (int a = 0; a < 3; ++a) d2 += (upper[a] - lower[a]) * (upper[a] - lower[a]) / 16;
     if (!(d2 > 0)) d2 = 1;
     for (size_t i = 0; i < count; ++i) {
-        lights[i].typical = (float)fmin(typical_fluence(&lights[i], d2), 1e30);
+        const double outside2 = has_place(&lights[i]) ? distance2_to_box(&lights[i], lower, upper) : 0;
+        lights[i].typical = (float)fmin(typical_fluence(&lights[i], d2 + outside2), 1e30);
         lights[i].reach2 = (float)fmax(0.3 * lights[i].area, 0.015 * d2);
         sum += (double)lights[i].typical;
         if (has_place(&lights[i]))
