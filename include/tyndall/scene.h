@@ -41,7 +41,8 @@ typedef struct ty_shell ty_shell;
 
 /* positions: 3 floats per vertex; indices: 3 per triangle, counter-clockwise seen from outside. Both are copied. Edges
  * that triangles do not pass as often one way as the other are counted in a warning: rays through such holes see the
- * medium end late or early. Of the places where a ray crosses the mesh the nearest 64 count. Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position not finite), TY_ERROR_MEMORY. */
+ * medium end late or early. Of the places where a ray crosses the mesh the nearest 64 count.
+ * Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position not finite), TY_ERROR_MEMORY. */
 TY_API ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count,
                                  const uint32_t* indices, int64_t triangle_count, ty_shell** out);
 TY_API ty_shell* ty_shell_retain(ty_shell* shell);

@@ -33,6 +33,10 @@ bool ty_aovs_need_parts(uint32_t aovs) {
     return (aovs & ~(uint32_t)(TY_AOV_VARIANCE | TY_AOV_SAMPLES)) != 0;
 }
 
+bool ty_aovs_need_look(uint32_t aovs) {
+    return (aovs & (uint32_t)(TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO)) != 0;
+}
+
 /* The names of all channels; returns how many there are. */
 static int32_t list_channels(uint32_t aovs, const char* names[CHANNELS_MAX]) {
     int32_t count = 0;

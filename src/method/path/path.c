@@ -30,6 +30,7 @@ static ty_result prepare_pixels(const ty_scene* scene, ty_path_run* run) {
     run->stage = "path";
     run->scene_hash = ty_scene_hash(scene);
     run->request.kind = TY_PATH_PIXELS;
+    run->request.look = ty_aovs_need_look(def->aovs);
     run->request.width = def->width > 0 ? def->width : camera.resolution[0];
     run->height = def->height > 0 ? def->height : camera.resolution[1];
     run->request.camera = ty_camera_get_view(&camera, run->request.width, run->height);
