@@ -405,6 +405,19 @@ static void set_packet_ray(struct RTCRay16* packet, int32_t i, const ty_ray* ray
     packet->flags[i] = 0;
 }
 
+/* Asks memory for all triangles of a packet before the first is looked at, so that it is waited for once. */
+static void fetch_triangles(const ty_mesh* mesh, const struct RTCHit16* hit, int32_t count) {
+    for (int32_t i = 0; i < count; ++i)
+        if (hit->geomID[i] >= MESHES && hit->geomID[i] != RTC_INVALID_GEOMETRY_ID)
+            __builtin_prefetch(mesh->surfaces[hit->geomID[i] - MESHES].indices + 3 * (size_t)hit->primID[i]);
+    for (int32_t i = 0; i < count; ++i) {
+        if (hit->geomID[i] < MESHES || hit->geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        const ty_surface* surface = &mesh->surfaces[hit->geomID[i] - MESHES];
+        const uint32_t* corners = surface->indices + 3 * (size_t)hit->primID[i];
+        for (int corner = 0; corner < 3; ++corner) __builtin_prefetch(surface->positions + 3 * (size_t)corners[corner]);
+    }
+}
+
 void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -418,9 +431,9 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
         if (i < count) set_packet_ray(&packet.ray, i, &rays[i]);
     }
     rtcIntersect16(valid, mesh->scene, &context, &packet);
+    fetch_triangles(mesh, &packet.hit, count);
     for (int32_t i = 0; i < count; ++i) {
-        hits[i].surface = -1;
-        hits[i].distance = packet.ray.tfar[i];
+        hits[i] = (ty_hit){.distance = packet.ray.tfar[i], .surface = -1};
         if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         hits[i].position = ty_mad(ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), hits[i].distance);
         describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
@@ -430,6 +443,7 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
 void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     struct RTCRay16 packet;
     _Alignas(64) int32_t valid[TY_PACKET];
     for (int32_t i = 0; i < TY_PACKET; ++i) {
