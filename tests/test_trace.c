@@ -34,9 +34,9 @@ static ty_scene* furnished_scene(ty_context* context) {
     assert_int_equal(ty_scene_add_shape(scene, &shape), TY_OK);
     ty_light_def light = ty_default_light_def();
     light.kind = TY_LIGHT_AREA;
-    set3(light.position, -0.5, 3, -0.5);
-    set3(light.u, 1, 0, 0);
-    set3(light.v, 0, 0, 1);
+    set3(light.position, -1.5, 2.5, -1.5);
+    set3(light.u, 3, 0, 0);
+    set3(light.v, 0, 0, 3);
     assert_int_equal(ty_scene_add_light(scene, &light), TY_OK);
     add_floor(scene);
     assert_int_equal(ty_scene_commit(scene), TY_OK);
