@@ -335,6 +335,11 @@ static void describe_triangle(const ty_mesh* mesh, unsigned geometry, unsigned t
 }
 
 static void describe_hit(const ty_mesh* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
+    if (geometry >= MESHES) {
+        describe_triangle(mesh, geometry, primitive, b1, b2, hit);
+        return;
+    }
+    hit->b1 = hit->b2 = 0.0f;
     if (geometry == SPHERES) {
         const mesh_sphere* sphere = &mesh->spheres[primitive];
         hit->normal = ty_normalize(ty_sub(hit->position, sphere->center));
@@ -342,15 +347,13 @@ static void describe_hit(const ty_mesh* mesh, unsigned geometry, unsigned primit
         hit->margin = sphere->margin;
         hit->surface = sphere->shape;
         hit->part = 0;
-    } else if (geometry == QUADS) {
+    } else {
         const mesh_quad* quad = &mesh->quads[primitive];
         hit->normal = quad->normal;
         hit->position = ty_mad(hit->position, hit->normal, ty_dot(hit->normal, ty_sub(quad->corner, hit->position)));
         hit->margin = quad->margin;
         hit->surface = quad->shape;
         hit->part = quad->part;
-    } else {
-        describe_triangle(mesh, geometry, primitive, b1, b2, hit);
     }
 }
 
@@ -433,8 +436,11 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
     rtcIntersect16(valid, mesh->scene, &context, &packet);
     fetch_triangles(mesh, &packet.hit, count);
     for (int32_t i = 0; i < count; ++i) {
-        hits[i] = (ty_hit){.distance = packet.ray.tfar[i], .surface = -1};
-        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+            hits[i] = (ty_hit){.distance = packet.ray.tfar[i], .surface = -1};
+            continue;
+        }
+        hits[i].distance = packet.ray.tfar[i];
         hits[i].position = ty_mad(ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), hits[i].distance);
         describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
     }
