@@ -73,7 +73,7 @@ test_usage() {
     usage_error 'locked' render builtin:cube_g0 -o locked/a.exr
   fi
   usage_error "did you mean 'path'" bench pat
-  usage_error 'machine, path, all' bench everything
+  usage_error 'machine, path, .*all' bench everything
   absent a.exr
 }
 
@@ -195,6 +195,21 @@ test_bench() {
   cp one.exr cornell_fog.exr
   expect 0 bench path --scenes cornell_fog --size 32x24 --spp 4 --runs 3 --json -q --reference .
   valid_json out.txt
+  printf '{"tyndall": 1, "lights": [{"type": "environment", "radiance": 1}]}' > white.json
+  expect 0 bench path --scenes ./white.json,cube_g0 --size 8x8 --spp 2 --runs 1
+  said out.txt '^white '
+  said out.txt '^cube_g0 '
+  expect 2 bench path --scenes nosuch.json --size 8x8 --spp 2
+  expect 2 bench path --scenes nosuch --size 8x8 --spp 2
+  expect 0 bench rays --size 17x9 --runs 1 --threads 2
+  said out.txt '260642 triangles, 17x9 pixels'
+  said out.txt '^camera, packets +2( +[0-9.]+){4}$'
+  said out.txt '^bounce, shuffled, single +1( +[0-9.]+){4}$'
+  printf 'v -1 0 -1\nv 1 0 -1\nv 1 1 1\nv -1 0 1\nf 1 2 3 4\n' > board.obj
+  expect 0 bench rays --mesh board.obj --size 16x16 --runs 1 --threads 1 --json
+  valid_json out.txt
+  said out.txt '"triangles": 2'
+  expect 2 bench rays --mesh missing.obj
 }
 
 test_interrupt() {

@@ -317,7 +317,7 @@ typedef struct ty_ray_hit {
 
 /* What each of many rays meets first in a committed scene, over the context's threads: hits[i] belongs to rays[i].
  * coherent: whether neighbours in the array go nearly the same way (a camera's pixels in small tiles, rays to one
- * lamp): they then travel in packets of sixteen, which is about twice as fast; rays that scatter go one by one. What
+ * lamp): they then travel in packets of sixteen, which is quicker; rays that scatter go one by one. What
  * is met does not depend on it, but for rounding. Surfaces with alpha are met or not as the ray itself decides.
  * Errors: TY_ERROR_ARGUMENT (scene not committed, count negative). */
 TY_API ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent,

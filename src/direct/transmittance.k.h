@@ -39,20 +39,33 @@ TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec
     for (int c = 0; c < 3; ++c) transmittance[c] *= track[c] * ty_expf(-least * medium->sigma_t[c]);
 }
 
-/* Transmittance per channel through media[0..count) over [0, far] of a ray with unit direction. */
+/* Takes one stretch of a ray inside a medium into account: homogeneous media add to depth. */
+TY_FN void ty_pass_stretch(TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction, float enter,
+                           float leave, ty_random* random, float depth[3], float transmittance[3]) {
+    if (medium->has_grid != 0)
+        ty_track_transmittance(medium, origin, direction, enter, leave, random, transmittance);
+    else
+        for (int c = 0; c < 3; ++c) depth[c] += medium->sigma_t[c] * (leave - enter);
+}
+
+/* Transmittance per channel through media[0..count) over [0, far] of a ray with unit direction. Most media are one
+ * stretch, for which a list of spans would cost more than it is worth. */
 TY_FN void ty_transmittance(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
                             float far, ty_random* random, float transmittance[3]) {
-    float depth[3] = {0.0f, 0.0f, 0.0f}; /* of homogeneous media */
-    ty_spans spans;
+    float depth[3] = {0.0f, 0.0f, 0.0f};
     for (int c = 0; c < 3; ++c) transmittance[c] = 1.0f;
-    if (count == 0) return;
-    ty_spans_find(media, count, origin, direction, far, &spans);
-    for (int32_t i = 0; i < spans.count; ++i) {
-        TY_GLOBAL const ty_medium_view* medium = &media[spans.medium[i]];
-        if (medium->has_grid != 0)
-            ty_track_transmittance(medium, origin, direction, spans.enter[i], spans.leave[i], random, transmittance);
-        else
-            for (int c = 0; c < 3; ++c) depth[c] += medium->sigma_t[c] * (spans.leave[i] - spans.enter[i]);
+    for (int32_t m = 0; m < count; ++m) {
+        float enter = 0.0f, leave = far;
+        if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
+        if (media[m].bounds != TY_BOUNDED_SHELL) {
+            ty_pass_stretch(&media[m], origin, direction, enter, leave, random, depth, transmittance);
+            continue;
+        }
+        ty_spans spans;
+        spans.count = spans.varies = spans.emits = 0;
+        ty_spans_add_shell(&spans, media, m, origin, direction, enter, leave);
+        for (int32_t i = 0; i < spans.count; ++i)
+            ty_pass_stretch(&media[m], origin, direction, spans.enter[i], spans.leave[i], random, depth, transmittance);
     }
     for (int c = 0; c < 3; ++c) transmittance[c] *= ty_expf(-depth[c]);
 }

@@ -229,6 +229,7 @@ static void view_coefficients(const ty_medium_def* def, ty_medium_view* view) {
         view->sigma_s[c] = def->scale * def->sigma_s[c];
         view->sigma_t[c] = def->scale * (def->sigma_s[c] + def->sigma_a[c]);
         view->sigma_t_max = ty_maxf(view->sigma_t_max, view->sigma_t[c]);
+        view->albedo_even[c] = view->sigma_t[c] > 0.0f ? view->sigma_s[c] / view->sigma_t[c] : 0.0f;
         view->g[c] = def->g[c];
         if (view->sigma_t[c] != view->sigma_t[0]) view->gray = 0;
         if (view->g[c] != view->g[0]) view->gray_g = 0;

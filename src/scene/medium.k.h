@@ -33,7 +33,8 @@ typedef struct ty_medium_view {
     TY_GLOBAL const float* extremes; /* of the density over the grid's bricks, as in ty_grid_view */
     float sigma_s[3];                /* scale included, at density 1 */
     float sigma_t[3];
-    float sigma_t_max; /* over channels */
+    float sigma_t_max;    /* over channels */
+    float albedo_even[3]; /* sigma_s / sigma_t, where no field says otherwise; 0 where nothing collides */
     float g[3];
     int32_t gray;                                /* sigma_t alike in all channels */
     int32_t gray_g;                              /* g alike in all channels */
@@ -263,8 +264,7 @@ TY_FN void ty_medium_albedo(TY_GLOBAL const ty_medium_view* medium, ty_vec point
             albedo[c] = ty_lerpf(medium->transfer[i].albedo[c], medium->transfer[i + 1].albedo[c], weight);
         return;
     }
-    for (int32_t c = 0; c < 3; ++c)
-        albedo[c] = medium->sigma_t[c] > 0.0f ? medium->sigma_s[c] / medium->sigma_t[c] : 0.0f;
+    for (int32_t c = 0; c < 3; ++c) albedo[c] = medium->albedo_even[c];
 }
 
 /* Scattering coefficient at density 1 at a point of the world. */

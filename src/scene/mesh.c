@@ -296,6 +296,11 @@ static void describe_triangle(const ty_mesh* mesh, unsigned geometry, unsigned t
 }
 
 static void describe_hit(const ty_mesh* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
+    if (geometry >= MESHES) {
+        describe_triangle(mesh, geometry, primitive, b1, b2, hit);
+        return;
+    }
+    hit->b1 = hit->b2 = 0.0f;
     if (geometry == SPHERES) {
         const mesh_sphere* sphere = &mesh->spheres[primitive];
         hit->normal = ty_normalize(ty_sub(hit->position, sphere->center));
@@ -303,15 +308,13 @@ static void describe_hit(const ty_mesh* mesh, unsigned geometry, unsigned primit
         hit->margin = sphere->margin;
         hit->surface = sphere->shape;
         hit->part = 0;
-    } else if (geometry == QUADS) {
+    } else {
         const mesh_quad* quad = &mesh->quads[primitive];
         hit->normal = quad->normal;
         hit->position = ty_mad(hit->position, hit->normal, ty_dot(hit->normal, ty_sub(quad->corner, hit->position)));
         hit->margin = quad->margin;
         hit->surface = quad->shape;
         hit->part = quad->part;
-    } else {
-        describe_triangle(mesh, geometry, primitive, b1, b2, hit);
     }
 }
 
@@ -366,6 +369,19 @@ static void set_packet_ray(struct RTCRay16* packet, int32_t i, const ty_ray* ray
     packet->flags[i] = 0;
 }
 
+/* Asks memory for all triangles of a packet before the first is looked at, so that it is waited for once. */
+static void fetch_triangles(const ty_mesh* mesh, const struct RTCHit16* hit, int32_t count) {
+    for (int32_t i = 0; i < count; ++i)
+        if (hit->geomID[i] >= MESHES && hit->geomID[i] != RTC_INVALID_GEOMETRY_ID)
+            __builtin_prefetch(mesh->surfaces[hit->geomID[i] - MESHES].indices + 3 * (size_t)hit->primID[i]);
+    for (int32_t i = 0; i < count; ++i) {
+        if (hit->geomID[i] < MESHES || hit->geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        const ty_surface* surface = &mesh->surfaces[hit->geomID[i] - MESHES];
+        const uint32_t* corners = surface->indices + 3 * (size_t)hit->primID[i];
+        for (int corner = 0; corner < 3; ++corner) __builtin_prefetch(surface->positions + 3 * (size_t)corners[corner]);
+    }
+}
+
 void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -379,10 +395,13 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
         if (i < count) set_packet_ray(&packet.ray, i, &rays[i]);
     }
     rtcIntersect16(valid, mesh->scene, &context, &packet);
+    fetch_triangles(mesh, &packet.hit, count);
     for (int32_t i = 0; i < count; ++i) {
-        hits[i].surface = -1;
+        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
+            hits[i] = (ty_hit){.distance = packet.ray.tfar[i], .surface = -1};
+            continue;
+        }
         hits[i].distance = packet.ray.tfar[i];
-        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
         hits[i].position = ty_mad(ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), hits[i].distance);
         describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
     }
@@ -391,6 +410,7 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
 void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     struct RTCRay16 packet;
     _Alignas(64) int32_t valid[TY_PACKET];
     for (int32_t i = 0; i < TY_PACKET; ++i) {

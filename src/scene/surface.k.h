@@ -5,15 +5,15 @@
 #include "base/vector.k.h"
 #include "scene/texture.k.h"
 
-/* Where a ray meets a surface. */
+/* Where a ray meets a surface; laid out as ty_ray_hit. */
 typedef struct ty_hit {
     float distance;
-    ty_vec normal;   /* unit, outwards (front), of the flat face or of the sphere */
-    ty_vec position; /* on the surface to rounding, however long the ray was */
-    float margin;    /* off the surface by this much, rounding cannot lead back to it */
     int32_t surface; /* in the scene view */
     int32_t part;    /* which quad of a shape, which triangle of a mesh */
     float b1, b2;    /* of triangles: weights of the second and third corner */
+    ty_vec position; /* on the surface to rounding, however long the ray was */
+    ty_vec normal;   /* unit, outwards (front), of the flat face or of the sphere */
+    float margin;    /* off the surface by this much, rounding cannot lead back to it */
 } ty_hit;
 
 /* One shape, area light or mesh. */

@@ -13,16 +13,10 @@ typedef struct trace_job {
     bool* shadowed;   /* is asked for */
 } trace_job;
 
-static void write_hit(const ty_hit* hit, ty_ray_hit* out) {
-    *out = (ty_ray_hit){.distance = hit->distance, .surface = hit->surface};
-    if (hit->surface < 0) return;
-    out->part = hit->part;
-    out->b1 = hit->b1;
-    out->b2 = hit->b2;
-    memcpy(out->position, &hit->position, sizeof out->position);
-    memcpy(out->normal, &hit->normal, sizeof out->normal);
-    out->margin = hit->margin;
-}
+_Static_assert(sizeof(ty_hit) == sizeof(ty_ray_hit) && offsetof(ty_hit, surface) == offsetof(ty_ray_hit, surface) &&
+                   offsetof(ty_hit, position) == offsetof(ty_ray_hit, position) &&
+                   offsetof(ty_hit, margin) == offsetof(ty_ray_hit, margin),
+               "kernels and callers see hits alike");
 
 /* At most a packet of rays, together. */
 static void trace_packet(const trace_job* job, int64_t begin, int32_t count) {
@@ -32,7 +26,7 @@ static void trace_packet(const trace_job* job, int64_t begin, int32_t count) {
     }
     ty_hit hits[TY_PACKET];
     ty_mesh_intersect_packet(job->mesh, job->rays + begin, count, hits);
-    for (int32_t i = 0; i < count; ++i) write_hit(&hits[i], &job->hits[begin + i]);
+    memcpy(&job->hits[begin], hits, (size_t)count * sizeof *hits);
 }
 
 static void trace_one(const trace_job* job, int64_t at) {
@@ -44,7 +38,7 @@ static void trace_one(const trace_job* job, int64_t at) {
     }
     ty_hit hit = {.distance = ray->far, .surface = -1};
     ty_mesh_intersect(job->mesh, origin, direction, ray->far, &hit);
-    write_hit(&hit, &job->hits[at]);
+    memcpy(&job->hits[at], &hit, sizeof hit);
 }
 
 static void trace_block(void* user, int64_t index, int32_t worker) {

@@ -119,7 +119,7 @@ TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty
         TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[0]];
         out->medium = spans->medium[0];
         out->t = ty_minf(out->t, spans->leave[0]);
-        for (int c = 0; c < 3; ++c) beta[c] *= stopped[0] * medium->sigma_s[c] / medium->sigma_t[0];
+        for (int c = 0; c < 3; ++c) beta[c] *= stopped[0] * medium->albedo_even[c];
         return ty_sum3(beta) > 0.0f;
     }
     /* Which medium scatters, and the density of t in the mixture over channels. */

@@ -101,7 +101,7 @@ typedef struct ty_scatter {
     float guide_g[3]; /* g, g^2, g^4: light that scatters once, twice, four times more */
     int32_t guide_count;
     ty_vec axis[TY_GUIDES_MAX];
-    float axis_share[TY_GUIDES_MAX];
+    const float* axis_share;
 } ty_scatter;
 
 TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
@@ -135,15 +135,14 @@ TY_FN void ty_scatter_begin(ty_scatter* s, const ty_path* path, const ty_medium_
         g += s->share[c] * s->g[c];
     }
     s->guide_count = request->guide_count;
+    s->axis_share = request->guide_share;
     s->guided = s->guide_count > 0 ? ty_guided_fraction(g, path->depth) : 0.0f;
     if (s->guided <= 0.0f) return;
     s->guide_g[0] = g;
     s->guide_g[1] = g * g;
     s->guide_g[2] = g * g * g * g;
-    for (int32_t i = 0; i < s->guide_count; ++i) {
+    for (int32_t i = 0; i < s->guide_count; ++i)
         s->axis[i] = ty_light_axis(&request->scene->lights.lights[request->guide_light[i]], path->origin);
-        s->axis_share[i] = request->guide_share[i];
-    }
 }
 
 /* The phase function per channel. */
