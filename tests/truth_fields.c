@@ -1,6 +1,6 @@
 /* Media with fields and other bounds are the media that they stand for: same numbers, same pictures. */
 #include "truth_cases.h"
-#include "mesh_maker.h"
+#include "triangle_maker.h"
 
 enum { SIDE = 48 };
 

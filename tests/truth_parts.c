@@ -1,6 +1,6 @@
 /* Channels beside the image: what they add up to, and each against what it must be. */
 #include "truth_cases.h"
-#include "mesh_maker.h"
+#include "triangle_maker.h"
 
 enum { SIDE = 16 };
 
