@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-static void print_vector(const char* label, const double v[3], const char* after) {
+void cli_print_vector(const char* label, const double v[3], const char* after) {
     printf("%s(%.6g, %.6g, %.6g)%s", label, v[0], v[1], v[2], after);
 }
 
@@ -40,11 +40,11 @@ static void print_bounds(const ty_medium_def* medium) {
     switch (medium->bounds) {
     case TY_BOUNDS_NONE: printf("            where its density is"); break;
     case TY_BOUNDS_BOX:
-        print_vector("            box ", medium->box_min, " to ");
-        print_vector("", medium->box_max, " m");
+        cli_print_vector("            box ", medium->box_min, " to ");
+        cli_print_vector("", medium->box_max, " m");
         break;
     case TY_BOUNDS_SPHERE:
-        print_vector("            sphere around ", medium->sphere_center, ", ");
+        cli_print_vector("            sphere around ", medium->sphere_center, ", ");
         printf("radius %.6g m", medium->sphere_radius);
         break;
     case TY_BOUNDS_SHELL: printf("            within a closed mesh"); break;
@@ -94,8 +94,8 @@ static void print_scene(const ty_scene* scene, const char* path) {
            ty_scene_up_axis(scene) == TY_AXIS_Z ? 'z' : 'y');
     printf("render      %s, %d spp, seed %" PRIu64 "\n", settings.method, settings.spp, settings.seed);
     printf("camera      %dx%d, ", camera.resolution[0], camera.resolution[1]);
-    print_vector("from ", camera.position, " to ");
-    print_vector("", camera.target, "");
+    cli_print_vector("from ", camera.position, " to ");
+    cli_print_vector("", camera.target, "");
     const char* source = ty_scene_camera_source(scene);
     printf(" m, %.6g degrees high, exposure %.6g%s%s\n", camera.fov_y, camera.exposure, source[0] != '\0' ? ", " : "",
            source);
@@ -108,8 +108,8 @@ static void print_scene(const ty_scene* scene, const char* path) {
     if (info.textures > 0) printf("textures    %" PRId64 ", %s\n", info.textures, texture_bytes);
     printf("emitters    %" PRId64 "\n", info.emitters);
     if (info.bounded) {
-        print_vector("bounds      ", info.lower, " to ");
-        print_vector("", info.upper, " m\n");
+        cli_print_vector("bounds      ", info.lower, " to ");
+        cli_print_vector("", info.upper, " m\n");
     }
     printf("memory      %s\n", bytes);
 }
