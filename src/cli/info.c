@@ -2,6 +2,7 @@
 #include "cli/info.h"
 #include "cli/commands.h"
 #include "cli/raw_options.h"
+#include "cli/text.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -25,7 +26,9 @@ static double dense_bytes(const ty_vdb_entry* entry) {
 static void print_grid(const ty_vdb_entry* entry) {
     char bytes[24];
     cli_format_bytes(dense_bytes(entry), bytes);
-    printf("%-16s %-8s %12" PRId64 " active voxels", entry->name, entry->type, entry->active_voxels);
+    cli_print_text(stdout, entry->name, 17);
+    cli_print_text(stdout, entry->type, 8);
+    printf(" %12" PRId64 " active voxels", entry->active_voxels);
     if (entry->lower[0] <= entry->upper[0])
         printf(" in (%d, %d, %d) to (%d, %d, %d)", entry->lower[0], entry->lower[1], entry->lower[2], entry->upper[0],
                entry->upper[1], entry->upper[2]);
@@ -163,14 +166,17 @@ static void print_image(const ty_image* image, const char* path) {
     printf("%-16s %12s %12s %12s\n", "channel", "min", "mean", "max");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
         const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
-        printf("%-16s %12.6g %12.6g %12.6g", ty_image_channel_name(image, i), summary.min, summary.mean, summary.max);
+        cli_print_text(stdout, ty_image_channel_name(image, i), 16);
+        printf(" %12.6g %12.6g %12.6g", summary.min, summary.mean, summary.max);
         if (summary.nan > 0) printf("  %" PRId64 " NaN", summary.nan);
         if (summary.infinite > 0) printf("  %" PRId64 " Inf", summary.infinite);
         printf("\n");
     }
     for (int32_t i = 0; i < ty_image_metadata_count(image); ++i) {
         const char* key = ty_image_metadata_key(image, i);
-        printf("%-16s %s\n", key, ty_image_get_metadata(image, key));
+        printf("%-16s ", key);
+        cli_print_text(stdout, ty_image_get_metadata(image, key), 0);
+        printf("\n");
     }
 }
 

@@ -1,5 +1,6 @@
 /* tyndall info of a mesh file. */
 #include "cli/info.h"
+#include "cli/text.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -24,7 +25,8 @@ static void print_entries(const mesh_summary* mesh, const char* label, bool came
     for (int32_t i = 0; i < mesh->entry_count; ++i) {
         const ty_mesh_file_entry* entry = &mesh->entries[i];
         if (entry->camera != cameras) continue;
-        printf("                 %s", entry->name[0] != '\0' ? entry->name : "(no name)");
+        printf("%-17s", "");
+        cli_print_text(stdout, entry->name[0] != '\0' ? entry->name : "(no name)", 0);
         if (cameras && entry->fov_y > 0) printf(", %.6g degrees high", entry->fov_y);
         if (cameras && !(entry->fov_y > 0)) printf(", orthographic");
         printf("\n");

@@ -1,5 +1,6 @@
 /* tyndall info of a scene. */
 #include "cli/info.h"
+#include "cli/text.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -74,7 +75,9 @@ static void print_fields(const ty_medium_def* medium) {
 }
 
 static void print_medium(int32_t index, const ty_medium_def* medium) {
-    printf("medium %-4d %s%s", index, medium->name, medium->name[0] == '\0' ? "" : ": ");
+    printf("medium %-4d ", index);
+    cli_print_text(stdout, medium->name, 0);
+    if (medium->name[0] != '\0') printf(": ");
     print_color("sigma_s ", medium->sigma_s, ", ");
     print_color("sigma_a ", medium->sigma_a, " 1/m, ");
     print_color("g ", medium->g, "");
@@ -97,8 +100,9 @@ static void print_scene(const ty_scene* scene, const char* path) {
     cli_print_vector("from ", camera.position, " to ");
     cli_print_vector("", camera.target, "");
     const char* source = ty_scene_camera_source(scene);
-    printf(" m, %.6g degrees high, exposure %.6g%s%s\n", camera.fov_y, camera.exposure, source[0] != '\0' ? ", " : "",
-           source);
+    printf(" m, %.6g degrees high, exposure %.6g%s", camera.fov_y, camera.exposure, source[0] != '\0' ? ", " : "");
+    cli_print_text(stdout, source, 0);
+    printf("\n");
     for (int32_t i = 0; i < info.media; ++i) {
         ty_medium_def medium;
         if (ty_scene_get_medium(scene, i, &medium) == TY_OK) print_medium(i, &medium);
