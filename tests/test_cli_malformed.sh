@@ -184,7 +184,11 @@ test_no_files() {
   done
   for input in folder.vdb /dev/zero pipe.vdb pipe.nvdb missing.nrrd; do
     refused "$input" "$none" convert "$input" OUT.nrrd --raw-size 1,1,1
-    refused "$input" "$none" render cloud.json -D "media[0].density.file=$input" -o OUT.exr
+    case $input in
+    *.*) refused "$input" "$none" render cloud.json -D "media[0].density.file=$input" -o OUT.exr ;;
+    esac
+  done
+  for input in folder.glb pipe.glb missing.obj; do
     refused "$input" "$none" render mesh.json -D "geometry[0].file=$input" -o OUT.exr
   done
   mtl 'not a regular file' 'newmtl a\nmap_Kd folder.exr\n' folder.exr
