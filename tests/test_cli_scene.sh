@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# tyndall info of scenes that name files, from outside. usage: test_cli_scene.sh TYNDALL (empties the current folder)
+# tyndall info of scenes that name files, of meshes and of images, from outside. usage: test_cli_scene.sh TYNDALL (empties the current folder)
 . "$(dirname "$0")/cli.sh"
 
 write_files() {
@@ -47,7 +47,56 @@ test_json() {
   said out.txt '"albedo": \[0.5, 0.5, 0.5\]'
 }
 
+test_meshes() {
+  printf 'newmtl red\nKd 1 0 0\nnewmtl lamp\nKe 5 5 5\n' > two.mtl
+  { echo 'mtllib two.mtl'; cat tetra.obj; echo 'usemtl lamp'; echo 'f 1 2 3'; } > two.obj
+  expect 0 info two.obj
+  said out.txt '^meshes +2, 5 triangles$'
+  said out.txt '^materials +2$'
+  said out.txt '^ +lamp$'
+  said out.txt '^emitters +1$'
+  said out.txt '^bounds +\(0, 0, 0\) to \(1, 1, 1\)$'
+  said out.txt '^memory +[0-9.]+ KiB$'
+  expect 0 info camera.gltf
+  said out.txt '^meshes +0, 0 triangles$'
+  said out.txt '^cameras +1$'
+  said out.txt '^ +front, 57.2958 degrees high$'
+  unsaid out.txt '^bounds'
+  expect 0 info camera.gltf --json
+  valid_json out.txt
+  said out.txt '"kind": "mesh"'
+  said out.txt '"name": "front"'
+  said out.txt '"orthographic": false'
+  expect 0 info two.obj --json
+  valid_json out.txt
+  said out.txt '"name": "red"'
+  said out.txt '"triangles": 5'
+  printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n' > one.ply
+  printf 'element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >> one.ply
+  expect 0 info one.ply
+  said out.txt '^meshes +1, 1 triangles$'
+  said out.txt '^materials +0$'
+  usage_error '-D is for scenes' info one.ply -D frame=8
+}
+
+test_pictures() {
+  expect 0 render builtin:cube_g0 -o one.png --size 16x12 --spp 1 -q
+  expect 0 info one.png
+  said out.txt '^size +16x12$'
+  said out.txt '^R +0 '
+  expect 0 diff one.png one.png
+  said out.txt '^values that differ: 0$'
+  cp "$(dirname "$0")/fuzz/corpus/jpeg/ycc.jpg" ycc.jpg
+  expect 0 info ycc.jpg --json
+  valid_json out.txt
+  said out.txt '"kind": "image"'
+  expect 0 diff ycc.jpg ycc.jpg --json
+  said out.txt '"differing": 0,'
+}
+
 write_files
 test_text
 test_json
-finish 20
+test_meshes
+test_pictures
+finish 60

@@ -1,49 +1,13 @@
 #!/usr/bin/env bash
 # tyndall convert and info on volumes and images from outside: conversions there and back, messages, exit statuses.
 # usage: test_convert.sh TYNDALL DATA (works in the current folder, which it empties; DATA may be missing)
-set -u
-tyndall=$1
+. "$(dirname "$0")/cli.sh"
 data=${TYNDALL_DATA:-$2}
-rm -rf ./*
-checks=0
-failures=0
 
-# expect STATUS ARGUMENT...: runs tyndall; what it printed is in out.txt and err.txt.
-expect() {
-  wanted=$1
-  shift
-  "$tyndall" "$@" > out.txt 2> err.txt < /dev/null
-  status=$?
-  what="tyndall $*"
-  checks=$((checks + 1))
-  [ "$status" -eq "$wanted" ] || fail "exit status $status instead of $wanted: $(head -c 500 err.txt)"
-}
-
-fail() {
-  failures=$((failures + 1))
-  echo "FAILED: $what: $1"
-}
-
-# said FILE PATTERN: FILE has a line that matches the extended regular expression.
-said() {
-  checks=$((checks + 1))
-  grep -Eq -- "$2" "$1" || fail "$1 lacks /$2/: $(head -c 500 "$1")"
-}
-
-# same A B: two files hold the same bytes.
-same() {
+# identical A B: two files hold the same bytes.
+identical() {
   checks=$((checks + 1))
   cmp -s "$1" "$2" || fail "$1 and $2 differ"
-}
-
-# usage_error PATTERN ARGUMENT...: status 2 and one line on stderr that matches.
-usage_error() {
-  pattern=$1
-  shift
-  expect 2 "$@"
-  said err.txt "^tyndall: .*$pattern"
-  checks=$((checks + 1))
-  [ "$(wc -l < err.txt)" -eq 1 ] || fail "not one line: $(cat err.txt)"
 }
 
 test_raw_through_every_format() {
@@ -52,7 +16,7 @@ test_raw_through_every_format() {
   expect 0 convert a.nrrd b.vdb
   expect 0 convert b.vdb c.nvdb
   expect 0 convert c.nvdb d.nrrd --codec none
-  same a.nrrd d.nrrd
+  identical a.nrrd d.nrrd
   expect 0 info d.nrrd
   said out.txt '^size +2x3x4$'
   said out.txt '^range +97 to 120, mean 108.5$'
@@ -115,5 +79,5 @@ test_bench() {
 }
 
 for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
-echo "$checks checks, $failures failed"
-[ "$failures" -eq 0 ]
+no_temporary_files
+finish 60

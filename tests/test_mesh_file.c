@@ -188,6 +188,37 @@ static void cameras_are_found_by_name(void** state) {
     assert_false(found);
 }
 
+static void what_a_file_holds_is_listed(void** state) {
+    (void)state;
+    book = (log_book){0};
+    put_tetrahedra("list.glb", tetrahedra);
+    ty_scene_info info;
+    ty_mesh_file_entry entries[3];
+    int32_t count = 0;
+    assert_int_equal(ty_mesh_file_list(context, "list.glb", &info, entries, 3, &count), TY_OK);
+    assert_int_equal(info.triangles, 8);
+    assert_int_equal(info.lights, 1);
+    assert_true(info.bytes > 0);
+    assert_int_equal(book.warnings, 1); /* once, of what is scaled to 0 */
+    assert_int_equal(count, 2);
+    assert_false(entries[0].camera);
+    assert_string_equal(entries[0].name, "");
+    assert_true(entries[1].camera);
+    assert_string_equal(entries[1].name, "main");
+    assert_true(fabs(entries[1].fov_y - 57.29577951308232) < 1e-9);
+    /* No more than there is room for. */
+    memset(entries, 0x55, sizeof entries);
+    assert_int_equal(ty_mesh_file_list(context, "list.glb", &info, entries, 1, &count), TY_OK);
+    assert_int_equal(count, 2);
+    assert_false(entries[0].camera);
+    assert_int_equal(entries[1].name[0], 0x55);
+    assert_int_equal(ty_mesh_file_list(context, "list.glb", &info, NULL, 0, &count), TY_OK);
+    assert_int_equal(count, 2);
+    assert_int_equal(ty_mesh_file_list(context, "list.glb", &info, NULL, 1, &count), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_mesh_file_list(context, "missing.glb", &info, entries, 1, &count), TY_ERROR_FILE);
+    ty_clear_error(context);
+}
+
 static void wrong_calls_are_refused(void** state) {
     (void)state;
     put_tetrahedra("call.glb", tetrahedra);
@@ -246,10 +277,10 @@ static void real_files_become_scenes(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scenes_take_all_of_a_file), cmocka_unit_test(scenes_take_what_is_asked_for),
-        cmocka_unit_test(other_kinds_become_scenes), cmocka_unit_test(shells_are_closed),
-        cmocka_unit_test(cameras_are_found_by_name), cmocka_unit_test(wrong_calls_are_refused),
-        cmocka_unit_test(real_files_become_scenes),
+        cmocka_unit_test(scenes_take_all_of_a_file),   cmocka_unit_test(scenes_take_what_is_asked_for),
+        cmocka_unit_test(other_kinds_become_scenes),   cmocka_unit_test(shells_are_closed),
+        cmocka_unit_test(cameras_are_found_by_name),   cmocka_unit_test(wrong_calls_are_refused),
+        cmocka_unit_test(what_a_file_holds_is_listed), cmocka_unit_test(real_files_become_scenes),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

@@ -91,8 +91,8 @@ TY_API ty_volume_def ty_default_volume_def(void);
  * Values are kept as they are, as float (half when the file has half, and for int8 and uint8, which it holds exactly).
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out);
-/* The path with the #s of the file's name, which stand in one place there, replaced; those of folders are kept; size: of
- * out. Errors: TY_ERROR_ARGUMENT (too long, negative frame, #s in several places). */
+/* The path with the #s of the file's name, which stand in one place there, replaced; those of folders are kept; size:
+ * of out. Errors: TY_ERROR_ARGUMENT (too long, negative frame, #s in several places). */
 TY_API ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size);
 /* How many values per voxel a grid of the file has (1, or 3 for vec3s); errors as ty_volume_read. */
 TY_API ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out);
@@ -147,6 +147,19 @@ TY_API ty_result ty_mesh_file_camera(ty_context* context, const char* path, cons
 /* All triangles of a file as one shell; to_z_up and transform are applied to it. Errors: TY_ERROR_INPUT (also when
  * there are no triangles), the rest as ty_scene_add_mesh_file. */
 TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out);
+
+/* A material or a camera of a mesh file. */
+typedef struct ty_mesh_file_entry {
+    bool camera;
+    char name[128]; /* as the file says, cut; "" where it has none */
+    double fov_y;   /* of cameras, degrees; 0: orthographic */
+} ty_mesh_file_entry;
+
+/* What a file holds: a scene of it alone, as ty_scene_get_info tells of it, then all materials and cameras. At most
+ * capacity entries are written; *count is how many there are. Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY,
+ * TY_ERROR_ARGUMENT (out, count or, with a capacity, entries is NULL). */
+TY_API ty_result ty_mesh_file_list(ty_context* context, const char* path, ty_scene_info* out,
+                                   ty_mesh_file_entry* entries, int32_t capacity, int32_t* count);
 
 /* ---- Any file ---- */
 

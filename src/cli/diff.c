@@ -21,11 +21,14 @@ static void print_difference_json(const ty_difference* difference) {
     json_close_object(&json);
 }
 
-static int diff_images(cli_session* session, const ty_image* a, const ty_image* b, int32_t block, bool json,
-                       const char* png) {
+static int diff_images(cli_session* session, const char* const paths[2], ty_image* const images[2], int32_t block,
+                       bool json, const char* png) {
+    const ty_image *a = images[0], *b = images[1];
     ty_difference difference;
     const ty_result result = ty_image_compare(session->context, a, b, block, &difference);
-    if (result != TY_OK) return cli_fail_reading(session, result);
+    if (result != TY_OK)
+        return cli_fail(result == TY_ERROR_ARGUMENT ? CLI_USAGE : CLI_FAILED, "%s and %s: %s", paths[0], paths[1],
+                        ty_last_error(session->context));
     if (json)
         print_difference_json(&difference);
     else
@@ -38,8 +41,8 @@ static int diff_files(cli_session* session, const char* const paths[2], int32_t 
     ty_image* images[2] = {NULL, NULL};
     ty_result result = ty_image_read(session->context, paths[0], &images[0]);
     if (result == TY_OK) result = ty_image_read(session->context, paths[1], &images[1]);
-    const int status = result == TY_OK ? diff_images(session, images[0], images[1], block, json, png)
-                                       : cli_fail_reading(session, result);
+    const int status =
+        result == TY_OK ? diff_images(session, paths, images, block, json, png) : cli_fail_reading(session, result);
     ty_image_destroy(images[0]);
     ty_image_destroy(images[1]);
     return status;
@@ -57,7 +60,7 @@ int cli_diff(int count, char** arguments) {
     };
     const cli_syntax syntax = {"diff",
                                "A B [options]",
-                               "Compares image A with the reference B (EXR or HDR).",
+                               "Compares image A with the reference B (EXR, HDR, PNG or JPEG).",
                                "Mean ratio: mean(A) / mean(B). Relative RMSE: RMSE / mean(B). relMSE: mean of\n"
                                "(A - B)^2 / (B^2 + 0.01 mean(B)^2). Exit status 0 whenever the images can be compared.",
                                table,

@@ -2,12 +2,14 @@
 #include "cli/info.h"
 #include "cli/commands.h"
 #include "cli/raw_options.h"
+#include "cli/text.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* Memory of one component of a grid read densely; 0 for types that are not read. */
 static double dense_bytes(const ty_vdb_entry* entry) {
@@ -24,7 +26,9 @@ static double dense_bytes(const ty_vdb_entry* entry) {
 static void print_grid(const ty_vdb_entry* entry) {
     char bytes[24];
     cli_format_bytes(dense_bytes(entry), bytes);
-    printf("%-16s %-8s %12" PRId64 " active voxels", entry->name, entry->type, entry->active_voxels);
+    cli_print_text(stdout, entry->name, 17);
+    cli_print_text(stdout, entry->type, 8);
+    printf(" %12" PRId64 " active voxels", entry->active_voxels);
     if (entry->lower[0] <= entry->upper[0])
         printf(" in (%d, %d, %d) to (%d, %d, %d)", entry->lower[0], entry->lower[1], entry->lower[2], entry->upper[0],
                entry->upper[1], entry->upper[2]);
@@ -162,14 +166,17 @@ static void print_image(const ty_image* image, const char* path) {
     printf("%-16s %12s %12s %12s\n", "channel", "min", "mean", "max");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
         const channel_summary summary = summarise(ty_image_plane_const(image, i), (int64_t)width * height);
-        printf("%-16s %12.6g %12.6g %12.6g", ty_image_channel_name(image, i), summary.min, summary.mean, summary.max);
+        cli_print_text(stdout, ty_image_channel_name(image, i), 16);
+        printf(" %12.6g %12.6g %12.6g", summary.min, summary.mean, summary.max);
         if (summary.nan > 0) printf("  %" PRId64 " NaN", summary.nan);
         if (summary.infinite > 0) printf("  %" PRId64 " Inf", summary.infinite);
         printf("\n");
     }
     for (int32_t i = 0; i < ty_image_metadata_count(image); ++i) {
         const char* key = ty_image_metadata_key(image, i);
-        printf("%-16s %s\n", key, ty_image_get_metadata(image, key));
+        printf("%-16s ", key);
+        cli_print_text(stdout, ty_image_get_metadata(image, key), 0);
+        printf("\n");
     }
 }
 
@@ -218,32 +225,51 @@ int cli_info_image(cli_session* session, const char* path, bool json) {
     return CLI_DONE;
 }
 
-typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_NRRD, FILE_IMAGE } file_kind;
+typedef enum file_kind { FILE_UNKNOWN, FILE_SCENE, FILE_VOLUME, FILE_NRRD, FILE_IMAGE, FILE_MESH } file_kind;
 
-/* Told by the first bytes; JSON begins with a brace after blanks. */
-static file_kind kind_of(const unsigned char* head, size_t size) {
-    static const unsigned char vdb[4] = {0x20, 0x42, 0x44, 0x56}, exr[4] = {0x76, 0x2f, 0x31, 0x01};
-    if (size >= 4 && memcmp(head, vdb, 4) == 0) return FILE_VOLUME;
-    if (size >= 7 && memcmp(head, "NanoVDB", 7) == 0) return FILE_VOLUME;
-    if (size >= 4 && memcmp(head, "NRRD", 4) == 0) return FILE_NRRD;
-    if (size >= 4 && memcmp(head, exr, 4) == 0) return FILE_IMAGE;
-    if (size >= 2 && head[0] == '#' && head[1] == '?') return FILE_IMAGE;
-    size_t i = 0;
+/* Told by the first bytes; JSON, which begins with a brace after blanks, and OBJ by the extension. */
+static file_kind kind_of(const char* path, const unsigned char* head, size_t size) {
+    static const struct {
+        const char* magic;
+        size_t size;
+        file_kind kind;
+    } known[] = {{" BDV", 4, FILE_VOLUME},        {"NanoVDB", 7, FILE_VOLUME},
+                 {"NRRD", 4, FILE_NRRD},          {"\x76\x2f\x31\x01", 4, FILE_IMAGE},
+                 {"#?", 2, FILE_IMAGE},           {"\x89PNG", 4, FILE_IMAGE},
+                 {"\xff\xd8\xff", 3, FILE_IMAGE}, {"glTF", 4, FILE_MESH},
+                 {"ply\n", 4, FILE_MESH},         {"ply\r", 4, FILE_MESH}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
+        if (size >= known[i].size && memcmp(head, known[i].magic, known[i].size) == 0) return known[i].kind;
+    if (cli_has_extension(path, ".obj") || cli_has_extension(path, ".gltf")) return FILE_MESH;
+    size_t i = size >= 3 && memcmp(head, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     while (i < size && memchr(" \t\r\n", head[i], 4) != NULL) ++i;
     return i < size && head[i] == '{' ? FILE_SCENE : FILE_UNKNOWN;
+}
+
+enum { HEAD_SIZE = 256 };
+
+/* The first bytes of a regular file: CLI_GO, or a status after a message. A pipe would have to be waited for. */
+static int read_head(const char* path, unsigned char head[HEAD_SIZE], size_t* size) {
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return cli_fail(CLI_USAGE, "%s: not a regular file", path);
+    FILE* file = fopen(path, "rb");
+    if (file == NULL) return cli_fail(CLI_USAGE, "%s: %s", path, strerror(errno));
+    *size = fread(head, 1, HEAD_SIZE, file);
+    const bool failed = ferror(file) != 0;
+    fclose(file);
+    if (failed) return cli_fail(CLI_USAGE, "%s: cannot be read", path);
+    return *size > 0 ? CLI_GO : cli_fail(CLI_USAGE, "%s: the file is empty", path);
 }
 
 static int info_of_file(cli_session* session, const char* path, const cli_list* overrides, const ty_volume_def* raw,
                         bool json) {
     if (strncmp(path, "builtin:", 8) == 0) return cli_info_scene(session, path, overrides, json);
-    FILE* file = fopen(path, "rb");
-    if (file == NULL) return cli_fail(CLI_USAGE, "%s: %s", path, strerror(errno));
-    unsigned char head[256];
-    const size_t size = fread(head, 1, sizeof head, file);
-    const bool failed = ferror(file) != 0;
-    fclose(file);
-    if (failed) return cli_fail(CLI_USAGE, "%s: cannot be read", path);
-    const file_kind kind = raw->raw_size[0] > 0 ? FILE_NRRD : kind_of(head, size);
+    unsigned char head[HEAD_SIZE];
+    size_t size = 0;
+    const int status = read_head(path, head, &size);
+    if (status != CLI_GO) return status;
+    const file_kind kind = raw->raw_size[0] > 0 ? FILE_NRRD : kind_of(path, head, size);
     if (overrides->count > 0 && kind != FILE_SCENE)
         return cli_usage_error("info", "-D is for scenes, and %s is none", path);
     switch (kind) {
@@ -251,10 +277,13 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
     case FILE_VOLUME: return cli_info_volume(session, path, json);
     case FILE_NRRD: return info_dense(session, path, raw, json);
     case FILE_IMAGE: return cli_info_image(session, path, json);
+    case FILE_MESH: return cli_info_mesh(session, path, json);
     case FILE_UNKNOWN: break;
     }
     return cli_fail(CLI_USAGE,
-                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd) nor an image (.exr, .hdr)", path);
+                    "%s: neither a scene (.json) nor a volume (.vdb, .nvdb, .nrrd), an image (.exr, .hdr, .png, .jpg) "
+                    "or a mesh (.gltf, .glb, .obj, .ply)",
+                    path);
 }
 
 int cli_info(int count, char** arguments) {
@@ -272,8 +301,10 @@ int cli_info(int count, char** arguments) {
     };
     const cli_syntax syntax = {"info",
                                "FILE [options]",
-                               "Tells what a scene, a volume (VDB, NanoVDB, NRRD, raw) or an image (EXR, HDR) holds.",
-                               NULL,
+                               "Tells what a scene, a volume, an image or a mesh file holds.",
+                               "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files.\n"
+                               "Images: .exr, .hdr, .png, .jpg. Meshes: .gltf, .glb, .obj, .ply, in the units of the\n"
+                               "file. Memory is what a render takes for what is in the file.",
                                table,
                                sizeof table / sizeof table[0],
                                1,

@@ -7,5 +7,9 @@
 int cli_info_scene(cli_session* session, const char* path, const cli_list* overrides, bool json);
 int cli_info_volume(cli_session* session, const char* path, bool json);
 int cli_info_image(cli_session* session, const char* path, bool json);
+int cli_info_mesh(cli_session* session, const char* path, bool json);
+
+/* "(1, 2, 3)" between label and after. */
+void cli_print_vector(const char* label, const double v[3], const char* after);
 
 #endif

@@ -1,10 +1,11 @@
 /* tyndall info of a scene. */
 #include "cli/info.h"
+#include "cli/text.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 
-static void print_vector(const char* label, const double v[3], const char* after) {
+void cli_print_vector(const char* label, const double v[3], const char* after) {
     printf("%s(%.6g, %.6g, %.6g)%s", label, v[0], v[1], v[2], after);
 }
 
@@ -40,11 +41,11 @@ static void print_bounds(const ty_medium_def* medium) {
     switch (medium->bounds) {
     case TY_BOUNDS_NONE: printf("            where its density is"); break;
     case TY_BOUNDS_BOX:
-        print_vector("            box ", medium->box_min, " to ");
-        print_vector("", medium->box_max, " m");
+        cli_print_vector("            box ", medium->box_min, " to ");
+        cli_print_vector("", medium->box_max, " m");
         break;
     case TY_BOUNDS_SPHERE:
-        print_vector("            sphere around ", medium->sphere_center, ", ");
+        cli_print_vector("            sphere around ", medium->sphere_center, ", ");
         printf("radius %.6g m", medium->sphere_radius);
         break;
     case TY_BOUNDS_SHELL: printf("            within a closed mesh"); break;
@@ -74,7 +75,9 @@ static void print_fields(const ty_medium_def* medium) {
 }
 
 static void print_medium(int32_t index, const ty_medium_def* medium) {
-    printf("medium %-4d %s%s", index, medium->name, medium->name[0] == '\0' ? "" : ": ");
+    printf("medium %-4d ", index);
+    cli_print_text(stdout, medium->name, 0);
+    if (medium->name[0] != '\0') printf(": ");
     print_color("sigma_s ", medium->sigma_s, ", ");
     print_color("sigma_a ", medium->sigma_a, " 1/m, ");
     print_color("g ", medium->g, "");
@@ -94,11 +97,12 @@ static void print_scene(const ty_scene* scene, const char* path) {
            ty_scene_up_axis(scene) == TY_AXIS_Z ? 'z' : 'y');
     printf("render      %s, %d spp, seed %" PRIu64 "\n", settings.method, settings.spp, settings.seed);
     printf("camera      %dx%d, ", camera.resolution[0], camera.resolution[1]);
-    print_vector("from ", camera.position, " to ");
-    print_vector("", camera.target, "");
+    cli_print_vector("from ", camera.position, " to ");
+    cli_print_vector("", camera.target, "");
     const char* source = ty_scene_camera_source(scene);
-    printf(" m, %.6g degrees high, exposure %.6g%s%s\n", camera.fov_y, camera.exposure, source[0] != '\0' ? ", " : "",
-           source);
+    printf(" m, %.6g degrees high, exposure %.6g%s", camera.fov_y, camera.exposure, source[0] != '\0' ? ", " : "");
+    cli_print_text(stdout, source, 0);
+    printf("\n");
     for (int32_t i = 0; i < info.media; ++i) {
         ty_medium_def medium;
         if (ty_scene_get_medium(scene, i, &medium) == TY_OK) print_medium(i, &medium);
@@ -108,8 +112,8 @@ static void print_scene(const ty_scene* scene, const char* path) {
     if (info.textures > 0) printf("textures    %" PRId64 ", %s\n", info.textures, texture_bytes);
     printf("emitters    %" PRId64 "\n", info.emitters);
     if (info.bounded) {
-        print_vector("bounds      ", info.lower, " to ");
-        print_vector("", info.upper, " m\n");
+        cli_print_vector("bounds      ", info.lower, " to ");
+        cli_print_vector("", info.upper, " m\n");
     }
     printf("memory      %s\n", bytes);
 }

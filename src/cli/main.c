@@ -16,7 +16,7 @@ typedef struct command {
 
 static const command commands[] = {
     {"render", "render a scene to an image", cli_render},
-    {"info", "what a scene, volume or image holds", cli_info},
+    {"info", "what a scene, volume, image or mesh holds", cli_info},
     {"diff", "how an image differs from another", cli_diff},
     {"merge", "renderings of one scene to a better or larger one", cli_merge},
     {"compare", "methods or images with a reference", cli_compare},

@@ -1,5 +1,6 @@
 /* Parsing the command line. */
 #include "cli/options.h"
+#include "cli/text.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -29,12 +30,13 @@ static void common_options(cli_common* common, cli_option options[COMMON_COUNT])
 }
 
 int cli_usage_error(const char* command, const char* format, ...) {
-    char text[1024];
+    char text[1024], line[1152];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "tyndall: %s (see 'tyndall %s%s--help')\n", text, command, command[0] == '\0' ? "" : " ");
+    snprintf(line, sizeof line, "%s (see 'tyndall %s%s--help')", text, command, command[0] == '\0' ? "" : " ");
+    cli_print_message(line);
     return CLI_USAGE;
 }
 

@@ -1,6 +1,7 @@
 /* Showing progress, and noticing that the user wants to stop. */
 #define _GNU_SOURCE
 #include "cli/progress.h"
+#include "cli/text.h"
 
 #include <inttypes.h>
 #include <signal.h>
@@ -44,7 +45,9 @@ void cli_progress_clear(cli_progress* progress) {
 
 void cli_progress_warn(cli_progress* progress, const char* text) {
     cli_progress_clear(progress);
-    fprintf(stderr, "tyndall: warning: %s\n", text);
+    fputs("tyndall: warning: ", stderr);
+    cli_print_text(stderr, text, 0);
+    putc('\n', stderr);
 }
 
 /* "1:05", "2:03:00"; "?" while unknown. */

@@ -1,6 +1,7 @@
 /* Sessions: contexts, messages, --stats, checks that commands share. */
 #define _GNU_SOURCE
 #include "cli/session.h"
+#include "cli/text.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -95,7 +96,7 @@ int cli_fail(int status, const char* format, ...) {
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "tyndall: %s\n", text);
+    cli_print_message(text);
     return status;
 }
 

@@ -6,7 +6,10 @@
 
 #include <stdio.h>
 
-/* Opens a regular file for reading; *size is its length. The caller closes it. */
+/* Opens a regular file for reading; *size is its length. The caller closes it. NULL leaves the cause in errno, 0 for
+ * what is not a regular file. */
+FILE* ty_open_regular(const char* path, uint64_t* size);
+/* The same with a message. */
 ty_result ty_open_file(ty_context* context, const char* path, FILE** stream, uint64_t* size);
 
 /* The bytes of a file and a zero after them; freed with ty_free_file. A file of more than limit bytes is refused. */

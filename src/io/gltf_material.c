@@ -198,6 +198,7 @@ ty_result ty_gltf_read_materials(ty_gltf* gltf) {
                "maps are not used",
                gltf->path);
     ty_model_material plain = ty_model_plain_material(1);
+    plain.plain = true;
     plain.name = ty_copy_text(gltf->context, "");
     return ty_model_add_material(gltf->model, &plain);
 }

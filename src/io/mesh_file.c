@@ -172,6 +172,66 @@ ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mes
     return result;
 }
 
+/* A committed scene of nothing but the model. */
+static ty_result make_scene(const ty_model* model, const char* path, ty_scene** out) {
+    const ty_mesh_file_def def = ty_default_mesh_file_def();
+    filler f = {.context = model->context,
+                .path = path,
+                .def = &def,
+                .model = model,
+                .map = ty_affine_identity(),
+                .clean = ty_last_error(model->context)[0] == '\0'};
+    ty_result result = ty_scene_create(model->context, TY_AXIS_Y, &f.scene);
+    if (result == TY_OK) result = fill_scene(&f);
+    if (result == TY_OK) result = ty_scene_commit(f.scene);
+    if (result == TY_OK)
+        *out = f.scene;
+    else
+        ty_scene_destroy(f.scene);
+    return result;
+}
+
+static ty_result describe(const ty_model* model, const char* path, ty_scene_info* out) {
+    ty_scene* scene = NULL;
+    const ty_result result = make_scene(model, path, &scene);
+    if (result == TY_OK) *out = ty_scene_get_info(scene);
+    ty_scene_destroy(scene);
+    return result;
+}
+
+static void add_entry(const ty_mesh_file_entry* entry, const char* name, ty_mesh_file_entry* entries, int32_t capacity,
+                      int32_t* count) {
+    if (*count < capacity) {
+        entries[*count] = *entry;
+        snprintf(entries[*count].name, sizeof entry->name, "%s", name);
+    }
+    ++*count;
+}
+
+static void list_entries(const ty_model* model, ty_mesh_file_entry* entries, int32_t capacity, int32_t* count) {
+    *count = 0;
+    for (size_t i = 0; i < model->material_count; ++i) {
+        const ty_mesh_file_entry entry = {.camera = false};
+        if (!model->materials[i].plain) add_entry(&entry, model->materials[i].name, entries, capacity, count);
+    }
+    for (size_t i = 0; i < model->camera_count; ++i) {
+        const ty_mesh_file_entry entry = {.camera = true, .fov_y = model->cameras[i].fov_y};
+        add_entry(&entry, model->cameras[i].name, entries, capacity, count);
+    }
+}
+
+ty_result ty_mesh_file_list(ty_context* context, const char* path, ty_scene_info* out, ty_mesh_file_entry* entries,
+                            int32_t capacity, int32_t* count) {
+    if (path == NULL || out == NULL || count == NULL || (entries == NULL && capacity > 0))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_list: path, out, entries or count is NULL");
+    ty_model model;
+    ty_result result = ty_read_model(context, path, TY_MODEL_ALL, &model);
+    if (result == TY_OK) result = describe(&model, path, out);
+    if (result == TY_OK) list_entries(&model, entries, capacity, count);
+    ty_model_free(&model);
+    return result;
+}
+
 /* ---- Shells ---- */
 
 static bool is_mirrored(const ty_affine* map) {

@@ -51,6 +51,7 @@ typedef struct ty_model_texture {
 /* def without its textures, which are given by number; -1: none. */
 typedef struct ty_model_material {
     char* name;
+    bool plain; /* not the file's: for what has no material there */
     ty_material_def def;
     int32_t albedo_texture, emission_texture;
 } ty_model_material;

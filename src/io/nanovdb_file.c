@@ -33,7 +33,8 @@ ty_result ty_nanovdb_damaged(const ty_nanovdb_file* file, const char* what) {
 
 bool ty_is_nanovdb(const char* path) {
     char head[7] = "";
-    FILE* stream = path == NULL ? NULL : fopen(path, "rb");
+    uint64_t size = 0;
+    FILE* stream = path == NULL ? NULL : ty_open_regular(path, &size);
     if (stream == NULL) return false;
     const bool read = fread(head, 1, sizeof head, stream) == sizeof head;
     fclose(stream);

@@ -1,5 +1,6 @@
 /* Wavefront OBJ files: positions, texture coordinates, normals and polygons. Polygons become fans of triangles about
  * their first corner, which suits convex ones. */
+#define _POSIX_C_SOURCE 200809L
 #include "io/obj.h"
 
 #include "base/context.h"
@@ -9,6 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { LIBRARY_SIZE_MAX = 64 << 20, NUMBERS_MAX = 8 };
 
@@ -140,19 +142,13 @@ static ty_result use_material(ty_obj* obj, ty_words* line) {
     return TY_OK;
 }
 
-/* Materials whose file is not there are no reason to give up the shapes. */
-static bool is_there(const char* path) {
-    FILE* stream = fopen(path, "rb");
-    if (stream != NULL) fclose(stream);
-    return stream != NULL;
-}
-
 static ty_result read_library(ty_obj* obj, const char* name) {
     char place[512], *path = NULL, *folder = NULL;
     snprintf(place, sizeof place, "%s:%zu", obj->path, obj->line);
     ty_result result = ty_model_inner_path(obj->context, place, obj->folder, name, &path);
     if (result != TY_OK) return result;
-    if (!is_there(path)) {
+    /* No reason to give up the shapes. */
+    if (access(path, R_OK) != 0) {
         ty_log(obj->context, TY_LOG_WARNING, "%s: there is no material file %s", obj->path, path);
         ty_free_text(obj->context, path);
         return TY_OK;
@@ -212,6 +208,7 @@ static ty_result add_plain_material(ty_obj* obj) {
         return TY_OK;
     }
     ty_model_material plain = ty_model_plain_material(ty_default_material_def().albedo[0]);
+    plain.plain = true;
     plain.name = ty_copy_text(obj->context, "");
     return ty_model_add_material(obj->model, &plain);
 }

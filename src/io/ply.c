@@ -252,6 +252,7 @@ static ty_result finish(builder* b, unsigned want, ty_model* model) {
     if (result != TY_OK || (want & TY_MODEL_MATERIALS) == 0) return result;
     /* Colours of vertices stand for those of a material. */
     ty_model_material plain = ty_model_plain_material(colored ? 1 : ty_default_material_def().albedo[0]);
+    plain.plain = true;
     plain.name = ty_copy_text(context, "");
     return ty_model_add_material(model, &plain);
 }
