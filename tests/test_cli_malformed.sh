@@ -8,7 +8,7 @@
 
 # What is in the folder, but for what the tool printed.
 listing() {
-  printf '%s\n' ./* compared/*
+  printf '%s\n' ./* kept/*
 }
 
 # names FILE CAUSE: one line on stderr that names the file and the cause, nothing on stdout.
@@ -64,7 +64,7 @@ bad_image() {
   1) refused "$1" "$2" convert "$1" OUT.png ;;
   2) refused "$1" "$2" diff ok.exr "$1" --png OUT.png ;;
   3) refused "$1" "$2" merge ok.exr "$1" -o OUT.exr ;;
-  4) refused "$1" "$2" compare ok.exr "$1" -o compared ;;
+  4) refused "$1" "$2" compare ok.exr "$1" -o OUT ;;
   5) refused "$1" "$2" render sky.json -D "lights[0].file=$1" -o OUT.exr ;;
   esac
 }
@@ -144,7 +144,7 @@ glb() {
 make_good_files() {
   for extension in exr png nrrd; do echo 'what was there before' > kept.$extension; done
   kept=$(cat kept.exr kept.png kept.nrrd)
-  mkdir compared folder.exr folder.json folder.vdb folder.nrrd folder.glb
+  mkdir kept folder.exr folder.json folder.vdb folder.nrrd folder.glb
   expect 0 render builtin:cube_g0 -o ok.exr --size 32x32 --spp 1 --aov all -q
   expect 0 convert ok.exr ok.png
   head -c 4096 ok.exr > noise.raw
@@ -179,7 +179,7 @@ test_no_files() {
     refused "$input" "$none" convert "$input" OUT.png
     refused "$input" "$none" merge "$input" ok.exr -o OUT.exr
     refused "$input" "$none" diff "$input" ok.exr
-    refused "$input" "$none" compare ok.exr "$input" -o compared
+    refused "$input" "$none" compare ok.exr "$input" -o OUT
     refused "$input" "$none" render sky.json -D "lights[0].file=$input" -o OUT.exr
   done
   for input in folder.vdb /dev/zero pipe.vdb pipe.nvdb missing.nrrd; do
