@@ -1,5 +1,5 @@
-# What the tests of the command line tool share: running it, and looking at what came of it. Sourced, with the program as
-# $1, in a scratch folder, which is emptied.
+# What the tests of the command line tool share: running it, and looking at what came of it. Sourced, with the program
+# as $1, in a scratch folder, which is emptied.
 set -u
 tyndall=$1
 if [ -e .git ] || [ -e CMakeLists.txt ] || [ "$PWD" = / ] || [ "$PWD" = "${HOME:-/}" ]; then

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Where numbers are written with a comma, files and reports stay as they are. usage: test_cli_locale.sh TYNDALL (empties the
-# current folder)
+# Where numbers are written with a comma, files and reports stay as they are.
+# usage: test_cli_locale.sh TYNDALL (empties the current folder)
 . "$(dirname "$0")/cli.sh"
 
 # A locale with a decimal comma, installed or made here; none: empty.

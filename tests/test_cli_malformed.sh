@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Nothing that goes in can hurt, seen from outside: whatever is wrong with a file, the tool says so in one line that names
-# it, exits with 2 and leaves everything on the disk as it was. usage: test_cli_malformed.sh TYNDALL (empties the current
-# folder)
+# Nothing that goes in can hurt, seen from outside: whatever is wrong with a file, the tool says so in one line that
+# names it, exits with 2 and leaves everything on the disk as it was.
+# usage: test_cli_malformed.sh TYNDALL (empties the current folder)
 . "$(dirname "$0")/cli.sh"
 
 # ---- how an input is refused ----
 
 # What is in the folder, but for what the tool printed.
 listing() {
-  printf '%s\n' ./* compared/*
+  printf '%s\n' ./* kept/*
 }
 
 # names FILE CAUSE: one line on stderr that names the file and the cause, nothing on stdout.
@@ -17,7 +17,8 @@ names() {
   message=$(tr '\0' '?' < err.txt)
   [[ $message == "tyndall: "*"$1"* ]] || fail "$1 is not named: ${message:0:300}"
   grep -Eiq -- "$2" <<< "$message" || fail "no cause /$2/: ${message:0:300}"
-  [[ -n $message && $message != *$'\n'* && ! -s out.txt ]] || fail "not one line, or something on stdout: ${message:0:300}"
+  [[ -n $message && $message != *$'\n'* && ! -s out.txt ]] ||
+    fail "not one line, or something on stdout: ${message:0:300}"
 }
 
 # refused FILE CAUSE ARGUMENT...: as above, and nothing on the disk is changed. In the arguments OUT stands for the
@@ -38,7 +39,7 @@ refused() {
 
 # The files that a test has made belong to what is there before.
 begin() {
-  : > out.txt > err.txt
+  : > out.txt 2> err.txt
   before=$(listing)
 }
 
@@ -64,7 +65,7 @@ bad_image() {
   1) refused "$1" "$2" convert "$1" OUT.png ;;
   2) refused "$1" "$2" diff ok.exr "$1" --png OUT.png ;;
   3) refused "$1" "$2" merge ok.exr "$1" -o OUT.exr ;;
-  4) refused "$1" "$2" compare ok.exr "$1" -o compared ;;
+  4) refused "$1" "$2" compare ok.exr "$1" -o OUT ;;
   5) refused "$1" "$2" render sky.json -D "lights[0].file=$1" -o OUT.exr ;;
   esac
 }
@@ -144,7 +145,7 @@ glb() {
 make_good_files() {
   for extension in exr png nrrd; do echo 'what was there before' > kept.$extension; done
   kept=$(cat kept.exr kept.png kept.nrrd)
-  mkdir compared folder.exr folder.json folder.vdb folder.nrrd folder.glb
+  mkdir kept folder.exr folder.json folder.vdb folder.nrrd folder.glb
   expect 0 render builtin:cube_g0 -o ok.exr --size 32x32 --spp 1 --aov all -q
   expect 0 convert ok.exr ok.png
   head -c 4096 ok.exr > noise.raw
@@ -179,7 +180,7 @@ test_no_files() {
     refused "$input" "$none" convert "$input" OUT.png
     refused "$input" "$none" merge "$input" ok.exr -o OUT.exr
     refused "$input" "$none" diff "$input" ok.exr
-    refused "$input" "$none" compare ok.exr "$input" -o compared
+    refused "$input" "$none" compare ok.exr "$input" -o OUT
     refused "$input" "$none" render sky.json -D "lights[0].file=$input" -o OUT.exr
   done
   for input in folder.vdb /dev/zero pipe.vdb pipe.nvdb missing.nrrd; do
@@ -235,8 +236,10 @@ test_scenes() {
   wrong_scene 2 'g' '{"tyndall": 1,\n "media": [{"sigma_t": 1, "albedo": 0, "g": 1.2}]}'
   wrong_scene 2 'radiance' '{"tyndall": 1,\n "lights": [{"type": "environment", "radiance": [1, 2]}]}'
   wrong_scene 2 'type' '{"tyndall": 1,\n "lights": [{"type": "laser"}]}'
-  wrong_scene 2 'resolution' '{"tyndall": 1,\n "media": [{"sigma_t": 1, "albedo": 0, "density": {"noise": {"resolution": 100000}}}]}'
-  wrong_scene 2 'missing.nrrd' '{"tyndall": 1,\n "media": [{"sigma_t": 1, "albedo": 0, "density": {"file": "missing.nrrd"}}]}'
+  wrong_scene 3 'resolution' '{"tyndall": 1,\n "media": [{"sigma_t": 1,
+    "albedo": 0, "density": {"noise": {"resolution": 100000}}}]}'
+  wrong_scene 3 'missing.nrrd' '{"tyndall": 1,\n "media": [{"sigma_t": 1,
+    "albedo": 0, "density": {"file": "missing.nrrd"}}]}'
   head -c 200000 /dev/zero | tr '\0' '[' > deep.json
   bad_scene deep.json 'deep'
   dd if=/dev/zero of=large.json bs=1 count=1 seek=2147483648 2> /dev/null

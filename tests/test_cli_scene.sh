@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# tyndall info of scenes that name files, of meshes and of images, from outside. usage: test_cli_scene.sh TYNDALL (empties the current folder)
+# tyndall info of scenes that name files, of meshes and of images, from outside.
+# usage: test_cli_scene.sh TYNDALL (empties the current folder)
 . "$(dirname "$0")/cli.sh"
 
 write_files() {

@@ -76,7 +76,7 @@ static int compare_images(cli_session* session, cli_comparison* comparison, cons
         ++comparison->count;
         status = compare_entry(session, comparison, entry);
     }
-    return status;
+    return status == CLI_GO ? cli_make_folder("compare", comparison->folder) : status;
 }
 
 /* ---- scenes ---- */
@@ -117,22 +117,26 @@ static ty_path_def make_def(cli_session* session, const ty_scene* scene, const c
     return def;
 }
 
-/* Reads the reference or renders it, with a seed of its own; all other images get its size. */
+/* Reads the reference or renders it, with a seed of its own; all other images get its size. The folder is made once
+ * nothing that goes in can be wrong any more. */
 static int get_reference(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
                          const compare_options* options, ty_path_def* def) {
     cli_compared* reference = &comparison->reference;
     snprintf(reference->name, sizeof reference->name, "reference");
     if (options->reference != NULL) {
         const int status = read_image(session, options->reference, reference);
-        if (status != CLI_GO || def->width > 0) return status;
+        if (status != CLI_GO) return status;
         int32_t frame[4];
         ty_image_get_frame(reference->image, frame);
-        def->width = frame[2];
-        def->height = frame[3];
-        return CLI_GO;
+        if (def->width == 0) {
+            def->width = frame[2];
+            def->height = frame[3];
+        }
+        return cli_make_folder("compare", options->folder);
     }
     const cli_method* method = cli_find_method("compare", "path");
-    if (method == NULL) return CLI_USAGE;
+    const int status = method == NULL ? CLI_USAGE : cli_make_folder("compare", options->folder);
+    if (status != CLI_GO) return status;
     ty_path_def better = *def;
     const int32_t more = def->spp < SPP_MAX / REFERENCE_FACTOR ? REFERENCE_FACTOR * def->spp : SPP_MAX;
     better.spp = options->reference_spp_given ? options->reference_spp : more;
@@ -236,7 +240,7 @@ static int check_options(const cli_arguments* given, const compare_options* opti
     for (const char* words = options->methods; words != NULL; ++count)
         if (next_method(&words) == NULL) return CLI_USAGE;
     if (count > IMAGES_MAX) return cli_usage_error("compare", "more than %d methods", IMAGES_MAX);
-    return cli_make_folder("compare", options->folder);
+    return CLI_GO;
 }
 
 int cli_compare(int count, char** arguments) {
