@@ -56,7 +56,8 @@ typedef enum ty_log_level { TY_LOG_INFO = 0, TY_LOG_WARNING = 1, TY_LOG_ERROR = 
  * back into the context. */
 typedef void (*ty_log_fn)(void* user, ty_log_level level, const char* text);
 
-/* size > 0; returns memory aligned to 64 bytes, or NULL. */
+/* size > 0; returns memory aligned to 64 bytes, or NULL. May be called from several threads at once, as may the
+ * function below. */
 typedef void* (*ty_alloc_fn)(void* user, size_t size);
 /* pointer as returned by the allocation, with the same size. */
 typedef void (*ty_free_fn)(void* user, void* pointer, size_t size);
