@@ -111,12 +111,18 @@ static ty_result check_raw(ty_context* context, const char* path, const ty_volum
                    "%s: neither OpenVDB nor NanoVDB nor NRRD; a raw volume needs its size (raw_size)", path);
 }
 
+/* The file that a call means, frame and all, and its kind. out is only looked at for NULL. */
+static ty_result find_file(ty_context* context, const char* path, const ty_volume_def* def, const void* out,
+                           char file[PATH_SIZE], volume_kind* kind) {
+    ty_result result = check_def(context, def, out);
+    if (result == TY_OK) result = ty_volume_path(context, path, def->frame, file, PATH_SIZE);
+    return result == TY_OK ? find_kind(context, file, kind) : result;
+}
+
 ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
     char file[PATH_SIZE];
     volume_kind kind = VOLUME_RAW;
-    ty_result result = check_def(context, def, out);
-    if (result == TY_OK) result = ty_volume_path(context, path, def->frame, file, sizeof file);
-    if (result == TY_OK) result = find_kind(context, file, &kind);
+    ty_result result = find_file(context, path, def, out, file, &kind);
     if (result != TY_OK) return result;
     switch (kind) {
     case VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
@@ -131,9 +137,7 @@ ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_
 ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out) {
     char file[PATH_SIZE];
     volume_kind kind = VOLUME_RAW;
-    ty_result result = check_def(context, def, out);
-    if (result == TY_OK) result = ty_volume_path(context, path, def->frame, file, sizeof file);
-    if (result == TY_OK) result = find_kind(context, file, &kind);
+    ty_result result = find_file(context, path, def, out, file, &kind);
     if (result != TY_OK) return result;
     switch (kind) {
     case VOLUME_VDB: return ty_vdb_components(context, file, def->grid, out);
