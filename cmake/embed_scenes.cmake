@@ -13,7 +13,7 @@ foreach(input IN LISTS inputs)
   string(APPEND rows "    {\"${name}\", ${symbol}, sizeof ${symbol} - 1},\n")
 endforeach()
 file(WRITE "${OUTPUT}" "/* Made from scenes/builtin. */
-#include \"io/builtin.h\"
+#include \"io/scenes/builtin.h\"
 
 #include <stddef.h>
 

@@ -12,7 +12,7 @@ function(tyndall_embed_file target file name)
   target_sources(${target} PRIVATE "${output}")
 endfunction()
 
-# tyndall_embed_scenes(TARGET FOLDER): ty_builtin_scenes[] (src/io/builtin.h) from the folder's *.json.
+# tyndall_embed_scenes(TARGET FOLDER): ty_builtin_scenes[] (src/io/scenes/builtin.h) from the folder's *.json.
 function(tyndall_embed_scenes target folder)
   set(output "${CMAKE_CURRENT_BINARY_DIR}/embedded/ty_builtin_scenes.c")
   set(script "${PROJECT_SOURCE_DIR}/cmake/embed_scenes.cmake")

@@ -2,7 +2,7 @@
 #ifndef TY_TESTS_MODEL_CHECK_H
 #define TY_TESTS_MODEL_CHECK_H
 
-#include "io/model.h"
+#include "io/meshes/model.h"
 
 #include <float.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "image_maker.h"
 
 #include "base/context.h"
-#include "io/image_file.h"
+#include "io/images/image_file.h"
 
 #include <tyndall/io.h>
 

@@ -2,7 +2,7 @@
 #define _GNU_SOURCE
 #include "mesh_maker.h"
 
-#include "io/obj.h"
+#include "io/meshes/obj.h"
 
 #include <locale.h>
 #include <png.h>

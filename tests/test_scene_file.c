@@ -10,7 +10,7 @@
 #include <cmocka.h>
 #include <jansson.h>
 
-#include "io/builtin.h"
+#include "io/scenes/builtin.h"
 #include "scene/scene.h"
 
 #include <tyndall/io.h>

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "io/json_locate.h"
-#include "io/schema.h"
+#include "io/scenes/schema.h"
 #include "io/schema_text.h"
 
 #include <tyndall/io.h>

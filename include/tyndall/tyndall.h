@@ -8,5 +8,6 @@
 #include <tyndall/io.h>
 #include <tyndall/path.h>
 #include <tyndall/scene.h>
+#include <tyndall/screen.h>
 
 #endif

@@ -1,7 +1,7 @@
 /* Radiance .hdr images from memory. */
 #include "fuzz_target.h"
 
-#include "io/image_file.h"
+#include "io/images/image_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     size_t used = 0;

@@ -3,7 +3,7 @@
 #include "../model_check.h"
 #include "fuzz_target.h"
 
-#include "io/obj.h"
+#include "io/meshes/obj.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include "fuzz_target.h"
 
 #include "base/context.h"
-#include "io/image_file.h"
+#include "io/images/image_file.h"
 
 #include <string.h>
 

@@ -1,0 +1,266 @@
+/* Reading OpenEXR: the channels of all parts as floats over the smallest window that holds every part's data. */
+#include "io/images/exr.h"
+#include "io/images/image_file.h"
+
+#include "base/context.h"
+
+#include <string.h>
+
+/* No larger chunks are unpacked: tiles may be far larger than the image, which takes nothing in the file. */
+static uint64_t chunk_size_max(size_t file_size) {
+    const uint64_t most = (uint64_t)1 << 31, likely = ((uint64_t)1 << 26) + ((uint64_t)file_size << 10);
+    return likely < most ? likely : most;
+}
+
+/* A part of the file, and where its channels begin in the image. */
+typedef struct part {
+    int index;
+    exr_storage_t storage;
+    exr_compression_t compression;
+    exr_attr_box2i_t data, display;
+    const exr_attr_chlist_t* channels;
+    int32_t first_channel;
+} part;
+
+typedef struct reader {
+    ty_context* context;
+    const char* path;
+    exr_context_t exr;
+    ty_exr_stream stream;
+    part* parts;
+    size_t part_count;
+    int64_t channel_count;
+    exr_attr_box2i_t data; /* around the data windows of all parts */
+    ty_image* image;
+} reader;
+
+static ty_result fail(reader* r, exr_result_t code) {
+    return ty_exr_fail(r->context, TY_ERROR_INPUT, r->path, &r->stream, code);
+}
+
+static int64_t side(int32_t low, int32_t high) {
+    return (int64_t)high - low + 1;
+}
+
+static ty_result check_channels(reader* r, const part* p) {
+    for (int i = 0; i < p->channels->num_channels; ++i)
+        if (p->channels->entries[i].x_sampling != 1 || p->channels->entries[i].y_sampling != 1)
+            return ty_fail(r->context, TY_ERROR_INPUT, "%s: channel %s is subsampled, which cannot be read", r->path,
+                           p->channels->entries[i].name.str);
+    return TY_OK;
+}
+
+static ty_result inspect_part(reader* r, int index, part* p) {
+    p->index = index;
+    exr_result_t code = exr_get_storage(r->exr, index, &p->storage);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_compression(r->exr, index, &p->compression);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(r->exr, index, &p->data);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_display_window(r->exr, index, &p->display);
+    if (code == EXR_ERR_SUCCESS) code = exr_get_channels(r->exr, index, &p->channels);
+    if (code != EXR_ERR_SUCCESS) return fail(r, code);
+    if (p->storage != EXR_STORAGE_SCANLINE && p->storage != EXR_STORAGE_TILED)
+        return ty_fail(r->context, TY_ERROR_INPUT, "%s: deep images cannot be read", r->path);
+    const ty_result result = check_channels(r, p);
+    if (result != TY_OK) return result;
+    uint64_t unpacked = 0;
+    code = exr_get_chunk_unpacked_size(r->exr, index, &unpacked);
+    if (code != EXR_ERR_SUCCESS) return fail(r, code);
+    if (unpacked > chunk_size_max(r->stream.size))
+        return ty_fail(r->context, TY_ERROR_INPUT, "%s: a block of pixels takes %llu bytes, more than can be read",
+                       r->path, (unsigned long long)unpacked);
+    return TY_OK;
+}
+
+static void include(exr_attr_box2i_t* box, const exr_attr_box2i_t* other) {
+    if (other->min.x < box->min.x) box->min.x = other->min.x;
+    if (other->min.y < box->min.y) box->min.y = other->min.y;
+    if (other->max.x > box->max.x) box->max.x = other->max.x;
+    if (other->max.y > box->max.y) box->max.y = other->max.y;
+}
+
+static ty_result inspect(reader* r) {
+    int count = 0;
+    const exr_result_t code = exr_get_count(r->exr, &count);
+    if (code != EXR_ERR_SUCCESS || count < 1) return fail(r, code);
+    r->parts = ty_alloc_array(r->context, (size_t)count, sizeof *r->parts, true);
+    if (r->parts == NULL) return TY_ERROR_MEMORY;
+    r->part_count = (size_t)count;
+    for (int i = 0; i < count; ++i) {
+        part* p = &r->parts[i];
+        const ty_result result = inspect_part(r, i, p);
+        if (result != TY_OK) return result;
+        if (memcmp(&p->display, &r->parts[0].display, sizeof p->display) != 0)
+            return ty_fail(r->context, TY_ERROR_INPUT, "%s: the display windows of its parts differ", r->path);
+        if (i == 0) r->data = p->data;
+        include(&r->data, &p->data);
+        p->first_channel = (int32_t)r->channel_count;
+        r->channel_count += p->channels->num_channels;
+        if (r->channel_count > TY_IMAGE_CHANNELS_MAX) break; /* which the next check reports */
+    }
+    return ty_check_image_size(r->context, r->path, r->stream.size, side(r->data.min.x, r->data.max.x),
+                               side(r->data.min.y, r->data.max.y), r->channel_count);
+}
+
+static ty_result set_frame(reader* r) {
+    const exr_attr_box2i_t* display = &r->parts[0].display;
+    const int64_t width = side(display->min.x, display->max.x), height = side(display->min.y, display->max.y);
+    if (width < 1 || height < 1 || width > TY_IMAGE_SIDE_MAX || height > TY_IMAGE_SIDE_MAX)
+        return ty_fail(r->context, TY_ERROR_INPUT, "%s: the display window is %lld x %lld pixels, outside 1..%d",
+                       r->path, (long long)width, (long long)height, (int)TY_IMAGE_SIDE_MAX);
+    const int64_t x = (int64_t)r->data.min.x - display->min.x, y = (int64_t)r->data.min.y - display->min.y;
+    if (x < -TY_IMAGE_OFFSET_MAX || y < -TY_IMAGE_OFFSET_MAX || x > TY_IMAGE_OFFSET_MAX || y > TY_IMAGE_OFFSET_MAX)
+        return ty_fail(r->context, TY_ERROR_INPUT,
+                       "%s: the data window begins at (%lld, %lld) of the display window, beyond %d", r->path,
+                       (long long)x, (long long)y, (int)TY_IMAGE_OFFSET_MAX);
+    return ty_image_set_frame(r->image, (int32_t)x, (int32_t)y, (int32_t)width, (int32_t)height);
+}
+
+typedef char channel_name[TY_IMAGE_NAME_MAX + 1];
+
+/* The first part's channels keep their names, as readers that know only one part have it; those of the others become
+ * "part.channel". */
+static ty_result name_channels(reader* r, channel_name* names, const char** pointers) {
+    for (size_t k = 0; k < r->part_count; ++k) {
+        const part* p = &r->parts[k];
+        const char* name = NULL;
+        if (k > 0) exr_get_name(r->exr, p->index, &name);
+        for (int32_t i = 0; i < p->channels->num_channels; ++i) {
+            const int32_t at = p->first_channel + i;
+            const int length = snprintf(names[at], sizeof *names, "%s%s%s", name == NULL ? "" : name,
+                                        name == NULL ? "" : ".", p->channels->entries[i].name.str);
+            if (length < 1 || length > TY_IMAGE_NAME_MAX)
+                return ty_fail(r->context, TY_ERROR_INPUT, "%s: the name of a channel is not 1..%d characters long",
+                               r->path, (int)TY_IMAGE_NAME_MAX);
+            for (int32_t j = 0; j < at; ++j)
+                if (strcmp(names[j], names[at]) == 0)
+                    return ty_fail(r->context, TY_ERROR_INPUT, "%s: two channels are called \"%s\"", r->path,
+                                   names[at]);
+            pointers[at] = names[at];
+        }
+    }
+    return TY_OK;
+}
+
+static ty_result create_image(reader* r) {
+    const size_t count = (size_t)r->channel_count;
+    channel_name* names = ty_alloc_array(r->context, count, sizeof *names, false);
+    const char** pointers = ty_alloc_array(r->context, count, sizeof *pointers, false);
+    ty_result result = names == NULL || pointers == NULL ? TY_ERROR_MEMORY : name_channels(r, names, pointers);
+    if (result == TY_OK)
+        result = ty_image_create(r->context, (int32_t)side(r->data.min.x, r->data.max.x),
+                                 (int32_t)side(r->data.min.y, r->data.max.y), (int32_t)count, pointers, &r->image);
+    ty_free_array(r->context, pointers, count, sizeof *pointers);
+    ty_free_array(r->context, names, count, sizeof *names);
+    return result == TY_OK ? set_frame(r) : result;
+}
+
+/* Decodes one chunk, whose corner is pixel (x, y) of the file's coordinates, to where it lies in the image. */
+static ty_result read_chunk(reader* r, const part* p, const exr_chunk_info_t* info, exr_decode_pipeline_t* decode,
+                            int64_t x, int64_t y) {
+    const int64_t left = x - r->data.min.x, top = y - r->data.min.y;
+    if (left < 0 || top < 0 || left + info->width > r->image->width || top + info->height > r->image->height)
+        return ty_fail(r->context, TY_ERROR_INPUT, "%s: a block of pixels lies outside the data window", r->path);
+    const bool first = decode->context == NULL;
+    exr_result_t code = first ? exr_decoding_initialize(r->exr, p->index, info, decode)
+                              : exr_decoding_update(r->exr, p->index, info, decode);
+    if (code != EXR_ERR_SUCCESS) return fail(r, code);
+    for (int i = 0; i < decode->channel_count; ++i) {
+        exr_coding_channel_info_t* channel = &decode->channels[i];
+        float* plane = ty_image_plane(r->image, p->first_channel + i);
+        channel->decode_to_ptr = (uint8_t*)(plane + top * r->image->width + left);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_pixel_stride = sizeof(float);
+        channel->user_line_stride = r->image->width * (int32_t)sizeof(float);
+    }
+    if (first) code = exr_decoding_choose_default_routines(r->exr, p->index, decode);
+    if (code == EXR_ERR_SUCCESS) code = exr_decoding_run(r->exr, p->index, decode);
+    return code == EXR_ERR_SUCCESS ? TY_OK : fail(r, code);
+}
+
+static ty_result read_scanlines(reader* r, const part* p, exr_decode_pipeline_t* decode) {
+    int32_t lines = 0;
+    exr_result_t code = exr_get_scanlines_per_chunk(r->exr, p->index, &lines);
+    if (code != EXR_ERR_SUCCESS || lines < 1) return fail(r, code);
+    for (int64_t y = p->data.min.y; y <= p->data.max.y; y += lines) {
+        exr_chunk_info_t info;
+        code = exr_read_scanline_chunk_info(r->exr, p->index, (int)y, &info);
+        if (code != EXR_ERR_SUCCESS) return fail(r, code);
+        const ty_result result = read_chunk(r, p, &info, decode, p->data.min.x, y);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}
+
+/* The full-size level only. */
+static ty_result read_tiles(reader* r, const part* p, exr_decode_pipeline_t* decode) {
+    int32_t width = 0, height = 0;
+    exr_result_t code = exr_get_tile_sizes(r->exr, p->index, 0, 0, &width, &height);
+    if (code != EXR_ERR_SUCCESS || width < 1 || height < 1) return fail(r, code);
+    const int64_t across = side(p->data.min.x, p->data.max.x), down = side(p->data.min.y, p->data.max.y);
+    for (int64_t y = 0; y * height < down; ++y)
+        for (int64_t x = 0; x * width < across; ++x) {
+            exr_chunk_info_t info;
+            code = exr_read_tile_chunk_info(r->exr, p->index, (int)x, (int)y, 0, 0, &info);
+            if (code != EXR_ERR_SUCCESS) return fail(r, code);
+            const ty_result result =
+                read_chunk(r, p, &info, decode, p->data.min.x + x * width, p->data.min.y + y * height);
+            if (result != TY_OK) return result;
+        }
+    return TY_OK;
+}
+
+static ty_result read_part(reader* r, const part* p) {
+    if (p->compression == EXR_COMPRESSION_DWAA || p->compression == EXR_COMPRESSION_DWAB) {
+        /* The C++ library takes memory for whatever sizes a header names; the core has checked them, and goes on. */
+        if (r->stream.message[0] != '\0') return fail(r, EXR_ERR_FILE_BAD_HEADER);
+        const ty_exr_dwa_part dwa = {p->index, p->data, p->channels, p->first_channel, r->data.min.x, r->data.min.y};
+        return ty_exr_read_dwa(r->context, r->path, &r->stream, &dwa, r->image);
+    }
+    exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
+    const ty_result result =
+        p->storage == EXR_STORAGE_TILED ? read_tiles(r, p, &decode) : read_scanlines(r, p, &decode);
+    if (decode.context != NULL) exr_decoding_destroy(r->exr, &decode);
+    return result;
+}
+
+/* Of the first part. */
+static ty_result read_metadata(reader* r) {
+    int32_t count = 0;
+    exr_get_attribute_count(r->exr, 0, &count);
+    for (int32_t i = 0; i < count; ++i) {
+        const exr_attribute_t* attribute = NULL;
+        if (exr_get_attribute_by_index(r->exr, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) != EXR_ERR_SUCCESS ||
+            !ty_metadata_key_allowed(attribute->name))
+            continue;
+        ty_result result = TY_OK;
+        switch (attribute->type) {
+        case EXR_ATTR_STRING: result = ty_image_set_text(r->image, attribute->name, attribute->string->str); break;
+        case EXR_ATTR_DOUBLE: result = ty_image_set_number(r->image, attribute->name, attribute->d); break;
+        case EXR_ATTR_FLOAT: result = ty_image_set_number(r->image, attribute->name, attribute->f); break;
+        case EXR_ATTR_INT: result = ty_image_set_number(r->image, attribute->name, attribute->i); break;
+        default: break;
+        }
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}
+
+ty_result ty_read_exr(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_image** out) {
+    reader r = {.context = context, .path = path, .stream = {.bytes = bytes, .size = size}};
+    const exr_context_initializer_t setup = ty_exr_initializer(&r.stream);
+    const exr_result_t code = exr_start_read(&r.exr, path, &setup);
+    if (code != EXR_ERR_SUCCESS) return fail(&r, code);
+    ty_result result = inspect(&r);
+    if (result == TY_OK) result = create_image(&r);
+    for (size_t i = 0; result == TY_OK && i < r.part_count; ++i) result = read_part(&r, &r.parts[i]);
+    if (result == TY_OK) result = read_metadata(&r);
+    ty_free_array(context, r.parts, r.part_count, sizeof *r.parts);
+    exr_finish(&r.exr);
+    if (result != TY_OK) {
+        ty_image_destroy(r.image);
+        return result;
+    }
+    *out = r.image;
+    return TY_OK;
+}

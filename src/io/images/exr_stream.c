@@ -1,0 +1,69 @@
+/* OpenEXR's core C interface over bytes in memory and over the file being written. */
+#define _POSIX_C_SOURCE 200809L
+#include "io/images/exr.h"
+
+#include "base/context.h"
+
+#include <string.h>
+#include <unistd.h>
+
+static void keep_message(exr_const_context_t exr, exr_result_t code, const char* text) {
+    (void)code;
+    void* user = NULL;
+    if (exr == NULL || exr_get_user_data(exr, &user) != EXR_ERR_SUCCESS || user == NULL) return;
+    ty_exr_stream* s = user;
+    if (s->message[0] == '\0') strncpy(s->message, text, TY_EXR_MESSAGE_SIZE - 1);
+}
+
+static int64_t read_bytes(exr_const_context_t exr, void* user, void* buffer, uint64_t size, uint64_t offset,
+                          exr_stream_error_func_ptr_t fail) {
+    (void)exr;
+    (void)fail;
+    const ty_exr_stream* s = user;
+    const uint64_t left = offset < s->size ? s->size - offset : 0;
+    const uint64_t count = size < left ? size : left; /* the header is read ahead, so short reads are no error */
+    if (count > 0) memcpy(buffer, s->bytes + offset, count);
+    return (int64_t)count;
+}
+
+static int64_t byte_count(exr_const_context_t exr, void* user) {
+    (void)exr;
+    return (int64_t)((const ty_exr_stream*)user)->size;
+}
+
+static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buffer, uint64_t size, uint64_t offset,
+                           exr_stream_error_func_ptr_t fail) {
+    const ty_exr_stream* s = user;
+    uint64_t done = 0;
+    while (done < size) {
+        const ssize_t wrote =
+            pwrite(fileno(s->file), (const uint8_t*)buffer + done, size - done, (off_t)(offset + done));
+        if (wrote <= 0) {
+            fail(exr, EXR_ERR_WRITE_IO, "the disk is full or failed");
+            return -1;
+        }
+        done += (uint64_t)wrote;
+    }
+    return (int64_t)size;
+}
+
+exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = keep_message;
+    setup.user_data = stream;
+    setup.read_fn = read_bytes;
+    setup.size_fn = byte_count;
+    setup.write_fn = write_bytes;
+    setup.max_image_width = setup.max_image_height = TY_IMAGE_SIDE_MAX;
+    setup.max_tile_width = setup.max_tile_height = TY_IMAGE_SIDE_MAX;
+    setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    return setup;
+}
+
+ty_result ty_exr_fail(ty_context* context, ty_result result, const char* path, const ty_exr_stream* stream,
+                      exr_result_t code) {
+    if (code == EXR_ERR_OUT_OF_MEMORY)
+        return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory for OpenEXR", path);
+    return ty_fail(context, result, "%s: %s", path,
+                   stream->message[0] != '\0' ? stream->message : exr_get_default_error_message(code));
+}

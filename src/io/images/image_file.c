@@ -1,0 +1,82 @@
+/* Reading images of any known kind. */
+#include "io/images/image_file.h"
+
+#include "base/context.h"
+#include "io/file.h"
+
+#include <string.h>
+#include <tyndall/io.h>
+
+static const size_t file_size_max = (size_t)1 << 36;
+
+ty_result ty_check_image_size(ty_context* context, const char* path, size_t file_size, int64_t width, int64_t height,
+                              int64_t channels) {
+    if (width < 1 || height < 1 || width > TY_IMAGE_SIDE_MAX || height > TY_IMAGE_SIDE_MAX)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: the image is %lld x %lld pixels, outside 1..%d", path,
+                       (long long)width, (long long)height, (int)TY_IMAGE_SIDE_MAX);
+    if (channels < 1 || channels > TY_IMAGE_CHANNELS_MAX)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: the image has %lld channels, outside 1..%d", path,
+                       (long long)channels, (int)TY_IMAGE_CHANNELS_MAX);
+    const double bytes = (double)width * (double)height * (double)channels * sizeof(float);
+    if (bytes > 0x1p30 + 1024.0 * (double)file_size)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: %zu bytes cannot hold %lld x %lld pixels of %lld channels", path,
+                       file_size, (long long)width, (long long)height, (long long)channels);
+    return TY_OK;
+}
+
+ty_image_format ty_image_format_of(const uint8_t* bytes, size_t size) {
+    static const struct {
+        ty_image_format format;
+        size_t size;
+        uint8_t bytes[8];
+    } magics[] = {{TY_IMAGE_EXR, 4, {0x76, 0x2f, 0x31, 0x01}},
+                  {TY_IMAGE_HDR, 2, {'#', '?'}},
+                  {TY_IMAGE_PNG, 8, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}},
+                  {TY_IMAGE_JPEG, 3, {0xff, 0xd8, 0xff}}};
+    for (size_t i = 0; i < sizeof magics / sizeof *magics; ++i)
+        if (size >= magics[i].size && memcmp(bytes, magics[i].bytes, magics[i].size) == 0) return magics[i].format;
+    return TY_IMAGE_UNKNOWN;
+}
+
+static ty_result read_samples(ty_context* context, const char* path, const uint8_t* bytes, size_t size, bool raw,
+                              ty_result (*read)(ty_context*, const char*, const uint8_t*, size_t, ty_samples*),
+                              ty_image** out) {
+    ty_samples samples;
+    ty_result result = read(context, path, bytes, size, &samples);
+    if (result != TY_OK) return result;
+    result = ty_image_from_samples(context, &samples, raw, out);
+    ty_free_samples(context, &samples);
+    return result;
+}
+
+ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size, bool raw,
+                              ty_image** out) {
+    switch (ty_image_format_of(bytes, size)) {
+    case TY_IMAGE_EXR: return ty_read_exr(context, path, bytes, size, out);
+    case TY_IMAGE_HDR: return ty_read_hdr(context, path, bytes, size, out);
+    case TY_IMAGE_PNG: return read_samples(context, path, bytes, size, raw, ty_read_png, out);
+    case TY_IMAGE_JPEG: return read_samples(context, path, bytes, size, raw, ty_read_jpeg, out);
+    case TY_IMAGE_UNKNOWN: break;
+    }
+    if (size == 0) return ty_fail(context, TY_ERROR_INPUT, "%s: the file is empty", path);
+    return ty_fail(context, TY_ERROR_INPUT, "%s: neither an OpenEXR, a Radiance .hdr, a PNG nor a JPEG image", path);
+}
+
+static ty_result read_file(ty_context* context, const char* path, bool raw, ty_image** out) {
+    if (out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_read: out is NULL");
+    uint8_t* bytes = NULL;
+    size_t size = 0;
+    ty_result result = ty_read_file(context, path, file_size_max, &bytes, &size);
+    if (result != TY_OK) return result;
+    result = ty_read_image_bytes(context, path, bytes, size, raw, out);
+    ty_free_file(context, bytes, size);
+    return result;
+}
+
+ty_result ty_image_read(ty_context* context, const char* path, ty_image** out) {
+    return read_file(context, path, false, out);
+}
+
+ty_result ty_image_read_raw(ty_context* context, const char* path, ty_image** out) {
+    return read_file(context, path, true, out);
+}

@@ -1,0 +1,155 @@
+/* glTF 2.0 files: the container, extensions, and the order in which the parts are read. */
+#include "io/meshes/gltf.h"
+
+#include "base/context.h"
+#include "io/schema_text.h"
+
+#include <string.h>
+
+enum { GLB_HEAD = 12, CHUNK_HEAD = 8, CHUNK_JSON = 0x4e4f534a, CHUNK_BIN = 0x004e4942, LIST_SIZE = 512 };
+
+/* ---- The container ---- */
+
+static uint32_t take_u32(const uint8_t* at) {
+    return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+/* Finds the JSON text in a GLB, and the binary chunk if there is one. */
+static ty_result open_glb(ty_gltf* gltf, const uint8_t* bytes, size_t size, const uint8_t** text, size_t* length) {
+    if (size < GLB_HEAD) return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: cut short", gltf->path);
+    const uint32_t version = take_u32(bytes + 4), stated = take_u32(bytes + 8);
+    if (version != 2)
+        return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: a GLB of version %u; only 2 can be read", gltf->path,
+                       version);
+    if (stated > size)
+        return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: cut short: %zu bytes of %u", gltf->path, size, stated);
+    for (size_t at = GLB_HEAD; at + CHUNK_HEAD <= stated;) {
+        const uint32_t chunk = take_u32(bytes + at), type = take_u32(bytes + at + 4);
+        const uint8_t* content = bytes + at + CHUNK_HEAD;
+        if (chunk > stated - at - CHUNK_HEAD)
+            return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: a chunk of %u bytes reaches past the end", gltf->path,
+                           chunk);
+        if (type == CHUNK_JSON && *text == NULL) {
+            *text = content;
+            *length = chunk;
+        } else if (type == CHUNK_BIN && gltf->chunk == NULL) {
+            gltf->chunk = content;
+            gltf->chunk_size = chunk;
+        }
+        at += CHUNK_HEAD + chunk;
+    }
+    if (*text == NULL) return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: there is no JSON chunk", gltf->path);
+    return TY_OK;
+}
+
+static ty_result parse_json(ty_gltf* gltf, const uint8_t* text, size_t length) {
+    static const char mark[] = "\xef\xbb\xbf"; /* some editors begin UTF-8 with it */
+    if (length >= 3 && memcmp(text, mark, 3) == 0) {
+        text += 3;
+        length -= 3;
+    }
+    json_error_t error;
+    gltf->root = json_loadb((const char*)text, length, JSON_REJECT_DUPLICATES, &error);
+    if (gltf->root == NULL)
+        return ty_fail(gltf->context, TY_ERROR_INPUT, "%s:%d: %s", gltf->path, error.line < 1 ? 1 : error.line,
+                       error.text);
+    const char* version = json_string_value(json_object_get(json_object_get(gltf->root, "asset"), "version"));
+    if (version == NULL)
+        return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: not a glTF file: asset.version is missing", gltf->path);
+    if (strncmp(version, "2.", 2) != 0)
+        return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: glTF version \"%.16s\"; 2.0 can be read", gltf->path,
+                       version);
+    return TY_OK;
+}
+
+/* ---- Extensions ---- */
+
+static bool is_known(const char* name) {
+    static const char* const known[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit",
+                                        "KHR_mesh_quantization", "KHR_texture_transform"};
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
+        if (strcmp(name, known[i]) == 0) return true;
+    return false;
+}
+
+/* Lists the extensions under a key that are not known here; false when there are none. */
+static bool list_unknown(const ty_gltf* gltf, const char* key, char list[LIST_SIZE]) {
+    size_t i;
+    json_t* item;
+    list[0] = '\0';
+    json_array_foreach(json_object_get(gltf->root, key), i, item) {
+        const char* name = json_string_value(item);
+        if (name == NULL || is_known(name)) continue;
+        if (list[0] != '\0') ty_append(list, LIST_SIZE, ", ");
+        ty_append_quoted(list, LIST_SIZE, name);
+    }
+    return list[0] != '\0';
+}
+
+static ty_result check_extensions(const ty_gltf* gltf) {
+    char list[LIST_SIZE];
+    if (list_unknown(gltf, "extensionsRequired", list))
+        return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: it requires what cannot be read here: %s", gltf->path, list);
+    if (list_unknown(gltf, "extensionsUsed", list))
+        ty_log(gltf->context, TY_LOG_WARNING, "%s: extensions that are ignored: %s", gltf->path, list);
+    return TY_OK;
+}
+
+/* ---- The whole ---- */
+
+static ty_result take_tables(ty_gltf* gltf) {
+    gltf->buffers = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "buffers"), sizeof *gltf->buffers, true);
+    gltf->meshes = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "meshes"), sizeof *gltf->meshes, true);
+    gltf->images = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "images"), sizeof *gltf->images, true);
+    gltf->textures = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "textures"), sizeof *gltf->textures, true);
+    gltf->visited = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "nodes"), sizeof *gltf->visited, true);
+    const bool all = gltf->buffers != NULL && gltf->meshes != NULL && gltf->images != NULL && gltf->textures != NULL &&
+                     gltf->visited != NULL;
+    return all ? TY_OK : TY_ERROR_MEMORY;
+}
+
+static void give_back(ty_gltf* gltf) {
+    ty_gltf_free_buffers(gltf);
+    ty_free_array(gltf->context, gltf->meshes, ty_gltf_count(gltf, "meshes"), sizeof *gltf->meshes);
+    ty_free_array(gltf->context, gltf->images, ty_gltf_count(gltf, "images"), sizeof *gltf->images);
+    ty_free_array(gltf->context, gltf->textures, ty_gltf_count(gltf, "textures"), sizeof *gltf->textures);
+    ty_free_array(gltf->context, gltf->visited, ty_gltf_count(gltf, "nodes"), sizeof *gltf->visited);
+    json_decref(gltf->root);
+}
+
+/* One warning each for what was passed over. */
+static void warn(const ty_gltf* gltf) {
+    if ((gltf->want & TY_MODEL_MESHES) == 0) return;
+    if (gltf->skipped > 0)
+        ty_log(gltf->context, TY_LOG_WARNING, "%s: %zu primitives that are no triangles are left out", gltf->path,
+               gltf->skipped);
+    const bool skins = json_array_size(json_object_get(gltf->root, "skins")) > 0;
+    const bool animations = json_array_size(json_object_get(gltf->root, "animations")) > 0;
+    if (skins || animations || gltf->morphs)
+        ty_log(gltf->context, TY_LOG_WARNING, "%s: ignored, meshes stay as modelled:%s%s%s", gltf->path,
+               skins ? " skins" : "", animations ? " animations" : "", gltf->morphs ? " morph targets" : "");
+}
+
+ty_result ty_read_gltf(ty_context* context, const char* path, const char* folder, const uint8_t* bytes, size_t size,
+                       unsigned want, ty_model* model) {
+    *model = (ty_model){.context = context};
+    ty_gltf gltf = {.context = context, .path = path, .folder = folder, .want = want, .model = model};
+    const uint8_t* text = NULL;
+    size_t length = 0;
+    ty_result result = TY_OK;
+    if (size >= 4 && memcmp(bytes, "glTF", 4) == 0) {
+        result = open_glb(&gltf, bytes, size, &text, &length);
+    } else {
+        text = bytes;
+        length = size;
+    }
+    if (result == TY_OK) result = parse_json(&gltf, text, length);
+    if (result == TY_OK) result = check_extensions(&gltf);
+    if (result == TY_OK) result = ty_gltf_check_shape(&gltf);
+    if (result == TY_OK) result = take_tables(&gltf);
+    if (result == TY_OK && (want & TY_MODEL_MATERIALS) != 0) result = ty_gltf_read_materials(&gltf);
+    if (result == TY_OK) result = ty_gltf_read_scene(&gltf);
+    if (result == TY_OK) warn(&gltf);
+    give_back(&gltf);
+    return result == TY_OK ? ty_model_decode_images(model) : result;
+}

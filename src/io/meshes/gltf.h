@@ -1,0 +1,120 @@
+/* What the parts of the glTF reader share. */
+#ifndef TY_IO_GLTF_H
+#define TY_IO_GLTF_H
+
+#include "io/json_locate.h"
+#include "io/meshes/model.h"
+
+#include <jansson.h>
+
+/* The bytes of a buffer; data is NULL until it is needed. */
+typedef struct ty_gltf_buffer {
+    const uint8_t* data;
+    size_t size;
+    uint8_t* owned; /* data, when it is not part of the GLB */
+    size_t owned_size;
+} ty_gltf_buffer;
+
+/* Where the primitives of a mesh stand among the model's meshes. */
+typedef struct ty_gltf_mesh {
+    bool read;
+    size_t first, count;
+} ty_gltf_mesh;
+
+typedef struct ty_gltf {
+    ty_context* context;
+    const char* path;   /* for messages */
+    const char* folder; /* of other files; NULL: none may be named */
+    unsigned want;
+    ty_model* model;
+    json_t* root;
+    const uint8_t* chunk; /* the binary chunk of a GLB, or NULL */
+    size_t chunk_size;
+    /* One element per element of the array in the file. */
+    ty_gltf_buffer* buffers;
+    ty_gltf_mesh* meshes;
+    int32_t *images, *textures; /* their number in the model plus one; 0: not there yet */
+    bool* visited;              /* nodes */
+    int64_t triangles;          /* of all instances so far */
+    size_t skipped;             /* primitives that are not triangles */
+    bool morphs;                /* whether some primitive has morph targets */
+} ty_gltf;
+
+/* ---- gltf_json.c: values, checked ---- */
+
+/* Fails: "level.gltf: accessors[3].count: ...". */
+ty_result ty_gltf_fail(const ty_gltf* gltf, const ty_json_path* place, const char* format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* The place of an element of a top-level array, and of one of its members. */
+ty_json_path ty_gltf_place(const char* array, size_t index);
+/* Fails unless the top-level arrays are arrays of objects. */
+ty_result ty_gltf_check_shape(const ty_gltf* gltf);
+size_t ty_gltf_count(const ty_gltf* gltf, const char* array);
+const json_t* ty_gltf_item(const ty_gltf* gltf, const char* array, size_t index);
+const json_t* ty_gltf_extension(const json_t* object, const char* name);
+
+/* Each leaves *out alone when there is no such key and fails when its value is not what it should be. */
+ty_result ty_gltf_read_integer(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
+                               int64_t low, int64_t high, int64_t* out);
+ty_result ty_gltf_read_number(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
+                              double low, double high, double* out);
+ty_result ty_gltf_read_numbers(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
+                               size_t count, double low, double high, double* out);
+/* A number of an element of a top-level array; *out is -1 when there is no such key. */
+ty_result ty_gltf_read_reference(const ty_gltf* gltf, const json_t* object, const ty_json_path* place, const char* key,
+                                 const char* array, int64_t* out);
+
+/* ---- gltf_buffer.c: bytes ---- */
+
+/* "a%20b" -> "a b", in place; false for a damaged escape or a zero byte. */
+bool ty_gltf_decode_percent(char* text);
+/* The bytes that a URI holds (base64) or names (a file); freed with ty_free_file. */
+ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* place, const char* uri, uint8_t** bytes,
+                           size_t* size);
+/* The bytes of a buffer view, and how far apart its elements are (0: packed). */
+ty_result ty_gltf_open_view(ty_gltf* gltf, size_t index, const uint8_t** data, size_t* size, size_t* stride);
+void ty_gltf_free_buffers(ty_gltf* gltf);
+
+/* ---- gltf_accessor.c: arrays ---- */
+
+/* Component types, as the file has them. */
+enum {
+    TY_GLTF_I8 = 5120,
+    TY_GLTF_U8 = 5121,
+    TY_GLTF_I16 = 5122,
+    TY_GLTF_U16 = 5123,
+    TY_GLTF_U32 = 5125,
+    TY_GLTF_F32 = 5126
+};
+
+/* An accessor whose reach has been checked. */
+typedef struct ty_gltf_accessor {
+    ty_json_path place;
+    size_t count;
+    size_t components; /* 1..4 */
+    int32_t type;      /* of components */
+    bool normalized;
+    const uint8_t* data; /* NULL: all zero */
+    size_t stride;
+    size_t sparse_count;
+    int32_t sparse_type;
+    const uint8_t *sparse_indices, *sparse_values;
+} ty_gltf_accessor;
+
+ty_result ty_gltf_open_accessor(ty_gltf* gltf, size_t index, ty_gltf_accessor* accessor);
+/* Elements [first, first + count) as floats, width of them per element in out; components that the accessor has fewer
+ * of are left alone. */
+void ty_gltf_read_floats(const ty_gltf_accessor* accessor, size_t first, size_t count, size_t width, float* out);
+/* All elements of a scalar accessor of unsigned integers. */
+void ty_gltf_read_indices(const ty_gltf_accessor* accessor, uint32_t* out);
+
+/* ---- The rest, each into the model ---- */
+
+/* gltf_mesh.c: the primitives of a mesh, once. */
+ty_result ty_gltf_read_mesh(ty_gltf* gltf, size_t index);
+/* gltf_material.c: all materials, and one more for primitives without. */
+ty_result ty_gltf_read_materials(ty_gltf* gltf);
+/* gltf_scene.c: the nodes of the scene with meshes, lights and cameras. */
+ty_result ty_gltf_read_scene(ty_gltf* gltf);
+
+#endif

@@ -1,0 +1,179 @@
+/* glTF: meshes, one of the model's for each primitive made of triangles. */
+#include "base/context.h"
+#include "io/meshes/gltf.h"
+
+#include <math.h>
+
+enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
+
+/* What a primitive is made of. */
+typedef struct primitive {
+    const json_t* json;
+    ty_json_path place;
+    int64_t mode;
+    ty_gltf_accessor positions, normals, uv[2], colors;
+    bool has_normals, has_uv[2], has_colors;
+    uint32_t* corners; /* vertices in the order of the primitive; NULL: all vertices in order */
+    size_t corner_count;
+    size_t first, last; /* vertices in use */
+} primitive;
+
+/* ---- Attributes ---- */
+
+/* Opens an attribute when there is one; it must have from low to high components, and as many elements as there are
+ * positions. */
+static ty_result open_attribute(ty_gltf* gltf, primitive* p, const char* name, size_t low, size_t high,
+                                ty_gltf_accessor* accessor, bool* found) {
+    const ty_json_path place = ty_json_path_key(&p->place, "attributes");
+    const ty_json_path here = ty_json_path_key(&place, name);
+    int64_t index = -1;
+    ty_result result =
+        ty_gltf_read_reference(gltf, json_object_get(p->json, "attributes"), &place, name, "accessors", &index);
+    if (result == TY_OK && index >= 0) result = ty_gltf_open_accessor(gltf, (size_t)index, accessor);
+    if (result != TY_OK || index < 0) return result;
+    if (accessor->components < low || accessor->components > high)
+        return ty_gltf_fail(gltf, &here, "an accessor of %zu components, not %zu", accessor->components, low);
+    if (accessor != &p->positions && accessor->count != p->positions.count)
+        return ty_gltf_fail(gltf, &here, "%zu elements for %zu positions", accessor->count, p->positions.count);
+    if (accessor == &p->colors && accessor->type != TY_GLTF_F32 && !accessor->normalized)
+        return ty_gltf_fail(gltf, &here, "integers that are not normalized");
+    *found = true;
+    return TY_OK;
+}
+
+static ty_result open_attributes(ty_gltf* gltf, primitive* p, bool* found) {
+    ty_result result = open_attribute(gltf, p, "POSITION", 3, 3, &p->positions, found);
+    if (result != TY_OK || !*found || (gltf->want & TY_MODEL_SHADING) == 0) return result;
+    result = open_attribute(gltf, p, "NORMAL", 3, 3, &p->normals, &p->has_normals);
+    if (result == TY_OK) result = open_attribute(gltf, p, "TEXCOORD_0", 2, 2, &p->uv[0], &p->has_uv[0]);
+    if (result == TY_OK) result = open_attribute(gltf, p, "TEXCOORD_1", 2, 2, &p->uv[1], &p->has_uv[1]);
+    if (result == TY_OK) result = open_attribute(gltf, p, "COLOR_0", 3, 4, &p->colors, &p->has_colors);
+    return result;
+}
+
+/* ---- Triangles ---- */
+
+/* Reads the corners and finds which vertices they use; the accessors of exporters often hold those of many primitives,
+ * of which each takes its own part only. */
+static ty_result read_corners(ty_gltf* gltf, primitive* p) {
+    p->corner_count = p->positions.count;
+    p->last = p->positions.count - 1;
+    int64_t index = -1;
+    ty_gltf_accessor indices;
+    ty_result result = ty_gltf_read_reference(gltf, p->json, &p->place, "indices", "accessors", &index);
+    if (result == TY_OK && index >= 0) result = ty_gltf_open_accessor(gltf, (size_t)index, &indices);
+    if (result != TY_OK || index < 0) return result;
+    const bool whole = indices.type == TY_GLTF_U8 || indices.type == TY_GLTF_U16 || indices.type == TY_GLTF_U32;
+    if (!whole || indices.components != 1)
+        return ty_gltf_fail(gltf, &indices.place, "indices must be single unsigned integers");
+    p->corners = ty_alloc_array(gltf->context, indices.count, sizeof *p->corners, false);
+    if (p->corners == NULL) return TY_ERROR_MEMORY;
+    p->corner_count = indices.count;
+    ty_gltf_read_indices(&indices, p->corners);
+    p->first = p->last = p->corners[0];
+    for (size_t i = 0; i < indices.count; ++i) {
+        if (p->corners[i] >= p->positions.count)
+            return ty_gltf_fail(gltf, &indices.place, "index %u is past the end of %zu vertices", p->corners[i],
+                                p->positions.count);
+        if (p->corners[i] < p->first) p->first = p->corners[i];
+        if (p->corners[i] > p->last) p->last = p->corners[i];
+    }
+    return TY_OK;
+}
+
+/* Which corners triangle i has. In strips every second one is turned round, so that all face the same way. */
+static void triangle_corners(int64_t mode, size_t i, size_t corners[3]) {
+    const size_t odd = i % 2;
+    corners[0] = mode == MODE_TRIANGLES ? 3 * i : mode == MODE_STRIP ? i : i + 1;
+    corners[1] = mode == MODE_TRIANGLES ? 3 * i + 1 : mode == MODE_STRIP ? i + 1 + odd : i + 2;
+    corners[2] = mode == MODE_TRIANGLES ? 3 * i + 2 : mode == MODE_STRIP ? i + 2 - odd : 0;
+}
+
+static void fill_triangles(const primitive* p, ty_model_mesh* mesh) {
+    for (size_t i = 0; i < mesh->triangle_count; ++i) {
+        size_t corners[3];
+        triangle_corners(p->mode, i, corners);
+        for (int k = 0; k < 3; ++k) {
+            const size_t vertex = p->corners == NULL ? corners[k] : p->corners[corners[k]];
+            mesh->indices[3 * i + (size_t)k] = (uint32_t)(vertex - p->first);
+        }
+    }
+}
+
+static ty_result fill_vertices(const ty_gltf* gltf, const primitive* p, ty_model_mesh* mesh) {
+    const size_t count = mesh->vertex_count;
+    ty_gltf_read_floats(&p->positions, p->first, count, 3, mesh->positions);
+    for (size_t i = 0; i < 3 * count; ++i)
+        if (!isfinite(mesh->positions[i]))
+            return ty_gltf_fail(gltf, &p->positions.place, "element %zu is not finite", p->first + i / 3);
+    if (p->has_normals) ty_gltf_read_floats(&p->normals, p->first, count, 3, mesh->normals);
+    for (int set = 0; set < 2; ++set)
+        if (p->has_uv[set]) ty_gltf_read_floats(&p->uv[set], p->first, count, 2, mesh->uv[set]);
+    for (size_t i = 0; p->has_colors && i < count; ++i) mesh->colors[4 * i + 3] = 1;
+    if (p->has_colors) ty_gltf_read_floats(&p->colors, p->first, count, 4, mesh->colors);
+    ty_model_tidy_shading(mesh);
+    return TY_OK;
+}
+
+/* ---- Primitives ---- */
+
+/* The triangle count that the corners make, 0 for too few. */
+static ty_result count_triangles(const ty_gltf* gltf, const primitive* p, size_t* count) {
+    if (p->mode == MODE_TRIANGLES && p->corner_count % 3 != 0)
+        return ty_gltf_fail(gltf, &p->place, "%zu corners do not make whole triangles", p->corner_count);
+    *count = p->mode == MODE_TRIANGLES ? p->corner_count / 3 : p->corner_count < 3 ? 0 : p->corner_count - 2;
+    return TY_OK;
+}
+
+static ty_result build_mesh(ty_gltf* gltf, const primitive* p) {
+    int64_t material = -1;
+    ty_model_mesh mesh = {.vertex_count = p->last - p->first + 1};
+    ty_result result = count_triangles(gltf, p, &mesh.triangle_count);
+    if (result == TY_OK) result = ty_gltf_read_reference(gltf, p->json, &p->place, "material", "materials", &material);
+    if (result != TY_OK || mesh.triangle_count == 0) return result;
+    const bool materials = (gltf->want & TY_MODEL_MATERIALS) != 0;
+    mesh.material = !materials ? -1 : (int32_t)(material >= 0 ? material : (int64_t)ty_gltf_count(gltf, "materials"));
+    result = ty_model_alloc_mesh(gltf->context, &mesh, p->has_normals, p->has_uv[0], p->has_uv[1], p->has_colors);
+    if (result != TY_OK) return result;
+    fill_triangles(p, &mesh);
+    result = fill_vertices(gltf, p, &mesh);
+    if (result == TY_OK) return ty_model_add_mesh(gltf->model, &mesh);
+    ty_model_free_mesh(gltf->context, &mesh);
+    return result;
+}
+
+static ty_result read_primitive(ty_gltf* gltf, const json_t* json, const ty_json_path* place) {
+    primitive p = {.json = json, .place = *place, .mode = MODE_TRIANGLES};
+    if (json_array_size(json_object_get(json, "targets")) > 0) gltf->morphs = true;
+    bool found = false;
+    ty_result result = ty_gltf_read_integer(gltf, json, place, "mode", 0, 6, &p.mode);
+    if (result == TY_OK && p.mode >= MODE_TRIANGLES) result = open_attributes(gltf, &p, &found);
+    if (result != TY_OK) return result;
+    if (!found) {
+        ++gltf->skipped;
+        return TY_OK;
+    }
+    result = read_corners(gltf, &p);
+    if (result == TY_OK) result = build_mesh(gltf, &p);
+    if (p.corners != NULL) ty_free_array(gltf->context, p.corners, p.corner_count, sizeof *p.corners);
+    return result;
+}
+
+ty_result ty_gltf_read_mesh(ty_gltf* gltf, size_t index) {
+    ty_gltf_mesh* mesh = &gltf->meshes[index];
+    if (mesh->read) return TY_OK;
+    mesh->read = true;
+    mesh->first = gltf->model->mesh_count;
+    const ty_json_path place = ty_gltf_place("meshes", index);
+    const ty_json_path primitives = ty_json_path_key(&place, "primitives");
+    ty_result result = TY_OK;
+    size_t i;
+    json_t* json;
+    json_array_foreach(json_object_get(ty_gltf_item(gltf, "meshes", index), "primitives"), i, json) {
+        const ty_json_path here = ty_json_path_index(&primitives, i);
+        result = read_primitive(gltf, json, &here);
+        if (result != TY_OK) break;
+    }
+    mesh->count = gltf->model->mesh_count - mesh->first;
+    return result;
+}

@@ -1,0 +1,149 @@
+/* Scene files: text, overrides, schema, then calls of the scene's own functions. */
+#include "base/context.h"
+#include "io/scenes/builtin.h"
+#include "io/file.h"
+#include "io/scenes/scene_reader.h"
+#include "io/scenes/schema.h"
+#include "io/schema_text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char builtin_prefix[] = "builtin:";
+
+enum { FILE_SIZE_MAX = 256 << 20 };
+
+const char* ty_scene_schema(void) {
+    return ty_scene_schema_text;
+}
+
+/* ---- From text to a checked tree ---- */
+
+static ty_result parse_text(ty_scene_reader* reader) {
+    static const char mark[] = "\xef\xbb\xbf"; /* some editors begin UTF-8 with it */
+    if (reader->length >= 3 && memcmp(reader->text, mark, 3) == 0) {
+        reader->text += 3;
+        reader->length -= 3;
+    }
+    json_error_t error;
+    reader->root = json_loadb(reader->text, reader->length, JSON_REJECT_DUPLICATES, &error);
+    if (reader->root == NULL)
+        return ty_fail(reader->context, TY_ERROR_INPUT, "%s:%d: %s", reader->name, error.line < 1 ? 1 : error.line,
+                       error.text);
+    return TY_OK;
+}
+
+static ty_result check_tree(const ty_scene_reader* reader) {
+    json_t* schema = json_loadb(ty_scene_schema_text, ty_scene_schema_size, 0, NULL);
+    if (schema == NULL) return ty_fail(reader->context, TY_ERROR_INTERNAL, "the scene schema cannot be read");
+    ty_schema_issue issue;
+    ty_result result = TY_OK;
+    if (!ty_schema_check(schema, reader->root, &issue))
+        result = ty_reader_fail(reader, &issue.path, TY_ERROR_INPUT, "%s", issue.text);
+    json_decref(schema);
+    return result;
+}
+
+static ty_result hash_tree(ty_scene_reader* reader) {
+    char* text = json_dumps(reader->root, JSON_SORT_KEYS | JSON_COMPACT);
+    if (text == NULL) return ty_fail(reader->context, TY_ERROR_MEMORY, "not enough memory for the scene's text");
+    reader->hash = ty_hash_bytes(TY_HASH_START, text, strlen(text));
+    free(text);
+    return TY_OK;
+}
+
+/* ---- Sections ---- */
+
+static void read_render(const ty_scene_reader* reader) {
+    const json_t* render = json_object_get(reader->root, "render");
+    ty_render_settings settings = ty_scene_render_settings(reader->scene);
+    const char* method = json_string_value(json_object_get(render, "method"));
+    if (method != NULL) snprintf(settings.method, sizeof settings.method, "%s", method);
+    double seed = (double)settings.seed;
+    ty_read_number(render, "seed", &seed);
+    settings.seed = (uint64_t)seed;
+    ty_read_int(render, "spp", &settings.spp);
+    ty_read_int(json_object_get(render, "path"), "max_depth", &settings.max_depth);
+    ty_scene_set_render_settings(reader->scene, &settings);
+}
+
+static ty_result build_scene(ty_scene_reader* reader) {
+    const char* up = json_string_value(json_object_get(reader->root, "up_axis"));
+    reader->up_axis = up != NULL && strcmp(up, "z") == 0 ? TY_AXIS_Z : TY_AXIS_Y;
+    reader->unit = 1;
+    ty_read_number(reader->root, "meters_per_unit", &reader->unit);
+    ty_read_int(reader->root, "frame", &reader->frame);
+    ty_result result = hash_tree(reader);
+    if (result == TY_OK) result = ty_scene_create(reader->context, reader->up_axis, &reader->scene);
+    if (result == TY_OK) result = ty_read_camera(reader);
+    if (result == TY_OK) result = ty_read_media(reader);
+    if (result == TY_OK) result = ty_read_lights(reader);
+    if (result == TY_OK) result = ty_read_geometry(reader);
+    if (result != TY_OK) return result;
+    read_render(reader);
+    ty_scene_set_hash(reader->scene, reader->hash);
+    return ty_scene_commit(reader->scene);
+}
+
+static void free_reader(ty_scene_reader* reader) {
+    ty_free_assets(reader);
+    ty_free_overrides(reader);
+    json_decref(reader->root);
+}
+
+/* ---- Entrances ---- */
+
+ty_result ty_scene_parse(ty_context* context, const char* text, size_t length, const char* name, const char* folder,
+                         const char* const* overrides, int32_t override_count, ty_scene** out) {
+    if (context == NULL || text == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_parse: context, text or out is NULL");
+    ty_scene_reader reader = {.context = context,
+                              .clean = ty_last_error(context)[0] == '\0',
+                              .name = name != NULL ? name : "scene",
+                              .folder = folder,
+                              .text = text,
+                              .length = length};
+    ty_result result = parse_text(&reader);
+    if (result == TY_OK) result = ty_apply_overrides(&reader, overrides, override_count);
+    if (result == TY_OK) result = check_tree(&reader);
+    if (result == TY_OK) result = build_scene(&reader);
+    free_reader(&reader);
+    if (result == TY_OK)
+        *out = reader.scene;
+    else
+        ty_scene_destroy(reader.scene);
+    return result;
+}
+
+static ty_result fail_builtin(ty_context* context, const char* path) {
+    char text[512] = "there is no scene ";
+    ty_append_quoted(text, sizeof text, path);
+    for (const ty_builtin_scene* scene = ty_builtin_scenes; scene->name != NULL; ++scene)
+        ty_append(text, sizeof text, "%s %s", scene == ty_builtin_scenes ? "; known:" : ",", scene->name);
+    return ty_fail(context, TY_ERROR_INPUT, "%s", text);
+}
+
+ty_result ty_scene_load(ty_context* context, const char* path, const char* const* overrides, int32_t override_count,
+                        ty_scene** out) {
+    if (context == NULL || path == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_load: context, path or out is NULL");
+    const size_t prefix = sizeof builtin_prefix - 1;
+    if (strncmp(path, builtin_prefix, prefix) == 0) {
+        const ty_builtin_scene* scene = ty_builtin_scenes;
+        while (scene->name != NULL && strcmp(scene->name, path + prefix) != 0) ++scene;
+        if (scene->name == NULL) return fail_builtin(context, path);
+        return ty_scene_parse(context, scene->text, scene->size, path, "", overrides, override_count, out);
+    }
+    uint8_t* bytes;
+    size_t size;
+    ty_result result = ty_read_file(context, path, FILE_SIZE_MAX, &bytes, &size);
+    if (result != TY_OK) return result;
+    char* folder = ty_folder_of(context, path);
+    result = folder == NULL
+                 ? TY_ERROR_MEMORY
+                 : ty_scene_parse(context, (const char*)bytes, size, path, folder, overrides, override_count, out);
+    ty_free_text(context, folder);
+    ty_free_file(context, bytes, size);
+    return result;
+}

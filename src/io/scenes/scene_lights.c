@@ -1,0 +1,93 @@
+/* The lights of a scene file. */
+#include "io/scenes/scene_reader.h"
+
+#include <string.h>
+
+static ty_result add_light(const ty_scene_reader* reader, const ty_json_path* path, const ty_light_def* def) {
+    return ty_reader_below(reader, path, ty_scene_add_light(reader->scene, def));
+}
+
+static ty_result read_sky(const ty_scene_reader* reader, const json_t* sky, const ty_json_path* path,
+                          ty_light_def* environment) {
+    ty_sky_def def = ty_default_sky_def();
+    def.up_axis = reader->up_axis;
+    ty_result result = ty_read_direction(reader, sky, path, "sun_direction", def.sun_direction);
+    if (result != TY_OK) return result;
+    ty_read_rgb(sky, "solar", def.solar);
+    ty_read_number(sky, "haze", &def.haze);
+    ty_read_rgb(sky, "ground", def.ground);
+    ty_read_int(sky, "resolution", &def.width);
+    ty_image* image = NULL;
+    float irradiance[3];
+    result = ty_reader_below(reader, path, ty_sky_image(reader->context, &def, &image, irradiance));
+    if (result != TY_OK) return result;
+    environment->image = image;
+    result = add_light(reader, path, environment);
+    ty_image_destroy(image);
+    const bool shines = irradiance[0] > 0 || irradiance[1] > 0 || irradiance[2] > 0;
+    if (result != TY_OK || !shines || json_is_false(json_object_get(sky, "sun"))) return result;
+    ty_light_def sun = ty_default_light_def();
+    sun.kind = TY_LIGHT_DIRECTIONAL;
+    memcpy(sun.direction, def.sun_direction, sizeof sun.direction);
+    for (int c = 0; c < 3; ++c) sun.color[c] = irradiance[c] * environment->scale;
+    return add_light(reader, path, &sun);
+}
+
+static ty_result read_environment(ty_scene_reader* reader, const json_t* light, const ty_json_path* path) {
+    ty_light_def def = ty_default_light_def();
+    def.kind = TY_LIGHT_ENVIRONMENT;
+    ty_read_float(light, "scale", &def.scale);
+    ty_read_number(light, "rotation", &def.rotation);
+    const json_t* sky = json_object_get(light, "sky");
+    if (sky != NULL) {
+        const ty_json_path place = ty_json_path_key(path, "sky");
+        return read_sky(reader, sky, &place, &def);
+    }
+    const char* file = json_string_value(json_object_get(light, "file"));
+    if (file != NULL) {
+        const ty_json_path place = ty_json_path_key(path, "file");
+        const ty_result result = ty_read_map(reader, &place, file, &def.image);
+        return result == TY_OK ? add_light(reader, &place, &def) : result;
+    }
+    ty_read_rgb(light, "radiance", def.color);
+    for (int c = 0; c < 3; ++c) def.color[c] *= def.scale;
+    def.scale = 1;
+    return add_light(reader, path, &def);
+}
+
+static ty_result read_light(ty_scene_reader* reader, const json_t* light, const ty_json_path* path) {
+    const char* type = json_string_value(json_object_get(light, "type"));
+    if (strcmp(type, "environment") == 0) return read_environment(reader, light, path);
+    ty_light_def def = ty_default_light_def();
+    const char* color = "intensity";
+    if (strcmp(type, "directional") == 0) {
+        def.kind = TY_LIGHT_DIRECTIONAL;
+        color = "irradiance";
+    } else if (strcmp(type, "area") == 0) {
+        def.kind = TY_LIGHT_AREA;
+        color = "radiance";
+    } else {
+        def.kind = strcmp(type, "spot") == 0 ? TY_LIGHT_SPOT : TY_LIGHT_POINT;
+    }
+    ty_read_rgb(light, color, def.color);
+    ty_read_vector(light, "position", reader->unit, def.position);
+    ty_read_number(light, "cone", &def.cone);
+    ty_read_number(light, "penumbra", &def.penumbra);
+    const ty_result result = def.kind == TY_LIGHT_AREA
+                                 ? ty_read_edges(reader, light, path, def.position, def.u, def.v)
+                                 : ty_read_direction(reader, light, path, "direction", def.direction);
+    return result == TY_OK ? add_light(reader, path, &def) : result;
+}
+
+ty_result ty_read_lights(ty_scene_reader* reader) {
+    const ty_json_path root = {.depth = 0};
+    const ty_json_path lights = ty_json_path_key(&root, "lights");
+    size_t i;
+    json_t* light;
+    json_array_foreach(json_object_get(reader->root, "lights"), i, light) {
+        const ty_json_path path = ty_json_path_index(&lights, i);
+        const ty_result result = read_light(reader, light, &path);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}

@@ -1,0 +1,221 @@
+/* The media of a scene file. */
+#include "base/context.h"
+#include "io/scenes/scene_reader.h"
+#include "io/schema_text.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define NOISE_VOXELS_MAX 2147483648.0
+
+/* ---- Coefficients ---- */
+
+static ty_result fail_preset(const ty_scene_reader* reader, const ty_json_path* path, const char* name) {
+    const char* nearest = NULL;
+    const char* preset;
+    for (int32_t i = 0; (preset = ty_medium_preset_name(i)) != NULL; ++i)
+        if (nearest == NULL || ty_word_distance(name, preset) < ty_word_distance(name, nearest)) nearest = preset;
+    char text[256] = "there is no preset ";
+    ty_append_quoted(text, sizeof text, name);
+    ty_append(text, sizeof text, "; the nearest is \"%s\"", nearest);
+    const ty_json_path place = ty_json_path_key(path, "preset");
+    return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "%s", text);
+}
+
+/* The first of two keys that the object has; NULL when it has neither. */
+static const char* first_key(const json_t* object, const char* a, const char* b) {
+    return json_object_get(object, a) != NULL ? a : json_object_get(object, b) != NULL ? b : NULL;
+}
+
+/* Fails unless the coefficients are given in one form, whole. */
+static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path) {
+    const char* parts = first_key(medium, "sigma_s", "sigma_a");
+    const char* total = first_key(medium, "sigma_t", "albedo");
+    const char* preset = first_key(medium, "preset", "preset");
+    if ((parts != NULL) + (total != NULL) + (preset != NULL) > 1) {
+        const char* kept = parts != NULL ? parts : total;
+        const char* extra = preset != NULL ? preset : total;
+        const ty_json_path place = ty_json_path_key(path, extra);
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT,
+                              "does not go with \"%s\"; give sigma_s and sigma_a, or sigma_t and albedo, or preset",
+                              kept);
+    }
+    if (parts == NULL && total == NULL && preset == NULL)
+        return ty_reader_fail(
+            reader, path, TY_ERROR_INPUT,
+            "the coefficients are missing; give sigma_s and sigma_a, or sigma_t and albedo, or preset");
+    const bool sigma_t = json_object_get(medium, "sigma_t") != NULL, albedo = json_object_get(medium, "albedo") != NULL;
+    const bool points = ty_transfer_has_albedo(medium);
+    if (points && !sigma_t) {
+        const ty_json_path place = ty_json_path_key(path, "transfer");
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "points with albedo need the key \"sigma_t\" beside it");
+    }
+    if (points && albedo) {
+        const ty_json_path place = ty_json_path_key(path, "albedo");
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the points of \"transfer\" give the albedo already");
+    }
+    if (total != NULL && !(sigma_t && (albedo || points))) {
+        const ty_json_path place = ty_json_path_key(path, total);
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"%s\" is missing beside it",
+                              sigma_t ? "albedo" : "sigma_t");
+    }
+    return TY_OK;
+}
+
+static ty_result read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+                                   ty_medium_def* def) {
+    const ty_result result = check_forms(reader, medium, path);
+    if (result != TY_OK) return result;
+    const char* preset = json_string_value(json_object_get(medium, "preset"));
+    if (preset != NULL && !ty_medium_preset(preset, def)) return fail_preset(reader, path, preset);
+    if (preset != NULL && json_is_object(json_object_get(medium, "g"))) {
+        const ty_json_path place = ty_json_path_key(path, "g");
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "a volume does not go with \"preset\"");
+    }
+    double g[3] = {0, 0, 0}, sigma_t[3] = {0, 0, 0}, albedo[3] = {0, 0, 0};
+    ty_read_rgb(medium, "sigma_s", def->sigma_s);
+    ty_read_rgb(medium, "sigma_a", def->sigma_a);
+    ty_read_numbers(medium, "sigma_t", sigma_t);
+    ty_read_numbers(medium, "albedo", albedo); /* volumes, which take its place later, count as 0 */
+    ty_read_numbers(medium, "g", g);
+    const float below_one = nextafterf(1, 0);
+    for (int c = 0; c < 3; ++c) {
+        def->g[c] = fminf(fmaxf((float)g[c], -below_one), below_one);
+        if (json_object_get(medium, "sigma_t") != NULL) {
+            def->sigma_s[c] = (float)(sigma_t[c] * albedo[c]);
+            def->sigma_a[c] = (float)(sigma_t[c] * (1 - albedo[c]));
+        }
+        /* Presets measure sigma_s' = (1 - g) sigma_s. */
+        if (preset != NULL) def->sigma_s[c] /= 1 - def->g[c];
+    }
+    return TY_OK;
+}
+
+/* ---- Density ---- */
+
+static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, const ty_json_path* path,
+                            ty_grid** out) {
+    ty_noise_def def = ty_default_noise_def();
+    const char* kind = json_string_value(json_object_get(noise, "kind"));
+    if (kind != NULL)
+        def.kind = strcmp(kind, "constant") == 0 ? TY_NOISE_CONSTANT
+                   : strcmp(kind, "fbm") == 0    ? TY_NOISE_FBM
+                                                 : TY_NOISE_CLOUD;
+    double size[3] = {def.size[0], def.size[1], def.size[2]};
+    ty_read_numbers(noise, "resolution", size);
+    if (size[0] * size[1] * size[2] > NOISE_VOXELS_MAX) {
+        const ty_json_path place = ty_json_path_key(path, "resolution");
+        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "more than 2^31 voxels in all");
+    }
+    for (int a = 0; a < 3; ++a) def.size[a] = (int32_t)size[a];
+    double seed = def.seed;
+    ty_read_number(noise, "seed", &seed);
+    def.seed = (uint32_t)seed;
+    def.up_axis = reader->up_axis;
+    ty_read_float(noise, "frequency", &def.frequency);
+    ty_read_int(noise, "octaves", &def.octaves);
+    ty_read_float(noise, "gain", &def.gain);
+    ty_read_float(noise, "lacunarity", &def.lacunarity);
+    ty_read_float(noise, "coverage", &def.coverage);
+    ty_read_float(noise, "sharpness", &def.sharpness);
+    return ty_reader_below(reader, path, ty_grid_noise(reader->context, &def, out));
+}
+
+/* Sets scale or density_grid; the caller destroys *noise, if it was made. */
+static ty_result read_density(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+                              ty_medium_def* def, ty_grid** noise) {
+    double scale = 1;
+    ty_read_number(medium, "scale", &scale);
+    const json_t* density = json_object_get(medium, "density");
+    const ty_json_path place = ty_json_path_key(path, "density");
+    if (json_is_number(density)) scale *= json_number_value(density);
+    def->scale = (float)scale;
+    if (!json_is_object(density)) return TY_OK;
+    if (json_object_get(density, "file") != NULL)
+        return ty_read_volume(reader, density, &place, "density", def->bounds == TY_BOUNDS_BOX, &def->density_grid);
+    const ty_json_path noise_place = ty_json_path_key(&place, "noise");
+    const ty_result result = make_noise(reader, json_object_get(density, "noise"), &noise_place, noise);
+    def->density_grid = *noise;
+    return result;
+}
+
+/* ---- Bounds ---- */
+
+/* A closed mesh, in units of unit metres. */
+static ty_result read_shell(ty_scene_reader* reader, const json_t* bounds, const ty_json_path* path, double unit,
+                            ty_medium_def* def) {
+    def->bounds = TY_BOUNDS_SHELL;
+    ty_mesh_file_def file = ty_default_mesh_file_def();
+    const ty_json_path place = ty_json_path_key(path, "file");
+    const char* found = NULL;
+    ty_result result = ty_find_mesh_file(reader, &place, json_string_value(json_object_get(bounds, "file")), &found);
+    if (result == TY_OK) result = ty_read_mesh_placement(reader, bounds, path, unit, &file);
+    return result == TY_OK ? ty_read_shell(reader, &place, found, &file, &def->shell) : result;
+}
+
+/* Bounds are in units of unit metres. Fails where the density needs bounds that are not there. */
+static ty_result read_bounds(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, double unit,
+                             ty_medium_def* def) {
+    const json_t* bounds = json_object_get(medium, "bounds");
+    const json_t* density = json_object_get(medium, "density");
+    const ty_json_path place = ty_json_path_key(path, "bounds");
+    const double factor = reader->unit / unit;
+    if (json_is_array(bounds)) {
+        def->bounds = TY_BOUNDS_BOX;
+        return ty_read_box(reader, medium, path, "bounds", factor, def->box_min, def->box_max);
+    }
+    if (json_object_get(density, "noise") != NULL)
+        return ty_reader_fail(reader, bounds != NULL ? &place : path, TY_ERROR_INPUT,
+                              "noise needs bounds that are a box, [[x,y,z],[x,y,z]]");
+    if (bounds == NULL && json_object_get(density, "file") != NULL) return TY_OK;
+    if (bounds == NULL)
+        return ty_reader_fail(reader, path, TY_ERROR_INPUT, "a homogeneous medium needs the key \"bounds\"");
+    if (json_object_get(bounds, "file") != NULL) return read_shell(reader, bounds, &place, unit, def);
+    const json_t* sphere = json_object_get(bounds, "sphere");
+    def->bounds = TY_BOUNDS_SPHERE;
+    ty_read_vector(sphere, "center", factor, def->sphere_center);
+    ty_read_number(sphere, "radius", &def->sphere_radius);
+    def->sphere_radius *= factor;
+    return TY_OK;
+}
+
+/* ---- Media ---- */
+
+static bool is_file(const json_t* object, const char* key) {
+    return json_object_get(json_object_get(object, key), "file") != NULL;
+}
+
+static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path) {
+    ty_medium_def def = ty_default_medium_def();
+    const char* name = json_string_value(json_object_get(medium, "name"));
+    if (name != NULL) def.name = name;
+    /* Volumes from files are placed in the file's units, so bounds stay in them too, and the transform takes all to
+     * metres; without files everything is in metres before the transform. */
+    const bool files = is_file(medium, "density") || is_file(medium, "albedo") || is_file(medium, "g") ||
+                       is_file(json_object_get(medium, "emission"), "temperature");
+    const double unit = files ? reader->unit : 1;
+    ty_transfer_point points[TY_TRANSFER_MAX];
+    ty_grid* noise = NULL;
+    ty_result result = read_coefficients(reader, medium, path, &def);
+    if (result == TY_OK) result = read_bounds(reader, medium, path, unit, &def);
+    if (result == TY_OK) result = ty_read_transform(reader, medium, path, unit, 1, &def.transform);
+    if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);
+    if (result == TY_OK) result = read_density(reader, medium, path, &def, &noise);
+    if (result == TY_OK) result = ty_reader_below(reader, path, ty_scene_add_medium(reader->scene, &def));
+    ty_grid_destroy(noise);
+    return result;
+}
+
+ty_result ty_read_media(ty_scene_reader* reader) {
+    const ty_json_path root = {.depth = 0};
+    const ty_json_path media = ty_json_path_key(&root, "media");
+    size_t i;
+    json_t* medium;
+    json_array_foreach(json_object_get(reader->root, "media"), i, medium) {
+        const ty_json_path path = ty_json_path_index(&media, i);
+        const ty_result result = read_medium(reader, medium, &path);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}

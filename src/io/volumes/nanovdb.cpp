@@ -1,0 +1,62 @@
+/* The only file that sees NanoVDB's C++: writing. Exceptions end here. */
+#include "io/volumes/nanovdb.h"
+
+extern "C" {
+#include "base/context.h"
+}
+
+#define NANOVDB_USE_ZIP
+#include <nanovdb/util/GridBuilder.h>
+#include <nanovdb/util/IO.h>
+
+#include <fstream>
+#include <new>
+
+namespace {
+
+nanovdb::Map make_map(const ty_affine& map) {
+    ty_affine inverse = ty_affine_identity();
+    ty_affine_invert(&map, &inverse);
+    nanovdb::Map made;
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            made.mMatD[3 * r + c] = map.m[4 * r + c];
+            made.mMatF[3 * r + c] = float(map.m[4 * r + c]);
+            made.mInvMatD[3 * r + c] = inverse.m[4 * r + c];
+            made.mInvMatF[3 * r + c] = float(inverse.m[4 * r + c]);
+        }
+        made.mVecD[r] = map.m[4 * r + 3];
+        made.mVecF[r] = float(map.m[4 * r + 3]);
+    }
+    made.mTaperD = 1;
+    made.mTaperF = 1;
+    return made;
+}
+
+/* A voxel is active where it differs from the background. */
+void write_grid(const ty_grid* grid, const char* name, bool zip, const char* temporary) {
+    const ty_grid_info info = ty_grid_get_info(grid);
+    nanovdb::GridBuilder<float> builder(info.background);
+    builder(
+        [&](const nanovdb::Coord& at) { return ty_grid_voxel(grid, at[0], at[1], at[2]); },
+        nanovdb::CoordBBox(nanovdb::Coord(0), nanovdb::Coord(info.size[0] - 1, info.size[1] - 1, info.size[2] - 1)));
+    const auto handle = builder.getHandle<>(make_map(info.index_to_local), name);
+    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    nanovdb::io::writeGrid(stream, handle, zip ? nanovdb::io::Codec::ZIP : nanovdb::io::Codec::NONE);
+    stream.close();
+}
+
+} // namespace
+
+ty_result ty_nanovdb_build(ty_context* context, const ty_grid* grid, const char* name, bool zip, const char* path,
+                           const char* temporary) {
+    try {
+        write_grid(grid, name, zip, temporary);
+        return TY_OK;
+    } catch (const std::bad_alloc&) {
+        return ty_fail(context, TY_ERROR_MEMORY, "%s: not enough memory", path);
+    } catch (const std::exception& error) {
+        return ty_fail(context, TY_ERROR_FILE, "%s: %s", path, error.what());
+    }
+}

@@ -1,0 +1,233 @@
+/* The voxels of NRRD files: after the header or in a file beside it, raw, gzip or text. */
+#include "io/volumes/nrrd.h"
+
+#include "base/context.h"
+#include "base/half.h"
+#include "grid/grid.h"
+#include "io/file.h"
+#include "io/number.h"
+#include "io/volumes/volume_file.h"
+
+#include <string.h>
+#include <zlib.h>
+
+static const size_t file_size_max = (size_t)1 << 36;
+
+/* A file in memory, and what is left of it to read. */
+typedef struct source {
+    ty_context* context;
+    const char* path;
+    uint8_t* bytes;
+    size_t size, at;
+} source;
+
+static void close_source(source* s) {
+    ty_free_file(s->context, s->bytes, s->size);
+}
+
+/* Data may lie in the header's folder or below it, nowhere else. */
+static bool stays_below(const char* relative) {
+    if (relative[0] == '/' || relative[0] == '\0') return false;
+    for (const char* part = relative; part != NULL; part = strchr(part, '/')) {
+        part += *part == '/';
+        if (strncmp(part, "..", 2) == 0 && (part[2] == '/' || part[2] == '\0')) return false;
+    }
+    return true;
+}
+
+static ty_result open_data(const source* file, const ty_nrrd* nrrd, char** path, source* data) {
+    if (strncmp(nrrd->data_file, "LIST", 4) == 0 || strchr(nrrd->data_file, '%') != NULL)
+        return ty_fail(file->context, TY_ERROR_INPUT, "%s: data in more than one file cannot be read", file->path);
+    if (!stays_below(nrrd->data_file))
+        return ty_fail(file->context, TY_ERROR_INPUT,
+                       "%s: the data file %s is not in the folder of the header or below", file->path, nrrd->data_file);
+    char* folder = ty_folder_of(file->context, file->path);
+    *path = folder == NULL ? NULL : ty_join_path(file->context, folder, nrrd->data_file);
+    ty_free_text(file->context, folder);
+    if (*path == NULL) return TY_ERROR_MEMORY;
+    *data = (source){.context = file->context, .path = *path};
+    return ty_read_file(file->context, *path, file_size_max, &data->bytes, &data->size);
+}
+
+static ty_result wrong_size(const source* s, const ty_nrrd* nrrd, bool more, size_t found) {
+    return ty_fail(s->context, TY_ERROR_INPUT, "%s: %s%zu bytes for %d x %d x %d voxels of %d %s", s->path,
+                   more ? "more than " : "cut short: ", found, nrrd->size[0], nrrd->size[1], nrrd->size[2],
+                   nrrd->components, ty_sample_name(nrrd->type));
+}
+
+static ty_result skip_lines(source* s, int64_t lines) {
+    for (; lines > 0; --lines) {
+        const uint8_t* newline = memchr(s->bytes + s->at, '\n', s->size - s->at);
+        if (newline == NULL)
+            return ty_fail(s->context, TY_ERROR_INPUT, "%s: has fewer lines than are to be skipped", s->path);
+        s->at = (size_t)(newline - s->bytes) + 1;
+    }
+    return TY_OK;
+}
+
+/* Raw samples of exactly the header's size. */
+static ty_result find_raw(source* s, const ty_nrrd* nrrd, size_t size, const uint8_t** samples) {
+    const size_t left = s->size - s->at;
+    const uint64_t skip = nrrd->byte_skip < 0 ? (left > size ? left - size : 0) : (uint64_t)nrrd->byte_skip;
+    if (skip > left || left - skip < size) return wrong_size(s, nrrd, false, skip > left ? 0 : left - (size_t)skip);
+    if (left - skip > size) return wrong_size(s, nrrd, true, size);
+    *samples = s->bytes + s->at + skip;
+    return TY_OK;
+}
+
+static uInt at_most(size_t size) {
+    return size > UINT32_MAX ? UINT32_MAX : (uInt)size;
+}
+
+/* Fills to with what one or several gzip (or zlib) streams hold; *got is how much that was, and the result whether the
+ * streams were whole and held no more. */
+static bool inflate_all(const uint8_t* from, size_t from_size, uint8_t* to, size_t to_size, size_t* got) {
+    enum { WINDOW_DETECT = 15 + 32 };
+    z_stream z = {0};
+    if (inflateInit2(&z, WINDOW_DETECT) != Z_OK) return false;
+    size_t in = 0;
+    int status = Z_OK;
+    uint8_t beyond; /* where a byte too many would go */
+    *got = 0;
+    while (status == Z_OK) {
+        const uInt in_part = at_most(from_size - in), out_part = *got < to_size ? at_most(to_size - *got) : 1;
+        z.next_in = (Bytef*)(uintptr_t)(from + in);
+        z.avail_in = in_part;
+        z.next_out = *got < to_size ? to + *got : &beyond;
+        z.avail_out = out_part;
+        status = inflate(&z, Z_NO_FLUSH);
+        in += in_part - z.avail_in;
+        *got += out_part - z.avail_out;
+        if (*got > to_size) break;
+        if (status == Z_STREAM_END && from_size - in > 1 && *got < to_size) status = inflateReset(&z);
+    }
+    inflateEnd(&z);
+    return status == Z_STREAM_END && *got <= to_size;
+}
+
+static ty_result read_gzip(source* s, const ty_nrrd* nrrd, size_t size, ty_samples* samples, const ty_grid_def* def,
+                           ty_grid** out) {
+    enum { RATIO_MAX = 1032 }; /* of deflate */
+    const size_t packed = s->size - s->at;
+    if ((uint64_t)nrrd->byte_skip > SIZE_MAX / 2 || size + (size_t)nrrd->byte_skip > packed * RATIO_MAX)
+        return wrong_size(s, nrrd, false, packed);
+    const size_t total = size + (size_t)nrrd->byte_skip;
+    uint8_t* plain = ty_alloc_array(s->context, total, 1, false);
+    if (plain == NULL) return TY_ERROR_MEMORY;
+    size_t got = 0;
+    const bool whole = inflate_all(s->bytes + s->at, packed, plain, total, &got);
+    samples->bytes = plain + nrrd->byte_skip;
+    ty_result result = TY_OK;
+    if (got > total)
+        result = wrong_size(s, nrrd, true, size);
+    else if (whole && got < total)
+        result = wrong_size(s, nrrd, false, got);
+    else if (!whole)
+        result = ty_fail(s->context, TY_ERROR_INPUT, "%s: the gzip data is damaged or cut short", s->path);
+    else
+        result = ty_samples_make_grid(s->context, samples, def, out);
+    ty_free_array(s->context, plain, total, 1);
+    return result;
+}
+
+static const char* skip_separators(const char* text) {
+    return text + strspn(text, " \t\r\n\v\f,");
+}
+
+static void store(ty_grid_type type, void* values, size_t at, double value) {
+    if (type == TY_GRID_F16)
+        ((uint16_t*)values)[at] = ty_float_to_half((float)value);
+    else
+        ((float*)values)[at] = (float)value;
+}
+
+static ty_result parse_text(const source* s, const ty_nrrd* nrrd, const ty_samples* layout, ty_grid_type type,
+                            void* values) {
+    const char* text = skip_separators((const char*)s->bytes + s->at);
+    const size_t count = nrrd->voxels * (size_t)nrrd->components;
+    for (size_t i = 0; i < count; ++i) {
+        const char* end;
+        const double value = ty_parse_number(text, &end);
+        if (end == text)
+            return ty_fail(s->context, TY_ERROR_INPUT, "%s: %zu numbers instead of %zu", s->path, i, count);
+        text = skip_separators(end);
+        const size_t past = i - layout->first;
+        if (i >= layout->first && past % layout->step == 0 && past / layout->step < nrrd->voxels)
+            store(type, values, past / layout->step, value);
+    }
+    if (*text == '\0') return TY_OK;
+    return ty_fail(s->context, TY_ERROR_INPUT, "%s: something follows the %zu numbers", s->path, count);
+}
+
+static ty_result read_text(source* s, const ty_nrrd* nrrd, const ty_samples* layout, ty_grid_def* def, ty_grid** out) {
+    if ((uint64_t)nrrd->byte_skip > s->size - s->at) return wrong_size(s, nrrd, false, 0);
+    s->at += (size_t)nrrd->byte_skip;
+    const size_t left = s->size - s->at;
+    if (nrrd->voxels * (size_t)nrrd->components > left / 2 + 1) return wrong_size(s, nrrd, false, left);
+    def->type = ty_sample_grid_type(nrrd->type);
+    void* values = ty_alloc_array(s->context, nrrd->voxels, ty_grid_value_size(def->type), false);
+    if (values == NULL) return TY_ERROR_MEMORY;
+    const ty_result result = parse_text(s, nrrd, layout, def->type, values);
+    if (result == TY_OK) return ty_grid_adopt(s->context, def, values, out);
+    ty_free_array(s->context, values, nrrd->voxels, ty_grid_value_size(def->type));
+    return result;
+}
+
+static ty_result read_samples(source* s, const ty_nrrd* nrrd, int32_t component, ty_grid** out) {
+    const size_t size = nrrd->voxels * (size_t)nrrd->components * ty_sample_size(nrrd->type);
+    ty_samples samples = {.type = nrrd->type,
+                          .big_endian = nrrd->big_endian,
+                          .first = nrrd->components_last ? nrrd->voxels * (size_t)component : (size_t)component,
+                          .step = nrrd->components_last ? 1 : (size_t)nrrd->components};
+    ty_grid_def def = ty_default_grid_def();
+    memcpy(def.size, nrrd->size, sizeof def.size);
+    def.index_to_local = nrrd->index_to_local;
+    def.placed = true;
+    ty_result result = skip_lines(s, nrrd->line_skip);
+    if (result != TY_OK) return result;
+    switch (nrrd->encoding) {
+    case TY_NRRD_RAW:
+        result = find_raw(s, nrrd, size, &samples.bytes);
+        return result == TY_OK ? ty_samples_make_grid(s->context, &samples, &def, out) : result;
+    case TY_NRRD_GZIP: return read_gzip(s, nrrd, size, &samples, &def, out);
+    case TY_NRRD_TEXT: return read_text(s, nrrd, &samples, &def, out);
+    }
+    return TY_ERROR_INTERNAL;
+}
+
+static ty_result read_data(source* file, const ty_nrrd* nrrd, int32_t component, ty_grid** out) {
+    if (nrrd->data_file == NULL) {
+        file->at = nrrd->data;
+        return read_samples(file, nrrd, component, out);
+    }
+    char* path = NULL;
+    source data = {.context = file->context};
+    ty_result result = open_data(file, nrrd, &path, &data);
+    if (result == TY_OK) result = read_samples(&data, nrrd, component, out);
+    close_source(&data);
+    ty_free_text(file->context, path);
+    return result;
+}
+
+ty_result ty_nrrd_read(ty_context* context, const char* path, int32_t component, ty_grid** out) {
+    source file = {.context = context, .path = path};
+    ty_result result = ty_read_file(context, path, file_size_max, &file.bytes, &file.size);
+    if (result != TY_OK) return result;
+    ty_nrrd nrrd;
+    result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);
+    if (result == TY_OK) result = ty_check_component(context, path, NULL, component, nrrd.components);
+    if (result == TY_OK) result = read_data(&file, &nrrd, component, out);
+    close_source(&file);
+    return result;
+}
+
+ty_result ty_nrrd_components(ty_context* context, const char* path, int32_t* out) {
+    source file = {.context = context, .path = path};
+    ty_result result = ty_read_file(context, path, file_size_max, &file.bytes, &file.size);
+    if (result != TY_OK) return result;
+    ty_nrrd nrrd;
+    result = ty_nrrd_parse(context, path, file.bytes, file.size, &nrrd);
+    if (result == TY_OK) *out = nrrd.components;
+    close_source(&file);
+    return result;
+}

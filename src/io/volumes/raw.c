@@ -1,0 +1,61 @@
+/* Volumes without any header. */
+#include "io/volumes/samples.h"
+#include "io/volumes/volume_file.h"
+
+#include "base/context.h"
+#include "io/file.h"
+
+#include <string.h>
+
+static const size_t file_size_max = (size_t)1 << 36;
+
+static ty_result check_spacing(ty_context* context, const ty_volume_def* def, ty_grid_def* grid) {
+    int given = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double spacing = def->raw_spacing[a];
+        if (!(spacing >= 0 && spacing <= 1e15))
+            return ty_fail(context, TY_ERROR_ARGUMENT, "raw_spacing along %c is %g, outside [0, 1e15]", "xyz"[a],
+                           spacing);
+        given += spacing > 0;
+        grid->index_to_local.m[5 * a] = spacing > 0 ? spacing : 1;
+    }
+    if (given == 1 || given == 2)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "raw_spacing is 0 along some axes but not all");
+    grid->placed = given == 3;
+    return TY_OK;
+}
+
+/* Where the samples begin in a file of size bytes. */
+static ty_result find_start(ty_context* context, const char* path, const ty_volume_def* def, size_t size, size_t needed,
+                            size_t* start) {
+    const size_t extra = size > needed ? size - needed : 0;
+    *start = def->raw_offset < 0 ? extra : (size_t)def->raw_offset;
+    if (size >= needed && *start == extra) return TY_OK;
+    return ty_fail(context, TY_ERROR_INPUT, "%s: %zu bytes; %d x %d x %d voxels of %s after %zu bytes are %zu", path,
+                   size, def->raw_size[0], def->raw_size[1], def->raw_size[2], def->raw_type, *start, needed + *start);
+}
+
+ty_result ty_raw_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+    const ty_sample_type type = ty_sample_type_of(def->raw_type);
+    if (type == TY_SAMPLE_TYPES)
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "raw_type is \"%s\", not int8, uint8 ... uint64, half, float or double", def->raw_type);
+    if (def->raw_offset < -1)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "raw_offset is %lld, below -1", (long long)def->raw_offset);
+    size_t voxels = 0, size = 0, start = 0;
+    ty_grid_def grid = ty_default_grid_def();
+    memcpy(grid.size, def->raw_size, sizeof grid.size);
+    ty_result result = check_spacing(context, def, &grid);
+    if (result == TY_OK)
+        result =
+            ty_check_volume_size(context, path, (const int64_t[]){grid.size[0], grid.size[1], grid.size[2]}, &voxels);
+    if (result == TY_OK) result = ty_check_component(context, path, NULL, def->component, 1);
+    uint8_t* bytes = NULL;
+    if (result == TY_OK) result = ty_read_file(context, path, file_size_max, &bytes, &size);
+    if (result != TY_OK) return result;
+    result = find_start(context, path, def, size, voxels * ty_sample_size(type), &start);
+    const ty_samples samples = {bytes + start, type, def->raw_big_endian, 0, 1};
+    if (result == TY_OK) result = ty_samples_make_grid(context, &samples, &grid, out);
+    ty_free_file(context, bytes, size);
+    return result;
+}

@@ -1,0 +1,118 @@
+/* Voxels as raw bytes. */
+#include "io/volumes/samples.h"
+
+#include "base/context.h"
+#include "base/half.h"
+#include "grid/grid.h"
+
+#include <string.h>
+
+static const struct {
+    const char* name;
+    size_t size;
+} types[TY_SAMPLE_TYPES] = {
+    [TY_SAMPLE_INT8] = {"int8", 1},     [TY_SAMPLE_UINT8] = {"uint8", 1},   [TY_SAMPLE_INT16] = {"int16", 2},
+    [TY_SAMPLE_UINT16] = {"uint16", 2}, [TY_SAMPLE_INT32] = {"int32", 4},   [TY_SAMPLE_UINT32] = {"uint32", 4},
+    [TY_SAMPLE_INT64] = {"int64", 8},   [TY_SAMPLE_UINT64] = {"uint64", 8}, [TY_SAMPLE_HALF] = {"half", 2},
+    [TY_SAMPLE_FLOAT] = {"float", 4},   [TY_SAMPLE_DOUBLE] = {"double", 8},
+};
+
+ty_sample_type ty_sample_type_of(const char* name) {
+    int type = 0;
+    while (type < TY_SAMPLE_TYPES && strcmp(name, types[type].name) != 0) ++type;
+    return (ty_sample_type)type;
+}
+
+const char* ty_sample_name(ty_sample_type type) {
+    return types[type].name;
+}
+
+size_t ty_sample_size(ty_sample_type type) {
+    return types[type].size;
+}
+
+ty_grid_type ty_sample_grid_type(ty_sample_type type) {
+    return type == TY_SAMPLE_HALF || type == TY_SAMPLE_INT8 || type == TY_SAMPLE_UINT8 ? TY_GRID_F16 : TY_GRID_F32;
+}
+
+/* The unsigned number of 1, 2, 4 or 8 bytes at from. */
+static uint64_t load(const uint8_t* from, size_t size, bool swap) {
+    uint64_t bits = 0;
+    if (size == 1) return *from;
+    if (size == sizeof(uint16_t)) {
+        uint16_t narrow;
+        memcpy(&narrow, from, size);
+        return swap ? __builtin_bswap16(narrow) : narrow;
+    }
+    if (size == sizeof(uint32_t)) {
+        uint32_t word;
+        memcpy(&word, from, size);
+        return swap ? __builtin_bswap32(word) : word;
+    }
+    memcpy(&bits, from, size);
+    return swap ? __builtin_bswap64(bits) : bits;
+}
+
+static float float_of(uint64_t bits) {
+    return ty_float_from_bits((uint32_t)bits);
+}
+
+static float narrowed(uint64_t bits) {
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return (float)value;
+}
+
+/* A row of voxels, step bytes apart: each is loaded and turned into a value by an expression of its bits. */
+#define TY_CONVERT_ROW(size, output, expression)                                                                       \
+    for (size_t i = 0; i < count; ++i) {                                                                               \
+        const uint64_t bits = load(from + step * i, size, swap);                                                       \
+        ((output*)to)[i] = expression;                                                                                 \
+    }                                                                                                                  \
+    break
+
+static void convert_row(ty_sample_type type, bool swap, const uint8_t* from, size_t step, size_t count, void* to) {
+    switch (type) {
+    case TY_SAMPLE_INT8: TY_CONVERT_ROW(1, uint16_t, ty_float_to_half((int8_t)bits));
+    case TY_SAMPLE_UINT8: TY_CONVERT_ROW(1, uint16_t, ty_float_to_half((uint8_t)bits));
+    case TY_SAMPLE_INT16: TY_CONVERT_ROW(2, float, (int16_t)bits);
+    case TY_SAMPLE_UINT16: TY_CONVERT_ROW(2, float, (uint16_t)bits);
+    case TY_SAMPLE_INT32: TY_CONVERT_ROW(4, float, (float)(int32_t)bits);
+    case TY_SAMPLE_UINT32: TY_CONVERT_ROW(4, float, (float)(uint32_t)bits);
+    case TY_SAMPLE_INT64: TY_CONVERT_ROW(8, float, (float)(int64_t)bits);
+    case TY_SAMPLE_UINT64: TY_CONVERT_ROW(8, float, (float)bits);
+    case TY_SAMPLE_HALF: TY_CONVERT_ROW(2, uint16_t, (uint16_t)bits);
+    case TY_SAMPLE_FLOAT: TY_CONVERT_ROW(4, float, float_of(bits));
+    case TY_SAMPLE_DOUBLE: TY_CONVERT_ROW(8, float, narrowed(bits));
+    case TY_SAMPLE_TYPES: break;
+    }
+}
+
+typedef struct convert_job {
+    const ty_samples* samples;
+    const int32_t* size;
+    uint8_t* values;
+} convert_job;
+
+static void convert_slice(void* user, int64_t k, int32_t worker) {
+    (void)worker;
+    const convert_job* job = user;
+    const ty_samples* samples = job->samples;
+    const size_t sample = types[samples->type].size;
+    const size_t voxels = (size_t)job->size[0] * (size_t)job->size[1], first = voxels * (size_t)k;
+    const size_t value = ty_grid_value_size(ty_sample_grid_type(samples->type));
+    const bool swap = samples->big_endian != (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+    convert_row(samples->type, swap, samples->bytes + sample * (samples->first + samples->step * first),
+                sample * samples->step, voxels, job->values + value * first);
+}
+
+ty_result ty_samples_make_grid(ty_context* context, const ty_samples* samples, const ty_grid_def* def, ty_grid** out) {
+    ty_grid_def typed = *def;
+    typed.type = ty_sample_grid_type(samples->type);
+    const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
+    void* values = ty_alloc_array(context, voxels, ty_grid_value_size(typed.type), false);
+    if (values == NULL) return TY_ERROR_MEMORY;
+    convert_job job = {samples, def->size, values};
+    ty_parallel_for(context, def->size[2], convert_slice, &job);
+    return ty_grid_adopt(context, &typed, values, out);
+}

@@ -1,0 +1,225 @@
+/* Sparse trees made dense. */
+#include "io/volumes/sparse.h"
+
+#include "base/context.h"
+#include "base/half.h"
+#include "grid/grid.h"
+#include "io/volumes/volume_file.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+enum { CELLS_A_TASK = 64 };
+
+ty_sparse ty_sparse_begin(ty_context* context, const char* path, const char* name) {
+    return (ty_sparse){.context = context,
+                       .path = path,
+                       .name = name,
+                       .lower = {INT32_MAX, INT32_MAX, INT32_MAX},
+                       .upper = {INT32_MIN, INT32_MIN, INT32_MIN}};
+}
+
+void ty_sparse_end(ty_sparse* sparse) {
+    ty_free_array(sparse->context, sparse->cells, sparse->capacity, sizeof *sparse->cells);
+    ty_free_array(sparse->context, sparse->roots, sparse->root_capacity, sizeof *sparse->roots);
+    *sparse = (ty_sparse){0};
+}
+
+static void include(ty_sparse* sparse, int axis, int32_t lower, int32_t upper) {
+    if (lower < sparse->lower[axis]) sparse->lower[axis] = lower;
+    if (upper > sparse->upper[axis]) sparse->upper[axis] = upper;
+}
+
+static bool add_cell(ty_sparse* sparse, const ty_sparse_cell* cell) {
+    if (!ty_grow_array(sparse->context, (void**)&sparse->cells, &sparse->capacity, sparse->count, sizeof *cell))
+        return false;
+    sparse->cells[sparse->count++] = *cell;
+    return true;
+}
+
+bool ty_sparse_add_root(ty_sparse* sparse, const int32_t origin[3]) {
+    if (!ty_grow_array(sparse->context, (void**)&sparse->roots, &sparse->root_capacity, sparse->root_count,
+                       sizeof *sparse->roots))
+        return false;
+    memcpy(sparse->roots[sparse->root_count++], origin, sizeof *sparse->roots);
+    return true;
+}
+
+static int compare_origins(const void* a, const void* b) {
+    return memcmp(a, b, sizeof(int32_t[3]));
+}
+
+/* Whether no two of the root's entries are for the same place. */
+static bool roots_differ(const ty_sparse* sparse) {
+    if (sparse->root_count == 0) return true;
+    qsort(sparse->roots, sparse->root_count, sizeof *sparse->roots, compare_origins);
+    for (size_t i = 1; i < sparse->root_count; ++i)
+        if (compare_origins(sparse->roots[i - 1], sparse->roots[i]) == 0) return false;
+    return true;
+}
+
+bool ty_sparse_add_tile(ty_sparse* sparse, const int32_t origin[3], int32_t side, bool active, float value) {
+    if (active) {
+        sparse->active += (int64_t)side * side * side;
+        for (int a = 0; a < 3; ++a) include(sparse, a, origin[a], origin[a] + (side - 1));
+    }
+    if (ty_bits_from_float(value) == ty_bits_from_float(sparse->background)) return true;
+    const ty_sparse_cell cell = {{origin[0], origin[1], origin[2]}, side, value, TY_SPARSE_TILE};
+    return add_cell(sparse, &cell);
+}
+
+/* The lowest and highest bit that is set among the lowest 8. */
+static void include_bits(ty_sparse* sparse, int axis, int32_t origin, unsigned bits) {
+    include(sparse, axis, origin + __builtin_ctz(bits), origin + (31 - __builtin_clz(bits)));
+}
+
+bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_t* mask, uint64_t leaf) {
+    unsigned on[3] = {0, 0, 0};
+    for (int byte = 0; byte < TY_LEAF_VOXELS / 8; ++byte) {
+        if (mask[byte] == 0) continue;
+        on[0] |= 1u << byte / 8;
+        on[1] |= 1u << byte % 8;
+        on[2] |= mask[byte];
+        sparse->active += __builtin_popcount(mask[byte]);
+    }
+    for (int a = 0; a < 3 && on[0] != 0; ++a) include_bits(sparse, a, origin[a], on[a]);
+    const ty_sparse_cell cell = {{origin[0], origin[1], origin[2]}, TY_LEAF_SIDE, 0, leaf};
+    return add_cell(sparse, &cell);
+}
+
+/* Work for ty_parallel_for: slices get their background, then groups of cells their values. */
+typedef struct fill_job {
+    const ty_sparse* sparse;
+    ty_sparse_decode decode;
+    const void* user;
+    const int32_t *lower, *size; /* of the dense box */
+    void* values;
+    _Atomic bool damaged;
+} fill_job;
+
+static void fill_values(const fill_job* job, size_t at, size_t count, float value) {
+    if (job->sparse->type == TY_GRID_F16) {
+        const uint16_t half = ty_float_to_half(value);
+        uint16_t* to = (uint16_t*)job->values + at;
+        for (size_t i = 0; i < count; ++i) to[i] = half;
+    } else {
+        float* to = (float*)job->values + at;
+        for (size_t i = 0; i < count; ++i) to[i] = value;
+    }
+}
+
+static void fill_slice(void* user, int64_t k, int32_t worker) {
+    (void)worker;
+    const fill_job* job = user;
+    const size_t voxels = (size_t)job->size[0] * (size_t)job->size[1];
+    fill_values(job, voxels * (size_t)k, voxels, job->sparse->background);
+}
+
+/* The part of a cell inside the dense box, in voxels of the box: [first, last). */
+static bool clip_cell(const fill_job* job, const ty_sparse_cell* cell, int64_t first[3], int64_t last[3]) {
+    for (int a = 0; a < 3; ++a) {
+        const int64_t start = (int64_t)cell->origin[a] - job->lower[a], end = start + cell->side;
+        first[a] = start < 0 ? 0 : start;
+        last[a] = end > job->size[a] ? job->size[a] : end;
+        if (first[a] >= last[a]) return false;
+    }
+    return true;
+}
+
+#define TY_COPY_ROW(type, from, to, count)                                                                             \
+    for (size_t i = 0; i < (count); ++i) ((type*)(to))[i] = ((const type*)(from))[64 * i]
+
+static void copy_leaf(const fill_job* job, const ty_sparse_cell* cell, const void* leaf, const int64_t first[3],
+                      const int64_t last[3]) {
+    const size_t count = (size_t)(last[0] - first[0]);
+    const int64_t origin[3] = {(int64_t)cell->origin[0] - job->lower[0], (int64_t)cell->origin[1] - job->lower[1],
+                               (int64_t)cell->origin[2] - job->lower[2]};
+    for (int64_t k = first[2]; k < last[2]; ++k)
+        for (int64_t j = first[1]; j < last[1]; ++j) {
+            const size_t to = (size_t)(first[0] + job->size[0] * (j + job->size[1] * k));
+            const size_t from = (size_t)(64 * (first[0] - origin[0]) + 8 * (j - origin[1]) + (k - origin[2]));
+            if (job->sparse->type == TY_GRID_F16)
+                TY_COPY_ROW(uint16_t, (const uint16_t*)leaf + from, (uint16_t*)job->values + to, count);
+            else
+                TY_COPY_ROW(float, (const float*)leaf + from, (float*)job->values + to, count);
+        }
+}
+
+static void fill_cell(fill_job* job, const ty_sparse_cell* cell) {
+    int64_t first[3], last[3];
+    if (!clip_cell(job, cell, first, last)) return;
+    if (cell->leaf == TY_SPARSE_TILE) {
+        for (int64_t k = first[2]; k < last[2]; ++k)
+            for (int64_t j = first[1]; j < last[1]; ++j)
+                fill_values(job, (size_t)(first[0] + job->size[0] * (j + job->size[1] * k)),
+                            (size_t)(last[0] - first[0]), cell->value);
+        return;
+    }
+    float leaf[TY_LEAF_VOXELS]; /* or as many halves */
+    if (job->decode(job->user, cell->leaf, leaf))
+        copy_leaf(job, cell, leaf, first, last);
+    else
+        atomic_store(&job->damaged, true);
+}
+
+static void fill_cells(void* user, int64_t task, int32_t worker) {
+    (void)worker;
+    fill_job* job = user;
+    const size_t begin = (size_t)task * CELLS_A_TASK;
+    for (size_t i = begin; i < job->sparse->count && i < begin + CELLS_A_TASK; ++i)
+        fill_cell(job, &job->sparse->cells[i]);
+}
+
+static ty_result damaged(const ty_sparse* sparse) {
+    return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: damaged or cut short (%s)", sparse->path, sparse->name);
+}
+
+/* Everything but the values: the active box and where it lies. */
+static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_to_world, ty_grid_def* def,
+                               int32_t lower[3], size_t* voxels) {
+    const bool empty = sparse->active == 0;
+    int64_t sides[3];
+    ty_affine offset = ty_affine_identity();
+    for (int a = 0; a < 3; ++a) {
+        lower[a] = empty ? 0 : sparse->lower[a];
+        sides[a] = empty ? 1 : (int64_t)sparse->upper[a] - lower[a] + 1;
+        offset.m[4 * a + 3] = lower[a];
+    }
+    if (!isfinite(sparse->background))
+        return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: the background of grid \"%s\" is not finite", sparse->path,
+                       sparse->name);
+    const ty_result result = ty_check_volume_size(sparse->context, sparse->path, sides, voxels);
+    if (result != TY_OK) return result;
+    *def = ty_default_grid_def();
+    for (int a = 0; a < 3; ++a) def->size[a] = (int32_t)sides[a];
+    def->type = sparse->type;
+    def->background = sparse->background;
+    def->placed = true;
+    def->index_to_local = ty_affine_multiply(index_to_world, &offset);
+    return TY_OK;
+}
+
+ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, const void* user,
+                              const ty_affine* index_to_world, ty_grid** out) {
+    ty_context* context = sparse->context;
+    ty_grid_def def;
+    int32_t lower[3];
+    size_t voxels = 0;
+    if (!roots_differ(sparse)) return damaged(sparse);
+    const ty_result result = describe_grid(sparse, index_to_world, &def, lower, &voxels);
+    if (result != TY_OK) return result;
+    const size_t value_size = ty_grid_value_size(sparse->type);
+    fill_job job = {.sparse = sparse,
+                    .decode = decode,
+                    .user = user,
+                    .lower = lower,
+                    .size = def.size,
+                    .values = ty_alloc_array(context, voxels, value_size, false)};
+    if (job.values == NULL) return TY_ERROR_MEMORY;
+    atomic_init(&job.damaged, false);
+    ty_parallel_for(context, def.size[2], fill_slice, &job);
+    ty_parallel_for(context, (int64_t)((sparse->count + CELLS_A_TASK - 1) / CELLS_A_TASK), fill_cells, &job);
+    if (!atomic_load(&job.damaged)) return ty_grid_adopt(context, &def, job.values, out);
+    ty_free_array(context, job.values, voxels, value_size);
+    return damaged(sparse);
+}

@@ -1,0 +1,151 @@
+/* Volumes of any kind: which reader a file is for, file sequences, checks that readers share. */
+#include "io/volumes/volume_file.h"
+
+#include "base/context.h"
+#include "grid/grid.h"
+#include "io/file.h"
+
+#include <string.h>
+#include <strings.h>
+
+enum { PATH_SIZE = 4096 };
+
+static const double voxels_max = 4e9;
+
+ty_volume_def ty_default_volume_def(void) {
+    return (ty_volume_def){.cookie = TY_DEF_COOKIE, .grid = "density", .raw_type = "uint8"};
+}
+
+ty_result ty_check_volume_size(ty_context* context, const char* path, const int64_t sides[3], size_t* voxels) {
+    double product = 1;
+    bool fits = true;
+    for (int a = 0; a < 3; ++a) {
+        product *= (double)sides[a];
+        fits = fits && sides[a] >= 1 && sides[a] <= TY_GRID_SIDE_MAX;
+    }
+    if (!fits || product > voxels_max)
+        return ty_fail(context, TY_ERROR_INPUT,
+                       "%s: spans %lld x %lld x %lld voxels; dense grids have 1 to %d a side and up to %.0f in all",
+                       path, (long long)sides[0], (long long)sides[1], (long long)sides[2], TY_GRID_SIDE_MAX,
+                       voxels_max);
+    *voxels = (size_t)product;
+    return TY_OK;
+}
+
+ty_result ty_check_component(ty_context* context, const char* path, const char* name, int32_t component,
+                             int32_t components) {
+    if (component < components && (component >= 0 || components == 1)) return TY_OK;
+    const char *quote = name != NULL ? "\"" : "", *what = name != NULL ? ": grid " : "";
+    if (name == NULL) name = "";
+    if (component < 0)
+        return ty_fail(context, TY_ERROR_INPUT, "%s%s%s%s%s has %d values per voxel (as vec3s has), not one", path,
+                       what, quote, name, quote, components);
+    return ty_fail(context, TY_ERROR_INPUT, "%s%s%s%s%s has %d value%s per voxel; component %d is not among them", path,
+                   what, quote, name, quote, components, components == 1 ? "" : "s", component);
+}
+
+ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size) {
+    if (path == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_path: path or out is NULL");
+    if (frame < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "frame is %d, below 0", frame);
+    const char* slash = strrchr(path, '/'); /* folders keep their #s */
+    const size_t name = slash != NULL ? (size_t)(slash + 1 - path) : 0;
+    const size_t first = name + strcspn(path + name, "#"), digits = strspn(path + first, "#");
+    char number[64] = "";
+    if (digits >= sizeof number) return ty_fail(context, TY_ERROR_ARGUMENT, "%s: too many #s", path);
+    if (digits > 0) snprintf(number, sizeof number, "%0*d", (int)digits, frame);
+    if (strchr(path + first + digits, '#') != NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "%s: the #s are in more than one place", path);
+    const int length = snprintf(out, size, "%.*s%s%s", (int)first, path, number, path + first + digits);
+    if (length < 0 || (size_t)length >= size)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "%s: longer than %zu bytes", path, size);
+    return TY_OK;
+}
+
+typedef enum volume_kind { VOLUME_VDB, VOLUME_NANOVDB, VOLUME_NRRD, VOLUME_RAW } volume_kind;
+
+static bool has_extension(const char* path, const char* extension) {
+    const size_t length = strlen(path), size = strlen(extension);
+    return length > size && strcasecmp(path + length - size, extension) == 0;
+}
+
+/* Told by the first bytes; a file that is none of the known kinds is raw unless its name says otherwise. */
+static ty_result find_kind(ty_context* context, const char* path, volume_kind* kind) {
+    static const struct {
+        const char *magic, *extensions[2];
+        volume_kind kind;
+    } known[] = {{" BDV", {".vdb", ".vdb"}, VOLUME_VDB},
+                 {"NanoVDB", {".nvdb", ".nvdb"}, VOLUME_NANOVDB},
+                 {"NRRD", {".nrrd", ".nhdr"}, VOLUME_NRRD}};
+    enum { KNOWN = sizeof known / sizeof known[0] };
+    FILE* stream = NULL;
+    uint64_t size = 0;
+    const ty_result result = ty_open_file(context, path, &stream, &size);
+    if (result != TY_OK) return result;
+    char head[8] = "";
+    const size_t got = fread(head, 1, sizeof head, stream);
+    fclose(stream);
+    *kind = VOLUME_RAW;
+    for (int i = KNOWN - 1; i >= 0; --i)
+        if (has_extension(path, known[i].extensions[0]) || has_extension(path, known[i].extensions[1]))
+            *kind = known[i].kind;
+    for (int i = 0; i < KNOWN; ++i)
+        if (got >= strlen(known[i].magic) && memcmp(head, known[i].magic, strlen(known[i].magic)) == 0)
+            *kind = known[i].kind;
+    return TY_OK;
+}
+
+static ty_result check_def(ty_context* context, const ty_volume_def* def, const void* out) {
+    const ty_result result = ty_check_def(context, def, "ty_default_volume_def");
+    if (result != TY_OK) return result;
+    if (out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: out is NULL");
+    if (def->grid == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: grid is NULL");
+    if (def->component < 0)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_read: component is %d, below 0", def->component);
+    return TY_OK;
+}
+
+/* Raw files need a size, which also tells that a file is meant to be one. */
+static ty_result check_raw(ty_context* context, const char* path, const ty_volume_def* def) {
+    if (def->raw_size[0] > 0 && def->raw_size[1] > 0 && def->raw_size[2] > 0) return TY_OK;
+    return ty_fail(context, TY_ERROR_INPUT,
+                   "%s: neither OpenVDB nor NanoVDB nor NRRD; a raw volume needs its size (raw_size)", path);
+}
+
+/* The file that a call means, frame and all, and its kind. out is only looked at for NULL. */
+static ty_result find_file(ty_context* context, const char* path, const ty_volume_def* def, const void* out,
+                           char file[PATH_SIZE], volume_kind* kind) {
+    ty_result result = check_def(context, def, out);
+    if (result == TY_OK) result = ty_volume_path(context, path, def->frame, file, PATH_SIZE);
+    return result == TY_OK ? find_kind(context, file, kind) : result;
+}
+
+ty_result ty_volume_read(ty_context* context, const char* path, const ty_volume_def* def, ty_grid** out) {
+    char file[PATH_SIZE];
+    volume_kind kind = VOLUME_RAW;
+    ty_result result = find_file(context, path, def, out, file, &kind);
+    if (result != TY_OK) return result;
+    switch (kind) {
+    case VOLUME_VDB: return ty_vdb_read_component(context, file, def->grid, def->component, out);
+    case VOLUME_NANOVDB: return ty_nanovdb_read(context, file, def->grid, def->component, out);
+    case VOLUME_NRRD: return ty_nrrd_read(context, file, def->component, out);
+    case VOLUME_RAW: break;
+    }
+    result = check_raw(context, file, def);
+    return result == TY_OK ? ty_raw_read(context, file, def, out) : result;
+}
+
+ty_result ty_volume_components(ty_context* context, const char* path, const ty_volume_def* def, int32_t* out) {
+    char file[PATH_SIZE];
+    volume_kind kind = VOLUME_RAW;
+    ty_result result = find_file(context, path, def, out, file, &kind);
+    if (result != TY_OK) return result;
+    switch (kind) {
+    case VOLUME_VDB: return ty_vdb_components(context, file, def->grid, out);
+    case VOLUME_NANOVDB: return ty_nanovdb_components(context, file, def->grid, out);
+    case VOLUME_NRRD: return ty_nrrd_components(context, file, out);
+    case VOLUME_RAW: break;
+    }
+    result = check_raw(context, file, def);
+    if (result == TY_OK) *out = 1;
+    return result;
+}
