@@ -45,7 +45,8 @@ typedef struct ty_screen_def {
 
     /* The camera. */
     double focal[2];  /* focal length, pixels, along x and y, > 0; must be set (ty_screen_focal) */
-    double center[2]; /* principal point, pixels from the left and top edge; default -1, -1: the middle */
+    double center[2]; /* principal point, pixels from the left and top edge; default -1, -1: the middle. Parts of a
+                         frame may have it outside */
     bool planar;      /* distances are along the camera's axis (depth), not along each pixel's ray; default false */
     float unknown;    /* m: what pixels without a distance (0, negative, Inf, NaN) are taken to have, such as sky;
                          > 0; default 1e6 */
@@ -105,6 +106,7 @@ typedef struct ty_screen_stats {
     double step_seconds[3]; /* attenuation (Eq. 3-5), filtering (Eq. 6-9), composition (Eq. 10-12) */
     int32_t levels;         /* K that was used */
     double spread;          /* largest standard deviation of the point spread function, pixels, before it was cut */
+    double held;            /* the widest that K levels hold, pixels; twice as wide with each level more */
     int64_t cut;            /* pixels whose spread was wider than K levels hold */
     int64_t mended;         /* pixels with a value that was negative or not finite */
     int64_t unknown;        /* pixels without a distance */

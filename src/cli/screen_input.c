@@ -45,11 +45,11 @@ static int choose_channel(const screen_options* options, ty_image* image, const 
     int32_t channel =
         options->channel != NULL ? ty_image_find_channel(image, options->channel) : find_distance_channel(image);
     if (channel < 0 && options->channel != NULL)
-        return cli_usage_error("screen", "%s: no channel '%s'; there are: %s", path, options->channel, list);
+        return cli_fail(CLI_USAGE, "%s: no channel '%s'; there are: %s", path, options->channel, list);
     if (channel < 0 && alone && ty_image_channel_count(image) == 1) channel = 0;
     if (channel < 0 && alone)
-        return cli_usage_error("screen", "%s: which channel is the distance? Give --distance-channel; there are: %s",
-                               path, list);
+        return cli_fail(CLI_USAGE, "%s: which channel is the distance? Give --distance-channel; there are: %s", path,
+                        list);
     if (channel < 0)
         return cli_usage_error("screen",
                                "%s: no channel holds distances; give DISTANCE or --distance-channel; there "
@@ -83,8 +83,8 @@ static int check_sizes(const screen_input* input) {
     ty_image_get_frame(input->distances, b);
     const bool whole = b[0] == 0 && b[1] == 0 && b[2] == width && b[3] == height;
     if (!whole && memcmp(a, b, sizeof a) != 0)
-        return cli_usage_error("screen", "%s is at %d,%d of a frame of %dx%d, and %s is at %d,%d of one of %dx%d",
-                               input->image_path, a[0], a[1], a[2], a[3], input->distance_path, b[0], b[1], b[2], b[3]);
+        return cli_fail(CLI_USAGE, "%s is at %d,%d of a frame of %dx%d, and %s is at %d,%d of one of %dx%d",
+                        input->image_path, a[0], a[1], a[2], a[3], input->distance_path, b[0], b[1], b[2], b[3]);
     return CLI_GO;
 }
 
@@ -92,16 +92,15 @@ static int check_color(screen_input* input) {
     char list[LIST_SIZE];
     if (ty_image_rgb_planes(input->image, input->color)) return CLI_GO;
     list_channels(input->image, list);
-    return cli_usage_error("screen", "%s: neither R, G and B nor one channel alone to take as the image; there are: %s",
-                           input->image_path, list);
+    return cli_fail(CLI_USAGE, "%s: neither R, G and B nor one channel alone to take as the image; there are: %s",
+                    input->image_path, list);
 }
 
 /* Distances are made metres in place, which colour would not survive. */
 static int check_own_channel(const screen_input* input) {
     for (int c = 0; c < 3; ++c)
         if (input->distance == input->color[c])
-            return cli_usage_error("screen", "%s: one channel cannot be both the image and its distances",
-                                   input->image_path);
+            return cli_fail(CLI_USAGE, "%s: one channel cannot be both the image and its distances", input->image_path);
     return CLI_GO;
 }
 
@@ -143,11 +142,11 @@ int screen_set_camera(const screen_options* options, const screen_input* input, 
     ty_image_get_frame(input->image, frame);
     double fov_y = options->fov_y;
     if (!options->fov_y_given && !options->focal_given && !cli_metadata_number(input->image, cli_fov_key, &fov_y))
-        return cli_usage_error("screen", "%s: it does not say how it was seen; give --fov-y DEGREES or --focal PIXELS",
-                               input->image_path);
+        return cli_fail(CLI_USAGE, "%s: it does not say how it was seen; give --fov-y DEGREES or --focal PIXELS",
+                        input->image_path);
     if (!options->focal_given && !(fov_y >= 1e-3 && fov_y < 180))
-        return cli_usage_error("screen", "%s: its %s is %g, not an angle from 0.001 to 180 degrees", input->image_path,
-                               cli_fov_key, fov_y);
+        return cli_fail(CLI_USAGE, "%s: its %s is %g, not an angle from 0.001 to 180 degrees", input->image_path,
+                        cli_fov_key, fov_y);
     for (int axis = 0; axis < 2; ++axis) {
         def->focal[axis] = options->focal_given ? options->focal[axis] : ty_screen_focal(frame[3], fov_y);
         /* Of the whole frame, of which the image may be a part. */
@@ -183,7 +182,7 @@ static int read_environment(cli_session* session, const char* path, double out[3
     const bool colored = ty_image_rgb_planes(map, planes);
     if (colored) mean_radiance(map, planes, out);
     ty_image_destroy(map);
-    return colored ? CLI_GO : cli_usage_error("screen", "%s: neither R, G and B nor one channel alone", path);
+    return colored ? CLI_GO : cli_fail(CLI_USAGE, "%s: neither R, G and B nor one channel alone", path);
 }
 
 int screen_set_environment(cli_session* session, const screen_options* options, ty_screen_def* def) {

@@ -122,6 +122,21 @@ static void note_distances(cli_session* session, const screen_report* report) {
              input->distance_path, report->stats.unknown, pixels, (double)report->def->unknown);
 }
 
+static void note_cut(cli_session* session, const screen_report* report) {
+    const ty_screen_stats* stats = &report->stats;
+    const double needed = stats->levels + ceil(log2(stats->spread / stats->held));
+    /* The pyramid ends at one pixel. */
+    const double side = fmax(report->input->width, report->input->height);
+    const double most = fmin(TY_SCREEN_LEVELS_MAX, ceil(log2(side)));
+    char advice[64] = "the image is too small for more";
+    if (needed <= most)
+        snprintf(advice, sizeof advice, "--levels %.0f would hold them", needed);
+    else if (stats->levels < most)
+        snprintf(advice, sizeof advice, "--levels %.0f would hold the most", most);
+    note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, and %d levels hold %.3g: cut to that; %s",
+         stats->cut, stats->spread, stats->levels, stats->held, advice);
+}
+
 void screen_print_notes(cli_session* session, const screen_report* report) {
     const screen_input* input = report->input;
     const ty_screen_stats* stats = &report->stats;
@@ -129,10 +144,7 @@ void screen_print_notes(cli_session* session, const screen_report* report) {
     if (stats->mended > 0)
         note(session, "%s: %" PRId64 " pixels were negative or not finite, and are mended", input->image_path,
              stats->mended);
-    if (stats->cut > 0)
-        note(session,
-             "%" PRId64 " pixels spread wider, up to %.3g pixels, than %d levels hold; more --levels hold more",
-             stats->cut, stats->spread, stats->levels);
+    if (stats->cut > 0 && stats->levels > 0) note_cut(session, report);
     if (cli_has_extension(report->options->output, ".png") && ty_image_find_channel(input->image, "A") >= 0)
         note(session, "%s: alpha is left out of a PNG; .exr keeps it", input->image_path);
 }
@@ -146,6 +158,7 @@ void screen_report_stats(json_writer* json, const void* user) {
     json_integer(json, "height", report->input->height);
     json_integer(json, "levels", stats->levels);
     json_number(json, "spread", stats->spread);
+    json_number(json, "held", stats->held);
     json_integer(json, "cut", stats->cut);
     json_integer(json, "mended", stats->mended);
     json_integer(json, "unknown", stats->unknown);

@@ -276,6 +276,7 @@ ty_result ty_screen_scatter(ty_screen_job* job) {
     job->stats.step_seconds[1] = filtered - split;
     job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
     job->stats.levels = levels;
+    job->stats.held = sqrt((double)s.variance[levels]);
     job->stats.bytes = count_bytes(&s, levels);
     return TY_OK;
 }
