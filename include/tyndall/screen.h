@@ -67,7 +67,7 @@ typedef struct ty_screen_def {
     /* TY_SCREEN_GATHER alone. The defaults are the paper's method with its masks normalised; ty_screen_naive_def and
      * ty_screen_published_def change them. */
     ty_screen_mask mask;    /* default TY_SCREEN_MASK_SMOOTH */
-    float mask_width;       /* epsilon of Eq. 7, > 0; default 1 */
+    float mask_width;       /* epsilon of Eq. 7, > 0; default 0.5 */
     bool luminance_weights; /* Y of Eq. 8 is luminance (else 1); default true */
     bool blurred_distance;  /* levels come from a distance map blurred by its own level (Eq. 11); default true */
     bool normalise;         /* divide by the filtered mask, so that masks take no light away; default true */

@@ -14,7 +14,7 @@ ty_screen_def ty_default_screen_def(void) {
                            .filter = 4,
                            .levels = TY_SCREEN_LEVELS_AUTO,
                            .mask = TY_SCREEN_MASK_SMOOTH,
-                           .mask_width = 1,
+                           .mask_width = 0.5f,
                            .luminance_weights = true,
                            .blurred_distance = true,
                            .normalise = true,
