@@ -113,7 +113,7 @@ static const char* const wrong[][2] = {
     {"{\"sigma_t\": 1}", "medium:1: sigma_t: the key \"albedo\" is missing beside it"},
     {"{\"sigma_s\": -1}", "medium:1: sigma_s: -1 is outside [0, 1e+09]"},
     {"{\"preset\": \"spectralon\", \"g\": 0.9999999999, \"scale\": 1e6}",
-     "medium:1: sigma_s[0]: 1.94615e+17 is outside [0, 1e+15]"},
+     "medium:1: sigma_s[0]: 1.94616e+17 is outside [0, 1e+15]"},
     {"{\"sigma_z\": 1}", "medium:1: sigma_z: unknown key; did you mean \"sigma_s\"?"},
     {"{\"sigma_s\": 1, \"bounds\": [[0,0,0],[1,1,1]]}",
      "medium:1: bounds: has no place here, where a medium is the same everywhere; give what it is made of"},

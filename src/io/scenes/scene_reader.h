@@ -32,7 +32,7 @@ typedef struct ty_scene_reader {
     const char* folder; /* where relative paths start; NULL: the scene may name no files */
     const char* text;
     size_t length; /* 0 where there is no text, and so no lines */
-    json_t* root; /* after overrides */
+    json_t* root;  /* after overrides */
     ty_scene_override* overrides;
     int32_t override_count;
     ty_scene* scene;
