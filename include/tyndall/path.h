@@ -49,9 +49,10 @@ typedef struct ty_path_def {
                               of the whole frame, bit for bit. Default 0: the whole frame */
     /* Images: every state_seconds (and at the end) the state of the work is handed out; resume takes it up again.
      * A resumed render gives the same image, bit for bit, as one that was never interrupted, with the same spp, seed,
-     * size, crop, aovs, max_depth, ignore_media and scene, on a machine with the same instruction set (ty_path_stats.isa); spp may
-     * also be larger than before. Time that earlier runs took counts for seconds and in ty_path_stats. Memory: 56 bytes
-     * a pixel for the state, 216 with aovs other than variance and samples, and the same for the work itself. */
+     * size, crop, aovs, max_depth, ignore_media and scene, on a machine with the same instruction set
+     * (ty_path_stats.isa); spp may also be larger than before. Time that earlier runs took counts for seconds and in
+     * ty_path_stats. Memory: 56 bytes a pixel for the state, 216 with aovs other than variance and samples, and the
+     * same for the work itself. */
     ty_path_state_fn state; /* default NULL */
     void* state_user;
     double state_seconds; /* default 60 */

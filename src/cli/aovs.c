@@ -43,6 +43,12 @@ int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs) {
     return CLI_GO;
 }
 
+const char* cli_aov_outside(uint32_t aovs, uint32_t known) {
+    for (int i = 0; i < WORD_COUNT; ++i)
+        if (words[i].aovs != TY_AOV_ALL && (aovs & words[i].aovs & ~known) != 0) return words[i].name;
+    return NULL;
+}
+
 static bool is_even(const float* plane, size_t count) {
     for (size_t i = 1; i < count; ++i)
         if (plane[i] != plane[0]) return false;
@@ -69,10 +75,9 @@ static ty_result copy_without(ty_context* context, const ty_image* image, int32_
     return result;
 }
 
-ty_result cli_drop_even_samples(ty_context* context, ty_image** image) {
-    const int32_t channel = ty_image_find_channel(*image, "samples.N");
-    const size_t pixels = (size_t)ty_image_width(*image) * (size_t)ty_image_height(*image);
-    if (channel < 0 || !is_even(ty_image_plane_const(*image, channel), pixels)) return TY_OK;
+ty_result cli_drop_channel(ty_context* context, ty_image** image, const char* name) {
+    const int32_t channel = ty_image_find_channel(*image, name);
+    if (channel < 0) return TY_OK;
     ty_image* rest = NULL;
     const ty_result result = copy_without(context, *image, channel, &rest);
     if (result != TY_OK) {
@@ -82,4 +87,11 @@ ty_result cli_drop_even_samples(ty_context* context, ty_image** image) {
     ty_image_destroy(*image);
     *image = rest;
     return TY_OK;
+}
+
+ty_result cli_drop_even_samples(ty_context* context, ty_image** image) {
+    const int32_t channel = ty_image_find_channel(*image, "samples.N");
+    const size_t pixels = (size_t)ty_image_width(*image) * (size_t)ty_image_height(*image);
+    if (channel < 0 || !is_even(ty_image_plane_const(*image, channel), pixels)) return TY_OK;
+    return cli_drop_channel(context, image, "samples.N");
 }

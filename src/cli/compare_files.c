@@ -18,6 +18,7 @@ static void image_json(json_writer* json, const cli_compared* image) {
     json_text(json, "name", image->name);
     json_text(json, "source", image->source);
     if (image->seconds >= 0) json_number(json, "seconds", image->seconds);
+    if (image->own_seconds >= 0) json_number(json, "own_seconds", image->own_seconds);
     if (image->spp >= 0) json_number(json, "spp", image->spp);
 }
 

@@ -11,6 +11,7 @@ typedef struct cli_compared {
     const char* source;          /* the method or the image's file */
     ty_image* image;
     double seconds, spp;      /* negative: not known */
+    double own_seconds;       /* without the path-traced image that the method starts from; negative: not known */
     ty_difference difference; /* from the reference; not set for the reference itself */
 } cli_compared;
 

@@ -25,7 +25,8 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
         scene->camera.up[1] = 0;
         scene->camera.up[2] = 1;
     }
-    scene->settings = (ty_render_settings){.method = "path", .spp = 64};
+    scene->settings = (ty_render_settings){
+        .method = "path", .spp = 64, .screen = {.variant = "scatter", .filter = 4, .environment = "none"}};
     *out = scene;
     return TY_OK;
 }
@@ -469,6 +470,12 @@ ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_de
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "media: there is no medium %d", (int)index);
     *out = scene->media[index];
     return TY_OK;
+}
+
+void ty_scene_environment(const ty_scene* scene, float radiance[3]) {
+    for (int c = 0; c < 3; ++c) radiance[c] = 0;
+    for (size_t i = 0; i < scene->light_count; ++i)
+        for (int c = 0; c < 3 && scene->environments[i] != NULL; ++c) radiance[c] += scene->environments[i]->mean[c];
 }
 
 ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {
