@@ -200,7 +200,7 @@ static void print_result(const cli_comparison* comparison) {
         printf("%-24s %14.8g %14.6g %14.6g %14.6g\n", comparison->entries[i].name, d->mean_ratio[3], d->rmse[3],
                d->relative_rmse[3], d->rel_mse[3]);
     }
-    printf("wrote %s/errors.json, table.md, side.png and heat maps\n", comparison->folder);
+    printf("wrote %s/report.html, errors.json, table.md, side.png and heat maps\n", comparison->folder);
 }
 
 static bool is_image(const char* path) {
@@ -266,14 +266,15 @@ int cli_compare(int count, char** arguments) {
         {"size", 0, CLI_SIZE, "WxH", "pixels (default: the reference's or what the scene says)", options.size, 0, 0,
          NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene, as for render", &options.overrides, 0, 0, NULL},
-        {"exposure", 0, CLI_REAL, "STOPS", "of side.png (default: the camera's, or 0)", &options.exposure, -64, 64,
+        {"exposure", 0, CLI_REAL, "STOPS", "of what is shown (default: the camera's, or 0)", &options.exposure, -64, 64,
          &options.exposure_given},
     };
     const cli_syntax syntax = {
         "compare",
         "SCENE --methods NAME,... -o DIR | REFERENCE.exr IMAGE.exr... -o DIR",
         "Compares methods, or finished images, with a reference.",
-        "Writes errors.json and table.md (as 'tyndall diff' measures, and times), side.png (all at one exposure) and\n"
+        "Writes report.html (a page by itself, with a slider between the reference and each image), errors.json and\n"
+        "table.md (as 'tyndall diff' measures, and times), side.png and view_NAME.png (all at one exposure), and\n"
         "heat_NAME.png (red where brighter than the reference, blue where darker, full at 100 percent of it or of a\n"
         "tenth of its mean, whichever is more); of scenes also the images. A reference that is rendered has a seed of\n"
         "its own: one more than the others'.",
