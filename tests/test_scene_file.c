@@ -71,8 +71,8 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_string_equal(render.screen.variant, "scatter");
     assert_int_equal(render.screen.filter, 4);
     assert_int_equal(render.screen.levels, 0);
-    assert_string_equal(render.screen.environment, "none");
-    assert_false(render.screen.balance);
+    assert_string_equal(render.screen.environment, "around");
+    assert_true(render.screen.balance);
     assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
     assert_int_equal(ty_scene_get_info(scene).media, 0);
     ty_scene_destroy(scene);
@@ -92,7 +92,7 @@ static void test_camera_and_render(void** state) {
                        "\"fov_y\":30.5,\"resolution\":[64,32.0],\"exposure\":-1.5},"
                        "\"render\":{\"method\":\"path\",\"spp\":7,\"seed\":9007199254740991,"
                        "\"path\":{\"max_depth\":3},\"screen\":{\"variant\":\"naive\",\"filter\":6,"
-                       "\"levels\":5,\"environment\":\"lights\",\"balance\":true}}}");
+                       "\"levels\":5,\"environment\":\"lights\",\"balance\":false}}}");
     const ty_camera_def camera = ty_scene_camera(scene);
     expect_vector(camera.position, 1, 2, 3);
     expect_vector(camera.target, 4, 5, 7);
@@ -107,7 +107,7 @@ static void test_camera_and_render(void** state) {
     assert_int_equal(render.screen.filter, 6);
     assert_int_equal(render.screen.levels, 5);
     assert_string_equal(render.screen.environment, "lights");
-    assert_true(render.screen.balance);
+    assert_false(render.screen.balance);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }

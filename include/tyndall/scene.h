@@ -264,10 +264,11 @@ typedef struct ty_screen_settings {
     char variant[16];     /* "scatter" (default), "gather", "naive", "published" or "reference" */
     int32_t filter;       /* taps, 2, 4 (default) or 6 */
     int32_t levels;       /* of the pyramid, 1..15; 0 (default): as many as are needed */
-    char environment[16]; /* what light from outside the picture counts: "none" (default) or "lights": the mean radiance
-                             of the environment lights */
-    bool balance;         /* whether the part of the picture's light that is scattered backwards is taken out, and only
-                             that part of the environment's put in; default false */
+    char environment[16]; /* what light from outside the picture counts: "around" (default): the mean radiance that
+                             arrives at the camera from all directions, without media; "lights": that of environment
+                             lights alone; "none" */
+    bool balance;         /* whether it is put in only for what the picture's own light loses to backward scattering
+                             (ty_screen_balance), default, or in full; without "none" full is far too bright */
 } ty_screen_settings;
 
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */

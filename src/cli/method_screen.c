@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double full_sphere = 4 * 3.14159265358979323846;
+
 static void choose_variant(const ty_screen_settings* settings, ty_screen_def* def) {
     if (strcmp(settings->variant, "naive") == 0) ty_screen_naive_def(def);
     if (strcmp(settings->variant, "published") == 0) ty_screen_published_def(def);
@@ -12,8 +14,32 @@ static void choose_variant(const ty_screen_settings* settings, ty_screen_def* de
     if (strcmp(settings->variant, "reference") == 0) def->variant = TY_SCREEN_REFERENCE;
 }
 
-/* What the scene and its settings make of a picture `height` pixels high. */
-static ty_result make_def(cli_session* session, const ty_scene* scene, int32_t height, ty_screen_def* def) {
+/* The mean radiance that surfaces and lights send to the camera from all directions. */
+static ty_result find_radiance_around(cli_session* session, const ty_scene* scene, const cli_request* request,
+                                      float radiance[3]) {
+    static const int32_t parts[3] = {8, 8, 8}; /* of one point, so that threads share the work */
+    enum { PARTS = 512, SAMPLES = 64 };
+    double fluence[PARTS][3];
+    const ty_camera_def camera = ty_scene_camera(scene);
+    ty_path_def def = cli_path_def(session, scene, request);
+    def.ignore_media = true;
+    def.spp = SAMPLES;
+    def.seconds = def.error = 0;
+    def.state = NULL;
+    def.resume = NULL;
+    def.resume_size = 0;
+    const ty_result result =
+        ty_path_fluence(scene, &def, camera.position, camera.position, parts, fluence[0], NULL, NULL);
+    for (int c = 0; c < 3 && result == TY_OK; ++c) {
+        double sum = 0;
+        for (int i = 0; i < PARTS; ++i) sum += fluence[i][c];
+        radiance[c] = (float)(sum / (PARTS * full_sphere));
+    }
+    return result;
+}
+
+/* What the scene and its settings make of a picture of its camera. */
+static ty_result make_def(cli_session* session, const ty_scene* scene, const cli_request* request, ty_screen_def* def) {
     const ty_screen_settings settings = ty_scene_render_settings(scene).screen;
     *def = ty_default_screen_def();
     choose_variant(&settings, def);
@@ -21,9 +47,11 @@ static ty_result make_def(cli_session* session, const ty_scene* scene, int32_t h
     if (settings.levels > 0) def->levels = settings.levels;
     def->progress = cli_progress_report;
     def->progress_user = &session->progress;
-    const ty_result result = ty_screen_set_scene(scene, height, def);
-    if (result != TY_OK) return result;
+    ty_result result = ty_screen_set_scene(scene, request->height, def);
     float radiance[3] = {0, 0, 0};
+    if (result == TY_OK && strcmp(settings.environment, "around") == 0)
+        result = find_radiance_around(session, scene, request, radiance);
+    if (result != TY_OK) return result;
     if (strcmp(settings.environment, "lights") == 0) ty_scene_environment(scene, radiance);
     if (settings.balance)
         ty_screen_balance(def, radiance);
@@ -60,7 +88,7 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
     surfaces.aovs |= TY_AOV_DEPTH;
     ty_screen_def def;
     ty_image* image = NULL;
-    ty_result result = make_def(session, scene, request->height, &def);
+    ty_result result = make_def(session, scene, request, &def);
     if (result != TY_OK) return result;
     const ty_result traced = ty_path_render(scene, &surfaces, &image, &report->path);
     if (traced != TY_OK && traced != TY_CANCELLED) return traced;
