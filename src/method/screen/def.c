@@ -89,10 +89,8 @@ static ty_result check_filter(ty_context* context, const ty_screen_def* def) {
                        TY_SCREEN_LEVELS_MAX);
     ty_result result = ty_check_number(context, "screen.variant", def->variant, 0, TY_SCREEN_REFERENCE);
     if (result == TY_OK) result = ty_check_number(context, "screen.mask", def->mask, 0, TY_SCREEN_MASK_SMOOTH);
-    if (result == TY_OK)
-        result = ty_check_number(context, "screen.mask_width", (double)def->mask_width, 1e-6, 1e6);
-    if (result == TY_OK)
-        result = ty_check_number(context, "screen.level_scale", (double)def->level_scale, 1e-3, 1e3);
+    if (result == TY_OK) result = ty_check_number(context, "screen.mask_width", (double)def->mask_width, 1e-6, 1e6);
+    if (result == TY_OK) result = ty_check_number(context, "screen.level_scale", (double)def->level_scale, 1e-3, 1e3);
     if (result == TY_OK) result = ty_check_number(context, "screen.window", def->window, 0, 65536);
     return result;
 }
