@@ -57,12 +57,13 @@ static void split(void* user, int64_t index, int32_t worker) {
     const ty_screen_job* job = g->job;
     const int32_t width = job->image->width, begin = (int32_t)index * BAND;
     const int32_t end = begin + BAND < job->image->height ? begin + BAND : job->image->height;
+    const float limit[3] = {g->limit, g->limit, g->limit};
     ty_screen_counts counts = {0};
     for (int32_t y = begin; y < end; ++y) {
         const ty_screen_row row = ty_screen_picture_row(job->image, y);
         float* out[3];
         for (int c = 0; c < 3; ++c) out[c] = job->image->out.data[c] + y * job->image->out.row;
-        job->kernels->gather_split(&job->params, &g->params, &row, g->limit, out, job->image->out.step,
+        job->kernels->gather_split(&job->params, &g->params, &row, limit, out, job->image->out.step,
                                    g->levels[0].texels + (ptrdiff_t)y * 4 * width, g->spread[0] + (ptrdiff_t)y * width,
                                    &counts);
     }
@@ -163,18 +164,6 @@ static void prepare(gather* g, ty_screen_job* job) {
     g->params.farthest = farthest(g);
 }
 
-static void sum_counts(const gather* g) {
-    ty_screen_stats* stats = &g->job->stats;
-    float largest = 0;
-    for (int32_t band = 0; band < bands(g->levels[0].height); ++band) {
-        stats->mended += g->counts[band].mended;
-        stats->unknown += g->counts[band].unknown;
-        stats->cut += g->counts[band].cut;
-        largest = fmaxf(largest, g->counts[band].largest);
-    }
-    stats->spread = sqrt((double)largest);
-}
-
 /* Of floats, each plane once a pass: the picture and level 0, the pyramid, and the look into all of it. */
 static double count_bytes(const gather* g, int32_t levels) {
     const double pixels = (double)g->levels[0].width * g->levels[0].height;
@@ -187,9 +176,12 @@ static double count_bytes(const gather* g, int32_t levels) {
 }
 
 static int32_t choose_levels(const gather* g) {
-    const bool all = g->job->def->levels != TY_SCREEN_LEVELS_AUTO;
+    const bool all = g->job->def->levels > 0;
+    float widest = 0; /* standard deviation, pixels */
+    for (int32_t band = 0; band < bands(g->levels[0].height); ++band)
+        for (int c = 0; c < 3; ++c) widest = fmaxf(widest, sqrtf(g->counts[band].largest[c]));
     int32_t levels = 1;
-    while (levels < g->built && (all || (double)spread_of(g, levels) < g->job->stats.spread)) ++levels;
+    while (levels < g->built && (all || spread_of(g, levels) < widest)) ++levels;
     return levels;
 }
 
@@ -201,7 +193,7 @@ ty_result ty_screen_gather(ty_screen_job* job) {
 
     const double start = ty_wall_seconds();
     ty_parallel_for(job->context, bands(job->image->height), split, &g);
-    sum_counts(&g);
+    ty_screen_sum_counts(job, g.counts, bands(job->image->height));
     const int32_t levels = choose_levels(&g);
     const double attenuated = ty_wall_seconds();
     for (g.level = 0; g.level < levels; ++g.level) {

@@ -9,7 +9,7 @@ enum { CHUNK = 256 };
 
 typedef struct chunk {
     float radiance[3][CHUNK], distance[CHUNK];
-    float attenuated[3][CHUNK], scattered[3][CHUNK], variance[3][CHUNK];
+    float attenuated[3][CHUNK], scattered[3][CHUNK], measure[3][CHUNK];
     int32_t mended[CHUNK];
 } chunk;
 
@@ -73,44 +73,47 @@ static void split_light(const ty_screen_params* params, int channel, int32_t cou
     const float airlight = params->airlight[channel], forward = params->forward[channel];
     const float slope = params->slope[channel], bend = params->bend[channel];
     const float *radiance = c->radiance[channel], *distance = c->distance;
-    float *attenuated = c->attenuated[channel], *scattered = c->scattered[channel], *variance = c->variance[channel];
+    float *attenuated = c->attenuated[channel], *scattered = c->scattered[channel], *measure = c->measure[channel];
 #pragma omp simd
     for (int32_t i = 0; i < count; ++i) {
         const ty_screen_parts parts =
             ty_screen_split_light(sigma_s, sigma_a, airlight, forward, radiance[i], distance[i]);
         attenuated[i] = parts.attenuated + parts.airlight;
         scattered[i] = parts.scattered;
-        variance[i] = ty_screen_variance(slope, bend, distance[i]);
+        measure[i] = ty_screen_variance(slope, bend, distance[i]);
     }
 }
 
-static void measure(const chunk* c, int32_t count, float limit, ty_screen_counts* counts) {
+static void note_largest(const chunk* c, int32_t count, const float limit[3], ty_screen_counts* counts) {
+    const float *r = c->measure[0], *g = c->measure[1], *b = c->measure[2];
+    const float most_r = limit[0], most_g = limit[1], most_b = limit[2];
     int32_t cut = 0;
-    float largest = counts->largest;
-#pragma omp simd reduction(+ : cut) reduction(max : largest)
-    for (int32_t i = 0; i < count; ++i) {
-        const float v = ty_maxf(c->variance[0][i], ty_maxf(c->variance[1][i], c->variance[2][i]));
-        cut += v > limit ? 1 : 0;
-        largest = ty_maxf(largest, v);
-    }
+#pragma omp simd reduction(+ : cut)
+    for (int32_t i = 0; i < count; ++i) cut += (r[i] > most_r) | (g[i] > most_g) | (b[i] > most_b);
     counts->cut += cut;
-    counts->largest = largest;
+    for (int channel = 0; channel < 3; ++channel) {
+        const float* measure = c->measure[channel];
+        float largest = counts->largest[channel];
+#pragma omp simd reduction(max : largest)
+        for (int32_t i = 0; i < count; ++i) largest = ty_maxf(largest, measure[i]);
+        counts->largest[channel] = largest;
+    }
 }
 
 static void split_chunk(const ty_screen_params* params, const ty_screen_row* row, int32_t x0, int32_t count,
-                        float limit, chunk* c, ty_screen_counts* counts) {
+                        const float limit[3], chunk* c, ty_screen_counts* counts) {
     find_distances(params, row, x0, count, c, counts);
     mend(row, x0, count, c, counts);
     for (int channel = 0; channel < 3; ++channel) split_light(params, channel, count, c);
-    measure(c, count, limit, counts);
+    note_largest(c, count, limit, counts);
 }
 
 static void store_if(const float* from, int32_t count, float* to, int32_t x0) {
     if (to != NULL) memcpy(to + x0, from, sizeof(float) * (size_t)count);
 }
 
-static void split(const ty_screen_params* params, const ty_screen_row* row, float limit, const ty_screen_split_out* out,
-                  ty_screen_counts* counts) {
+static void split(const ty_screen_params* params, const ty_screen_row* row, const float limit[3],
+                  const ty_screen_split_out* out, ty_screen_counts* counts) {
     chunk c;
     for (int32_t x0 = 0; x0 < params->width; x0 += CHUNK) {
         const int32_t count = least(CHUNK, params->width - x0);
@@ -118,18 +121,16 @@ static void split(const ty_screen_params* params, const ty_screen_row* row, floa
         for (int channel = 0; channel < 3; ++channel) {
             store_if(c.attenuated[channel], count, out->attenuated[channel], x0);
             store_if(c.scattered[channel], count, out->scattered[channel], x0);
-            store_if(c.variance[channel], count, out->variance[channel], x0);
+            store_if(c.measure[channel], count, out->measure[channel], x0);
         }
-        store_if(c.distance, count, out->distance, x0);
-        for (int32_t i = 0; out->mean_variance != NULL && i < count; ++i)
-            out->mean_variance[x0 + i] = ty_screen_variance(params->mean_slope, params->mean_bend, c.distance[i]);
     }
 }
 
 /* ---- scattering ---- */
 
-static void scatter(const ty_screen_params* params, const ty_screen_row* row, float inverse_range, float limit,
-                    float* const out[3], ptrdiff_t out_step, float* const onward[6], ty_screen_counts* counts) {
+static void scatter(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_share shares[3],
+                    const float limit[3], float* const out[3], ptrdiff_t out_step, float* const onward[6],
+                    ty_screen_counts* counts) {
     chunk c;
     ty_screen_counts ignored = {0};
     for (int32_t x0 = 0; x0 < params->width; x0 += CHUNK) {
@@ -137,14 +138,14 @@ static void scatter(const ty_screen_params* params, const ty_screen_row* row, fl
         split_chunk(params, row, x0, count, limit, &c, out != NULL ? counts : &ignored);
         for (int channel = 0; channel < 3; ++channel) {
             float *light = onward[channel] + x0, *moment = onward[3 + channel] + x0;
-            float *base = c.attenuated[channel], *scattered = c.scattered[channel], *variance = c.variance[channel];
+            float *base = c.attenuated[channel], *scattered = c.scattered[channel], *measure = c.measure[channel];
+            const ty_screen_share share = shares[channel];
 #pragma omp simd
             for (int32_t i = 0; i < count; ++i) {
-                const float share = ty_screen_onward(variance[i], 0.0f, inverse_range);
-                const float on = share * scattered[i];
+                const float on = ty_screen_onward(share, measure[i]) * scattered[i];
                 base[i] += scattered[i] - on;
                 light[i] = on;
-                moment[i] = on * variance[i];
+                moment[i] = on * measure[i];
             }
             if (out != NULL) store(base, count, out[channel] + x0 * out_step, out_step);
         }
@@ -152,16 +153,16 @@ static void scatter(const ty_screen_params* params, const ty_screen_row* row, fl
 }
 
 static void onward(const ty_screen_level* level, int32_t y, float* const out[6]) {
-    const float low = level->low, inverse_range = level->inverse_range;
     for (int channel = 0; channel < 3; ++channel) {
+        const ty_screen_share share = level->share[channel];
         const float* light = level->plane[channel] + y * level->stride;
         const float* moment = level->plane[3 + channel] + y * level->stride;
         float *light_on = out[channel], *moment_on = out[3 + channel];
 #pragma omp simd
         for (int32_t i = 0; i < level->width; ++i) {
-            const float share = ty_screen_onward(ty_screen_mean_variance(light[i], moment[i]), low, inverse_range);
-            light_on[i] = share * light[i];
-            moment_on[i] = share * moment[i];
+            const float part = ty_screen_onward(share, ty_screen_mean_measure(light[i], moment[i]));
+            light_on[i] = part * light[i];
+            moment_on[i] = part * moment[i];
         }
     }
 }
@@ -260,14 +261,13 @@ static void add_up(const ty_screen_taps* taps, const float* row, int32_t next_wi
 
 static void up(const ty_screen_taps* taps, const ty_screen_level* level, const ty_screen_level* next, int32_t y,
                float* scratch) {
-    const float low = level->low, inverse_range = level->inverse_range;
     for (int channel = 0; channel < 3; ++channel) {
+        const ty_screen_share share = level->share[channel];
         float* light = level->plane[channel] + y * level->stride;
         const float* moment = level->plane[3 + channel] + y * level->stride;
 #pragma omp simd
         for (int32_t i = 0; i < level->width; ++i) {
-            const float share = ty_screen_onward(ty_screen_mean_variance(light[i], moment[i]), low, inverse_range);
-            light[i] -= share * light[i];
+            light[i] -= ty_screen_onward(share, ty_screen_mean_measure(light[i], moment[i])) * light[i];
         }
         mix_rows(taps, next, channel, y, scratch);
         add_up(taps, scratch, next->width, level->width, light, 1);
@@ -283,8 +283,8 @@ static void add(const ty_screen_taps* taps, const ty_screen_level* first, int32_
 /* ---- the paper's pyramid ---- */
 
 static void gather_split(const ty_screen_params* params, const ty_screen_gather_params* gather,
-                         const ty_screen_row* row, float limit, float* const out[3], ptrdiff_t out_step, float* texels,
-                         float* spread, ty_screen_counts* counts) {
+                         const ty_screen_row* row, const float limit[3], float* const out[3], ptrdiff_t out_step,
+                         float* texels, float* spread, ty_screen_counts* counts) {
     chunk c;
     const float slope = params->mean_slope, bend = params->mean_bend, farthest = gather->farthest;
     for (int32_t x0 = 0; x0 < params->width; x0 += CHUNK) {

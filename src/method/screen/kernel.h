@@ -13,8 +13,8 @@
 /* What was noticed on the way. */
 typedef struct ty_screen_counts {
     int64_t mended, unknown; /* pixels */
-    int64_t cut;             /* pixels with a variance above the limit in some channel */
-    float largest;           /* variance, pixels^2 */
+    int64_t cut;             /* pixels with a measure of spread above the limit in some channel */
+    float largest[3];        /* measure of spread per channel: pixels^2, or an optical thickness */
 } ty_screen_counts;
 
 /* A row of the caller's picture. */
@@ -30,9 +30,7 @@ typedef struct ty_screen_row {
 typedef struct ty_screen_split_out {
     float* attenuated[3]; /* with what the environment adds */
     float* scattered[3];
-    float* variance[3];
-    float* mean_variance;
-    float* distance;
+    float* measure[3]; /* of spread: variance, pixels^2, or scattering optical thickness */
 } ty_screen_split_out;
 
 /* One level of the pyramid: light in planes 0..2, moments in planes 3..5, `stride` floats from row to row. */
@@ -40,7 +38,7 @@ typedef struct ty_screen_level {
     int32_t width, height;
     ptrdiff_t stride;
     float* plane[6];
-    float low, inverse_range; /* variance that the level holds, and 1 / (what the next holds more) */
+    ty_screen_share share[3]; /* what goes on to the next, per channel */
 } ty_screen_level;
 
 /* Rows on the way from one level of the paper's pyramid to the next. */
@@ -72,13 +70,14 @@ typedef struct ty_screen_sources {
 } ty_screen_sources;
 
 typedef struct ty_screen_kernels {
-    /* Splits one row. limit: variance above which a pixel counts as cut. */
-    void (*split)(const ty_screen_params* params, const ty_screen_row* row, float limit, const ty_screen_split_out* out,
-                  ty_screen_counts* counts);
+    /* Splits one row. limit: measure of spread above which a pixel counts as cut, per channel. */
+    void (*split)(const ty_screen_params* params, const ty_screen_row* row, const float limit[3],
+                  const ty_screen_split_out* out, ty_screen_counts* counts);
     /* Splits one row of level 0; what goes on to level 1 into onward[6], all else into out (step as given), which may
      * be NULL: then nothing is counted either. */
-    void (*scatter)(const ty_screen_params* params, const ty_screen_row* row, float inverse_range, float limit,
-                    float* const out[3], ptrdiff_t out_step, float* const onward[6], ty_screen_counts* counts);
+    void (*scatter)(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_share share[3],
+                    const float limit[3], float* const out[3], ptrdiff_t out_step, float* const onward[6],
+                    ty_screen_counts* counts);
     /* What goes on from row y of a level, into onward[6]. */
     void (*onward)(const ty_screen_level* level, int32_t y, float* const onward[6]);
     /* A row of the next level from 2 * reach rows of this one, `width` wide; scratch: width floats. */
@@ -93,8 +92,8 @@ typedef struct ty_screen_kernels {
 
     /* Splits one row of level 0 for the paper's pyramid: I' into out, light and distance into texels, W into spread. */
     void (*gather_split)(const ty_screen_params* params, const ty_screen_gather_params* gather,
-                         const ty_screen_row* row, float limit, float* const out[3], ptrdiff_t out_step, float* texels,
-                         float* spread, ty_screen_counts* counts);
+                         const ty_screen_row* row, const float limit[3], float* const out[3], ptrdiff_t out_step,
+                         float* texels, float* spread, ty_screen_counts* counts);
     /* Rows for the filter from one row of a level. */
     void (*gather_rows)(const ty_screen_gather_params* gather, const float* texels, const float* spread, int32_t width,
                         float* const rows[TY_GATHER_ROWS]);

@@ -5,7 +5,6 @@
 #include "base/context.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
 /* A task's pixels, and the sources that are looked at together: a tile whose widest spread is known. */
@@ -17,56 +16,39 @@ typedef struct reference {
     float* reach; /* of each tile, pixels */
     float* rows;  /* three for each worker */
     int32_t tiles[2], segments[2];
-    int64_t first; /* of the tasks that run now */
-    _Atomic int64_t mended, unknown;
-    _Atomic uint32_t largest; /* bits of the variance, which order as it does */
+    int64_t first;            /* of the tasks that run now */
+    ty_screen_counts* counts; /* of each row of tiles */
 } reference;
 
 static int32_t ceiling(int32_t a, int32_t b) {
     return (a + b - 1) / b;
 }
 
-static size_t plane_bytes(int32_t width, int32_t height) {
-    return (sizeof(float) * (size_t)width * (size_t)height + 63) / 64 * 64;
-}
-
-static size_t tile_bytes(int32_t width, int32_t height) {
-    return (sizeof(float) * (size_t)ceiling(width, TILE) * (size_t)ceiling(height, TILE) + 63) / 64 * 64;
-}
-
-/* Three rows for each worker. */
-static size_t row_bytes(const ty_context* context, int32_t width) {
-    return 3 * sizeof(float) * (size_t)width * (size_t)ty_context_threads(context);
-}
-
-size_t ty_screen_reference_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
-    (void)def;
-    return 6 * plane_bytes(width, height) + tile_bytes(width, height) + row_bytes(context, width);
-}
-
-static void lay_out(reference* r, const ty_screen_def* def) {
-    const int32_t width = r->job->image->width, height = r->job->image->height;
-    char* memory = r->job->memory;
-    for (int c = 0; c < 3; ++c) {
-        r->sources.light[c] = (float*)(void*)(memory + (size_t)c * plane_bytes(width, height));
-        r->sources.sharpness[c] = (float*)(void*)(memory + (size_t)(3 + c) * plane_bytes(width, height));
-    }
-    r->reach = (float*)(void*)(memory + 6 * plane_bytes(width, height));
-    r->rows = (float*)(void*)(memory + 6 * plane_bytes(width, height) + tile_bytes(width, height));
-    r->sources.width = width;
-    r->sources.height = height;
-    r->sources.before = def->window > 0 ? def->window / 2 : TY_SCREEN_SIDE_MAX;
-    r->sources.after = def->window > 0 ? (def->window - 1) / 2 : TY_SCREEN_SIDE_MAX;
+static void lay_out(reference* r, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
+                    ty_screen_arena* memory) {
+    const size_t plane = sizeof(float) * (size_t)width * (size_t)height;
     r->tiles[0] = ceiling(width, TILE);
     r->tiles[1] = ceiling(height, TILE);
     r->segments[0] = ceiling(width, SEGMENT);
     r->segments[1] = ceiling(height, SEGMENT_ROWS);
+    r->sources.width = width;
+    r->sources.height = height;
+    r->sources.before = def->window > 0 ? def->window / 2 : TY_SCREEN_SIDE_MAX;
+    r->sources.after = def->window > 0 ? (def->window - 1) / 2 : TY_SCREEN_SIDE_MAX;
+    for (int c = 0; c < 3; ++c) {
+        r->sources.light[c] = ty_screen_take(memory, plane);
+        r->sources.sharpness[c] = ty_screen_take(memory, plane);
+    }
+    r->reach = ty_screen_take(memory, sizeof(float) * (size_t)r->tiles[0] * (size_t)r->tiles[1]);
+    r->counts = ty_screen_take(memory, sizeof *r->counts * (size_t)r->tiles[1]);
+    r->rows = ty_screen_take(memory, 3 * sizeof(float) * (size_t)width * (size_t)ty_context_threads(context));
 }
 
-static void note_largest(reference* r, float variance) {
-    const uint32_t bits = ty_bits_from_float(variance);
-    uint32_t known = r->largest;
-    while (bits > known && !atomic_compare_exchange_weak(&r->largest, &known, bits)) continue;
+size_t ty_screen_reference_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
+    reference r;
+    ty_screen_arena memory = {0};
+    lay_out(&r, context, def, width, height, &memory);
+    return memory.used;
 }
 
 /* Makes the sources of a row of tiles, and puts what was not scattered into the picture. */
@@ -83,20 +65,18 @@ static void prepare(void* user, int64_t index, int32_t worker) {
         for (int c = 0; c < 3; ++c) {
             out.attenuated[c] = r->rows + (ptrdiff_t)(3 * worker + c) * width;
             out.scattered[c] = r->sources.light[c] + (ptrdiff_t)y * width;
-            out.variance[c] = r->sources.sharpness[c] + (ptrdiff_t)y * width;
+            out.measure[c] = r->sources.sharpness[c] + (ptrdiff_t)y * width;
         }
         const ty_screen_row row = ty_screen_picture_row(job->image, y);
-        job->kernels->split(&job->params, &row, TY_SCREEN_VARIANCE_MAX, &out, &counts);
+        job->kernels->split(&job->params, &row, ty_screen_no_limit, &out, &counts);
         for (int c = 0; c < 3; ++c)
             for (int32_t x = 0; x < width; ++x) {
-                reach[x / TILE] = fmaxf(reach[x / TILE], TY_SCREEN_REACH * sqrtf(out.variance[c][x]) + 1);
+                reach[x / TILE] = fmaxf(reach[x / TILE], TY_SCREEN_REACH * sqrtf(out.measure[c][x]) + 1);
                 job->image->out.data[c][y * job->image->out.row + x * job->image->out.step] = out.attenuated[c][x];
             }
         job->kernels->reference_prepare(&r->sources, y);
     }
-    r->mended += counts.mended;
-    r->unknown += counts.unknown;
-    note_largest(r, counts.largest);
+    r->counts[index] = counts;
 }
 
 /* How many pixels lie between the ranges [a, a + length_a) and [b, b + length_b), at least 0. */
@@ -159,7 +139,8 @@ static bool report(const reference* r, double start, int64_t done, int64_t total
 
 ty_result ty_screen_reference(ty_screen_job* job) {
     reference r = {.job = job};
-    lay_out(&r, job->def);
+    ty_screen_arena memory = {.base = job->memory};
+    lay_out(&r, job->context, job->def, job->image->width, job->image->height, &memory);
     const double start = ty_wall_seconds();
     ty_parallel_for(job->context, r.tiles[1], prepare, &r);
     const double prepared = ty_wall_seconds();
@@ -171,8 +152,6 @@ ty_result ty_screen_reference(ty_screen_job* job) {
     report(&r, prepared, total, total);
     job->stats.step_seconds[0] = prepared - start;
     job->stats.step_seconds[1] = ty_wall_seconds() - prepared;
-    job->stats.mended = r.mended;
-    job->stats.unknown = r.unknown;
-    job->stats.spread = sqrt((double)ty_float_from_bits(r.largest));
+    ty_screen_sum_counts(job, r.counts, r.tiles[1]);
     return TY_OK;
 }

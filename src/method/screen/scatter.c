@@ -6,6 +6,7 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
+#include "method/screen/spread.h"
 
 #include <math.h>
 #include <string.h>
@@ -20,6 +21,7 @@ typedef struct scatter {
     ty_screen_taps taps;
     ty_screen_level levels[TY_SCREEN_LEVELS_MAX + 1]; /* [0] has a size only */
     float variance[TY_SCREEN_LEVELS_MAX + 2];         /* that each level holds, pixels^2 */
+    float limit[3];                                   /* measure of spread that the last level just holds */
     int32_t built;                                    /* levels that there is memory for */
     int32_t level;                                    /* the one that tasks work on */
     float* edges;                                     /* rows of colour around each band, as they were */
@@ -133,8 +135,8 @@ static void scatter_row(const scatter* s, int32_t band, int32_t y, float* const 
     float* target[3];
     for (int c = 0; c < 3; ++c) target[c] = out->data[c] + y * out->row;
     const bool own = y >= 2 * BAND * band && y < 2 * BAND * (band + 1);
-    job->kernels->scatter(&job->params, &row, 1 / s->variance[1], s->variance[s->built], own ? target : NULL, out->step,
-                          onward, &s->counts[band]);
+    job->kernels->scatter(&job->params, &row, s->levels[0].share, s->limit, own ? target : NULL, out->step, onward,
+                          &s->counts[band]);
 }
 
 /* Makes rows of the next level from this one. */
@@ -200,34 +202,55 @@ static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn b
 
 /* ---- the whole ---- */
 
-static void set_variances(scatter* s) {
+/* Light counts as cut where more than this part of it should go beyond the last level (small angles). */
+static const double cut_share = 0.1;
+
+/* The optical thickness at which it does. */
+static float thickness_limit(double width, double variance) {
+    double low = 0, high = 1e6;
+    for (int i = 0; i < 40; ++i) {
+        const double middle = i < 20 ? sqrt((low + 1e-6) * high) : 0.5 * (low + high);
+        if (ty_screen_tail(width, middle, variance) > cut_share)
+            high = middle;
+        else
+            low = middle;
+    }
+    return (float)low;
+}
+
+static void set_levels(scatter* s) {
+    const ty_screen_job* job = s->job;
     const float step = ty_screen_taps_variance(s->taps);
     s->variance[0] = 0;
     for (int32_t k = 0; k <= s->built; ++k) s->variance[k + 1] = s->variance[k] + step * exp2f(2.0f * (float)k);
-    for (int32_t k = 0; k <= s->built; ++k) {
-        s->levels[k].low = s->variance[k];
-        s->levels[k].inverse_range = 1 / (s->variance[k + 1] - s->variance[k]);
+    for (int c = 0; c < 3; ++c) {
+        ty_screen_share shares[TY_SCREEN_LEVELS_MAX + 1];
+        const bool known = c > 0 && job->width[c] == job->width[c - 1];
+        if (known) {
+            s->limit[c] = s->limit[c - 1];
+        } else if (job->small_angle) {
+            ty_screen_small_angle_shares(job->width[c], s->variance, s->built, shares);
+            s->limit[c] = thickness_limit(job->width[c], (double)s->variance[s->built]);
+        } else {
+            ty_screen_gaussian_shares(s->variance, s->built, shares);
+            s->limit[c] = s->variance[s->built];
+        }
+        for (int32_t k = 0; k < s->built; ++k) s->levels[k].share[c] = known ? s->levels[k].share[c - 1] : shares[k];
     }
-}
-
-static void sum_counts(scatter* s, int32_t band_count) {
-    ty_screen_stats* stats = &s->job->stats;
-    float largest = 0;
-    for (int32_t band = 0; band < band_count; ++band) {
-        stats->mended += s->counts[band].mended;
-        stats->unknown += s->counts[band].unknown;
-        stats->cut += s->counts[band].cut;
-        largest = fmaxf(largest, s->counts[band].largest);
-    }
-    stats->spread = sqrt((double)largest);
 }
 
 /* As many levels as the largest spread needs, or as were asked for. */
 static int32_t choose_levels(const scatter* s) {
+    if (s->job->def->levels > 0 || s->job->stats.cut > 0) return s->built;
     int32_t levels = 1;
-    const double largest = s->job->stats.spread * s->job->stats.spread;
-    const bool all = s->job->def->levels != TY_SCREEN_LEVELS_AUTO;
-    while (levels < s->built && (all || (double)s->variance[levels] < largest)) ++levels;
+    for (int32_t band = 0; band < s->band_count; ++band)
+        for (int c = 0; c < 3; ++c) {
+            const double most = (double)s->counts[band].largest[c];
+            while (levels < s->built && (s->job->small_angle ? ty_screen_tail(s->job->width[c], most,
+                                                                              (double)s->variance[levels]) > cut_share
+                                                             : (double)s->variance[levels] < most))
+                ++levels;
+        }
     return levels;
 }
 
@@ -257,13 +280,13 @@ ty_result ty_screen_scatter(ty_screen_job* job) {
     lay_out(&s, job->context, job->def, job->image->width, job->image->height, &memory);
     s.job = job;
     s.in_place = overlap(job->image);
-    set_variances(&s);
+    set_levels(&s);
 
     const double start = ty_wall_seconds();
     s.level = 0;
     if (s.in_place) run(&s, 0, s.band_count, save_edges);
     run(&s, 0, s.band_count, descend);
-    sum_counts(&s, s.band_count);
+    ty_screen_sum_counts(job, s.counts, s.band_count);
     const double split = ty_wall_seconds();
     const int32_t levels = choose_levels(&s);
     for (s.level = 1; s.level < levels; ++s.level) run(&s, s.level, bands(s.levels[s.level + 1].height), descend);

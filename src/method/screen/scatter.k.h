@@ -1,22 +1,38 @@
 /* Light spread by its own width: what of it stays at a level of the pyramid, what goes on to the next, and the filters
  * from level to level.
  *
- * A texel holds, per channel, light E and Q = E times the variance that this light shall be spread with in the end.
- * Both are linear, so filtering mixes them rightly: Q / E is the mean variance, weighted by light. Down a level and up
- * again adds a known variance; light whose variance lies between those of two levels is shared between them so that the
- * variance of the sum is right. */
+ * A texel holds, per channel, light E and Q = E times the measure of how far this light shall spread: the variance of
+ * its Gaussian (Eq. 2), or the optical thickness that it was scattered over. Both are linear, so filtering mixes them
+ * rightly: Q / E is the mean, weighted by light. Down a level and up again adds a known variance; light whose variance
+ * lies between those of two levels is shared between them so that the variance of the sum is right. */
 #ifndef TY_METHOD_SCREEN_SCATTER_K_H
 #define TY_METHOD_SCREEN_SCATTER_K_H
 
 #include "base/kernel.h"
 
-/* The share that goes on from a level that holds the variance low to the next, which holds low + 1 / inverse_range. */
-TY_FN float ty_screen_onward(float variance, float low, float inverse_range) {
-    return ty_clampf((variance - low) * inverse_range, 0.0f, 1.0f);
+/* Polynomial shares: terms in z = 2 t / TOP - 1, t = tau / (tau + SCALE), cut at TOP (tau = 76). */
+#define TY_SCREEN_SHARE_TERMS 8
+#define TY_SCREEN_SHARE_SCALE 4.0f
+#define TY_SCREEN_SHARE_TOP 0.95f
+
+/* The share of a level's light that goes on to the next, as a function of its measure. */
+typedef struct ty_screen_share {
+    int32_t small_angle;
+    float low, inverse_range;           /* variance: of the level, and 1 / (what the next holds more) */
+    float terms[TY_SCREEN_SHARE_TERMS]; /* small angle: from the constant on */
+} ty_screen_share;
+
+TY_FN float ty_screen_onward(ty_screen_share share, float measure) {
+    if (!share.small_angle) return ty_clampf((measure - share.low) * share.inverse_range, 0.0f, 1.0f);
+    const float t = ty_minf(measure / (measure + TY_SCREEN_SHARE_SCALE), TY_SCREEN_SHARE_TOP);
+    const float z = t * (2.0f / TY_SCREEN_SHARE_TOP) - 1.0f;
+    float sum = share.terms[TY_SCREEN_SHARE_TERMS - 1];
+    for (int32_t i = TY_SCREEN_SHARE_TERMS - 2; i >= 0; --i) sum = sum * z + share.terms[i];
+    return ty_clampf(sum, 0.0f, 1.0f);
 }
 
-/* The mean variance of a texel's light; any where there is none. */
-TY_FN float ty_screen_mean_variance(float light, float moment) {
+/* The mean measure of a texel's light; 0 where there is none. */
+TY_FN float ty_screen_mean_measure(float light, float moment) {
     return moment / (light + 1e-30f);
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/isa.h"
+#include "method/screen/spread.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -36,7 +37,9 @@ static void set_spread(double sigma_s, double sigma_a, double g, double focal, f
     *bend = bounded(sigma_a * reduced / 6);
 }
 
-static ty_screen_params make_params(const ty_screen_def* def, int32_t width, int32_t height) {
+static void make_params(ty_screen_job* job) {
+    const ty_screen_def* def = job->def;
+    const int32_t width = job->image->width, height = job->image->height;
     ty_screen_params params = {.width = width,
                                .height = height,
                                .planar = def->planar,
@@ -54,14 +57,18 @@ static ty_screen_params make_params(const ty_screen_def* def, int32_t width, int
         params.forward[c] = def->forward[c];
         const double sigma_t = sigma_s + sigma_a;
         params.airlight[c] = sigma_t > 0 ? (float)((double)def->environment[c] * sigma_s / sigma_t) : 0.0f;
-        set_spread(sigma_s, sigma_a, g, focal, &params.slope[c], &params.bend[c]);
+        job->width[c] = focal * ty_screen_angle(g);
+        if (job->small_angle)
+            params.slope[c] = def->sigma_s[c];
+        else
+            set_spread(sigma_s, sigma_a, g, focal, &params.slope[c], &params.bend[c]);
         mean_s += sigma_s / 3;
         mean_a += sigma_a / 3;
         mean_reduced += sigma_s * (1 - g) / 3;
     }
     const double mean_g = mean_s > 0 ? 1 - mean_reduced / mean_s : 0;
     set_spread(mean_s, mean_a, mean_g, focal, &params.mean_slope, &params.mean_bend);
-    return params;
+    job->params = params;
 }
 
 ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y) {
@@ -73,8 +80,28 @@ ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y) {
     return row;
 }
 
+const float ty_screen_no_limit[3] = {TY_FLOAT_MAX, TY_FLOAT_MAX, TY_FLOAT_MAX};
+
+double ty_screen_radius(const ty_screen_job* job, int channel, double measure) {
+    if (measure <= 0) return 0;
+    return job->small_angle ? ty_screen_half_radius(job->width[channel], measure) : sqrt(2 * log(2.0) * measure);
+}
+
+void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count) {
+    ty_screen_stats* stats = &job->stats;
+    for (int32_t band = 0; band < band_count; ++band) {
+        stats->mended += counts[band].mended;
+        stats->unknown += counts[band].unknown;
+        stats->cut += counts[band].cut;
+        for (int c = 0; c < 3; ++c)
+            stats->spread = fmax(stats->spread, ty_screen_radius(job, c, (double)counts[band].largest[c]));
+    }
+}
+
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height) {
-    const int32_t asked = def->levels == TY_SCREEN_LEVELS_AUTO ? TY_SCREEN_LEVELS_USUAL : def->levels;
+    const int32_t asked = def->levels == TY_SCREEN_LEVELS_AUTO  ? TY_SCREEN_LEVELS_USUAL
+                          : def->levels == TY_SCREEN_LEVELS_ALL ? TY_SCREEN_LEVELS_MAX
+                                                                : def->levels;
     int32_t possible = 1;
     while (possible < asked && (width > 2 || height > 2)) {
         width = (width + 1) / 2;
@@ -135,7 +162,7 @@ static ty_result copy_picture(ty_screen_job* job) {
     return TY_OK;
 }
 
-enum { SPLIT_ROWS = 9 }; /* attenuated, scattered, variance */
+enum { SPLIT_ROWS = 9 }; /* attenuated, scattered, measure of spread */
 
 typedef struct split_work {
     const ty_screen_job* job;
@@ -143,10 +170,9 @@ typedef struct split_work {
     float* rows;              /* SPLIT_ROWS of the width for each worker */
 } split_work;
 
-static void store_row(const ty_screen_image* image, int32_t y, const float* from, bool root, float* plane) {
-    if (plane == NULL) return;
-    for (int64_t x = 0; x < image->width; ++x)
-        plane[y * image->out.row + x * image->out.step] = root ? sqrtf(from[x]) : from[x];
+static void store_row(const ty_screen_image* image, int32_t y, const float* from, float* plane) {
+    for (int64_t x = 0; plane != NULL && x < image->width; ++x)
+        plane[y * image->out.row + x * image->out.step] = from[x];
 }
 
 static void split_rows(void* user, int64_t index, int32_t worker) {
@@ -159,15 +185,18 @@ static void split_rows(void* user, int64_t index, int32_t worker) {
     for (int c = 0; c < 3; ++c) {
         out.attenuated[c] = rows + (ptrdiff_t)c * width;
         out.scattered[c] = rows + (ptrdiff_t)(3 + c) * width;
-        out.variance[c] = rows + (ptrdiff_t)(6 + c) * width;
+        out.measure[c] = rows + (ptrdiff_t)(6 + c) * width;
     }
     for (int32_t y = begin; y < end; ++y) {
         const ty_screen_row row = ty_screen_picture_row(job->image, y);
         ty_screen_counts counts = {0};
-        job->kernels->split(&job->params, &row, TY_SCREEN_VARIANCE_MAX, &out, &counts);
+        job->kernels->split(&job->params, &row, ty_screen_no_limit, &out, &counts);
+        for (int c = 0; c < 3; ++c)
+            for (int32_t x = 0; x < width; ++x)
+                out.measure[c][x] = (float)ty_screen_radius(job, c, (double)out.measure[c][x]);
         for (int kind = 0; kind < 3; ++kind)
             for (int c = 0; c < 3 && work->targets[kind] != NULL; ++c)
-                store_row(job->image, y, rows + (ptrdiff_t)(3 * kind + c) * width, kind == 2, work->targets[kind][c]);
+                store_row(job->image, y, rows + (ptrdiff_t)(3 * kind + c) * width, work->targets[kind][c]);
     }
 }
 
@@ -206,7 +235,8 @@ static ty_result start(ty_screen_job* job, bool out) {
     if (result == TY_OK) result = ty_screen_check_image(job->context, job->image, out);
     if (result != TY_OK) return result;
     job->kernels = choose_kernels(&job->stats.isa);
-    job->params = make_params(job->def, job->image->width, job->image->height);
+    job->small_angle = job->def->variant == TY_SCREEN_SCATTER && job->def->spread == TY_SCREEN_SPREAD_SMALL_ANGLE;
+    make_params(job);
     return TY_OK;
 }
 

@@ -20,7 +20,7 @@ typedef struct ty_screen_params {
     float sigma_s[3], sigma_a[3]; /* 1/m */
     float airlight[3];            /* environment * sigma_s / sigma_t, W m^-2 sr^-1 */
     float forward[3];             /* fraction of the scattered light that arrives */
-    float slope[3];               /* Eq. 2 squared, in pixels: variance = slope D / (1 + bend D^2) */
+    float slope[3]; /* measure of spread: slope D / (1 + bend D^2). Eq. 2 squared, in pixels, or sigma_s D */
     float bend[3];
     float mean_slope, mean_bend; /* the same for the mean of the channels' coefficients: the paper's single W */
     int32_t planar;              /* distances are along the camera's axis */
