@@ -21,6 +21,7 @@ static const command commands[] = {
     {"merge", "renderings of one scene to a better or larger one", cli_merge},
     {"compare", "methods or images with a reference", cli_compare},
     {"convert", "a volume or an image as another kind of file", cli_convert},
+    {"figure", "figures and tables of papers", cli_figure},
     {"bench", "measure speed", cli_bench},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
