@@ -58,26 +58,39 @@ ty_result figure_note_difference(figure_run* run, const char* item, const ty_ima
     return result;
 }
 
-static float sum_at(const float* const planes[3], size_t i) {
-    return planes[0][i] + planes[1][i] + planes[2][i];
+/* R + G + B of means over block x block pixels, row by row; partial blocks are left out. NULL: no memory. */
+static float* block_brightness(const ty_image* image, int32_t block) {
+    const int32_t width = ty_image_width(image), columns = width / block, rows = ty_image_height(image) / block;
+    const float* planes[3];
+    float* sums = calloc((size_t)columns * (size_t)rows, sizeof *sums);
+    if (sums == NULL || !ty_image_rgb_planes(image, planes)) return sums;
+    for (int32_t y = 0; y < rows * block; ++y)
+        for (int32_t x = 0; x < columns * block; ++x) {
+            const size_t i = (size_t)y * (size_t)width + (size_t)x;
+            sums[(size_t)(y / block) * (size_t)columns + (size_t)(x / block)] +=
+                (planes[0][i] + planes[1][i] + planes[2][i]) / (float)(block * block);
+        }
+    return sums;
 }
 
-ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b, plot_picture* out) {
-    const int32_t width = ty_image_width(b), height = ty_image_height(b);
-    const size_t count = (size_t)width * (size_t)height;
-    const float *pa[3], *pb[3];
-    if (!ty_image_rgb_planes(a, pa) || !ty_image_rgb_planes(b, pb)) return TY_ERROR_ARGUMENT;
-    float* percent = malloc(count * sizeof *percent);
-    if (percent == NULL) return TY_ERROR_MEMORY;
+/* Turns values into percent of those expected, or of a tenth of their mean, whichever is more. */
+static void compare_values(float* values, const float* expected, size_t count) {
     double mean = 0;
-    for (size_t i = 0; i < count; ++i) mean += (double)sum_at(pb, i) / (double)count;
+    for (size_t i = 0; i < count; ++i) mean += (double)expected[i] / (double)count;
     const float least = (float)fmax(0.1 * mean, 1e-30);
-    for (size_t i = 0; i < count; ++i) {
-        const float expected = sum_at(pb, i);
-        percent[i] = 100 * (sum_at(pa, i) - expected) / (expected > least ? expected : least);
+    for (size_t i = 0; i < count; ++i)
+        values[i] = 100 * (values[i] - expected[i]) / (expected[i] > least ? expected[i] : least);
+}
+
+ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b, int32_t block, plot_picture* out) {
+    const int32_t columns = ty_image_width(b) / block, rows = ty_image_height(b) / block;
+    float *values = block_brightness(a, block), *expected = block_brightness(b, block);
+    ty_result result = TY_ERROR_MEMORY;
+    if (values != NULL && expected != NULL) {
+        compare_values(values, expected, (size_t)columns * (size_t)rows);
+        result = plot_picture_of_values(run->session->context, values, columns, rows, &figure_error_scale, out);
     }
-    const ty_result result =
-        plot_picture_of_values(run->session->context, percent, width, height, &figure_error_scale, out);
-    free(percent);
+    free(values);
+    free(expected);
     return result;
 }

@@ -48,8 +48,9 @@ ty_result figure_check_interrupt(void);
 /* How a differs from b, as ty_image_compare has it, as quantities of an item. */
 ty_result figure_note_difference(figure_run* run, const char* item, const ty_image* a, const ty_image* b,
                                  ty_difference* out);
-/* Where a is brighter (red) or darker (blue) than b, in percent of b or of a tenth of b's mean, whichever is more. */
-ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b, plot_picture* out);
+/* Where a is brighter (red) or darker (blue) than b, of the same size, in percent of b or of a tenth of b's mean,
+ * whichever is more; of means over block x block pixels, 1 or more and not more than there are. */
+ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b, int32_t block, plot_picture* out);
 extern const plot_scale figure_error_scale;
 
 /* The figures. */

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { STAGES = 7, REFERENCE_WINDOW = 100, PAGE_WIDTH = 1900, ROOM_WIDTH = 384 };
+enum { STAGES = 7, REFERENCE_WINDOW = 100, PAGE_WIDTH = 1900, ROOM_WIDTH = 288 };
 
 static const double thickness = 4;
 
@@ -107,7 +107,7 @@ static ty_result fill_stage(figure_run* run, const screen_view* view, int stage,
     if (result == TY_OK) result = figure_note_difference(run, stages[stage].name, image, reference, &difference);
     if (result == TY_OK) result = figure_note(run, stages[stage].name, "time", "s", stats.seconds);
     if (result == TY_OK) result = fill_cell(run, view, image, cell);
-    if (result == TY_OK) result = figure_error_map(run, image, reference, &errors->picture);
+    if (result == TY_OK) result = figure_error_map(run, image, reference, 1, &errors->picture);
     ty_image_destroy(image);
     if (result != TY_OK) return result;
     snprintf(sheet->column_titles[stage], PLOT_LABEL_SIZE, "%s", stages[stage].title);

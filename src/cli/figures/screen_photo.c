@@ -101,7 +101,7 @@ ty_result figure_screen_photo(figure_run* run) {
     screen_free_view(&view);
     snprintf(
         run->caption, sizeof run->caption,
-        "A photograph with depth (TUM RGB-D benchmark, sequence fr1, CC BY 4.0), decoded from sRGB; where the sensor "
+        "A photograph with depth (TUM RGB-D benchmark, sequence fr1, CC BY), decoded from sRGB; where the sensor "
         "saw "
         "no depth it is filled from around. Scattered light that leaves the image's half space is made up for by the "
         "surroundings' radiance.");

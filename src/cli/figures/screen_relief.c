@@ -101,6 +101,7 @@ static ty_result add_relief(const screen_view* view, const relief* r, int64_t fa
 }
 
 static ty_result add_medium(const screen_view* view, double thickness, ty_scene* scene) {
+    if (!(thickness > 0)) return TY_OK;
     const ty_screen_def def = screen_room_def(view, thickness);
     ty_medium_def medium = ty_default_medium_def();
     medium.bounds = TY_BOUNDS_BOX;

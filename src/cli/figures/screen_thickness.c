@@ -1,7 +1,7 @@
 /* Fig. 7 of the paper: optical thickness 2, 4, 6 and 8, against the screen-space reference. */
 #include "cli/figures/screen_view.h"
 
-enum { THICKNESSES = 4, METHODS = 3, SHOWN = 2, ROOM_WIDTH = 384, PAGE_WIDTH = 1900 };
+enum { THICKNESSES = 4, METHODS = 3, SHOWN = 2, ROOM_WIDTH = 288, PAGE_WIDTH = 1900 };
 
 static const double thicknesses[THICKNESSES] = {2, 4, 6, 8};
 static const char* const names[METHODS] = {"scatter", "gather", "naive"};
@@ -35,7 +35,7 @@ static ty_result show_method(figure_run* run, const screen_view* view, int colum
     plot_cell *cell = plot_sheet_cell(sheet, 1 + 2 * method, column),
               *errors = plot_sheet_cell(sheet, 2 + 2 * method, column);
     const ty_result result = plot_picture_of_image(run->session->context, image, view->camera.exposure, &cell->picture);
-    return result == TY_OK ? figure_error_map(run, image, reference, &errors->picture) : result;
+    return result == TY_OK ? figure_error_map(run, image, reference, 1, &errors->picture) : result;
 }
 
 static ty_result fill_method(figure_run* run, const screen_view* view, int column, int method,

@@ -9,6 +9,7 @@ enum {
     STRENGTHS = 2,
     TRUTHS = 2, /* relief, room */
     METHODS = 3,
+    BLOCK = 4,
     SAMPLES = 512,
     SAMPLES_QUICK = 4,
     ROOM_WIDTH = 192,
@@ -26,24 +27,43 @@ static const struct {
 /* One row of the sheet. */
 typedef struct truth_row {
     int strength, truth;
+    int32_t block;   /* errors are of means over block x block pixels, which lessens the truth's noise */
     ty_image* image; /* path traced, with variance */
-    double noise[4]; /* root mean square of its standard error; R, G, B, all */
+    double noise[4]; /* root mean square of those means' standard error; R, G, B, all */
 } truth_row;
+
+static ty_result trace(figure_run* run, const screen_view* view, const ty_scene* scene, int32_t spp, ty_image** out) {
+    ty_path_def def = ty_default_path_def();
+    def.spp = spp;
+    def.seed = run->session->common.seed + 1; /* the surface image has the seed itself */
+    def.width = view->width;
+    def.height = view->height;
+    def.progress = cli_progress_report;
+    def.progress_user = &run->session->progress;
+    return ty_path_render(scene, &def, out, NULL);
+}
 
 static ty_result trace_truth(figure_run* run, const screen_view* view, truth_row* row) {
     ty_scene* scene = NULL;
     const double thickness = thicknesses[row->strength];
     ty_result result =
         row->truth == 0 ? screen_make_relief(run, view, thickness, &scene) : screen_load_room(run, thickness, &scene);
-    if (result != TY_OK) return result;
-    ty_path_def def = ty_default_path_def();
-    def.spp = run->options->quick ? SAMPLES_QUICK : SAMPLES;
-    def.seed = run->session->common.seed + 1; /* the surface image has the seed itself */
-    def.width = view->width;
-    def.height = view->height;
-    def.progress = cli_progress_report;
-    def.progress_user = &run->session->progress;
-    result = ty_path_render(scene, &def, &row->image, NULL);
+    if (result == TY_OK) result = trace(run, view, scene, run->options->quick ? SAMPLES_QUICK : SAMPLES, &row->image);
+    ty_scene_destroy(scene);
+    return result;
+}
+
+/* A relief without a medium looks like the view that it was made of. */
+static ty_result check_relief(figure_run* run, const screen_view* view) {
+    ty_scene* scene = NULL;
+    ty_image* image = NULL;
+    ty_difference difference;
+    ty_result result = screen_make_relief(run, view, 0, &scene);
+    if (result == TY_OK) result = trace(run, view, scene, 1, &image);
+    if (result == TY_OK) result = ty_image_compare(run->session->context, image, view->surface, 1, &difference);
+    if (result == TY_OK)
+        result = figure_expect(run, "relief, no medium", "relMSE", "1", difference.rel_mse[3], 0, 1e-4);
+    ty_image_destroy(image);
     ty_scene_destroy(scene);
     return result;
 }
@@ -56,8 +76,9 @@ static void measure_noise(truth_row* row) {
         const float* variance = ty_image_plane_const(row->image, ty_image_find_channel(row->image, names[c]));
         double sum = 0;
         for (size_t i = 0; i < count; ++i) sum += (double)variance[i];
-        row->noise[c] = sqrt(sum / (double)count);
-        squares += sum / (3 * (double)count);
+        const double variance_of_mean = sum / (double)count / (row->block * row->block);
+        row->noise[c] = sqrt(variance_of_mean);
+        squares += variance_of_mean / 3;
     }
     row->noise[3] = sqrt(squares);
 }
@@ -95,17 +116,18 @@ static ty_result fill_method(figure_run* run, const screen_view* view, const tru
     ty_image* image = NULL;
     ty_difference difference;
     ty_result result = screen_apply(run, view, &def, &image, NULL);
-    if (result == TY_OK) result = ty_image_compare(run->session->context, image, row->image, 1, &difference);
+    if (result == TY_OK) result = ty_image_compare(run->session->context, image, row->image, row->block, &difference);
     if (result == TY_OK)
         result = plot_picture_of_image(run->session->context, image, view->camera.exposure, &cell->picture);
-    if (result == TY_OK) result = figure_error_map(run, image, row->image, &errors->picture);
+    if (result == TY_OK) result = figure_error_map(run, image, row->image, row->block, &errors->picture);
     ty_image_destroy(image);
     return result == TY_OK ? note_method(run, row, method, &difference, errors) : result;
 }
 
 /* The truth, then each method, then each method's errors. */
 static ty_result fill_row(figure_run* run, const screen_view* view, int index, plot_sheet* sheet) {
-    truth_row row = {.strength = index % STRENGTHS, .truth = index / STRENGTHS};
+    const bool small = view->width < BLOCK || view->height < BLOCK;
+    truth_row row = {.strength = index % STRENGTHS, .truth = index / STRENGTHS, .block = small ? 1 : BLOCK};
     plot_cell* truth = plot_sheet_cell(sheet, index, 0);
     char item[FIGURE_NAME_SIZE];
     snprintf(item, sizeof item, "path, %s, thickness %g", truth_names[row.truth], thicknesses[row.strength]);
@@ -142,6 +164,7 @@ ty_result figure_screen_truth(figure_run* run) {
     plot_sheet sheet = {0};
     screen_room_size(run, ROOM_WIDTH, size);
     ty_result result = screen_render_room(run, size, &view);
+    if (result == TY_OK) result = check_relief(run, &view);
     if (result == TY_OK) result = plot_create_sheet(STRENGTHS * TRUTHS, 1 + 2 * METHODS, PICTURE_WIDTH, &sheet);
     for (int row = 0; row < STRENGTHS * TRUTHS && result == TY_OK; ++row) result = fill_row(run, &view, row, &sheet);
     if (result == TY_OK) place(run, &sheet);
@@ -152,7 +175,7 @@ ty_result figure_screen_truth(figure_run* run) {
         "The builtin scene screen_room, %d × %d pixels, g = %g, scattering of optical thickness τ as far as the back "
         "wall (%g m). Relief: every pixel is a facet that sends what the image shows and reflects nothing, which is "
         "what screen-space methods know of a scene. Room: the lit scene itself, with all that they cannot know. The "
-        "truth's own noise is taken out of each RMSE.",
-        size[0], size[1], (double)SCREEN_ROOM_G, SCREEN_ROOM_DEPTH);
+        "truth's own noise is taken out of each RMSE. Errors are of means over %d × %d pixels.",
+        size[0], size[1], (double)SCREEN_ROOM_G, SCREEN_ROOM_DEPTH, BLOCK, BLOCK);
     return result;
 }
