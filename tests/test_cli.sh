@@ -186,6 +186,17 @@ test_info() {
   usage_error 'folder.exr' info folder.exr
   printf 'v/1\001broken' > broken.exr
   usage_error 'broken.exr' info broken.exr
+  expect 0 info --media
+  said out.txt '^Wholemilk .* 2550 .*may be diluted'
+  said out.txt '^Fog .*needs its visibility'
+  expect 0 info --media 'Jerlov II'
+  said out.txt '^Jerlov II .* 0.2922 '
+  expect 0 info --media --json '{"sigma_s": [0.1, 0.25, 0.5], "g": 0.75}'
+  valid_json out.txt
+  said out.txt '"sigma_s": \[0.1'
+  usage_error 'did you mean "Wholemilk"' info --media wholmilk
+  usage_error 'Fog needs its visibility in metres: Fog:50' info --media fog
+  usage_error 'expected: tyndall info FILE' info
 }
 
 test_bench() {

@@ -452,7 +452,7 @@ static void test_the_manuals_examples_load(void** state) {
         }
         at = end + 1;
     }
-    assert_int_equal(loaded, 6);
+    assert_int_equal(loaded, 7);
     free(bytes);
 }
 

@@ -116,6 +116,13 @@ static const coefficient_case coefficient_cases[] = {
     {"\"sigma_s\":1,\"density\":3,\"scale\":0.5", {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 1.5},
     {"\"preset\":\"wholemilk\",\"scale\":0.01", {2550, 3210, 3770}, {1.1, 2.4, 14}, {0, 0, 0}, 0.01},
     {"\"preset\":\"Apple\",\"g\":[0.5,0,-1e-9]", {4580, 2390, 1970}, {3, 3.4, 46}, {0.5, 0, 0}, 1},
+    {"\"preset\":\"jerlov 9c\",\"g\":0.8", {2.546, 3.12, 4.39}, {0.4268, 0.348, 0.943}, {0.8, 0.8, 0.8}, 1},
+    {"\"preset\":\"fog\",\"visibility\":0.5", {5.9914645, 5.9914645, 5.9914645}, {0, 0, 0}, {0.85, 0.85, 0.85}, 1},
+    {"\"preset\":\"apple\",\"dilution\":2",
+     {1145.0004, 1195.0007, 985.00175},
+     {1.63775, 1.72825, 23.00461},
+     {0, 0, 0},
+     1},
     {"\"sigma_s\":1,\"g\":[0.99999999999,-0.99999999999,0]", {1, 1, 1}, {0, 0, 0}, {1 - 6e-8, 6e-8 - 1, 0}, 1},
 };
 
@@ -391,6 +398,7 @@ static const char every_key[] =
     "\"kelvin\":[300,900],\"scale\":1}},"
     "{\"preset\":\"apple\"," BOX ",\"density\":{\"noise\":{\"kind\":\"fbm\",\"resolution\":[4,5,6],\"seed\":4294967295,"
     "\"frequency\":2,\"octaves\":2,\"gain\":0.5,\"lacunarity\":2,\"coverage\":0.5,\"sharpness\":4}}},"
+    "{\"preset\":\"apple\",\"dilution\":2," BOX "},{\"preset\":\"fog\",\"visibility\":9," BOX "},"
     "{\"sigma_s\":1," BOX ",\"density\":{\"noise\":{\"kind\":\"constant\",\"resolution\":2}}}],"
     "\"lights\":[{\"type\":\"directional\",\"direction\":[0,0,-1],\"irradiance\":1},"
     "{\"type\":\"point\",\"position\":[0,0,0],\"intensity\":1},"
@@ -433,7 +441,7 @@ static void test_every_key_is_accepted(void** state) {
     json_decref(schema);
     ty_scene* scene = parse(context, every_key);
     const ty_scene_info info = ty_scene_get_info(scene);
-    assert_int_equal(info.media, 5);
+    assert_int_equal(info.media, 7);
     assert_int_equal(info.lights, 8);
     assert_int_equal(info.meshes, 1);
     assert_int_equal(info.shapes, 3);

@@ -27,6 +27,10 @@ extern "C" {
 TY_API ty_result ty_image_read(ty_context* context, const char* path, ty_image** out);
 /* The same without decoding sRGB: PNG and JPEG samples as they are, 0..1, as for depth maps. */
 TY_API ty_result ty_image_read_raw(ty_context* context, const char* path, ty_image** out);
+/* The same with PNG and JPEG samples as the whole numbers that they are, so that scaling them to metres is exact.
+ * *largest: 255 or 65535 (samples of fewer bits are scaled to 8), or 0 for the other formats, which are read as they
+ * are; may be NULL. */
+TY_API ty_result ty_image_read_whole(ty_context* context, const char* path, ty_image** out, int32_t* largest);
 /* One layer of an image: the channels "layer.NAME" under the names NAME, which may have dots; "" takes those without a
  * layer. Frame and metadata come along. A missing layer's message lists those that are there.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
@@ -180,9 +184,11 @@ TY_API ty_result ty_scene_parse(ty_context* context, const char* text, size_t le
                                 const char* folder, const char* const* overrides, int32_t override_count,
                                 ty_scene** out);
 /* A homogeneous medium in words, as on a command line: the name of a preset, some with a number ("fog:50", visibility in
- * metres; "wholemilk:1000", one part in a thousand parts of water), or a JSON object with the keys of a medium in a scene
- * file that say what it is made of (docs/scene.md), such as {"sigma_s": 0.1, "g": 0.9}. Sets sigma_s, sigma_a (scale is
- * multiplied in) and g; the rest of *medium is the default. Errors: TY_ERROR_INPUT, TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ * metres; "wholemilk:1000", one part in a thousand parts of a mixture with water: ty_medium_preset_with), or a JSON
+ * object with the keys of a medium in a scene file that say what it is made of (docs/scene.md), such as
+ * {"sigma_s": 0.1, "g": 0.9}. Sets sigma_s, sigma_a (scale is multiplied in) and g; the rest of *medium is the default.
+ * *medium stays as it is when it fails, and messages begin with "medium". Errors: TY_ERROR_INPUT, TY_ERROR_ARGUMENT,
+ * TY_ERROR_MEMORY. */
 TY_API ty_result ty_medium_parse(ty_context* context, const char* text, ty_medium_def* medium);
 /* The JSON Schema that scene files are checked against. */
 TY_API const char* ty_scene_schema(void);

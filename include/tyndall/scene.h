@@ -108,12 +108,32 @@ TY_API void ty_blackbody(double kelvin, float radiance[3]);
 TY_API ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double lower[3], const double upper[3],
                                     const int32_t size[3], int32_t samples, ty_grid** out);
 
-/* Sets sigma_s, sigma_a and g from a measured medium by name ("wholemilk": letters and digits count, case does
- * not). The measurements give reduced scattering, so g is set to 0. Returns false, def untouched, if unknown. */
+/* Media by name ("wholemilk": letters and digits count, case does not); docs/scene.md lists them with their sources. */
+typedef enum ty_preset_kind {
+    TY_PRESET_MEASURED = 0, /* a liquid or solid. The measurements give reduced scattering, so g is 0. May be diluted */
+    TY_PRESET_WATER = 1,    /* pure or natural water, with the g of its molecules and particles */
+    TY_PRESET_VISIBILITY = 2 /* fog and haze: needs a visibility */
+} ty_preset_kind;
+
+#define TY_VISIBILITY_MIN 1e-3 /* m */
+#define TY_VISIBILITY_MAX 1e9
+#define TY_DILUTION_MAX 1e12
+
+/* Sets sigma_s, sigma_a and g from a preset. Returns false, def untouched, if the name is unknown or needs a
+ * visibility. */
 TY_API bool ty_medium_preset(const char* name, ty_medium_def* def);
+/* The same from a preset that takes a number. TY_PRESET_VISIBILITY: the distance in metres, TY_VISIBILITY_MIN ..
+ * TY_VISIBILITY_MAX, at which 5% of the contrast in green light is left (meteorological optical range).
+ * TY_PRESET_MEASURED: how many parts of the mixture with pure water hold one part of the medium, 1 .. TY_DILUTION_MAX.
+ * Returns false, def untouched, for others and for numbers out of range. */
+TY_API bool ty_medium_preset_with(const char* name, double number, ty_medium_def* def);
 TY_API int32_t ty_medium_preset_count(void);
+/* The index of a preset; -1 if there is none of the name. */
+TY_API int32_t ty_medium_preset_find(const char* name);
 /* The name of a preset as published ("Wholemilk"), in table order; NULL past the end. */
 TY_API const char* ty_medium_preset_name(int32_t index);
+/* index: 0 .. ty_medium_preset_count() - 1. */
+TY_API ty_preset_kind ty_medium_preset_kind(int32_t index);
 
 typedef enum ty_light_kind {
     TY_LIGHT_DIRECTIONAL = 0, /* direction, color = irradiance on a plane facing it */

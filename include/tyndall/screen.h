@@ -19,6 +19,13 @@ typedef enum ty_screen_variant {
     TY_SCREEN_REFERENCE = 2 /* the exact, spatially varying point spread function, pixel by pixel: slow */
 } ty_screen_variant;
 
+/* How far scattered light spreads. */
+typedef enum ty_screen_spread {
+    TY_SCREEN_SPREAD_SMALL_ANGLE = 0, /* multiple small-angle scattering by Henyey-Greenstein, in closed form: a sharp
+                                         core and long tails, as measured against path (docs/method/screen.md) */
+    TY_SCREEN_SPREAD_GAUSSIAN = 1     /* the paper's Gaussian (Eq. 2) */
+} ty_screen_spread;
+
 /* What keeps light from leaking out of near pixels into coarse levels (Eq. 7), TY_SCREEN_GATHER only. */
 typedef enum ty_screen_mask {
     TY_SCREEN_MASK_NONE = 0,  /* a plain pyramid: the naive method */
@@ -26,7 +33,7 @@ typedef enum ty_screen_mask {
     TY_SCREEN_MASK_SMOOTH = 2 /* smoothstep from T to (1 + mask_width) T */
 } ty_screen_mask;
 
-enum { TY_SCREEN_LEVELS_AUTO = -1, TY_SCREEN_LEVELS_MAX = 15 };
+enum { TY_SCREEN_LEVELS_AUTO = -1, TY_SCREEN_LEVELS_ALL = -2, TY_SCREEN_LEVELS_MAX = 15 };
 
 typedef struct ty_screen_def {
     uint32_t cookie; /* set by ty_default_screen_def; checked */
@@ -36,30 +43,32 @@ typedef struct ty_screen_def {
     float sigma_a[3]; /* absorption coefficient, 1/m, >= 0; default 0 */
     float g[3];       /* mean cosine of the phase function, (-1, 1); default 0 */
 
-    /* Light that the image does not show. environment is the radiance, W m^-2 sr^-1, that arrives at the medium from all
-     * around; what of it one scattering sends to the camera is added: environment * sigma_s / sigma_t *
-     * (1 - exp(-sigma_t D)). >= 0; default 0. forward is the fraction of the scattered light of the image that still
+    /* Light that the image does not show. environment is the radiance, W m^-2 sr^-1, that arrives at the medium from
+     * all around; what of it one scattering sends to the camera is added: environment * sigma_s / sigma_t * (1 -
+     * exp(-sigma_t D)). >= 0; default 0. forward is the fraction of the scattered light of the image that still
      * arrives, 0..1; default 1, as the paper has it. ty_screen_balance sets both so that a white furnace stays one. */
     float environment[3];
     float forward[3];
 
     /* The camera. */
     double focal[2];  /* focal length, pixels, along x and y, > 0; must be set (ty_screen_focal) */
-    double center[2]; /* principal point, pixels from the left and top edge; default -1, -1: the middle */
+    double center[2]; /* principal point, pixels from the left and top edge; default -1, -1: the middle. Parts of a
+                         frame may have it outside */
     bool planar;      /* distances are along the camera's axis (depth), not along each pixel's ray; default false */
     float unknown;    /* m: what pixels without a distance (0, negative, Inf, NaN) are taken to have, such as sky;
                          > 0; default 1e6 */
 
     ty_screen_variant variant; /* default TY_SCREEN_SCATTER */
+    ty_screen_spread spread;   /* TY_SCREEN_SCATTER; the other variants are Gaussian. Default small angles */
     int32_t filter;            /* taps along x and y from one level to the next: 2, 4 or 6; default 4 */
     int32_t levels;            /* K, 1..TY_SCREEN_LEVELS_MAX; TY_SCREEN_LEVELS_AUTO (default): as many as the largest
-                                  spread needs, 6 at most. Wider spreads are cut to what K levels hold. Sides of one
-                                  pixel end the pyramid */
+                                  spread needs, 6 at most; TY_SCREEN_LEVELS_ALL: as many as it needs. Wider spreads are
+                                  cut to what K levels hold. Sides of one pixel end the pyramid */
 
     /* TY_SCREEN_GATHER alone. The defaults are the paper's method with its masks normalised; ty_screen_naive_def and
      * ty_screen_published_def change them. */
     ty_screen_mask mask;    /* default TY_SCREEN_MASK_SMOOTH */
-    float mask_width;       /* epsilon of Eq. 7, > 0; default 1 */
+    float mask_width;       /* epsilon of Eq. 7, > 0; default 0.5 */
     bool luminance_weights; /* Y of Eq. 8 is luminance (else 1); default true */
     bool blurred_distance;  /* levels come from a distance map blurred by its own level (Eq. 11); default true */
     bool normalise;         /* divide by the filtered mask, so that masks take no light away; default true */
@@ -90,13 +99,13 @@ typedef struct ty_screen_planes {
 } ty_screen_planes;
 
 typedef struct ty_screen_image {
-    int32_t width, height;              /* 1..65536 */
-    ty_screen_planes color;             /* I: radiance, linear Rec.709; read only. Negative and not finite values count as
-                                           0, +Inf as the largest half, 65504 */
-    const float* distance;              /* D, m */
-    ptrdiff_t distance_step;            /* floats; as in ty_screen_planes */
+    int32_t width, height;   /* 1..65536 */
+    ty_screen_planes color;  /* I: radiance, linear Rec.709; read only. Negative and not finite values count as
+                                0, +Inf as the largest half, 65504 */
+    const float* distance;   /* D, m */
+    ptrdiff_t distance_step; /* floats; as in ty_screen_planes */
     ptrdiff_t distance_row;
-    ty_screen_planes out;               /* J; may be the planes of color */
+    ty_screen_planes out; /* J; may be the planes of color */
 } ty_screen_image;
 
 /* What a call did. */
@@ -104,8 +113,11 @@ typedef struct ty_screen_stats {
     double seconds;         /* wall clock, of the whole call */
     double step_seconds[3]; /* attenuation (Eq. 3-5), filtering (Eq. 6-9), composition (Eq. 10-12) */
     int32_t levels;         /* K that was used */
-    double spread;          /* largest standard deviation of the point spread function, pixels, before it was cut */
-    int64_t cut;            /* pixels whose spread was wider than K levels hold */
+    double spread;          /* largest radius within which half of a pixel's scattered light falls, pixels, before it
+                               was cut */
+    double held;            /* the largest such radius that K levels hold; twice as large with each level more */
+    int64_t cut;            /* pixels whose spread was wider than that: by variance (Gaussian), or for more than a tenth
+                               of the light (small angles) */
     int64_t mended;         /* pixels with a value that was negative or not finite */
     int64_t unknown;        /* pixels without a distance */
     double bytes;           /* that the passes read and wrote, each plane counted once a pass */
@@ -115,15 +127,15 @@ typedef struct ty_screen_stats {
 /* Bytes of workspace that a call needs; 0 if the def or a size is wrong. */
 TY_API size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height);
 
-/* J of Eq. 12. workspace: at least ty_screen_workspace bytes, aligned to 64, and then nothing is allocated; or NULL, and
- * it is taken from the context. Without a medium and environment, valid pixels come back bit for bit. stats may be NULL.
- * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED (reference) leaves out undefined. */
+/* J of Eq. 12. workspace: at least ty_screen_workspace bytes, aligned to 64, and then nothing is allocated; or NULL,
+ * and it is taken from the context. Without a medium and environment, valid pixels come back bit for bit. stats may be
+ * NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED (reference) leaves out undefined. */
 TY_API ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const ty_screen_image* image,
                                  void* workspace, size_t workspace_size, ty_screen_stats* stats);
 
-/* What the filter starts from: attenuated I' (Eq. 3), scattered I0 (Eq. 4), spread: the standard deviation of the point
- * spread function, pixels, per channel (Eq. 5). Any may be NULL; planes as image->out is laid out, which itself is not
- * touched. Errors: TY_ERROR_ARGUMENT. */
+/* What the filter starts from: attenuated I' (Eq. 3), scattered I0 (Eq. 4), spread: the radius, pixels, within which
+ * half of a pixel's scattered light falls, per channel (Eq. 5: 1.18 standard deviations). Any may be NULL; planes as
+ * image->out is laid out, which itself is not touched. Errors: TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, const ty_screen_image* image,
                                  float* const attenuated[3], float* const scattered[3], float* const spread[3]);
 

@@ -1,4 +1,4 @@
-/* tyndall info: what a file holds. */
+/* tyndall info: what a file holds, and media by name. */
 #include "cli/info.h"
 #include "cli/commands.h"
 #include "cli/raw_options.h"
@@ -287,12 +287,14 @@ static int info_of_file(cli_session* session, const char* path, const cli_list* 
 }
 
 int cli_info(int count, char** arguments) {
-    bool json = false;
+    bool json = false, media = false;
     cli_list overrides = {0};
     ty_volume_def raw = ty_default_volume_def();
     const char *raw_size = NULL, *raw_type = NULL;
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &json, 0, 0, NULL},
+        {"media", 0, CLI_FLAG, NULL, "the media that have names, or one: wholemilk:1000, fog:50, JSON", &media, 0, 0,
+         NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene first, as for render", &overrides, 0, 0, NULL},
         {"raw-size", 0, CLI_TEXT, "X,Y,Z", "FILE is a raw volume of so many voxels", &raw_size, 0, 0, NULL},
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
@@ -300,20 +302,24 @@ int cli_info(int count, char** arguments) {
         {"big-endian", 0, CLI_FLAG, NULL, "of a raw volume", &raw.raw_big_endian, 0, 0, NULL},
     };
     const cli_syntax syntax = {"info",
-                               "FILE [options]",
+                               "FILE | --media [MEDIUM] [options]",
                                "Tells what a scene, a volume, an image or a mesh file holds.",
                                "Scenes: .json, builtin:NAME. Volumes: .vdb, .nvdb, .nrrd, .nhdr and raw files.\n"
                                "Images: .exr, .hdr, .png, .jpg. Meshes: .gltf, .glb, .obj, .ply, in the units of the\n"
                                "file. Memory is what a render takes for what is in the file.",
                                table,
                                sizeof table / sizeof table[0],
-                               1,
+                               0,
                                1};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
+    if (status == CLI_GO && given.positional_count == 0 && !media)
+        status = cli_usage_error("info", "expected: tyndall info %s", syntax.usage);
     if (status == CLI_GO) status = cli_parse_raw("info", raw_size, raw_type, NULL, &raw);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "info", &given.common);
     if (status != CLI_GO) return status;
-    return cli_session_close(&session, info_of_file(&session, given.positional[0], &overrides, &raw, json));
+    const char* subject = given.positional[0];
+    status = media ? cli_info_media(&session, subject, json) : info_of_file(&session, subject, &overrides, &raw, json);
+    return cli_session_close(&session, status);
 }

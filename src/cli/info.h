@@ -8,6 +8,8 @@ int cli_info_scene(cli_session* session, const char* path, const cli_list* overr
 int cli_info_volume(cli_session* session, const char* path, bool json);
 int cli_info_image(cli_session* session, const char* path, bool json);
 int cli_info_mesh(cli_session* session, const char* path, bool json);
+/* What a medium in words (ty_medium_parse) is made of; NULL: all that have a name. */
+int cli_info_media(cli_session* session, const char* medium, bool json);
 
 /* "(1, 2, 3)" between label and after. */
 void cli_print_vector(const char* label, const double v[3], const char* after);

@@ -1,17 +1,23 @@
-/* Measured media by name.
+/* Media by name.
  *
- * Jensen, Marschner, Levoy, Hanrahan: A Practical Model for Subsurface Light Transport, SIGGRAPH 2001, figure 5 (the
- * first twelve), and Narasimhan et al.: Acquiring Scattering Properties of Participating Media by Dilution, SIGGRAPH
- * 2006. Both in 1/mm, per channel, reduced scattering: sigma_s' = (1 - g) sigma_s. */
+ * All that is not measured in three channels already is given at 620, 550 and 450 nm for red, green and blue. */
 #include <tyndall/scene.h>
 
-typedef struct preset {
+#include <math.h>
+#include <stddef.h>
+
+/* ---- Measured media ---- */
+
+typedef struct measured_preset {
     const char* name;
     double reduced_scattering[3]; /* sigma_s', 1/mm */
     double absorption[3];         /* sigma_a, 1/mm */
-} preset;
+} measured_preset;
 
-static const preset presets[] = {
+/* Jensen, Marschner, Levoy, Hanrahan: A Practical Model for Subsurface Light Transport, SIGGRAPH 2001, figure 5 (the
+ * first twelve), and Narasimhan et al.: Acquiring Scattering Properties of Participating Media by Dilution, SIGGRAPH
+ * 2006. Both in 1/mm, per channel, reduced scattering: sigma_s' = (1 - g) sigma_s. */
+static const measured_preset measured[] = {
     {"Apple", {2.29, 2.39, 1.97}, {0.0030, 0.0034, 0.046}},
     {"Chicken1", {0.15, 0.21, 0.38}, {0.015, 0.077, 0.19}},
     {"Chicken2", {0.19, 0.25, 0.32}, {0.018, 0.088, 0.20}},
@@ -61,7 +67,63 @@ static const preset presets[] = {
     {"Pacific Ocean Surface Water", {0.0001764, 0.00032095, 0.00019617}, {0.031845, 0.031324, 0.030147}},
 };
 
-enum { PRESET_COUNT = sizeof presets / sizeof presets[0] };
+enum { MEASURED_COUNT = sizeof measured / sizeof measured[0] };
+
+/* ---- Water ---- */
+
+typedef struct water_preset {
+    const char* name;
+    double scattering[3]; /* of water and particles, 1/m */
+    double absorption[3]; /* 1/m */
+} water_preset;
+
+/* Mean cosine of Petzold's average particle (Mobley: Light and Water, 1994). Molecules scatter as much back as forth.
+ */
+#define PARTICLE_MEAN_COSINE 0.924
+
+enum { PURE_WATER = 0 };
+
+/* Pure water absorbs as measured by Pope and Fry (1997) and scatters as measured by Morel (1974), in Haltrin's fit
+ * (1999): 0.005826 (400 nm / wavelength)^4.322. Jerlov's oceanic (I to III) and coastal (1C to 9C) types are from the
+ * tables of Solonenko and Mobley: Inherent optical properties of Jerlov water types, 2015; red lies between their
+ * columns for 600 and 625 nm. What they print for 5C from 600 nm on repeats other rows: scattering follows from their
+ * equation 8, absorption is interpolated between the types, as by Williamson and Hollins (2022). */
+static const water_preset waters[] = {
+    {"Pure Water", {0.0008765, 0.001471, 0.003502}, {0.2755, 0.0565, 0.00922}},
+    {"Jerlov I", {0.001076, 0.0017, 0.00381}, {0.2816, 0.062, 0.018}},
+    {"Jerlov IA", {0.002614, 0.00354, 0.00631}, {0.2816, 0.0622, 0.0221}},
+    {"Jerlov IB", {0.0472, 0.0536, 0.068}, {0.2824, 0.0623, 0.0235}},
+    {"Jerlov II", {0.2922, 0.358, 0.504}, {0.2824, 0.0622, 0.0241}},
+    {"Jerlov III", {0.7994, 0.98, 1.38}, {0.2834, 0.0646, 0.0388}},
+    {"Jerlov 1C", {0.2972, 0.365, 0.514}, {0.2904, 0.076, 0.105}},
+    {"Jerlov 3C", {0.8672, 1.06, 1.5}, {0.2934, 0.082, 0.154}},
+    {"Jerlov 5C", {1.086, 1.33, 1.87}, {0.3134, 0.117, 0.297}},
+    {"Jerlov 7C", {1.918, 2.35, 3.3}, {0.3538, 0.195, 0.542}},
+    {"Jerlov 9C", {2.546, 3.12, 4.39}, {0.4268, 0.348, 0.943}},
+};
+
+enum { WATER_COUNT = sizeof waters / sizeof waters[0] };
+
+/* ---- Fog and haze ---- */
+
+typedef struct aerosol_preset {
+    const char* name;
+    double spectrum[3]; /* extinction over that at 550 nm */
+    double albedo;
+    double g;
+} aerosol_preset;
+
+/* Droplets of fog are large: all colours alike, g about 0.85 (Hu and Stamnes 1993), and they absorb millionths. Haze:
+ * (550 nm / wavelength)^1.3, as for average visibility by Kruse et al. (1962), albedo and g between clean and average
+ * continental aerosol (Hess, Koepke, Schult 1998). */
+static const aerosol_preset aerosols[] = {
+    {"Fog", {1, 1, 1}, 1, 0.85},
+    {"Haze", {0.8558, 1, 1.298}, 0.95, 0.7},
+};
+
+enum { AEROSOL_COUNT = sizeof aerosols / sizeof aerosols[0] };
+
+/* ---- Names ---- */
 
 /* The next letter or digit of *text, letters in lower case; '\0' at the end. */
 static char next_character(const char** text) {
@@ -87,24 +149,86 @@ static bool same_name(const char* a, const char* b) {
     }
 }
 
+int32_t ty_medium_preset_count(void) {
+    return MEASURED_COUNT + WATER_COUNT + AEROSOL_COUNT;
+}
+
+ty_preset_kind ty_medium_preset_kind(int32_t index) {
+    if (index < MEASURED_COUNT) return TY_PRESET_MEASURED;
+    return index < MEASURED_COUNT + WATER_COUNT ? TY_PRESET_WATER : TY_PRESET_VISIBILITY;
+}
+
+const char* ty_medium_preset_name(int32_t index) {
+    if (index < 0 || index >= ty_medium_preset_count()) return NULL;
+    switch (ty_medium_preset_kind(index)) {
+    case TY_PRESET_MEASURED: return measured[index].name;
+    case TY_PRESET_WATER: return waters[index - MEASURED_COUNT].name;
+    case TY_PRESET_VISIBILITY: break;
+    }
+    return aerosols[index - MEASURED_COUNT - WATER_COUNT].name;
+}
+
+int32_t ty_medium_preset_find(const char* name) {
+    if (name == NULL) return -1;
+    int32_t index = ty_medium_preset_count() - 1;
+    while (index >= 0 && !same_name(name, ty_medium_preset_name(index))) --index;
+    return index;
+}
+
+/* ---- Coefficients ---- */
+
+static void set_water(const water_preset* water, ty_medium_def* def) {
+    for (int c = 0; c < 3; ++c) {
+        const double particles = water->scattering[c] - waters[PURE_WATER].scattering[c];
+        def->sigma_s[c] = (float)water->scattering[c];
+        def->sigma_a[c] = (float)water->absorption[c];
+        def->g[c] = (float)(PARTICLE_MEAN_COSINE * particles / water->scattering[c]);
+    }
+}
+
+/* One part of the medium in so many parts of the mixture, the rest of which is pure water. */
+static void set_diluted(const measured_preset* medium, double parts, ty_medium_def* def) {
+    const water_preset* water = &waters[PURE_WATER];
+    for (int c = 0; c < 3; ++c) {
+        def->sigma_s[c] =
+            (float)(1000 * medium->reduced_scattering[c] / parts + (1 - 1 / parts) * water->scattering[c]);
+        def->sigma_a[c] = (float)(1000 * medium->absorption[c] / parts + (1 - 1 / parts) * water->absorption[c]);
+        def->g[c] = 0;
+    }
+}
+
+/* Koschmieder's law: at the visibility a twentieth of the contrast is left. */
+static void set_aerosol(const aerosol_preset* aerosol, double visibility, ty_medium_def* def) {
+    const double extinction = -log(0.05) / visibility;
+    for (int c = 0; c < 3; ++c) {
+        def->sigma_s[c] = (float)(extinction * aerosol->spectrum[c] * aerosol->albedo);
+        def->sigma_a[c] = (float)(extinction * aerosol->spectrum[c] * (1 - aerosol->albedo));
+        def->g[c] = (float)aerosol->g;
+    }
+}
+
 bool ty_medium_preset(const char* name, ty_medium_def* def) {
-    if (name == NULL || def == NULL) return false;
-    for (size_t i = 0; i < PRESET_COUNT; ++i) {
-        if (!same_name(name, presets[i].name)) continue;
-        for (int channel = 0; channel < 3; ++channel) {
-            def->sigma_s[channel] = (float)(1000 * presets[i].reduced_scattering[channel]);
-            def->sigma_a[channel] = (float)(1000 * presets[i].absorption[channel]);
-            def->g[channel] = 0;
-        }
-        return true;
+    const int32_t index = ty_medium_preset_find(name);
+    if (index < 0 || def == NULL) return false;
+    switch (ty_medium_preset_kind(index)) {
+    case TY_PRESET_MEASURED: set_diluted(&measured[index], 1, def); return true;
+    case TY_PRESET_WATER: set_water(&waters[index - MEASURED_COUNT], def); return true;
+    case TY_PRESET_VISIBILITY: break;
     }
     return false;
 }
 
-int32_t ty_medium_preset_count(void) {
-    return PRESET_COUNT;
-}
-
-const char* ty_medium_preset_name(int32_t index) {
-    return index >= 0 && index < PRESET_COUNT ? presets[index].name : NULL;
+bool ty_medium_preset_with(const char* name, double number, ty_medium_def* def) {
+    const int32_t index = ty_medium_preset_find(name);
+    if (index < 0 || def == NULL) return false;
+    const ty_preset_kind kind = ty_medium_preset_kind(index);
+    if (kind == TY_PRESET_MEASURED && number >= 1 && number <= TY_DILUTION_MAX) {
+        set_diluted(&measured[index], number, def);
+        return true;
+    }
+    if (kind == TY_PRESET_VISIBILITY && number >= TY_VISIBILITY_MIN && number <= TY_VISIBILITY_MAX) {
+        set_aerosol(&aerosols[index - MEASURED_COUNT - WATER_COUNT], number, def);
+        return true;
+    }
+    return false;
 }

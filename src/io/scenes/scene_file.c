@@ -20,7 +20,7 @@ const char* ty_scene_schema(void) {
 
 /* ---- From text to a checked tree ---- */
 
-static ty_result parse_text(ty_scene_reader* reader) {
+ty_result ty_reader_parse(ty_scene_reader* reader) {
     static const char mark[] = "\xef\xbb\xbf"; /* some editors begin UTF-8 with it */
     if (reader->length >= 3 && memcmp(reader->text, mark, 3) == 0) {
         reader->text += 3;
@@ -34,8 +34,13 @@ static ty_result parse_text(ty_scene_reader* reader) {
     return TY_OK;
 }
 
-static ty_result check_tree(const ty_scene_reader* reader) {
+ty_result ty_reader_check(const ty_scene_reader* reader, const char* part) {
     json_t* schema = json_loadb(ty_scene_schema_text, ty_scene_schema_size, 0, NULL);
+    if (schema != NULL && part != NULL) {
+        json_t* whole = schema;
+        schema = json_pack("{s:s+, s:O}", "$ref", "#/$defs/", part, "$defs", json_object_get(whole, "$defs"));
+        json_decref(whole);
+    }
     if (schema == NULL) return ty_fail(reader->context, TY_ERROR_INTERNAL, "the scene schema cannot be read");
     ty_schema_issue issue;
     ty_result result = TY_OK;
@@ -104,9 +109,9 @@ ty_result ty_scene_parse(ty_context* context, const char* text, size_t length, c
                               .folder = folder,
                               .text = text,
                               .length = length};
-    ty_result result = parse_text(&reader);
+    ty_result result = ty_reader_parse(&reader);
     if (result == TY_OK) result = ty_apply_overrides(&reader, overrides, override_count);
-    if (result == TY_OK) result = check_tree(&reader);
+    if (result == TY_OK) result = ty_reader_check(&reader, NULL);
     if (result == TY_OK) result = build_scene(&reader);
     free_reader(&reader);
     if (result == TY_OK)

@@ -1,96 +1,10 @@
 /* The media of a scene file. */
-#include "base/context.h"
 #include "io/scenes/scene_reader.h"
-#include "io/schema_text.h"
 
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
 #define NOISE_VOXELS_MAX 2147483648.0
-
-/* ---- Coefficients ---- */
-
-static ty_result fail_preset(const ty_scene_reader* reader, const ty_json_path* path, const char* name) {
-    const char* nearest = NULL;
-    const char* preset;
-    for (int32_t i = 0; (preset = ty_medium_preset_name(i)) != NULL; ++i)
-        if (nearest == NULL || ty_word_distance(name, preset) < ty_word_distance(name, nearest)) nearest = preset;
-    char text[256] = "there is no preset ";
-    ty_append_quoted(text, sizeof text, name);
-    ty_append(text, sizeof text, "; the nearest is \"%s\"", nearest);
-    const ty_json_path place = ty_json_path_key(path, "preset");
-    return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "%s", text);
-}
-
-/* The first of two keys that the object has; NULL when it has neither. */
-static const char* first_key(const json_t* object, const char* a, const char* b) {
-    return json_object_get(object, a) != NULL ? a : json_object_get(object, b) != NULL ? b : NULL;
-}
-
-/* Fails unless the coefficients are given in one form, whole. */
-static ty_result check_forms(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path) {
-    const char* parts = first_key(medium, "sigma_s", "sigma_a");
-    const char* total = first_key(medium, "sigma_t", "albedo");
-    const char* preset = first_key(medium, "preset", "preset");
-    if ((parts != NULL) + (total != NULL) + (preset != NULL) > 1) {
-        const char* kept = parts != NULL ? parts : total;
-        const char* extra = preset != NULL ? preset : total;
-        const ty_json_path place = ty_json_path_key(path, extra);
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT,
-                              "does not go with \"%s\"; give sigma_s and sigma_a, or sigma_t and albedo, or preset",
-                              kept);
-    }
-    if (parts == NULL && total == NULL && preset == NULL)
-        return ty_reader_fail(
-            reader, path, TY_ERROR_INPUT,
-            "the coefficients are missing; give sigma_s and sigma_a, or sigma_t and albedo, or preset");
-    const bool sigma_t = json_object_get(medium, "sigma_t") != NULL, albedo = json_object_get(medium, "albedo") != NULL;
-    const bool points = ty_transfer_has_albedo(medium);
-    if (points && !sigma_t) {
-        const ty_json_path place = ty_json_path_key(path, "transfer");
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "points with albedo need the key \"sigma_t\" beside it");
-    }
-    if (points && albedo) {
-        const ty_json_path place = ty_json_path_key(path, "albedo");
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the points of \"transfer\" give the albedo already");
-    }
-    if (total != NULL && !(sigma_t && (albedo || points))) {
-        const ty_json_path place = ty_json_path_key(path, total);
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "the key \"%s\" is missing beside it",
-                              sigma_t ? "albedo" : "sigma_t");
-    }
-    return TY_OK;
-}
-
-static ty_result read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
-                                   ty_medium_def* def) {
-    const ty_result result = check_forms(reader, medium, path);
-    if (result != TY_OK) return result;
-    const char* preset = json_string_value(json_object_get(medium, "preset"));
-    if (preset != NULL && !ty_medium_preset(preset, def)) return fail_preset(reader, path, preset);
-    if (preset != NULL && json_is_object(json_object_get(medium, "g"))) {
-        const ty_json_path place = ty_json_path_key(path, "g");
-        return ty_reader_fail(reader, &place, TY_ERROR_INPUT, "a volume does not go with \"preset\"");
-    }
-    double g[3] = {0, 0, 0}, sigma_t[3] = {0, 0, 0}, albedo[3] = {0, 0, 0};
-    ty_read_rgb(medium, "sigma_s", def->sigma_s);
-    ty_read_rgb(medium, "sigma_a", def->sigma_a);
-    ty_read_numbers(medium, "sigma_t", sigma_t);
-    ty_read_numbers(medium, "albedo", albedo); /* volumes, which take its place later, count as 0 */
-    ty_read_numbers(medium, "g", g);
-    const float below_one = nextafterf(1, 0);
-    for (int c = 0; c < 3; ++c) {
-        def->g[c] = fminf(fmaxf((float)g[c], -below_one), below_one);
-        if (json_object_get(medium, "sigma_t") != NULL) {
-            def->sigma_s[c] = (float)(sigma_t[c] * albedo[c]);
-            def->sigma_a[c] = (float)(sigma_t[c] * (1 - albedo[c]));
-        }
-        /* Presets measure sigma_s' = (1 - g) sigma_s. */
-        if (preset != NULL) def->sigma_s[c] /= 1 - def->g[c];
-    }
-    return TY_OK;
-}
 
 /* ---- Density ---- */
 
@@ -197,7 +111,7 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
     const double unit = files ? reader->unit : 1;
     ty_transfer_point points[TY_TRANSFER_MAX];
     ty_grid* noise = NULL;
-    ty_result result = read_coefficients(reader, medium, path, &def);
+    ty_result result = ty_read_coefficients(reader, medium, path, &def);
     if (result == TY_OK) result = read_bounds(reader, medium, path, unit, &def);
     if (result == TY_OK) result = ty_read_transform(reader, medium, path, unit, 1, &def.transform);
     if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);

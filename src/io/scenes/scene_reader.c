@@ -26,7 +26,7 @@ static const ty_scene_override* origin(const ty_scene_reader* reader, const ty_j
 ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path, ty_result result, const char* format,
                          ...) {
     char text[MESSAGE_SIZE] = "";
-    const int32_t line = ty_json_line(reader->text, reader->length, path);
+    const int32_t line = reader->length > 0 ? ty_json_line(reader->text, reader->length, path) : 0;
     const ty_scene_override* override = origin(reader, path, line);
     if (override != NULL) {
         ty_append(text, sizeof text, "override ");

@@ -31,8 +31,8 @@ typedef struct ty_scene_reader {
     const char* name;   /* of the file, in messages */
     const char* folder; /* where relative paths start; NULL: the scene may name no files */
     const char* text;
-    size_t length;
-    json_t* root; /* after overrides */
+    size_t length; /* 0 where there is no text, and so no lines */
+    json_t* root;  /* after overrides */
     ty_scene_override* overrides;
     int32_t override_count;
     ty_scene* scene;
@@ -43,6 +43,11 @@ typedef struct ty_scene_reader {
     ty_scene_asset* assets;
     size_t asset_count, asset_capacity;
 } ty_scene_reader;
+
+/* Sets root from text. */
+ty_result ty_reader_parse(ty_scene_reader* reader);
+/* Fails unless root keeps to the schema, or to the part of it that "$defs" has under a name. */
+ty_result ty_reader_check(const ty_scene_reader* reader, const char* part);
 
 /* Fails with "FILE:LINE: PATH: message", or names the override that the value came from. */
 ty_result ty_reader_fail(const ty_scene_reader* reader, const ty_json_path* path, ty_result result, const char* format,
@@ -105,6 +110,9 @@ ty_result ty_hash_file_and_names(ty_context* context, const char* path, uint64_t
 
 /* ---- The sections of a scene ---- */
 
+/* Sets sigma_s, sigma_a and g of a medium at path. */
+ty_result ty_read_coefficients(const ty_scene_reader* reader, const json_t* medium, const ty_json_path* path,
+                               ty_medium_def* def);
 /* Sets what goes with coefficients and density: fields of albedo and g, emission, transfer function. points: room for
  * TY_TRANSFER_MAX. */
 ty_result ty_read_fields(ty_scene_reader* reader, const json_t* medium, const ty_json_path* path, ty_medium_def* def,

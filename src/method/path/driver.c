@@ -2,6 +2,7 @@
 #include "method/path/driver.h"
 
 #include "base/context.h"
+#include "base/isa.h"
 #include "method/path/equiangular.k.h"
 #include "scene/check.h"
 
@@ -14,24 +15,14 @@ ty_path_def ty_default_path_def(void) {
 
 /* The best kernel this processor runs. */
 static ty_path_kernel choose_kernel(const char** isa) {
+    const ty_isa best = ty_best_isa();
+    *isa = ty_isa_name(best);
 #if TY_ISA_X86
-    __builtin_cpu_init();
-    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
-    if (v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl")) {
-        *isa = "x86-64-v4";
-        return ty_path_kernel_v4;
-    }
-    if (v3) {
-        *isa = "x86-64-v3";
-        return ty_path_kernel_v3;
-    }
-    *isa = "x86-64";
+    static const ty_path_kernel kernels[TY_ISA_COUNT] = {ty_path_kernel_v1, ty_path_kernel_v3, ty_path_kernel_v4};
+    return kernels[best];
 #else
-    *isa = "generic";
-#endif
     return ty_path_kernel_v1;
+#endif
 }
 
 static ty_result check_def(ty_context* context, const ty_path_def* def) {

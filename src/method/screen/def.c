@@ -14,7 +14,7 @@ ty_screen_def ty_default_screen_def(void) {
                            .filter = 4,
                            .levels = TY_SCREEN_LEVELS_AUTO,
                            .mask = TY_SCREEN_MASK_SMOOTH,
-                           .mask_width = 1,
+                           .mask_width = 0.5f,
                            .luminance_weights = true,
                            .blurred_distance = true,
                            .normalise = true,
@@ -84,15 +84,15 @@ static ty_result check_camera(ty_context* context, const ty_screen_def* def) {
 static ty_result check_filter(ty_context* context, const ty_screen_def* def) {
     if (def->filter != 2 && def->filter != 4 && def->filter != 6)
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen.filter: %d is not 2, 4 or 6", def->filter);
-    if (def->levels != TY_SCREEN_LEVELS_AUTO && (def->levels < 1 || def->levels > TY_SCREEN_LEVELS_MAX))
+    if (def->levels != TY_SCREEN_LEVELS_AUTO && def->levels != TY_SCREEN_LEVELS_ALL &&
+        (def->levels < 1 || def->levels > TY_SCREEN_LEVELS_MAX))
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen.levels: %d is outside 1..%d", def->levels,
                        TY_SCREEN_LEVELS_MAX);
     ty_result result = ty_check_number(context, "screen.variant", def->variant, 0, TY_SCREEN_REFERENCE);
+    if (result == TY_OK) result = ty_check_number(context, "screen.spread", def->spread, 0, TY_SCREEN_SPREAD_GAUSSIAN);
     if (result == TY_OK) result = ty_check_number(context, "screen.mask", def->mask, 0, TY_SCREEN_MASK_SMOOTH);
-    if (result == TY_OK)
-        result = ty_check_number(context, "screen.mask_width", (double)def->mask_width, 1e-6, 1e6);
-    if (result == TY_OK)
-        result = ty_check_number(context, "screen.level_scale", (double)def->level_scale, 1e-3, 1e3);
+    if (result == TY_OK) result = ty_check_number(context, "screen.mask_width", (double)def->mask_width, 1e-6, 1e6);
+    if (result == TY_OK) result = ty_check_number(context, "screen.level_scale", (double)def->level_scale, 1e-3, 1e3);
     if (result == TY_OK) result = ty_check_number(context, "screen.window", def->window, 0, 65536);
     return result;
 }

@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_SCREEN_JOB_H
 #define TY_METHOD_SCREEN_JOB_H
 
-#include "method/screen/split.k.h"
+#include "method/screen/kernel.h"
 
 #include <tyndall/screen.h>
 
@@ -16,12 +16,36 @@ typedef struct ty_screen_job {
     ty_context* context;
     const ty_screen_def* def;
     const ty_screen_image* image;
-    const struct ty_screen_kernels* kernels;
+    const ty_screen_kernels* kernels;
     ty_screen_params params; /* what kernels take */
+    bool small_angle;        /* what measures of spread are: scattering optical thickness, else variance, pixels^2 */
+    double width[3];         /* ty_screen_angle times the focal length, pixels */
     char* memory;            /* the workspace, aligned to 64 bytes */
-    size_t memory_size;
     ty_screen_stats stats;
 } ty_screen_job;
+
+/* For those who do not care how many pixels are cut. */
+extern const float ty_screen_no_limit[3];
+
+/* Row y of the caller's picture. */
+ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y);
+
+/* How many levels a picture and a def allow, at least 1. */
+int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height);
+
+/* Memory handed out piece by piece; without a base it only counts. */
+typedef struct ty_screen_arena {
+    char* base;
+    size_t used;
+} ty_screen_arena;
+
+/* A piece aligned to 64 bytes; NULL without a base. */
+void* ty_screen_take(ty_screen_arena* memory, size_t bytes);
+
+/* Adds up what the bands of a picture noticed, and finds the largest spread. */
+void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count);
+/* The radius, pixels, within which half of the light of a measure of spread falls. */
+double ty_screen_radius(const ty_screen_job* job, int channel, double measure);
 
 /* Each variant: the workspace it needs for a size, and its work. */
 size_t ty_screen_scatter_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height);

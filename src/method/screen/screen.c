@@ -2,14 +2,277 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
+#include "base/isa.h"
+#include "method/screen/spread.h"
 
-size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
-    (void)context, (void)def, (void)width, (void)height;
+#include <math.h>
+#include <stdatomic.h>
+
+static const ty_screen_kernels* choose_kernels(const char** isa) {
+    const ty_isa best = ty_best_isa();
+    *isa = ty_isa_name(best);
+#if TY_ISA_X86
+    static const ty_screen_kernels* const kernels[TY_ISA_COUNT] = {&ty_screen_kernels_v1, &ty_screen_kernels_v3,
+                                                                   &ty_screen_kernels_v4};
+    return kernels[best];
+#else
+    return &ty_screen_kernels_v1;
+#endif
+}
+
+static bool has_medium(const ty_screen_def* def) {
+    for (int c = 0; c < 3; ++c)
+        if (def->sigma_s[c] > 0 || def->sigma_a[c] > 0) return true;
+    return false;
+}
+
+static float bounded(double value) {
+    return (float)(value < 1e20 ? value : 1e20);
+}
+
+/* Eq. 2 squared, times (focal / D)^2: slope D / (1 + bend D^2). */
+static void set_spread(double sigma_s, double sigma_a, double g, double focal, float* slope, float* bend) {
+    const double reduced = sigma_s * (1 - g);
+    *slope = bounded(focal * focal * reduced / 8);
+    *bend = bounded(sigma_a * reduced / 6);
+}
+
+static void make_params(ty_screen_job* job) {
+    const ty_screen_def* def = job->def;
+    const int32_t width = job->image->width, height = job->image->height;
+    const bool middle = def->center[0] == -1 && def->center[1] == -1; /* parts of a frame may have it outside */
+    ty_screen_params params = {.width = width,
+                               .height = height,
+                               .planar = def->planar,
+                               .center_x = (float)(middle ? 0.5 * width : def->center[0]),
+                               .center_y = (float)(middle ? 0.5 * height : def->center[1]),
+                               .inverse_focal_x = (float)(1 / def->focal[0]),
+                               .inverse_focal_y = (float)(1 / def->focal[1]),
+                               .unknown = def->unknown};
+    const double focal = sqrt(def->focal[0] * def->focal[1]);
+    double mean_s = 0, mean_a = 0, mean_reduced = 0;
+    for (int c = 0; c < 3; ++c) {
+        const double sigma_s = (double)def->sigma_s[c], sigma_a = (double)def->sigma_a[c], g = (double)def->g[c];
+        params.sigma_s[c] = def->sigma_s[c];
+        params.sigma_a[c] = def->sigma_a[c];
+        params.forward[c] = def->forward[c];
+        const double sigma_t = sigma_s + sigma_a;
+        params.airlight[c] = sigma_t > 0 ? (float)((double)def->environment[c] * sigma_s / sigma_t) : 0.0f;
+        job->width[c] = focal * ty_screen_angle(g);
+        if (job->small_angle)
+            params.slope[c] = def->sigma_s[c];
+        else
+            set_spread(sigma_s, sigma_a, g, focal, &params.slope[c], &params.bend[c]);
+        mean_s += sigma_s / 3;
+        mean_a += sigma_a / 3;
+        mean_reduced += sigma_s * (1 - g) / 3;
+    }
+    const double mean_g = mean_s > 0 ? 1 - mean_reduced / mean_s : 0;
+    set_spread(mean_s, mean_a, mean_g, focal, &params.mean_slope, &params.mean_bend);
+    job->params = params;
+}
+
+ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y) {
+    ty_screen_row row = {.color_step = image->color.step,
+                         .distance = image->distance + y * image->distance_row,
+                         .distance_step = image->distance_step,
+                         .y = y};
+    for (int c = 0; c < 3; ++c) row.color[c] = image->color.data[c] + y * image->color.row;
+    return row;
+}
+
+const float ty_screen_no_limit[3] = {TY_FLOAT_MAX, TY_FLOAT_MAX, TY_FLOAT_MAX};
+
+double ty_screen_radius(const ty_screen_job* job, int channel, double measure) {
+    if (measure <= 0) return 0;
+    return job->small_angle ? ty_screen_half_radius(job->width[channel], measure) : sqrt(2 * log(2.0) * measure);
+}
+
+void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count) {
+    ty_screen_stats* stats = &job->stats;
+    for (int32_t band = 0; band < band_count; ++band) {
+        stats->mended += counts[band].mended;
+        stats->unknown += counts[band].unknown;
+        stats->cut += counts[band].cut;
+        for (int c = 0; c < 3; ++c)
+            stats->spread = fmax(stats->spread, ty_screen_radius(job, c, (double)counts[band].largest[c]));
+    }
+}
+
+int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height) {
+    const int32_t asked = def->levels == TY_SCREEN_LEVELS_AUTO  ? TY_SCREEN_LEVELS_USUAL
+                          : def->levels == TY_SCREEN_LEVELS_ALL ? TY_SCREEN_LEVELS_MAX
+                                                                : def->levels;
+    int32_t possible = 1;
+    while (possible < asked && (width > 2 || height > 2)) {
+        width = (width + 1) / 2;
+        height = (height + 1) / 2;
+        ++possible;
+    }
+    return possible;
+}
+
+void* ty_screen_take(ty_screen_arena* memory, size_t bytes) {
+    void* place = memory->base != NULL ? memory->base + memory->used : NULL;
+    memory->used += (bytes + 63) / 64 * 64;
+    return place;
+}
+
+/* ---- rows that need no filter ---- */
+
+enum { ROWS_PER_TASK = 32 };
+
+static int64_t task_count(const ty_screen_image* image) {
+    return (image->height + ROWS_PER_TASK - 1) / ROWS_PER_TASK;
+}
+
+typedef struct copy_work {
+    const ty_screen_image* image;
+    _Atomic int64_t mended, unknown;
+} copy_work;
+
+/* Without a medium: the picture itself, mended. */
+static void copy_rows(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    copy_work* work = user;
+    const ty_screen_image* image = work->image;
+    int64_t mended = 0, unknown = 0;
+    for (int64_t y = index * ROWS_PER_TASK; y < (index + 1) * ROWS_PER_TASK && y < image->height; ++y) {
+        for (int64_t x = 0; x < image->width; ++x) {
+            int32_t changed = 0;
+            for (int c = 0; c < 3; ++c)
+                image->out.data[c][y * image->out.row + x * image->out.step] =
+                    ty_screen_mend(image->color.data[c][y * image->color.row + x * image->color.step], &changed);
+            const float distance = image->distance[y * image->distance_row + x * image->distance_step];
+            mended += changed;
+            unknown += distance > 0 && distance < TY_FLOAT_MAX ? 0 : 1;
+        }
+    }
+    work->mended += mended;
+    work->unknown += unknown;
+}
+
+static ty_result copy_picture(ty_screen_job* job) {
+    copy_work work = {.image = job->image};
+    const double start = ty_wall_seconds();
+    ty_parallel_for(job->context, task_count(job->image), copy_rows, &work);
+    job->stats.step_seconds[0] = ty_wall_seconds() - start;
+    job->stats.mended = work.mended;
+    job->stats.unknown = work.unknown;
+    job->stats.bytes = (double)job->image->width * job->image->height * (4 + 3) * sizeof(float);
+    return TY_OK;
+}
+
+enum { SPLIT_ROWS = 9 }; /* attenuated, scattered, measure of spread */
+
+typedef struct split_work {
+    const ty_screen_job* job;
+    float* const* targets[3]; /* as the rows */
+    float* rows;              /* SPLIT_ROWS of the width for each worker */
+} split_work;
+
+static void store_row(const ty_screen_image* image, int32_t y, const float* from, float* plane) {
+    for (int64_t x = 0; plane != NULL && x < image->width; ++x)
+        plane[y * image->out.row + x * image->out.step] = from[x];
+}
+
+static void split_rows(void* user, int64_t index, int32_t worker) {
+    const split_work* work = user;
+    const ty_screen_job* job = work->job;
+    const int32_t width = job->image->width, begin = (int32_t)index * ROWS_PER_TASK;
+    const int32_t end = begin + ROWS_PER_TASK < job->image->height ? begin + ROWS_PER_TASK : job->image->height;
+    float* rows = work->rows + (ptrdiff_t)worker * SPLIT_ROWS * width;
+    ty_screen_split_out out = {0};
+    for (int c = 0; c < 3; ++c) {
+        out.attenuated[c] = rows + (ptrdiff_t)c * width;
+        out.scattered[c] = rows + (ptrdiff_t)(3 + c) * width;
+        out.measure[c] = rows + (ptrdiff_t)(6 + c) * width;
+    }
+    for (int32_t y = begin; y < end; ++y) {
+        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        ty_screen_counts counts = {0};
+        job->kernels->split(&job->params, &row, ty_screen_no_limit, &out, &counts);
+        for (int c = 0; c < 3; ++c)
+            for (int32_t x = 0; x < width; ++x)
+                out.measure[c][x] = (float)ty_screen_radius(job, c, (double)out.measure[c][x]);
+        for (int kind = 0; kind < 3; ++kind)
+            for (int c = 0; c < 3 && work->targets[kind] != NULL; ++c)
+                store_row(job->image, y, rows + (ptrdiff_t)(3 * kind + c) * width, work->targets[kind][c]);
+    }
+}
+
+/* ---- entry points ---- */
+
+static size_t workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
+    if (!has_medium(def)) return 64;
+    switch (def->variant) {
+    case TY_SCREEN_SCATTER: return ty_screen_scatter_size(context, def, width, height);
+    case TY_SCREEN_GATHER: return ty_screen_gather_size(context, def, width, height);
+    case TY_SCREEN_REFERENCE: return ty_screen_reference_size(context, def, width, height);
+    }
     return 0;
 }
 
-ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const ty_screen_image* image, void* workspace,
-                          size_t workspace_size, ty_screen_stats* stats) {
-    (void)def, (void)image, (void)workspace, (void)workspace_size, (void)stats;
-    return ty_fail(context, TY_ERROR_UNSUPPORTED, "not yet");
+size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
+    const bool size = width >= 1 && height >= 1 && width <= TY_SCREEN_SIDE_MAX && height <= TY_SCREEN_SIDE_MAX;
+    const bool usable = context != NULL && size && def != NULL && def->cookie == TY_DEF_COOKIE &&
+                        (def->filter == 2 || def->filter == 4 || def->filter == 6) &&
+                        def->levels <= TY_SCREEN_LEVELS_MAX;
+    return usable ? workspace(context, def, width, height) : 0;
+}
+
+static ty_result run(ty_screen_job* job) {
+    if (!has_medium(job->def)) return copy_picture(job);
+    switch (job->def->variant) {
+    case TY_SCREEN_SCATTER: return ty_screen_scatter(job);
+    case TY_SCREEN_GATHER: return ty_screen_gather(job);
+    case TY_SCREEN_REFERENCE: return ty_screen_reference(job);
+    }
+    return TY_ERROR_ARGUMENT;
+}
+
+static ty_result start(ty_screen_job* job, bool out) {
+    ty_result result = ty_screen_check(job->context, job->def);
+    if (result == TY_OK) result = ty_screen_check_image(job->context, job->image, out);
+    if (result != TY_OK) return result;
+    job->kernels = choose_kernels(&job->stats.isa);
+    job->small_angle = job->def->variant == TY_SCREEN_SCATTER && job->def->spread == TY_SCREEN_SPREAD_SMALL_ANGLE;
+    make_params(job);
+    return TY_OK;
+}
+
+ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const ty_screen_image* image, void* memory,
+                          size_t memory_size, ty_screen_stats* stats) {
+    if (context == NULL) return TY_ERROR_ARGUMENT;
+    const double began = ty_wall_seconds();
+    ty_screen_job job = {.context = context, .def = def, .image = image, .memory = memory};
+    ty_result result = start(&job, true);
+    if (result != TY_OK) return result;
+    const size_t needed = workspace(context, def, image->width, image->height);
+    if (memory != NULL && (memory_size < needed || (uintptr_t)memory % 64 != 0))
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "screen: the workspace has %zu bytes, %zu are needed, aligned to 64 bytes", memory_size, needed);
+    if (memory == NULL) job.memory = ty_alloc_array(context, needed, 1, false);
+    if (job.memory == NULL) return TY_ERROR_MEMORY;
+    result = run(&job);
+    if (memory == NULL) ty_free_array(context, job.memory, needed, 1);
+    job.stats.seconds = ty_wall_seconds() - began;
+    if (stats != NULL) *stats = job.stats;
+    return result;
+}
+
+ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, const ty_screen_image* image,
+                          float* const attenuated[3], float* const scattered[3], float* const spread[3]) {
+    if (context == NULL) return TY_ERROR_ARGUMENT;
+    ty_screen_job job = {.context = context, .def = def, .image = image};
+    const ty_result result = start(&job, false);
+    if (result != TY_OK) return result;
+    if (image->out.step == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: out.step is 0");
+    const size_t floats = (size_t)ty_context_threads(context) * SPLIT_ROWS * (size_t)image->width;
+    split_work work = {.job = &job, .targets = {attenuated, scattered, spread}};
+    work.rows = ty_alloc_array(context, floats, sizeof(float), false);
+    if (work.rows == NULL) return TY_ERROR_MEMORY;
+    ty_parallel_for(context, task_count(image), split_rows, &work);
+    ty_free_array(context, work.rows, floats, sizeof(float));
+    return TY_OK;
 }

@@ -7,6 +7,10 @@
 
 /* The largest radiance that +Inf stands for: the largest half. */
 #define TY_SCREEN_BRIGHTEST 65504.0f
+/* Beyond these, sums and products of single precision overflow on the way: radiance, and variance in pixels^2. */
+#define TY_SCREEN_RADIANCE_MAX 1e30f
+#define TY_SCREEN_VARIANCE_MAX 1e9f
+#define TY_SCREEN_DISTANCE_MAX 1e15f
 /* exp(-x) below single precision's range: nothing is left. */
 #define TY_SCREEN_OPAQUE 87.0f
 
@@ -16,13 +20,13 @@ typedef struct ty_screen_params {
     float sigma_s[3], sigma_a[3]; /* 1/m */
     float airlight[3];            /* environment * sigma_s / sigma_t, W m^-2 sr^-1 */
     float forward[3];             /* fraction of the scattered light that arrives */
-    float slope[3];               /* Eq. 2 squared, in pixels: variance = slope D / (1 + bend D^2) */
+    float slope[3]; /* measure of spread: slope D / (1 + bend D^2). Eq. 2 squared, in pixels, or sigma_s D */
     float bend[3];
-    float mean_slope, mean_bend;  /* the same for the mean of the channels' coefficients: the paper's single W */
-    int32_t planar;               /* distances are along the camera's axis */
-    float center_x, center_y;     /* principal point, pixels */
+    float mean_slope, mean_bend; /* the same for the mean of the channels' coefficients: the paper's single W */
+    int32_t planar;              /* distances are along the camera's axis */
+    float center_x, center_y;    /* principal point, pixels */
     float inverse_focal_x, inverse_focal_y; /* 1/pixels */
-    float unknown;                /* m */
+    float unknown;                          /* m */
 } ty_screen_params;
 
 /* The distance along the pixel's ray, m; *missing becomes 1 where there is none. */
@@ -32,19 +36,20 @@ TY_FN float ty_screen_distance(ty_screen_params params, float distance, int32_t 
     const float dy = ((float)y + 0.5f - params.center_y) * params.inverse_focal_y;
     const float along = params.planar ? distance * sqrtf(1.0f + dx * dx + dy * dy) : distance;
     *missing = known ? 0 : 1;
-    return known ? ty_minf(along, TY_FLOAT_MAX) : params.unknown;
+    return known ? ty_minf(along, TY_SCREEN_DISTANCE_MAX) : params.unknown;
 }
 
-/* A radiance that can be worked with; *mended becomes 1 where the given one could not. */
+/* A radiance that can be worked with: 0 for what is negative or not a number, the largest half for what is beyond
+ * TY_SCREEN_RADIANCE_MAX. *mended becomes 1 where the given one was not such. */
 TY_FN float ty_screen_mend(float radiance, int32_t* mended) {
-    const int32_t low = radiance >= 0.0f, high = radiance < TY_FLOAT_MAX;
+    const int32_t low = radiance >= 0.0f, high = radiance <= TY_SCREEN_RADIANCE_MAX;
     *mended |= low && high ? 0 : 1;
     return low ? (high ? radiance : TY_SCREEN_BRIGHTEST) : 0.0f;
 }
 
 /* Eq. 2 and 5, squared and in pixels: W^2 (focal / D)^2. D in m. */
 TY_FN float ty_screen_variance(float slope, float bend, float distance) {
-    return slope * distance / (1.0f + bend * distance * distance);
+    return ty_minf(slope * distance / (1.0f + bend * distance * distance), TY_SCREEN_VARIANCE_MAX);
 }
 
 typedef struct ty_screen_parts {
@@ -54,8 +59,8 @@ typedef struct ty_screen_parts {
 } ty_screen_parts;
 
 /* One channel of a pixel. */
-TY_FN ty_screen_parts ty_screen_split_light(float sigma_s, float sigma_a, float airlight, float forward,
-                                            float radiance, float distance) {
+TY_FN ty_screen_parts ty_screen_split_light(float sigma_s, float sigma_a, float airlight, float forward, float radiance,
+                                            float distance) {
     const float absorbed = ty_expf(-ty_minf(sigma_a * distance, TY_SCREEN_OPAQUE));
     const float kept = ty_expf(-ty_minf(sigma_s * distance, TY_SCREEN_OPAQUE));
     ty_screen_parts parts;

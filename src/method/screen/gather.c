@@ -1,0 +1,214 @@
+/* TY_SCREEN_GATHER: the paper's method. A pyramid whose levels are masked against light from near pixels, and for each
+ * pixel one look into it, at the level of its own distance. */
+#include "method/screen/job.h"
+
+#include "base/context.h"
+
+#include <math.h>
+
+/* Rows of the next level that one task makes, and rows of the picture that one composes. */
+enum { BAND = 32, TAPS_MAX = 6, ROW_ALIGN = 16, WORKER_ROWS = TY_GATHER_ROWS * (TAPS_MAX + 1) + 1 };
+
+typedef struct gather {
+    ty_screen_job* job;
+    ty_screen_gather_params params;
+    ty_screen_taps taps[2]; /* G' and, of the same size, U */
+    ty_screen_texels levels[TY_SCREEN_LEVELS_MAX + 1];
+    float* spread[TY_SCREEN_LEVELS_MAX + 1]; /* W, pixels */
+    int32_t built, level;
+    float* rows; /* WORKER_ROWS of them for each worker */
+    ptrdiff_t row_stride;
+    ty_screen_counts* counts; /* one for each band */
+    float limit;              /* variance of the last level */
+} gather;
+
+static int32_t bands(int32_t rows) {
+    return (rows + BAND - 1) / BAND;
+}
+
+static void lay_out(gather* g, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
+                    ty_screen_arena* memory) {
+    g->built = ty_screen_level_limit(def, width, height);
+    for (int32_t k = 0; k <= g->built; ++k) {
+        g->levels[k].width = k == 0 ? width : (g->levels[k - 1].width + 1) / 2;
+        g->levels[k].height = k == 0 ? height : (g->levels[k - 1].height + 1) / 2;
+        const size_t texels = (size_t)g->levels[k].width * (size_t)g->levels[k].height;
+        g->levels[k].texels = ty_screen_take(memory, 4 * sizeof(float) * texels);
+        g->spread[k] = ty_screen_take(memory, sizeof(float) * texels);
+    }
+    g->row_stride = (width + ROW_ALIGN - 1) / ROW_ALIGN * ROW_ALIGN;
+    g->rows = ty_screen_take(memory,
+                             sizeof(float) * (size_t)g->row_stride * WORKER_ROWS * (size_t)ty_context_threads(context));
+    g->counts = ty_screen_take(memory, sizeof *g->counts * (size_t)bands(height));
+}
+
+size_t ty_screen_gather_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
+    gather g;
+    ty_screen_arena memory = {0};
+    lay_out(&g, context, def, width, height, &memory);
+    return memory.used;
+}
+
+/* ---- Eq. 3-5 ---- */
+
+static void split(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const gather* g = user;
+    const ty_screen_job* job = g->job;
+    const int32_t width = job->image->width, begin = (int32_t)index * BAND;
+    const int32_t end = begin + BAND < job->image->height ? begin + BAND : job->image->height;
+    const float limit[3] = {g->limit, g->limit, g->limit};
+    ty_screen_counts counts = {0};
+    for (int32_t y = begin; y < end; ++y) {
+        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        float* out[3];
+        for (int c = 0; c < 3; ++c) out[c] = job->image->out.data[c] + y * job->image->out.row;
+        job->kernels->gather_split(&job->params, &g->params, &row, limit, out, job->image->out.step,
+                                   g->levels[0].texels + (ptrdiff_t)y * 4 * width, g->spread[0] + (ptrdiff_t)y * width,
+                                   &counts);
+    }
+    g->counts[index] = counts;
+}
+
+/* ---- Eq. 6-9 ---- */
+
+/* Row y of one kind, where a worker keeps it; the last one is for what a filter gives. */
+static float* worker_row(const gather* g, int32_t worker, int32_t slot, int32_t kind) {
+    return g->rows + ((ptrdiff_t)worker * WORKER_ROWS + slot * TY_GATHER_ROWS + kind) * g->row_stride;
+}
+
+static void filter_row(const gather* g, int32_t worker, int32_t y, float* const filtered[TY_GATHER_ROWS]) {
+    const ty_screen_texels* from = &g->levels[g->level];
+    float* scratch = worker_row(g, worker, TAPS_MAX + 1, 0);
+    const int32_t kinds = g->params.mask.kind == TY_SCREEN_MASK_NONE ? TY_GATHER_MASK : TY_GATHER_ROWS;
+    for (int32_t kind = 0; kind < kinds; ++kind) {
+        const ty_screen_taps* taps = &g->taps[kind >= TY_GATHER_WEIGHT];
+        const float* rows[TAPS_MAX];
+        for (int32_t tap = 0; tap < 2 * taps->reach; ++tap) {
+            const int32_t row = ty_screen_clamp_index(2 * y + 1 - taps->reach + tap, from->height);
+            rows[tap] = worker_row(g, worker, row % TAPS_MAX, kind);
+        }
+        g->job->kernels->down(taps, rows, from->width, scratch, filtered[kind]);
+    }
+}
+
+static void descend(void* user, int64_t index, int32_t worker) {
+    const gather* g = user;
+    const ty_screen_texels *from = &g->levels[g->level], *to = &g->levels[g->level + 1];
+    const int32_t begin = (int32_t)index * BAND, reach = g->taps[0].reach;
+    const int32_t end = begin + BAND < to->height ? begin + BAND : to->height;
+    float* filtered[TY_GATHER_ROWS];
+    for (int32_t kind = 0; kind < TY_GATHER_ROWS; ++kind) filtered[kind] = worker_row(g, worker, TAPS_MAX, kind);
+    int32_t next = 2 * begin + 1 - reach;
+    for (int32_t y = begin; y < end; ++y) {
+        for (; next <= 2 * y + reach; ++next) {
+            if (next < 0 || next >= from->height) continue;
+            float* rows[TY_GATHER_ROWS];
+            for (int32_t kind = 0; kind < TY_GATHER_ROWS; ++kind)
+                rows[kind] = worker_row(g, worker, next % TAPS_MAX, kind);
+            const ptrdiff_t first = (ptrdiff_t)next * from->width;
+            g->job->kernels->gather_rows(&g->params, from->texels + 4 * first, g->spread[g->level] + first, from->width,
+                                         rows);
+        }
+        filter_row(g, worker, y, filtered);
+        const ptrdiff_t first = (ptrdiff_t)y * to->width;
+        g->job->kernels->gather_store(&g->params, (const float* const*)filtered, to->width, to->texels + 4 * first,
+                                      g->spread[g->level + 1] + first);
+    }
+}
+
+/* ---- Eq. 10-12 ---- */
+
+static void compose(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const gather* g = user;
+    const ty_screen_planes* picture = &g->job->image->out;
+    const int32_t begin = (int32_t)index * BAND;
+    const int32_t end = begin + BAND < g->levels[0].height ? begin + BAND : g->levels[0].height;
+    for (int32_t y = begin; y < end; ++y) {
+        float* out[3];
+        for (int c = 0; c < 3; ++c) out[c] = picture->data[c] + y * picture->row;
+        g->job->kernels->gather_add(&g->job->params, &g->params, g->levels, y, out, picture->step);
+    }
+}
+
+/* ---- the whole ---- */
+
+/* W at a level, pixels (Eq. 10 turned round). */
+static float spread_of(const gather* g, int32_t level) {
+    return g->params.level_scale * exp2f((float)level);
+}
+
+/* The distance from which on the last level is read, or at which the spread is widest: what lies beyond, skies above
+ * all, must not outweigh all else where distances are blurred. */
+static float farthest(const gather* g) {
+    const double slope = (double)g->job->params.mean_slope, bend = (double)g->job->params.mean_bend;
+    const double variance = (double)g->limit, root = slope * slope - 4 * variance * variance * bend;
+    if (slope <= 0) return TY_SCREEN_DISTANCE_MAX;
+    if (root < 0) return (float)(1 / sqrt(bend));
+    return (float)(2 * variance / (slope + sqrt(root)));
+}
+
+static void prepare(gather* g, ty_screen_job* job) {
+    const ty_screen_def* def = job->def;
+    g->job = job;
+    g->taps[0] = ty_screen_choose_taps(def->filter);
+    g->taps[1] = g->taps[0];
+    for (int32_t i = 0; i < g->taps[1].reach; ++i) g->taps[1].down[i] = 0.5f / (float)g->taps[1].reach;
+    g->params = (ty_screen_gather_params){.mask = {.kind = (int32_t)def->mask, .width = def->mask_width},
+                                          .luminance_weights = def->luminance_weights,
+                                          .normalise = def->normalise,
+                                          .blurred_distance = def->blurred_distance,
+                                          .level_scale = def->level_scale};
+    g->limit = spread_of(g, g->built) * spread_of(g, g->built);
+    g->params.farthest = farthest(g);
+}
+
+/* Of floats, each plane once a pass: the picture and level 0, the pyramid, and the look into all of it. */
+static double count_bytes(const gather* g, int32_t levels) {
+    const double pixels = (double)g->levels[0].width * g->levels[0].height;
+    double floats = pixels * (4 + 3 + 5) + pixels * (3 + 3 + 4);
+    for (int32_t k = 1; k <= levels; ++k) {
+        const double texels = (double)g->levels[k].width * g->levels[k].height;
+        floats += 4 * 5 * texels + 5 * texels + 4 * texels; /* read from the finer level, written, looked into */
+    }
+    return floats * sizeof(float);
+}
+
+static int32_t choose_levels(const gather* g) {
+    const bool all = g->job->def->levels > 0;
+    float widest = 0; /* standard deviation, pixels */
+    for (int32_t band = 0; band < bands(g->levels[0].height); ++band)
+        for (int c = 0; c < 3; ++c) widest = fmaxf(widest, sqrtf(g->counts[band].largest[c]));
+    int32_t levels = 1;
+    while (levels < g->built && (all || spread_of(g, levels) < widest)) ++levels;
+    return levels;
+}
+
+ty_result ty_screen_gather(ty_screen_job* job) {
+    gather g;
+    ty_screen_arena memory = {.base = job->memory};
+    lay_out(&g, job->context, job->def, job->image->width, job->image->height, &memory);
+    prepare(&g, job);
+
+    const double start = ty_wall_seconds();
+    ty_parallel_for(job->context, bands(job->image->height), split, &g);
+    ty_screen_sum_counts(job, g.counts, bands(job->image->height));
+    const int32_t levels = choose_levels(&g);
+    const double attenuated = ty_wall_seconds();
+    for (g.level = 0; g.level < levels; ++g.level) {
+        g.params.mask.threshold = spread_of(&g, g.level);
+        ty_parallel_for(job->context, bands(g.levels[g.level + 1].height), descend, &g);
+    }
+    g.params.level_count = levels + 1;
+    const double filtered = ty_wall_seconds();
+    ty_parallel_for(job->context, bands(job->image->height), compose, &g);
+
+    job->stats.step_seconds[0] = attenuated - start;
+    job->stats.step_seconds[1] = filtered - attenuated;
+    job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
+    job->stats.levels = levels;
+    job->stats.held = ty_screen_radius(job, 0, (double)(spread_of(&g, levels) * spread_of(&g, levels)));
+    job->stats.bytes = count_bytes(&g, levels);
+    return TY_OK;
+}

@@ -1,0 +1,27 @@
+/* The exact point spread function: a Gaussian of each source's own width, on the lattice of pixels. */
+#ifndef TY_METHOD_SCREEN_REFERENCE_K_H
+#define TY_METHOD_SCREEN_REFERENCE_K_H
+
+#include "base/kernel.h"
+
+/* Below this variance, pixels^2, light stays in its pixel to single precision. */
+#define TY_SCREEN_LEAST_VARIANCE 1e-3f
+/* Standard deviations to where a Gaussian reaches in single precision: exp(-18) = 1.5e-8. */
+#define TY_SCREEN_REACH 6.0f
+
+/* The Gaussian, not normalised, at distance^2 in pixels^2. */
+TY_FN float ty_screen_gaussian(float sharpness, float distance_squared) {
+    return ty_expf(-ty_minf(sharpness * distance_squared, 87.0f));
+}
+
+/* Its sum over the pixels -before..after along one axis. */
+TY_FN float ty_screen_gaussian_sum(float sharpness, int32_t before, int32_t after) {
+    const float reach = TY_SCREEN_REACH * sqrtf(0.5f / sharpness) + 1.0f;
+    const int32_t low = reach < (float)before ? (int32_t)reach : before;
+    const int32_t high = reach < (float)after ? (int32_t)reach : after;
+    float sum = 0.0f;
+    for (int32_t i = -low; i <= high; ++i) sum += ty_screen_gaussian(sharpness, (float)i * (float)i);
+    return sum;
+}
+
+#endif

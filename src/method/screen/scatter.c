@@ -1,0 +1,316 @@
+/* TY_SCREEN_SCATTER: light goes down the pyramid as far as its width asks for, and all of it comes back up.
+ *
+ * Level 0 is never stored: its rows are split on the fly, what stays goes straight to the picture, what goes on to
+ * level
+ * 1. So the picture is read once and written twice, and the pyramid takes 8 bytes a pixel. */
+#include "method/screen/job.h"
+
+#include "base/context.h"
+#include "method/screen/spread.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rows of the next level that one task makes. */
+enum { BAND = 32, ROW_ALIGN = 16, TAPS_MAX = 6, PLANES = 6, WORKER_ROWS = PLANES * TAPS_MAX + PLANES + 1 };
+/* Levels with fewer texels are worked on by one thread: waking others takes longer. */
+enum { TEXELS_FOR_THREADS = 1 << 15 };
+
+typedef struct scatter {
+    ty_screen_job* job;
+    ty_screen_taps taps;
+    ty_screen_level levels[TY_SCREEN_LEVELS_MAX + 1]; /* [0] has a size only */
+    float variance[TY_SCREEN_LEVELS_MAX + 2];         /* that each level holds, pixels^2 */
+    float limit[3];                                   /* measure of spread that the last level just holds */
+    int32_t built;                                    /* levels that there is memory for */
+    int32_t level;                                    /* the one that tasks work on */
+    float* edges;                                     /* rows of colour around each band, as they were */
+    float* rows;                                      /* WORKER_ROWS rows for each worker */
+    ptrdiff_t row_stride;
+    ty_screen_counts* counts; /* one for each band */
+    int32_t band_count;
+    bool in_place;
+} scatter;
+
+static ptrdiff_t aligned(ptrdiff_t floats) {
+    return (floats + ROW_ALIGN - 1) / ROW_ALIGN * ROW_ALIGN;
+}
+
+static int32_t halved(int32_t side) {
+    return (side + 1) / 2;
+}
+
+static int32_t bands(int32_t rows) {
+    return (rows + BAND - 1) / BAND;
+}
+
+/* ---- memory ---- */
+
+static void lay_out(scatter* s, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
+                    ty_screen_arena* memory) {
+    s->built = ty_screen_level_limit(def, width, height);
+    s->taps = ty_screen_choose_taps(def->filter);
+    s->levels[0] = (ty_screen_level){.width = width, .height = height};
+    for (int32_t k = 1; k <= s->built; ++k) {
+        ty_screen_level* level = &s->levels[k];
+        level->width = halved(s->levels[k - 1].width);
+        level->height = halved(s->levels[k - 1].height);
+        level->stride = aligned(level->width);
+        for (int plane = 0; plane < PLANES; ++plane)
+            level->plane[plane] = ty_screen_take(memory, sizeof(float) * (size_t)level->stride * (size_t)level->height);
+    }
+    s->row_stride = aligned(width);
+    s->band_count = bands(s->levels[1].height);
+    const size_t row = sizeof(float) * (size_t)s->row_stride;
+    const int32_t margin = 2 * (s->taps.reach - 1);
+    s->edges = ty_screen_take(memory, row * 3 * (size_t)margin * (size_t)s->band_count);
+    s->rows = ty_screen_take(memory, row * WORKER_ROWS * (size_t)ty_context_threads(context));
+    s->counts = ty_screen_take(memory, sizeof *s->counts * (size_t)s->band_count);
+}
+
+size_t ty_screen_scatter_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
+    scatter s;
+    ty_screen_arena memory = {0};
+    lay_out(&s, context, def, width, height, &memory);
+    return memory.used;
+}
+
+/* ---- level 0 ---- */
+
+/* The copy of row `index` of those around a band (above first, then below), channel by channel. */
+static float* edge_row(const scatter* s, int32_t band, int32_t index, int channel) {
+    const int32_t margin = 2 * (s->taps.reach - 1);
+    return s->edges + ((ptrdiff_t)(band * margin + index) * 3 + channel) * s->row_stride;
+}
+
+/* The picture's row that it is a copy of; outside the picture there is none. */
+static int32_t edge_y(const scatter* s, int32_t band, int32_t index) {
+    const int32_t above = s->taps.reach - 1;
+    return index < above ? 2 * BAND * band - above + index : 2 * BAND * (band + 1) + index - above;
+}
+
+/* When the picture is overwritten as it is read, bands need their neighbours' rows as they were. */
+static void save_edges(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const scatter* s = user;
+    const ty_screen_image* image = s->job->image;
+    for (int32_t i = 0; i < 2 * (s->taps.reach - 1); ++i) {
+        const int32_t y = edge_y(s, (int32_t)index, i);
+        if (y < 0 || y >= image->height) continue;
+        const ty_screen_row row = ty_screen_picture_row(s->job->image, y);
+        for (int c = 0; c < 3; ++c) {
+            float* copy = edge_row(s, (int32_t)index, i, c);
+            for (int32_t x = 0; x < image->width; ++x) copy[x] = row.color[c][x * row.color_step];
+        }
+    }
+}
+
+static ty_screen_row band_row(const scatter* s, int32_t band, int32_t y) {
+    ty_screen_row row = ty_screen_picture_row(s->job->image, y);
+    const int32_t first = 2 * BAND * band, above = s->taps.reach - 1;
+    if (!s->in_place || (y >= first && y < first + 2 * BAND)) return row;
+    const int32_t index = y < first ? y - first + above : y - first - 2 * BAND + above;
+    for (int c = 0; c < 3; ++c) row.color[c] = edge_row(s, band, index, c);
+    row.color_step = 1;
+    return row;
+}
+
+/* ---- from level to level ---- */
+
+/* Where a worker keeps row y (any number) of what goes on, plane by plane. */
+static float* worker_row(const scatter* s, int32_t worker, int32_t y, int plane) {
+    const int32_t slot = ((y % TAPS_MAX) + TAPS_MAX) % TAPS_MAX;
+    return s->rows + (ptrdiff_t)(worker * WORKER_ROWS + slot * PLANES + plane) * s->row_stride;
+}
+
+static float* worker_scratch(const scatter* s, int32_t worker) {
+    return s->rows + (ptrdiff_t)(worker * WORKER_ROWS + PLANES * TAPS_MAX) * s->row_stride;
+}
+
+/* Makes what goes on from row y of level 0, and writes what stays when the row is the band's own. */
+static void scatter_row(const scatter* s, int32_t band, int32_t y, float* const onward[6]) {
+    const ty_screen_job* job = s->job;
+    const ty_screen_planes* out = &job->image->out;
+    const ty_screen_row row = band_row(s, band, y);
+    float* target[3];
+    for (int c = 0; c < 3; ++c) target[c] = out->data[c] + y * out->row;
+    const bool own = y >= 2 * BAND * band && y < 2 * BAND * (band + 1);
+    job->kernels->scatter(&job->params, &row, s->levels[0].share, s->limit, own ? target : NULL, out->step, onward,
+                          &s->counts[band]);
+}
+
+/* Makes rows of the next level from this one. */
+static void descend(void* user, int64_t index, int32_t worker) {
+    const scatter* s = user;
+    const ty_screen_level *from = &s->levels[s->level], *to = &s->levels[s->level + 1];
+    const int32_t band = (int32_t)index, begin = band * BAND, reach = s->taps.reach;
+    const int32_t end = begin + BAND < to->height ? begin + BAND : to->height;
+    if (s->level == 0) s->counts[band] = (ty_screen_counts){0};
+    int32_t made = 2 * begin - reach; /* the last row that is ready */
+    for (int32_t y = begin; y < end; ++y) {
+        const int32_t last = 2 * y + reach;
+        for (++made; made <= last; ++made) {
+            if (made < 0 || made >= from->height) continue;
+            float* onward[6];
+            for (int plane = 0; plane < PLANES; ++plane) onward[plane] = worker_row(s, worker, made, plane);
+            if (s->level == 0)
+                scatter_row(s, band, made, onward);
+            else
+                s->job->kernels->onward(from, made, onward);
+        }
+        made = last;
+        for (int plane = 0; plane < PLANES; ++plane) {
+            const float* rows[TAPS_MAX];
+            for (int32_t tap = 0; tap < 2 * reach; ++tap) {
+                int32_t row = 2 * y + 1 - reach + tap;
+                row = row < 0 ? 0 : row >= from->height ? from->height - 1 : row;
+                rows[tap] = worker_row(s, worker, row, plane);
+            }
+            s->job->kernels->down(&s->taps, rows, from->width, worker_scratch(s, worker),
+                                  to->plane[plane] + y * to->stride);
+        }
+    }
+}
+
+static void ascend(void* user, int64_t index, int32_t worker) {
+    const scatter* s = user;
+    const ty_screen_level *level = &s->levels[s->level], *next = &s->levels[s->level + 1];
+    const int32_t begin = (int32_t)index * BAND;
+    const int32_t end = begin + BAND < level->height ? begin + BAND : level->height;
+    for (int32_t y = begin; y < end; ++y) s->job->kernels->up(&s->taps, level, next, y, worker_scratch(s, worker));
+}
+
+static void finish(void* user, int64_t index, int32_t worker) {
+    const scatter* s = user;
+    const ty_screen_image* image = s->job->image;
+    const int32_t begin = (int32_t)index * 2 * BAND;
+    const int32_t end = begin + 2 * BAND < image->height ? begin + 2 * BAND : image->height;
+    for (int32_t y = begin; y < end; ++y)
+        for (int c = 0; c < 3; ++c)
+            s->job->kernels->add(&s->taps, &s->levels[1], c, y, image->width, image->out.data[c] + y * image->out.row,
+                                 image->out.step, worker_scratch(s, worker));
+}
+
+static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn body) {
+    const int64_t texels = (int64_t)s->levels[level].width * s->levels[level].height;
+    if (texels >= TEXELS_FOR_THREADS) {
+        ty_parallel_for(s->job->context, count, body, (void*)(uintptr_t)s);
+        return;
+    }
+    for (int64_t i = 0; i < count; ++i) body((void*)(uintptr_t)s, i, 0);
+}
+
+/* ---- the whole ---- */
+
+/* Light counts as cut where more than this part of it should go beyond the last level (small angles). */
+static const double cut_share = 0.1;
+
+/* The optical thickness at which it does. */
+static float thickness_limit(double width, double variance) {
+    double low = 0, high = 1e6;
+    for (int i = 0; i < 40; ++i) {
+        const double middle = i < 20 ? sqrt((low + 1e-6) * high) : 0.5 * (low + high);
+        if (ty_screen_tail(width, middle, variance) > cut_share)
+            high = middle;
+        else
+            low = middle;
+    }
+    return (float)low;
+}
+
+/* Of the channel whose light spreads least, the radius that a level just holds. */
+static double held_radius(const scatter* s, int32_t level) {
+    double least = HUGE_VAL;
+    for (int c = 0; c < 3; ++c) {
+        const float variance = s->variance[level];
+        const float most = s->job->small_angle ? thickness_limit(s->job->width[c], (double)variance) : variance;
+        least = fmin(least, ty_screen_radius(s->job, c, (double)most));
+    }
+    return least;
+}
+
+static void set_levels(scatter* s) {
+    const ty_screen_job* job = s->job;
+    const float step = ty_screen_taps_variance(s->taps);
+    s->variance[0] = 0;
+    for (int32_t k = 0; k <= s->built; ++k) s->variance[k + 1] = s->variance[k] + step * exp2f(2.0f * (float)k);
+    for (int c = 0; c < 3; ++c) {
+        ty_screen_share shares[TY_SCREEN_LEVELS_MAX + 1];
+        const bool known = c > 0 && job->width[c] == job->width[c - 1];
+        if (known) {
+            s->limit[c] = s->limit[c - 1];
+        } else if (job->small_angle) {
+            ty_screen_small_angle_shares(job->width[c], s->variance, s->built, shares);
+            s->limit[c] = thickness_limit(job->width[c], (double)s->variance[s->built]);
+        } else {
+            ty_screen_gaussian_shares(s->variance, s->built, shares);
+            s->limit[c] = s->variance[s->built];
+        }
+        for (int32_t k = 0; k < s->built; ++k) s->levels[k].share[c] = known ? s->levels[k].share[c - 1] : shares[k];
+    }
+}
+
+/* As many levels as the largest spread needs, or as were asked for. */
+static int32_t choose_levels(const scatter* s) {
+    if (s->job->def->levels > 0 || s->job->stats.cut > 0) return s->built;
+    int32_t levels = 1;
+    for (int32_t band = 0; band < s->band_count; ++band)
+        for (int c = 0; c < 3; ++c) {
+            const double most = (double)s->counts[band].largest[c];
+            while (levels < s->built && (s->job->small_angle ? ty_screen_tail(s->job->width[c], most,
+                                                                              (double)s->variance[levels]) > cut_share
+                                                             : (double)s->variance[levels] < most))
+                ++levels;
+        }
+    return levels;
+}
+
+/* Of floats, each plane once a pass: the picture in and out, the pyramid down and up. */
+static double count_bytes(const scatter* s, int32_t levels) {
+    const double pixels = (double)s->levels[0].width * s->levels[0].height;
+    double floats = pixels * (4 + 3) + pixels * (3 + 3);
+    for (int32_t k = 1; k <= levels; ++k) {
+        const double texels = (double)s->levels[k].width * s->levels[k].height;
+        floats += texels * PLANES;                                /* written going down */
+        if (k < levels) floats += texels * (PLANES + PLANES + 3); /* read going down, read and written going up */
+        floats += texels * 3;                                     /* read by the level above */
+    }
+    return floats * sizeof(float);
+}
+
+static bool overlap(const ty_screen_image* image) {
+    for (int c = 0; c < 3; ++c)
+        for (int d = 0; d < 3; ++d)
+            if (image->out.data[c] == image->color.data[d]) return true;
+    return false;
+}
+
+ty_result ty_screen_scatter(ty_screen_job* job) {
+    scatter s;
+    ty_screen_arena memory = {.base = job->memory};
+    lay_out(&s, job->context, job->def, job->image->width, job->image->height, &memory);
+    s.job = job;
+    s.in_place = overlap(job->image);
+    set_levels(&s);
+
+    const double start = ty_wall_seconds();
+    s.level = 0;
+    if (s.in_place) run(&s, 0, s.band_count, save_edges);
+    run(&s, 0, s.band_count, descend);
+    ty_screen_sum_counts(job, s.counts, s.band_count);
+    const double split = ty_wall_seconds();
+    const int32_t levels = choose_levels(&s);
+    for (s.level = 1; s.level < levels; ++s.level) run(&s, s.level, bands(s.levels[s.level + 1].height), descend);
+    for (s.level = levels - 1; s.level >= 1; --s.level) run(&s, s.level, bands(s.levels[s.level].height), ascend);
+    const double filtered = ty_wall_seconds();
+    s.level = 0;
+    run(&s, 0, bands(s.levels[1].height), finish);
+
+    job->stats.step_seconds[0] = split - start;
+    job->stats.step_seconds[1] = filtered - split;
+    job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
+    job->stats.levels = levels;
+    job->stats.held = held_radius(&s, levels);
+    job->stats.bytes = count_bytes(&s, levels);
+    return TY_OK;
+}

@@ -1,0 +1,107 @@
+/* The small-angle spread of Henyey-Greenstein scattering, in closed form but for one sum.
+ *
+ * Near the forward direction the phase function is the planar Cauchy kernel a / (2 pi (a^2 + theta^2)^(3/2)) with
+ * a = (1 - g) / sqrt(g), whose transform is exp(-a k). Light from a point at distance D that scatters n times, at
+ * fractions t_i of the way, arrives from directions that are spread by the same kernel with a T, T = t_1 + ... + t_n,
+ * since such kernels add up. n is Poisson's with mean tau = sigma_s D, and the t_i are uniform. (The mean over T is the
+ * transfer function (exp(tau (1 - exp(-a k)) / (a k)) - 1) / (exp(tau) - 1).)
+ *
+ * A planar Cauchy kernel of width c is a mixture of Gaussians whose variance has Levy's distribution: the part with a
+ * variance above v is erf(c / sqrt(2 v)). That is what a pyramid of Gaussians wants to know. */
+#include "method/screen/spread.h"
+
+#include <math.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* Beyond this thickness T is as good as normal. */
+static const double thick = 8;
+enum { TERMS_MAX = 64, NODES = TY_SCREEN_SHARE_TERMS };
+
+double ty_screen_angle(double g) {
+    const double least = 1e-3;
+    return (1 - g) / sqrt(g > least ? g : least);
+}
+
+/* The mean of erf(x T) over a normal T. */
+static double normal_mean(double x, double mean, double variance) {
+    return erf(x * mean / sqrt(1 + 2 * x * x * variance));
+}
+
+/* The same for T = t_1, uniform; and for more, which normals are near to. */
+static double mean_of_terms(double x, int terms) {
+    if (terms > 1) return normal_mean(x, 0.5 * terms, terms / 12.0);
+    return x < 1e-4 ? x / sqrt(pi) : erf(x) - (1 - exp(-x * x)) / (x * sqrt(pi));
+}
+
+double ty_screen_tail(double width, double tau, double variance) {
+    if (variance <= 0) return 1;
+    const double x = width / sqrt(2 * variance);
+    if (tau > thick) return normal_mean(x, 0.5 * tau, tau / 3);
+    double weight = 1, sum = 0, weights = 0; /* tau^(n - 1) / n!, as long as it counts */
+    for (int n = 1; n <= TERMS_MAX && (n <= tau || weight > 1e-7 * weights); ++n) {
+        sum += weight * mean_of_terms(x, n);
+        weights += weight;
+        weight *= tau / (n + 1);
+    }
+    return sum / weights;
+}
+
+double ty_screen_half_radius(double width, double tau) {
+    /* of the kernel with the mean T, given that light scattered at all: r = sqrt(3) c */
+    const double mean = tau > 1e-6 ? 0.5 * tau / -expm1(-tau) : 0.5;
+    return sqrt(3.0) * width * mean;
+}
+
+/* The mean of the tail over variances between two: Gaussians in between are shared between both levels so that the
+ * variance is right. */
+static double mean_tail(double width, double tau, double low, double high) {
+    static const double points[3] = {0.1127016653792583, 0.5, 0.8872983346207417}; /* Gauss-Legendre */
+    static const double weights[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) sum += weights[i] * ty_screen_tail(width, tau, low + points[i] * (high - low));
+    return sum;
+}
+
+/* The polynomial in z through values at the zeros of Chebyshev's polynomial. */
+static void interpolate(const double values[NODES], float coefficients[NODES]) {
+    double sums[NODES] = {0}, previous[NODES] = {1}, current[NODES] = {0, 1};
+    for (int j = 0; j < NODES; ++j) {
+        double c = 0;
+        for (int i = 0; i < NODES; ++i) c += values[i] * cos(j * (i + 0.5) * pi / NODES);
+        c *= (j == 0 ? 1.0 : 2.0) / NODES;
+        for (int power = 0; power < NODES; ++power) sums[power] += c * previous[power];
+        double next[NODES] = {0}; /* T_(j+2) = 2 z T_(j+1) - T_j */
+        for (int power = 0; power < NODES; ++power)
+            next[power] = (power > 0 ? 2 * current[power - 1] : 0) - previous[power];
+        for (int power = 0; power < NODES; ++power) {
+            previous[power] = current[power];
+            current[power] = next[power];
+        }
+    }
+    for (int power = 0; power < NODES; ++power) coefficients[power] = (float)sums[power];
+}
+
+void ty_screen_gaussian_shares(const float* levels, int32_t count, ty_screen_share* shares) {
+    for (int32_t k = 0; k < count; ++k)
+        shares[k] = (ty_screen_share){.low = levels[k], .inverse_range = 1 / (levels[k + 1] - levels[k])};
+}
+
+void ty_screen_small_angle_shares(double width, const float* levels, int32_t count, ty_screen_share* shares) {
+    double values[TY_SCREEN_LEVELS_MAX + 1][NODES];
+    for (int i = 0; i < NODES; ++i) {
+        const double z = cos((i + 0.5) * pi / NODES);
+        const double t = 0.5 * (double)TY_SCREEN_SHARE_TOP * (1 + z);
+        const double tau = (double)TY_SCREEN_SHARE_SCALE * t / (1 - t);
+        double whole = 1;
+        for (int32_t k = 0; k < count; ++k) {
+            const double onward = mean_tail(width, tau, (double)levels[k], (double)levels[k + 1]);
+            values[k][i] = whole > 0 ? onward / whole : 0;
+            whole = onward;
+        }
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        shares[k] = (ty_screen_share){.small_angle = 1};
+        interpolate(values[k], shares[k].terms);
+    }
+}

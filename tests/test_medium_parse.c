@@ -1,0 +1,155 @@
+/* Media in words: what they come to, and every message about those that are wrong. */
+#include "checks.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+typedef struct word_case {
+    const char* text;
+    double sigma_s[3], sigma_a[3], g[3];
+} word_case;
+
+static const word_case word_cases[] = {
+    {"wholemilk", {2550, 3210, 3770}, {1.1, 2.4, 14}, {0, 0, 0}},
+    {" Whole-Milk ", {2550, 3210, 3770}, {1.1, 2.4, 14}, {0, 0, 0}},
+    {"wholemilk:1", {2550, 3210, 3770}, {1.1, 2.4, 14}, {0, 0, 0}},
+    {"wholemilk:1e3", {2.5508756, 3.2114695, 3.7734985}, {0.2763245, 0.0588435, 0.02321078}, {0, 0, 0}},
+    {"Jerlov 7C", {1.918, 2.35, 3.3}, {0.3538, 0.195, 0.542}, {0.9235777, 0.9234216, 0.9230195}},
+    {"fog: 100", {0.0299573, 0.0299573, 0.0299573}, {0, 0, 0}, {0.85, 0.85, 0.85}},
+    {"haze:100", {0.0243556, 0.02845946, 0.03694037}, {0.00128187, 0.00149787, 0.00194423}, {0.7, 0.7, 0.7}},
+    {"{\"sigma_s\":[1,2,3],\"g\":0.5}", {1, 2, 3}, {0, 0, 0}, {0.5, 0.5, 0.5}},
+    {"\n {\"sigma_t\":2,\"albedo\":[0,0.5,1],\"scale\":10}\n", {0, 10, 20}, {20, 10, 0}, {0, 0, 0}},
+    {"{\"preset\":\"wholemilk\",\"g\":0.5,\"scale\":0.1}", {510, 642, 754}, {0.11, 0.24, 1.4}, {0.5, 0.5, 0.5}},
+    {"{\"preset\":\"wholemilk\",\"dilution\":1000,\"g\":0.5}",
+     {5.1017512, 6.422939, 7.546997},
+     {0.2763245, 0.0588435, 0.02321078},
+     {0.5, 0.5, 0.5}},
+    {"{\"preset\":\"fog\",\"visibility\":100,\"g\":0.9,\"scale\":2}",
+     {0.0599146, 0.0599146, 0.0599146},
+     {0, 0, 0},
+     {0.9, 0.9, 0.9}},
+    {"{\"preset\":\"jerlov7c\",\"g\":[0,0.5,-0.5]}", {1.918, 2.35, 3.3}, {0.3538, 0.195, 0.542}, {0, 0.5, -0.5}},
+};
+
+static void expect_rgb(const char* text, const char* field, const float value[3], const double expected[3]) {
+    for (int c = 0; c < 3; ++c)
+        if (!(fabs((double)value[c] - expected[c]) <= 3e-6 * fabs(expected[c])))
+            fail_msg("%s: %s[%d] is %.9g, not %.9g", text, field, c, (double)value[c], expected[c]);
+}
+
+static void test_words_come_to_coefficients(void** state) {
+    for (size_t i = 0; i < COUNT(word_cases); ++i) {
+        const word_case* word = &word_cases[i];
+        ty_medium_def def;
+        memset(&def, 0xff, sizeof def);
+        if (ty_medium_parse(*state, word->text, &def) != TY_OK) fail_msg("%s: %s", word->text, ty_last_error(*state));
+        expect_rgb(word->text, "sigma_s", def.sigma_s, word->sigma_s);
+        expect_rgb(word->text, "sigma_a", def.sigma_a, word->sigma_a);
+        expect_rgb(word->text, "g", def.g, word->g);
+        const ty_medium_def fresh = ty_default_medium_def();
+        assert_int_equal(def.cookie, fresh.cookie);
+        assert_string_equal(def.name, "");
+        assert_float_equal(def.scale, 1, 0);
+        assert_int_equal(def.bounds, TY_BOUNDS_NONE);
+        assert_null(def.density_grid);
+    }
+}
+
+/* A name and an object say the same, bit for bit, in words and in a scene. */
+static void test_every_preset_is_the_same_in_words_and_in_a_scene(void** state) {
+    for (int32_t i = 0; i < ty_medium_preset_count(); ++i) {
+        const char* name = ty_medium_preset_name(i);
+        const bool visibility = ty_medium_preset_kind(i) == TY_PRESET_VISIBILITY;
+        char word[128], object[256], text[512];
+        snprintf(word, sizeof word, "%s%s", name, visibility ? ":40" : "");
+        snprintf(object, sizeof object, "\"preset\":\"%s\"%s", name, visibility ? ",\"visibility\":40" : "");
+        snprintf(text, sizeof text, "{\"tyndall\":1,\"media\":[{%s,\"bounds\":[[0,0,0],[1,1,1]]}]}", object);
+        ty_medium_def in_words, in_scene;
+        ty_scene* scene = NULL;
+        assert_int_equal(ty_medium_parse(*state, word, &in_words), TY_OK);
+        assert_int_equal(ty_scene_parse(*state, text, strlen(text), "s.json", NULL, NULL, 0, &scene), TY_OK);
+        assert_int_equal(ty_scene_get_medium(scene, 0, &in_scene), TY_OK);
+        assert_memory_equal(in_words.sigma_s, in_scene.sigma_s, sizeof in_words.sigma_s);
+        assert_memory_equal(in_words.sigma_a, in_scene.sigma_a, sizeof in_words.sigma_a);
+        assert_memory_equal(in_words.g, in_scene.g, sizeof in_words.g);
+        ty_scene_destroy(scene);
+    }
+}
+
+static const char* const wrong[][2] = {
+    {"wholmilk", "medium: there is no medium \"wholmilk\"; did you mean \"Wholemilk\"?"},
+    {"", "medium: there is no medium \"\"; docs/scene.md lists all"},
+    {"jerlov 1", "medium: there is no medium \"jerlov 1\"; did you mean \"Jerlov I\"?"},
+    {"[1]", "medium: there is no medium \"[1]\"; docs/scene.md lists all"},
+    {"a\033b:1", "medium: there is no medium \"a?b\"; docs/scene.md lists all"},
+    {"\xff", "medium: the name is not UTF-8"},
+    {"fog", "medium: Fog needs its visibility in metres: Fog:50"},
+    {"fog:", "medium: \"\" is not a number; Fog takes its visibility in metres: Fog:50"},
+    {"fog:50m", "medium: \"50m\" is not a number; Fog takes its visibility in metres: Fog:50"},
+    {"fog:1,5", "medium: \"1,5\" is not a number; Fog takes its visibility in metres: Fog:50"},
+    {"fog:nan", "medium: \"nan\" is not a number; Fog takes its visibility in metres: Fog:50"},
+    {"fog:0", "medium: visibility: 0 is outside [0.001, 1e+09]"},
+    {"wholemilk:x", "medium: \"x\" is not a number; Wholemilk takes its dilution: Wholemilk:1000"},
+    {"wholemilk:0.5", "medium: dilution: 0.5 is outside [1, 1e+12]"},
+    {"pure water:3", "medium: Pure Water takes no number"},
+    {"{", "medium:1: string or '}' expected near end of file"},
+    {"{}", "medium:1: the coefficients are missing; give sigma_s and sigma_a, or sigma_t and albedo, or preset"},
+    {"{\"preset\": 3}", "medium:1: preset: expected a string, found 3"},
+    {"{\n\"preset\": \"coek\"}", "medium:2: preset: there is no medium \"coek\"; did you mean \"Coke\"?"},
+    {"{\"preset\": \"fog\"}", "medium:1: preset: Fog needs its visibility in metres, the key \"visibility\""},
+    {"{\"preset\": \"coke\", \"visibility\": 3}",
+     "medium:1: visibility: does not go with the preset \"Coke\", only with fog and haze"},
+    {"{\"preset\": \"Haze\", \"visibility\": 3, \"dilution\": 2}",
+     "medium:1: dilution: does not go with the preset \"Haze\", only with measured media"},
+    {"{\"preset\": \"jerlov i\", \"dilution\": 2}",
+     "medium:1: dilution: does not go with the preset \"Jerlov I\", only with measured media"},
+    {"{\"visibility\": 3}", "medium:1: visibility: the key \"preset\" is missing beside it"},
+    {"{\"sigma_s\": 1, \"dilution\": 3}", "medium:1: dilution: the key \"preset\" is missing beside it"},
+    {"{\"preset\": \"fog\", \"visibility\": 1e10}", "medium:1: visibility: 1e+10 is outside [0.001, 1e+09]"},
+    {"{\"sigma_s\": 1, \"preset\": \"coke\"}",
+     "medium:1: preset: does not go with \"sigma_s\"; give sigma_s and sigma_a, or sigma_t and albedo, or preset"},
+    {"{\"sigma_t\": 1}", "medium:1: sigma_t: the key \"albedo\" is missing beside it"},
+    {"{\"sigma_s\": -1}", "medium:1: sigma_s: -1 is outside [0, 1e+09]"},
+    {"{\"preset\": \"spectralon\", \"g\": 0.9999999999, \"scale\": 1e6}",
+     "medium:1: sigma_s[0]: 1.94616e+17 is outside [0, 1e+15]"},
+    {"{\"sigma_z\": 1}", "medium:1: sigma_z: unknown key; did you mean \"sigma_s\"?"},
+    {"{\"sigma_s\": 1, \"bounds\": [[0,0,0],[1,1,1]]}",
+     "medium:1: bounds: has no place here, where a medium is the same everywhere; give what it is made of"},
+    {"{\"sigma_s\": 1, \"name\": \"a\"}",
+     "medium:1: name: has no place here, where a medium is the same everywhere; give what it is made of"},
+    {"{\"sigma_s\": 1, \"g\": {\"file\": \"a.vdb\"}}",
+     "medium:1: g: a volume has no place here, where a medium is the same everywhere"},
+    {"{\"sigma_t\": 1, \"albedo\": {\"file\": \"a.vdb\"}}",
+     "medium:1: albedo: a volume has no place here, where a medium is the same everywhere"},
+};
+
+static void test_wrong_words_are_refused(void** state) {
+    for (size_t i = 0; i < COUNT(wrong); ++i) {
+        ty_medium_def def = ty_default_medium_def();
+        def.sigma_s[0] = 7;
+        assert_int_equal(ty_medium_parse(*state, wrong[i][0], &def), TY_ERROR_INPUT);
+        assert_string_equal(ty_last_error(*state), wrong[i][1]);
+        assert_float_equal(def.sigma_s[0], 7, 0);
+        ty_clear_error(*state);
+    }
+}
+
+static void test_missing_arguments_are_refused(void** state) {
+    ty_medium_def def = ty_default_medium_def();
+    assert_int_equal(ty_medium_parse(NULL, "coke", &def), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_medium_parse(*state, NULL, &def), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_medium_parse(*state, "coke", NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "ty_medium_parse: context, text or medium is NULL");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_words_come_to_coefficients),
+        cmocka_unit_test(test_every_preset_is_the_same_in_words_and_in_a_scene),
+        cmocka_unit_test(test_wrong_words_are_refused),
+        cmocka_unit_test(test_missing_arguments_are_refused),
+    };
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}
