@@ -22,6 +22,7 @@ static const command commands[] = {
     {"compare", "methods or images with a reference", cli_compare},
     {"screen", "fog and water over an image with distances", cli_screen},
     {"convert", "a volume or an image as another kind of file", cli_convert},
+    {"figure", "figures and tables of papers", cli_figure},
     {"bench", "measure speed", cli_bench},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };

@@ -124,14 +124,17 @@ static void note_distances(cli_session* session, const screen_report* report) {
 
 static void note_cut(cli_session* session, const screen_report* report) {
     const ty_screen_stats* stats = &report->stats;
+    const double needed = stats->levels + ceil(log2(stats->spread / stats->held));
     /* The pyramid ends at one pixel. */
     const double side = fmax(report->input->width, report->input->height);
-    const int most = (int)fmin(TY_SCREEN_LEVELS_MAX, ceil(log2(side)));
+    const double most = fmin(TY_SCREEN_LEVELS_MAX, ceil(log2(side)));
     char advice[64] = "the image is too small for more";
-    if (stats->levels < most)
-        snprintf(advice, sizeof advice, "each more, up to --levels %d, holds twice as much", most);
-    note(session, "%" PRId64 " pixels spread wider than %d levels hold, and are cut to that; %s", stats->cut,
-         stats->levels, advice);
+    if (needed <= most)
+        snprintf(advice, sizeof advice, "--levels %.0f would hold them", needed);
+    else if (stats->levels < most)
+        snprintf(advice, sizeof advice, "--levels %.0f would hold the most", most);
+    note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, and %d levels hold %.3g: cut to that; %s",
+         stats->cut, stats->spread, stats->levels, stats->held, advice);
 }
 
 void screen_print_notes(cli_session* session, const screen_report* report) {
@@ -155,6 +158,7 @@ void screen_report_stats(json_writer* json, const void* user) {
     json_integer(json, "height", report->input->height);
     json_integer(json, "levels", stats->levels);
     json_number(json, "spread", stats->spread);
+    json_number(json, "held", stats->held);
     json_integer(json, "cut", stats->cut);
     json_integer(json, "mended", stats->mended);
     json_integer(json, "unknown", stats->unknown);
@@ -175,12 +179,14 @@ static ty_result set_triple(ty_image* image, const char* key, const float values
 }
 
 static ty_result set_texts(ty_image* image, const screen_report* report) {
+    const bool gaussian = report->def->spread == TY_SCREEN_SPREAD_GAUSSIAN || report->def->variant != TY_SCREEN_SCATTER;
     const struct {
         const char *key, *value;
     } texts[] = {
         {"tyndall.version", ty_version()},
         {"tyndall.method", "screen"},
         {"tyndall.screen.variant", kind_name(report->options)},
+        {"tyndall.screen.spread", gaussian ? "gaussian" : "small-angle"},
         {"tyndall.screen.medium", report->options->medium},
     };
     ty_result result = TY_OK;
