@@ -40,6 +40,13 @@ static ty_result compute(cli_session* session, screen_report* report, const scre
     return result;
 }
 
+/* The work is not counted in samples per pixel. */
+static bool report_progress(void* user, const ty_progress* progress) {
+    ty_progress report = *progress;
+    report.done = report.total = 0;
+    return cli_progress_report(user, &report);
+}
+
 /* Sets everything of the def; needs the image for the camera. */
 static int make_def(cli_session* session, const screen_options* options, const screen_input* input,
                     const ty_medium_def* medium, ty_screen_def* def) {
@@ -48,7 +55,7 @@ static int make_def(cli_session* session, const screen_options* options, const s
     memcpy(def->sigma_a, medium->sigma_a, sizeof def->sigma_a);
     memcpy(def->g, medium->g, sizeof def->g);
     def->unknown = (float)options->sky_distance;
-    def->progress = cli_progress_report;
+    def->progress = report_progress;
     def->progress_user = &session->progress;
     screen_set_variant(options, def);
     const int status = screen_set_camera(options, input, def);
