@@ -270,7 +270,7 @@ test_refusals() {
 }
 
 test_interrupt() {
-  expect 0 render builtin:cornell_fog -o large.exr --size 640x480 --spp 1 --aov depth -q
+  expect 0 render builtin:cornell_fog -o large.exr --size 256x192 --spp 1 --aov depth -q
   start screen large.exr -o cut.exr --medium '{"sigma_s": 3, "sigma_a": 0}' --variant reference
   kill -INT "$process"
   finished 130
@@ -287,11 +287,9 @@ test_photograph() {
 }
 
 test_bench() {
-  expect 0 bench screen --size 64x48 --runs 1
-  said out.txt '^scatter 4x4 '
-  said out.txt '^reference, 100x100 window'
   expect 0 bench screen --size 64x48 --runs 1 --json
   cp out.txt bench.json
+  said bench.json '"name": "gather 4x4"'
   valid_json bench.json
   said bench.json '"times_stream": [0-9.]+'
 }
