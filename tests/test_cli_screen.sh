@@ -271,7 +271,7 @@ test_refusals() {
 
 test_interrupt() {
   expect 0 render builtin:cornell_fog -o large.exr --size 256x192 --spp 1 --aov depth -q
-  start screen large.exr -o cut.exr --medium '{"sigma_s": 3, "sigma_a": 0}' --variant reference
+  start screen large.exr -o cut.exr --medium '{"sigma_s": 0.3, "sigma_a": 0}' --variant reference --sky 5
   kill -INT "$process"
   finished 130
   absent cut.exr

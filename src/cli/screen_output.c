@@ -133,8 +133,8 @@ static void note_cut(cli_session* session, const screen_report* report) {
         snprintf(advice, sizeof advice, "--levels %.0f would hold them", needed);
     else if (stats->levels < most)
         snprintf(advice, sizeof advice, "--levels %.0f would hold the most", most);
-    note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, and %d levels hold %.3g: cut to that; %s",
-         stats->cut, stats->spread, stats->levels, stats->held, advice);
+    note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, more than %d levels hold, and are cut to that; %s",
+         stats->cut, stats->spread, stats->levels, advice);
 }
 
 void screen_print_notes(cli_session* session, const screen_report* report) {
