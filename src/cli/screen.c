@@ -141,7 +141,7 @@ int cli_screen(int count, char** arguments) {
          &options.spread, 0, 0, &options.spread_given},
         {"filter", 0, CLI_CHOICE, "2|4|6", "taps along x and y between levels (default 4)", &options.filter, 0, 0,
          NULL},
-        {"levels", 0, CLI_TEXT, "N|auto|all", "of the pyramid (default auto: 6 at most; all: as many as it takes)",
+        {"levels", 0, CLI_TEXT, "N|auto|all", "of the pyramid (default auto: what it takes, of Gaussians 6 at most)",
          &options.levels, 0, 0, NULL},
         {"window", 0, CLI_INT, "N", "reference: pixels that light reaches along x and y (default: all)",
          &options.window, 1, 65536, &options.window_given},
