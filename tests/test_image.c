@@ -114,6 +114,10 @@ static void metadata_is_kept_and_replaced(void** state) {
     assert_string_equal(ty_image_get_metadata(image, "spp"), "many");
     assert_string_equal(ty_image_metadata_key(image, 1), "spp");
     assert_null(ty_image_metadata_key(image, 5));
+    assert_false(ty_image_metadata_is_number(image, 0)); /* method */
+    assert_false(ty_image_metadata_is_number(image, 1)); /* spp, now many */
+    assert_true(ty_image_metadata_is_number(image, 2));
+    assert_false(ty_image_metadata_is_number(image, 5));
     assert_null(ty_image_get_metadata(image, "absent"));
     static const char* const wrong[] = {"", "with space", "compression", "dataWindow",
                                         "a2345678901234567890123456789012"};

@@ -124,6 +124,31 @@ static void png_of_every_kind_is_read(void** state) {
             }
 }
 
+static void whole_samples_are_exact(void** state) {
+    (void)state;
+    static const char* const name = "depth";
+    ty_image *image = NULL, *back = NULL;
+    int32_t largest = -1;
+    assert_int_equal(ty_image_create(context, 256, 256, 1, &name, &image), TY_OK);
+    for (int i = 0; i < 65536; ++i) ty_image_plane(image, 0)[i] = (float)i;
+    assert_int_equal(ty_image_write_png16(context, image, 0, 1, "whole.png"), TY_OK);
+    assert_int_equal(ty_image_read_whole(context, "whole.png", &back, &largest), TY_OK);
+    assert_int_equal(largest, 65535);
+    for (int i = 0; i < 65536; ++i) assert_true(ty_image_plane_const(back, 0)[i] == (float)i);
+    ty_image_destroy(back);
+    assert_int_equal(ty_image_write_png(context, image, 0, false, "bytes.png"), TY_OK);
+    assert_int_equal(ty_image_read_whole(context, "bytes.png", &back, &largest), TY_OK);
+    assert_int_equal(largest, 255);
+    assert_true(ty_image_plane_const(back, 0)[0] == 0 && ty_image_plane_const(back, 0)[1] == 255);
+    ty_image_destroy(back);
+    assert_int_equal(ty_image_write_exr(context, image, "whole.exr"), TY_OK);
+    assert_int_equal(ty_image_read_whole(context, "whole.exr", &back, &largest), TY_OK);
+    assert_int_equal(largest, 0);
+    assert_true(ty_image_plane_const(back, 0)[65535] == 65535);
+    ty_image_destroy(back);
+    ty_image_destroy(image);
+}
+
 static void sixteen_bits_map_to_one(void** state) {
     (void)state;
     static const char* const names[] = {"depth", "mask"};
@@ -212,7 +237,7 @@ static void jpeg_is_decoded_to_linear_and_to_texels(void** state) {
 /* Reads bytes as a file; any failure must name the file and hand out nothing. */
 static ty_result read_bytes(const uint8_t* bytes, size_t size) {
     ty_image* image = NULL;
-    const ty_result result = ty_read_image_bytes(context, "torture.bin", bytes, size, false, &image);
+    const ty_result result = ty_read_image_bytes(context, "torture.bin", bytes, size, TY_SAMPLES_LINEAR, NULL, &image);
     assert_int_equal(result == TY_OK, image != NULL);
     if (result != TY_OK && result != TY_ERROR_MEMORY) assert_non_null(strstr(ty_last_error(context), "torture.bin"));
     ty_clear_error(context);
@@ -304,6 +329,7 @@ static void real_photographs_and_depths_are_read(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(png_of_every_kind_is_read),
+        cmocka_unit_test(whole_samples_are_exact),
         cmocka_unit_test(sixteen_bits_map_to_one),
         cmocka_unit_test(jpeg_of_every_kind_is_read),
         cmocka_unit_test(jpeg_is_decoded_to_linear_and_to_texels),

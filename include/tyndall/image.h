@@ -50,6 +50,8 @@ TY_API ty_result ty_image_set_text(ty_image* image, const char* key, const char*
 TY_API ty_result ty_image_set_number(ty_image* image, const char* key, double value);
 TY_API int32_t ty_image_metadata_count(const ty_image* image);
 TY_API const char* ty_image_metadata_key(const ty_image* image, int32_t index);
+/* Whether the value is a number; false past the end. */
+TY_API bool ty_image_metadata_is_number(const ty_image* image, int32_t index);
 /* The value as text; numbers in the shortest form that reads back exactly. NULL if the key is absent. */
 TY_API const char* ty_image_get_metadata(const ty_image* image, const char* key);
 

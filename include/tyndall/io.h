@@ -27,6 +27,10 @@ extern "C" {
 TY_API ty_result ty_image_read(ty_context* context, const char* path, ty_image** out);
 /* The same without decoding sRGB: PNG and JPEG samples as they are, 0..1, as for depth maps. */
 TY_API ty_result ty_image_read_raw(ty_context* context, const char* path, ty_image** out);
+/* The same with PNG and JPEG samples as the whole numbers that they are, so that scaling them to metres is exact.
+ * *largest: 255 or 65535 (samples of fewer bits are scaled to 8), or 0 for the other formats, which are read as they
+ * are; may be NULL. */
+TY_API ty_result ty_image_read_whole(ty_context* context, const char* path, ty_image** out, int32_t* largest);
 /* One layer of an image: the channels "layer.NAME" under the names NAME, which may have dots; "" takes those without a
  * layer. Frame and metadata come along. A missing layer's message lists those that are there.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */

@@ -53,7 +53,8 @@ typedef struct ty_screen_def {
 
     /* The camera. */
     double focal[2];  /* focal length, pixels, along x and y, > 0; must be set (ty_screen_focal) */
-    double center[2]; /* principal point, pixels from the left and top edge; default -1, -1: the middle */
+    double center[2]; /* principal point, pixels from the left and top edge; default -1, -1: the middle. Parts of a
+                         frame may have it outside */
     bool planar;      /* distances are along the camera's axis (depth), not along each pixel's ray; default false */
     float unknown;    /* m: what pixels without a distance (0, negative, Inf, NaN) are taken to have, such as sky;
                          > 0; default 1e6 */
@@ -115,12 +116,13 @@ typedef struct ty_screen_stats {
     int32_t levels;         /* K that was used */
     double spread;          /* largest radius within which half of a pixel's scattered light falls, pixels, before it
                                was cut */
-    int64_t cut;     /* pixels whose spread was wider than K levels hold: by variance (Gaussian), or for more than
-                        a tenth of the light (small angles) */
-    int64_t mended;  /* pixels with a value that was negative or not finite */
-    int64_t unknown; /* pixels without a distance */
-    double bytes;    /* that the passes read and wrote, each plane counted once a pass */
-    const char* isa; /* which build of the kernels ran, as in ty_path_stats */
+    double held;            /* the largest such radius that K levels hold; twice as large with each level more */
+    int64_t cut;            /* pixels whose spread was wider than that: by variance (Gaussian), or for more than a tenth
+                               of the light (small angles) */
+    int64_t mended;         /* pixels with a value that was negative or not finite */
+    int64_t unknown;        /* pixels without a distance */
+    double bytes;           /* that the passes read and wrote, each plane counted once a pass */
+    const char* isa;        /* which build of the kernels ran, as in ty_path_stats */
 } ty_screen_stats;
 
 /* Bytes of workspace that a call needs; 0 if the def or a size is wrong. */

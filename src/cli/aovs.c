@@ -6,46 +6,52 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char* const cli_aov_list = "depth,transmittance,single,multiple,albedo,normal,variance,samples|all";
+enum { WORDS_MAX = 16 };
 
-static const struct {
-    const char* name;
-    uint32_t aovs;
-} words[] = {
-    {"depth", TY_AOV_DEPTH},       {"transmittance", TY_AOV_TRANSMITTANCE},
-    {"single", TY_AOV_SINGLE},     {"multiple", TY_AOV_MULTIPLE},
-    {"albedo", TY_AOV_ALBEDO},     {"normal", TY_AOV_NORMAL},
-    {"variance", TY_AOV_VARIANCE}, {"samples", TY_AOV_SAMPLES},
-    {"all", TY_AOV_ALL},
-};
-enum { WORD_COUNT = sizeof words / sizeof words[0] };
-
-static int unknown_aov(const char* command, const char* word) {
-    const char* names[WORD_COUNT];
-    for (int i = 0; i < WORD_COUNT; ++i) names[i] = words[i].name;
-    const char* nearest = cli_nearest(word, names, WORD_COUNT);
+static int unknown_aov(const char* command, const char* word, const cli_aov_word* words, int count) {
+    const char* names[WORDS_MAX];
+    char known[256] = "";
+    for (int i = 0; i < count; ++i) {
+        names[i] = words[i].name;
+        const size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i == 0 ? "" : ", ", words[i].name);
+    }
+    const char* nearest = cli_nearest(word, names, count);
     if (nearest != NULL) return cli_usage_error(command, "--aov: unknown '%s'; did you mean '%s'?", word, nearest);
-    return cli_usage_error(command, "--aov: unknown '%s'; known: %s", word, cli_aov_list);
+    return cli_usage_error(command, "--aov: unknown '%s'; known: %s", word, known);
 }
 
-int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs) {
+int cli_parse_aov_words(const char* command, const char* text, const cli_aov_word* words, int count, uint32_t* aovs) {
     *aovs = 0;
     for (const char* at = text; at != NULL;) {
         char word[32];
         const size_t length = strcspn(at, ",");
         snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1), at);
         int found = 0;
-        while (found < WORD_COUNT && strcmp(word, words[found].name) != 0) ++found;
-        if (found == WORD_COUNT) return unknown_aov(command, word);
+        while (found < count && strcmp(word, words[found].name) != 0) ++found;
+        if (found == count) return unknown_aov(command, word, words, count);
         *aovs |= words[found].aovs;
         at = at[length] == ',' ? at + length + 1 : NULL;
     }
     return CLI_GO;
 }
 
+static const cli_aov_word path_words[] = {
+    {"depth", TY_AOV_DEPTH},       {"transmittance", TY_AOV_TRANSMITTANCE},
+    {"single", TY_AOV_SINGLE},     {"multiple", TY_AOV_MULTIPLE},
+    {"albedo", TY_AOV_ALBEDO},     {"normal", TY_AOV_NORMAL},
+    {"variance", TY_AOV_VARIANCE}, {"samples", TY_AOV_SAMPLES},
+    {"all", TY_AOV_ALL},
+};
+enum { PATH_WORDS = sizeof path_words / sizeof path_words[0] };
+
+int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs) {
+    return cli_parse_aov_words(command, text, path_words, PATH_WORDS, aovs);
+}
+
 const char* cli_aov_outside(uint32_t aovs, uint32_t known) {
-    for (int i = 0; i < WORD_COUNT; ++i)
-        if (words[i].aovs != TY_AOV_ALL && (aovs & words[i].aovs & ~known) != 0) return words[i].name;
+    for (int i = 0; i < PATH_WORDS; ++i)
+        if (path_words[i].aovs != TY_AOV_ALL && (aovs & path_words[i].aovs & ~known) != 0) return path_words[i].name;
     return NULL;
 }
 

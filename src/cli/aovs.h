@@ -4,8 +4,13 @@
 
 #include <tyndall/tyndall.h>
 
-/* What --help says of --aov. */
-extern const char* const cli_aov_list;
+typedef struct cli_aov_word {
+    const char* name;
+    uint32_t aovs;
+} cli_aov_word;
+
+/* "one,another" as the flags of those words together: CLI_GO, or CLI_USAGE after a message. */
+int cli_parse_aov_words(const char* command, const char* text, const cli_aov_word* words, int count, uint32_t* aovs);
 
 /* "depth,normal" or "all" as TY_AOV_...: CLI_GO, or CLI_USAGE after a message. */
 int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs);

@@ -15,6 +15,7 @@ static const bench_entry benches[] = {
     {"machine", "peak arithmetic and memory bandwidth of this machine", bench_machine},
     {"path", "noise, time and samples per second of the path tracer over scenes", bench_path},
     {"rays", "rays per second through a mesh, beside a bare loop over Embree", bench_rays},
+    {"screen", "screen-space scattering, beside streaming its bytes and its reference", bench_screen},
     {"load", "reading volumes of every format", bench_load},
 };
 enum { BENCH_COUNT = sizeof benches / sizeof benches[0] };
@@ -78,11 +79,13 @@ int cli_bench(int count, char** arguments) {
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &options.json, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, NULL},
-        {"size", 0, CLI_SIZE, "WxH", "pixels (default 256x256; rays: 1024x1024)", options.size, 0, 0,
-         &options.size_given},
+        {"size", 0, CLI_SIZE, "WxH", "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million)",
+         options.size, 0, 0, &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, NULL},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024, NULL},
         {"scenes", 0, CLI_TEXT, "A,B,...", "scenes to render: files, or names of builtin ones", &options.scenes, 0, 0,
+         NULL},
+        {"full", 0, CLI_FLAG, NULL, "screen: the whole image through the reference, not 100 rows", &options.full, 0, 0,
          NULL},
         {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},

@@ -7,7 +7,7 @@
 typedef struct bench_options {
     bool json;
     int32_t spp, size[2], runs, side;
-    bool size_given;
+    bool size_given, full;
     const char* scenes;    /* names or paths, comma-separated */
     const char* mesh;      /* file, or NULL */
     const char* reference; /* folder of NAME.exr, or NULL */
@@ -23,6 +23,7 @@ typedef struct bench_session {
 int bench_machine(const bench_session* bench);
 int bench_path(const bench_session* bench);
 int bench_rays(const bench_session* bench);
+int bench_screen(const bench_session* bench);
 int bench_load(const bench_session* bench);
 
 /* The middle one of count values (the mean of the middle two); sorts them. */

@@ -1,10 +1,9 @@
 /* tyndall bench machine: what the processor and its memory can do at most, so that other timings mean something. */
-#define _GNU_SOURCE
 #include "cli/bench.h"
 #include "cli/bench_fma.h"
+#include "cli/bench_memory.h"
 
 #include <stdlib.h>
-#include <unistd.h>
 
 enum { RUNS = 7 };
 
@@ -37,97 +36,53 @@ static bench_fma_fn choose_fma(const char** isa) {
 /* One timed piece of work for every thread. */
 typedef struct work {
     bench_fma_fn fma;
-    int64_t rounds;
     double operations_per_round;
     float sink;
-    float *a, *b, *c;
-    int64_t begin, count;
 } work;
+
+enum { FMA_ROUNDS = 20000 };
 
 static void run_fma(void* user, int64_t index, int32_t worker) {
     (void)worker;
     work* piece = (work*)user + index;
-    piece->sink += piece->fma(piece->rounds, &piece->operations_per_round);
+    piece->sink += piece->fma(FMA_ROUNDS, &piece->operations_per_round);
 }
 
-static void run_copy(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const work* piece = (work*)user + index;
-    float* const a = piece->a + piece->begin;
-    const float* const b = piece->b + piece->begin;
-    for (int64_t i = 0; i < piece->count; ++i) a[i] = b[i];
+static double fma_gflops(ty_context* context, int64_t threads, work* works) {
+    const double start = cli_wall_seconds();
+    ty_parallel_for(context, threads, run_fma, works);
+    return 1e-9 * (double)threads * FMA_ROUNDS * works[0].operations_per_round / (cli_wall_seconds() - start);
 }
 
-static void run_triad(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const work* piece = (work*)user + index;
-    float* const a = piece->a + piece->begin;
-    const float* const b = piece->b + piece->begin;
-    const float* const c = piece->c + piece->begin;
-    for (int64_t i = 0; i < piece->count; ++i) a[i] = b[i] + 3.0f * c[i];
-}
-
-/* The median time of the body over pieces threads, after one run that does not count. */
-static double median_seconds(ty_context* context, int64_t pieces, ty_parallel_fn body, work* works) {
-    double seconds[RUNS];
-    ty_parallel_for(context, pieces, body, works);
-    for (int run = 0; run < RUNS; ++run) {
-        const double start = cli_wall_seconds();
-        ty_parallel_for(context, pieces, body, works);
-        seconds[run] = cli_wall_seconds() - start;
+/* Medians, after one run that does not count. */
+static void measure_threads(ty_context* context, int64_t threads, work* works, const bench_memory* memory, int all,
+                            machine* out) {
+    double gflops[RUNS], copy[RUNS], triad[RUNS];
+    const bench_memory_part whole = {0, 1};
+    for (int run = -1; run < RUNS; ++run) {
+        const int to = run < 0 ? 0 : run;
+        gflops[to] = fma_gflops(context, threads, works);
+        copy[to] = 1e-9 * bench_memory_copy(context, memory, whole, threads);
+        triad[to] = 1e-9 * bench_memory_triad(context, memory, whole, threads);
     }
-    return bench_median(seconds, RUNS);
-}
-
-static void measure_fma(ty_context* context, int64_t threads, bench_fma_fn fma, work* works, double* gflops) {
-    for (int64_t i = 0; i < threads; ++i) works[i] = (work){.fma = fma, .rounds = 20000};
-    const double seconds = median_seconds(context, threads, run_fma, works);
-    *gflops = 1e-9 * (double)threads * 20000 * works[0].operations_per_round / seconds;
-}
-
-static void measure_memory(ty_context* context, int64_t threads, float* arrays[3], int64_t count, work* works,
-                           double* copy, double* triad) {
-    for (int64_t i = 0; i < threads; ++i) {
-        const int64_t begin = count * i / threads, end = count * (i + 1) / threads;
-        works[i] = (work){.a = arrays[0], .b = arrays[1], .c = arrays[2], .begin = begin, .count = end - begin};
-    }
-    const double bytes = (double)count * sizeof(float);
-    *copy = 1e-9 * 2 * bytes / median_seconds(context, threads, run_copy, works);
-    *triad = 1e-9 * 3 * bytes / median_seconds(context, threads, run_triad, works);
-}
-
-/* Larger than the caches, but no more than an eighth of the memory each. */
-static int64_t array_floats(void) {
-    double bytes = 128.0 * 1024 * 1024;
-    const double cache = (double)sysconf(_SC_LEVEL3_CACHE_SIZE);
-    if (2 * cache > bytes) bytes = 2 * cache;
-    const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    if (memory > 0 && bytes > memory / 8) bytes = memory / 8;
-    return (int64_t)(bytes / sizeof(float));
+    out->gflops[all] = bench_median(gflops, RUNS);
+    out->copy[all] = bench_median(copy, RUNS);
+    out->triad[all] = bench_median(triad, RUNS);
 }
 
 static int measure(ty_context* context, machine* out) {
     const int64_t threads = ty_context_threads(context);
-    const int64_t count = array_floats();
     work* works = calloc((size_t)threads, sizeof *works);
-    float* arrays[3];
-    bool allocated = works != NULL;
-    for (int i = 0; i < 3; ++i) {
-        arrays[i] = malloc(sizeof(float) * (size_t)count);
-        allocated = allocated && arrays[i] != NULL;
-    }
+    bench_memory memory;
+    const bool allocated = bench_memory_open(&memory) && works != NULL;
     if (allocated) {
-        for (int i = 0; i < 3; ++i)
-            for (int64_t j = 0; j < count; ++j) arrays[i][j] = (float)(j & 1023);
         const bench_fma_fn fma = choose_fma(&out->isa);
-        out->array_bytes = (double)count * sizeof(float);
-        for (int all = 0; all < 2; ++all) {
-            const int64_t pieces = all ? threads : 1;
-            measure_fma(context, pieces, fma, works, &out->gflops[all]);
-            measure_memory(context, pieces, arrays, count, works, &out->copy[all], &out->triad[all]);
-        }
+        for (int64_t i = 0; i < threads; ++i) works[i].fma = fma;
+        out->array_bytes = (double)memory.count * sizeof(float);
+        measure_threads(context, 1, works, &memory, 0, out);
+        measure_threads(context, threads, works, &memory, 1, out);
     }
-    for (int i = 0; i < 3; ++i) free(arrays[i]);
+    bench_memory_close(&memory);
     free(works);
     return allocated ? CLI_DONE : cli_fail(CLI_FAILED, "not enough memory");
 }

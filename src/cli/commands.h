@@ -7,7 +7,9 @@ int cli_info(int count, char** arguments);
 int cli_diff(int count, char** arguments);
 int cli_merge(int count, char** arguments);
 int cli_compare(int count, char** arguments);
+int cli_screen(int count, char** arguments);
 int cli_convert(int count, char** arguments);
+int cli_figure(int count, char** arguments);
 int cli_bench(int count, char** arguments);
 
 #endif

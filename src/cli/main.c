@@ -20,7 +20,9 @@ static const command commands[] = {
     {"diff", "how an image differs from another", cli_diff},
     {"merge", "renderings of one scene to a better or larger one", cli_merge},
     {"compare", "methods or images with a reference", cli_compare},
+    {"screen", "fog and water over an image with distances", cli_screen},
     {"convert", "a volume or an image as another kind of file", cli_convert},
+    {"figure", "figures and tables of papers", cli_figure},
     {"bench", "measure speed", cli_bench},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };

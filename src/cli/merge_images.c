@@ -314,6 +314,9 @@ static ty_result set_metadata(merge* m) {
     ty_result result = ty_image_set_text(m->image, "tyndall.version", ty_version());
     for (size_t i = 0; result == TY_OK && i < sizeof kept / sizeof *kept; ++i)
         result = ty_image_set_text(m->image, kept[i], ty_image_get_metadata(m->parts[0].image, kept[i]));
+    double fov_y = 0;
+    if (result == TY_OK && read_number(m->parts[0].image, "tyndall.camera.fov_y", &fov_y))
+        result = ty_image_set_number(m->image, "tyndall.camera.fov_y", fov_y);
     if (result == TY_OK) result = set_seeds(m);
     if (result == TY_OK) result = ty_image_set_number(m->image, "tyndall.spp", mean_weight(m));
     if (result == TY_OK) result = ty_image_set_number(m->image, "tyndall.seconds", seconds);

@@ -68,10 +68,11 @@ static void format_line(const ty_progress* report, char* out, size_t size) {
     format_time(report->seconds, elapsed, sizeof elapsed);
     format_time(report->remaining, remaining, sizeof remaining);
     if (report->total > 0)
-        snprintf(samples, sizeof samples, "%" PRIu64 " of %" PRIu64 " spp", report->done, report->total);
+        snprintf(samples, sizeof samples, " %" PRIu64 " of %" PRIu64 " spp,", report->done, report->total);
     else
-        snprintf(samples, sizeof samples, "%" PRIu64 " spp", report->done);
-    snprintf(out, size, "%s: %3.0f%%, %s, %s gone, %s left", report->stage, 100 * report->fraction, samples, elapsed,
+        snprintf(samples, sizeof samples, " %" PRIu64 " spp,", report->done);
+    if (report->done == 0 && report->total == 0) samples[0] = '\0'; /* work that is not counted in samples */
+    snprintf(out, size, "%s: %3.0f%%,%s %s gone, %s left", report->stage, 100 * report->fraction, samples, elapsed,
              remaining);
 }
 

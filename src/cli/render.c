@@ -91,6 +91,7 @@ static int render_scene(cli_session* session, const ty_scene* scene, const rende
     if (possible != CLI_GO) return possible;
     report->method = method->name;
     report->seed = request.seed;
+    report->fov_y = ty_scene_camera(scene).fov_y;
     report->scene_bytes = ty_scene_get_info(scene).bytes;
     snprintf(report->scene, sizeof report->scene, "%016" PRIx64, ty_scene_hash(scene));
     report->resumed = options->resume && checkpoint->bytes != NULL;

@@ -223,6 +223,10 @@ const char* ty_image_metadata_key(const ty_image* image, int32_t index) {
     return index >= 0 && (size_t)index < image->metadata_count ? image->metadata[index].key : NULL;
 }
 
+bool ty_image_metadata_is_number(const ty_image* image, int32_t index) {
+    return index >= 0 && (size_t)index < image->metadata_count && image->metadata[index].is_number;
+}
+
 const char* ty_image_get_metadata(const ty_image* image, const char* key) {
     const ty_metadata* entry = find_metadata(image, key);
     return entry == NULL ? NULL : entry->text;

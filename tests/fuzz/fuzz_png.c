@@ -13,7 +13,7 @@ static void read_all(ty_context* context, const uint8_t* bytes, size_t size) {
     ty_samples samples;
     if (ty_read_png(context, "fuzz.png", bytes, size, &samples) == TY_OK) {
         ty_image* image = NULL;
-        if (ty_image_from_samples(context, &samples, false, &image) == TY_OK) ty_image_destroy(image);
+        if (ty_image_from_samples(context, &samples, TY_SAMPLES_LINEAR, &image) == TY_OK) ty_image_destroy(image);
         ty_free_samples(context, &samples);
     }
     int32_t width = 0, height = 0;

@@ -38,45 +38,51 @@ ty_image_format ty_image_format_of(const uint8_t* bytes, size_t size) {
     return TY_IMAGE_UNKNOWN;
 }
 
-static ty_result read_samples(ty_context* context, const char* path, const uint8_t* bytes, size_t size, bool raw,
+static ty_result read_samples(ty_context* context, const char* path, const uint8_t* bytes, size_t size,
                               ty_result (*read)(ty_context*, const char*, const uint8_t*, size_t, ty_samples*),
-                              ty_image** out) {
+                              ty_sample_use use, int32_t* largest, ty_image** out) {
     ty_samples samples;
     ty_result result = read(context, path, bytes, size, &samples);
     if (result != TY_OK) return result;
-    result = ty_image_from_samples(context, &samples, raw, out);
+    if (largest != NULL) *largest = samples.wide ? 65535 : 255;
+    result = ty_image_from_samples(context, &samples, use, out);
     ty_free_samples(context, &samples);
     return result;
 }
 
-ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size, bool raw,
-                              ty_image** out) {
+ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size,
+                              ty_sample_use use, int32_t* largest, ty_image** out) {
+    if (largest != NULL) *largest = 0;
     switch (ty_image_format_of(bytes, size)) {
     case TY_IMAGE_EXR: return ty_read_exr(context, path, bytes, size, out);
     case TY_IMAGE_HDR: return ty_read_hdr(context, path, bytes, size, out);
-    case TY_IMAGE_PNG: return read_samples(context, path, bytes, size, raw, ty_read_png, out);
-    case TY_IMAGE_JPEG: return read_samples(context, path, bytes, size, raw, ty_read_jpeg, out);
+    case TY_IMAGE_PNG: return read_samples(context, path, bytes, size, ty_read_png, use, largest, out);
+    case TY_IMAGE_JPEG: return read_samples(context, path, bytes, size, ty_read_jpeg, use, largest, out);
     case TY_IMAGE_UNKNOWN: break;
     }
     if (size == 0) return ty_fail(context, TY_ERROR_INPUT, "%s: the file is empty", path);
     return ty_fail(context, TY_ERROR_INPUT, "%s: neither an OpenEXR, a Radiance .hdr, a PNG nor a JPEG image", path);
 }
 
-static ty_result read_file(ty_context* context, const char* path, bool raw, ty_image** out) {
+static ty_result read_file(ty_context* context, const char* path, ty_sample_use use, int32_t* largest, ty_image** out) {
     if (out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_read: out is NULL");
     uint8_t* bytes = NULL;
     size_t size = 0;
     ty_result result = ty_read_file(context, path, file_size_max, &bytes, &size);
     if (result != TY_OK) return result;
-    result = ty_read_image_bytes(context, path, bytes, size, raw, out);
+    result = ty_read_image_bytes(context, path, bytes, size, use, largest, out);
     ty_free_file(context, bytes, size);
     return result;
 }
 
 ty_result ty_image_read(ty_context* context, const char* path, ty_image** out) {
-    return read_file(context, path, false, out);
+    return read_file(context, path, TY_SAMPLES_LINEAR, NULL, out);
 }
 
 ty_result ty_image_read_raw(ty_context* context, const char* path, ty_image** out) {
-    return read_file(context, path, true, out);
+    return read_file(context, path, TY_SAMPLES_RAW, NULL, out);
+}
+
+ty_result ty_image_read_whole(ty_context* context, const char* path, ty_image** out, int32_t* largest) {
+    return read_file(context, path, TY_SAMPLES_WHOLE, largest, out);
 }

@@ -35,17 +35,24 @@ void ty_free_samples(ty_context* context, ty_samples* samples);
 ty_result ty_read_png(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
 ty_result ty_read_jpeg(ty_context* context, const char* path, const uint8_t* bytes, size_t size, ty_samples* out);
 
-/* Channels R, G, B or Y, and A where there is one, in 0..1; colour is decoded from sRGB to linear unless raw. */
-ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, bool raw, ty_image** out);
+/* What becomes of samples. */
+typedef enum ty_sample_use {
+    TY_SAMPLES_LINEAR = 0, /* colour is decoded from sRGB to linear, alpha is as below */
+    TY_SAMPLES_RAW = 1,    /* 0..1 */
+    TY_SAMPLES_WHOLE = 2   /* 0..255 or 0..65535 */
+} ty_sample_use;
+
+/* Channels R, G, B or Y, and A where there is one. */
+ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, ty_sample_use use, ty_image** out);
 
 /* A PNG or JPEG to 8-bit RGBA, colour coded in sRGB as in the file (16-bit samples are rounded, no alpha is 255); freed
  * with ty_free_array(context, rgba8, width * height, 4). May be called from several threads at once. */
 ty_result ty_decode_rgba8(ty_context* context, const char* path, const uint8_t* bytes, size_t size, int32_t* width,
                           int32_t* height, uint8_t** rgba8);
 
-/* An image of any format; raw as in ty_image_from_samples. */
-ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size, bool raw,
-                              ty_image** out);
+/* An image of any format. largest: of a PNG's or JPEG's samples, 0 for other formats; may be NULL. */
+ty_result ty_read_image_bytes(ty_context* context, const char* path, const uint8_t* bytes, size_t size,
+                              ty_sample_use use, int32_t* largest, ty_image** out);
 
 /* Refuses sides and channel counts outside an image's limits, and images over 1 GiB whose file is too small to hold
  * them even if it compresses a thousandfold. */

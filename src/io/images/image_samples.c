@@ -24,14 +24,14 @@ static uint32_t sample(const ty_samples* samples, size_t index) {
 }
 
 /* What each sample value of a channel stands for; pow for every pixel would take longer than reading the file. */
-static void fill_table(float* table, uint32_t max, bool linear) {
+static void fill_table(float* table, uint32_t max, ty_sample_use use) {
     for (uint32_t i = 0; i <= max; ++i) {
         const float value = (float)i / (float)max;
-        table[i] = linear ? value : ty_linear_from_srgb(value);
+        table[i] = use == TY_SAMPLES_WHOLE ? (float)i : use == TY_SAMPLES_RAW ? value : ty_linear_from_srgb(value);
     }
 }
 
-ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, bool raw, ty_image** out) {
+ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, ty_sample_use use, ty_image** out) {
     static const char* const names[4][4] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
     const uint32_t max = samples->wide ? 65535 : 255;
     const int32_t channels = samples->channels;
@@ -43,7 +43,7 @@ ty_result ty_image_from_samples(ty_context* context, const ty_samples* samples, 
     for (int32_t c = 0; result == TY_OK && c < channels; ++c) {
         const bool alpha = c + 1 == channels && channels % 2 == 0;
         float* plane = ty_image_plane(image, c);
-        if (c == 0 || alpha) fill_table(table, max, raw || alpha);
+        if (c == 0 || alpha) fill_table(table, max, alpha && use == TY_SAMPLES_LINEAR ? TY_SAMPLES_RAW : use);
         for (size_t i = 0; i < (size_t)samples->width * (size_t)samples->height; ++i)
             plane[i] = table[sample(samples, i * (size_t)channels + (size_t)c)];
     }

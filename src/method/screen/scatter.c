@@ -218,6 +218,17 @@ static float thickness_limit(double width, double variance) {
     return (float)low;
 }
 
+/* Of the channel whose light spreads least, the radius that a level just holds. */
+static double held_radius(const scatter* s, int32_t level) {
+    double least = HUGE_VAL;
+    for (int c = 0; c < 3; ++c) {
+        const float variance = s->variance[level];
+        const float most = s->job->small_angle ? thickness_limit(s->job->width[c], (double)variance) : variance;
+        least = fmin(least, ty_screen_radius(s->job, c, (double)most));
+    }
+    return least;
+}
+
 static void set_levels(scatter* s) {
     const ty_screen_job* job = s->job;
     const float step = ty_screen_taps_variance(s->taps);
@@ -299,6 +310,7 @@ ty_result ty_screen_scatter(ty_screen_job* job) {
     job->stats.step_seconds[1] = filtered - split;
     job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
     job->stats.levels = levels;
+    job->stats.held = held_radius(&s, levels);
     job->stats.bytes = count_bytes(&s, levels);
     return TY_OK;
 }

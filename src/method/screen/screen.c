@@ -40,11 +40,12 @@ static void set_spread(double sigma_s, double sigma_a, double g, double focal, f
 static void make_params(ty_screen_job* job) {
     const ty_screen_def* def = job->def;
     const int32_t width = job->image->width, height = job->image->height;
+    const bool middle = def->center[0] == -1 && def->center[1] == -1; /* parts of a frame may have it outside */
     ty_screen_params params = {.width = width,
                                .height = height,
                                .planar = def->planar,
-                               .center_x = (float)(def->center[0] >= 0 ? def->center[0] : 0.5 * width),
-                               .center_y = (float)(def->center[1] >= 0 ? def->center[1] : 0.5 * height),
+                               .center_x = (float)(middle ? 0.5 * width : def->center[0]),
+                               .center_y = (float)(middle ? 0.5 * height : def->center[1]),
                                .inverse_focal_x = (float)(1 / def->focal[0]),
                                .inverse_focal_y = (float)(1 / def->focal[1]),
                                .unknown = def->unknown};

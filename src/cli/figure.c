@@ -1,0 +1,126 @@
+/* tyndall figure: papers' figures and tables, made anew. */
+#include "cli/commands.h"
+#include "cli/figures/figure.h"
+#include "cli/figures/output.h"
+#include "cli/text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct figure_entry {
+    const char* name; /* the paper's method, a dash, what it shows */
+    const char* title;
+    ty_result (*make)(figure_run* run);
+} figure_entry;
+
+static const figure_entry figures[] = {
+    {"screen-leaking", "Screen-space scattering: what keeps light from leaking (Fig. 6)", figure_screen_leaking},
+    {"screen-thickness", "Screen-space scattering: optical thickness 2 to 8 (Fig. 7)", figure_screen_thickness},
+    {"screen-truth", "Screen-space scattering: against path tracing (Fig. 8)", figure_screen_truth},
+    {"screen-photo", "Screen-space scattering: a photograph in three media (Fig. 9)", figure_screen_photo},
+    {"screen-table", "Screen-space scattering: milliseconds (Table 1)", figure_screen_table},
+};
+enum { FIGURE_COUNT = sizeof figures / sizeof figures[0] };
+
+static bool wanted(const figure_entry* figure, const char* name) {
+    const size_t length = strlen(name);
+    return strcmp(name, "all") == 0 || strcmp(name, figure->name) == 0 ||
+           (strncmp(name, figure->name, length) == 0 && figure->name[length] == '-');
+}
+
+static int count_wanted(const char* name) {
+    int count = 0;
+    for (int i = 0; i < FIGURE_COUNT; ++i) count += wanted(&figures[i], name) ? 1 : 0;
+    return count;
+}
+
+static int unknown_figure(const char* name) {
+    const char* names[FIGURE_COUNT];
+    for (int i = 0; i < FIGURE_COUNT; ++i) names[i] = figures[i].name;
+    const char* nearest = cli_nearest(name, names, FIGURE_COUNT);
+    if (nearest != NULL)
+        return cli_usage_error("figure", "unknown figure '%s'; did you mean '%s'? 'tyndall figure list' lists all",
+                               name, nearest);
+    return cli_usage_error("figure", "unknown figure '%s'; 'tyndall figure list' lists all", name);
+}
+
+static int print_list(void) {
+    for (int i = 0; i < FIGURE_COUNT; ++i) {
+        cli_print_text(stdout, figures[i].name, 18);
+        printf(" %s\n", figures[i].title);
+    }
+    return CLI_DONE;
+}
+
+/* Makes and writes one; *made tells whether, if it was not skipped. */
+static int make_figure(cli_session* session, const figure_options* options, const figure_entry* figure, bool* made) {
+    const double started = cli_wall_seconds();
+    figure_run run = {.session = session, .options = options, .name = figure->name};
+    ty_result result = plot_create_page(session->context, &run.page);
+    if (result == TY_OK) result = figure->make(&run);
+    cli_progress_clear(&session->progress);
+    int status = CLI_DONE;
+    if (result != TY_OK) status = cli_fail_running(session, result);
+    *made = result == TY_OK && !run.skipped;
+    if (*made) status = figure_write(&run, figure->title, cli_wall_seconds() - started);
+    if (*made && status == CLI_DONE && !session->common.quiet)
+        printf("wrote %s/%s.png, .csv and .json\n", options->folder, figure->name);
+    free(run.quantities);
+    plot_free_page(&run.page);
+    return status;
+}
+
+static int make_figures(cli_session* session, const figure_options* options, const char* name) {
+    int status = CLI_DONE, count = 0;
+    for (int i = 0; status == CLI_DONE && i < FIGURE_COUNT; ++i) {
+        if (!wanted(&figures[i], name)) continue;
+        bool made = false;
+        status = make_figure(session, options, &figures[i], &made);
+        fflush(stdout);
+        count += made ? 1 : 0;
+    }
+    /* All that was asked for was skipped: that is not what was asked for. */
+    return status == CLI_DONE && count == 0 ? CLI_USAGE : status;
+}
+
+static void list_figures(char* details, size_t size) {
+    snprintf(details, size,
+             "Writes DIR/NAME.png, and what was measured and, where it is known, expected as DIR/NAME.csv and .json.\n"
+             "'all' makes all, the first word of a name those of a paper, and 'list' lists them:");
+    for (int i = 0; i < FIGURE_COUNT; ++i) {
+        const size_t used = strlen(details);
+        snprintf(details + used, size - used, "\n  %-18s %s", figures[i].name, figures[i].title);
+    }
+}
+
+int cli_figure(int count, char** arguments) {
+    figure_options options = {.data = getenv("TYNDALL_DATA")};
+    const cli_option table[] = {
+        {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
+        {"size", 0, CLI_SIZE, "WxH", "pixels of the pictures (default: the figure's choice)", options.size, 0, 0, NULL},
+        {"quick", 0, CLI_FLAG, NULL, "small pictures and few samples", &options.quick, 0, 0, NULL},
+        {"data", 0, CLI_TEXT, "DIR", "third-party images (default: the environment variable TYNDALL_DATA)",
+         &options.data, 0, 0, NULL},
+    };
+    char details[2048];
+    list_figures(details, sizeof details);
+    const cli_syntax syntax = {"figure",
+                               "NAME|all|list -o DIR",
+                               "Makes figures and tables of papers anew.",
+                               details,
+                               table,
+                               sizeof table / sizeof table[0],
+                               1,
+                               1};
+    cli_arguments given;
+    int status = cli_parse(&syntax, count, arguments, &given);
+    if (status != CLI_GO) return status;
+    const char* name = given.positional[0];
+    if (strcmp(name, "list") == 0) return print_list();
+    if (count_wanted(name) == 0) return unknown_figure(name);
+    if (options.folder == NULL) return cli_usage_error("figure", "where to? Give -o DIR");
+    status = cli_make_folder("figure", options.folder);
+    cli_session session;
+    if (status == CLI_GO) status = cli_session_open(&session, "figure", &given.common);
+    return status == CLI_GO ? cli_session_close(&session, make_figures(&session, &options, name)) : status;
+}

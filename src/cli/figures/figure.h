@@ -1,0 +1,63 @@
+/* Figures: each has a name and a function that fills a page and notes what it measured. */
+#ifndef TY_CLI_FIGURES_FIGURE_H
+#define TY_CLI_FIGURES_FIGURE_H
+
+#include "cli/session.h"
+#include "plot/page.h"
+
+enum { FIGURE_NAME_SIZE = 64, FIGURE_CAPTION_SIZE = 1024, FIGURE_PATH_SIZE = 4096 };
+
+typedef struct figure_options {
+    const char* folder; /* to write to */
+    const char* data;   /* folder of third-party images and volumes, or NULL */
+    int32_t size[2];    /* pixels of the pictures; 0: the figure's own choice */
+    bool quick;         /* fewer samples and smaller pictures */
+} figure_options;
+
+/* One number of a figure. NaN: there is none. */
+typedef struct figure_quantity {
+    char item[FIGURE_NAME_SIZE], name[FIGURE_NAME_SIZE]; /* "scatter, thickness 4", "relative RMSE" */
+    const char* unit;                                    /* "1" for ratios */
+    double measured, expected, tolerance;                /* tolerance: how far measured may be from expected */
+} figure_quantity;
+
+/* A figure in the making. */
+typedef struct figure_run {
+    cli_session* session;
+    const figure_options* options;
+    const char* name;
+    plot_page page;
+    char caption[FIGURE_CAPTION_SIZE];
+    figure_quantity* quantities;
+    size_t count, capacity;
+    bool skipped; /* by figure_find_data: nothing is written */
+} figure_run;
+
+/* Notes a number; unit must outlive the run. Errors: TY_ERROR_MEMORY. */
+ty_result figure_note(figure_run* run, const char* item, const char* name, const char* unit, double measured);
+/* The same with what it should be; tolerance NaN: how near is not said. */
+ty_result figure_expect(figure_run* run, const char* item, const char* name, const char* unit, double measured,
+                        double expected, double tolerance);
+/* The path of a file of third-party data. Where there is none, a line on stderr says so, the run is marked as skipped,
+ * and false comes back. */
+bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]);
+
+/* TY_CANCELLED once the user has interrupted: for work that takes no progress callback. */
+ty_result figure_check_interrupt(void);
+
+/* How a differs from b, as ty_image_compare has it, as quantities of an item. */
+ty_result figure_note_difference(figure_run* run, const char* item, const ty_image* a, const ty_image* b,
+                                 ty_difference* out);
+/* Where a is brighter (red) or darker (blue) than b, of the same size, in percent of b or of a tenth of b's mean,
+ * whichever is more; of means over block x block pixels, 1 or more and not more than there are. */
+ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b, int32_t block, plot_picture* out);
+extern const plot_scale figure_error_scale;
+
+/* The figures. */
+ty_result figure_screen_leaking(figure_run* run);
+ty_result figure_screen_thickness(figure_run* run);
+ty_result figure_screen_truth(figure_run* run);
+ty_result figure_screen_photo(figure_run* run);
+ty_result figure_screen_table(figure_run* run);
+
+#endif

@@ -1,0 +1,105 @@
+/* Writing figures. */
+#define _GNU_SOURCE
+#include "cli/figures/output.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the files are made of. */
+typedef struct figure_text {
+    const figure_run* run;
+    const char* title;
+    double seconds;
+} figure_text;
+
+static void write_field(FILE* file, const char* text) {
+    const bool quoted = strpbrk(text, ",\"\n") != NULL;
+    if (quoted) fputc('"', file);
+    for (const char* c = text; *c != '\0'; ++c) {
+        if (*c == '"') fputc('"', file);
+        fputc(*c, file);
+    }
+    if (quoted) fputc('"', file);
+}
+
+static void write_amount(FILE* file, double amount) {
+    if (isfinite(amount))
+        fprintf(file, ",%.9g", amount);
+    else
+        fputc(',', file);
+}
+
+static void write_csv(FILE* file, const figure_text* text) {
+    fputs("item,quantity,unit,measured,expected,tolerance\n", file);
+    for (size_t i = 0; i < text->run->count; ++i) {
+        const figure_quantity* quantity = &text->run->quantities[i];
+        write_field(file, quantity->item);
+        fputc(',', file);
+        write_field(file, quantity->name);
+        fputc(',', file);
+        write_field(file, quantity->unit);
+        write_amount(file, quantity->measured);
+        write_amount(file, quantity->expected);
+        write_amount(file, quantity->tolerance);
+        fputc('\n', file);
+    }
+}
+
+static void write_quantity(json_writer* json, const figure_quantity* quantity) {
+    json_open_object(json, NULL);
+    json_text(json, "item", quantity->item);
+    json_text(json, "name", quantity->name);
+    json_text(json, "unit", quantity->unit);
+    json_number(json, "measured", quantity->measured);
+    if (!isnan(quantity->expected)) json_number(json, "expected", quantity->expected);
+    if (!isnan(quantity->tolerance)) json_number(json, "tolerance", quantity->tolerance);
+    json_close_object(json);
+}
+
+static void write_json(FILE* file, const figure_text* text) {
+    json_writer json = json_begin(file);
+    json_open_object(&json, NULL);
+    json_text(&json, "figure", text->run->name);
+    json_text(&json, "title", text->title);
+    json_text(&json, "caption", text->run->caption);
+    json_text(&json, "version", ty_version());
+    json_integer(&json, "threads", ty_context_threads(text->run->session->context));
+    json_bool(&json, "quick", text->run->options->quick);
+    json_number(&json, "seconds", text->seconds);
+    json_open_array(&json, "quantities");
+    for (size_t i = 0; i < text->run->count; ++i) write_quantity(&json, &text->run->quantities[i]);
+    json_close_array(&json);
+    json_close_object(&json);
+}
+
+static char* make_path(const figure_text* text, const char* extension) {
+    char* path = NULL;
+    return asprintf(&path, "%s/%s%s", text->run->options->folder, text->run->name, extension) >= 0 ? path : NULL;
+}
+
+/* A text file, made in memory first. */
+static ty_result write_text(const figure_text* text, const char* extension,
+                            void (*write)(FILE* file, const figure_text* text)) {
+    char *path = make_path(text, extension), *bytes = NULL;
+    size_t size = 0;
+    FILE* file = path == NULL ? NULL : open_memstream(&bytes, &size);
+    ty_result result = TY_ERROR_MEMORY;
+    if (file != NULL) {
+        write(file, text);
+        if (fclose(file) == 0) result = ty_bytes_write(text->run->session->context, path, bytes, size);
+    }
+    free(bytes);
+    free(path);
+    return result;
+}
+
+int figure_write(figure_run* run, const char* title, double seconds) {
+    const figure_text text = {run, title, seconds};
+    char* path = make_path(&text, ".png");
+    ty_result result = path == NULL ? TY_ERROR_MEMORY : plot_write_page(&run->page, title, run->caption, path);
+    free(path);
+    if (result == TY_OK) result = write_text(&text, ".csv", write_csv);
+    if (result == TY_OK) result = write_text(&text, ".json", write_json);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(run->session, result);
+}

@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# tyndall figure from outside. usage: test_cli_figure.sh TYNDALL (empties the current folder)
+. "$(dirname "$0")/cli.sh"
+unset TYNDALL_DATA
+
+test_list() {
+  expect 0 figure list
+  said out.txt '^screen-leaking +Screen-space scattering'
+  said out.txt '^screen-table '
+  expect 0 figure --help
+  said out.txt '^  screen-photo '
+  said out.txt '--quick'
+}
+
+# figure_files NAME: its three files are there and sound.
+figure_files() {
+  for extension in png csv json; do present "made/$1.$extension"; done
+  valid_json "made/$1.json"
+  said "made/$1.json" "\"figure\": \"$1\""
+  said "made/$1.json" '"seconds": [0-9]'
+  said "made/$1.json" '"measured": [0-9]'
+  said "made/$1.csv" '^item,quantity,unit,measured,expected,tolerance$'
+  expect 0 info "made/$1.png"
+  said out.txt '^size +[0-9]+x[0-9]+$'
+}
+
+test_one() {
+  expect 0 figure screen-leaking -o made --quick --size 48x32 --stats stats.json
+  said out.txt '^wrote made/screen-leaking.png, .csv and .json$'
+  figure_files screen-leaking
+  said made/screen-leaking.csv '^scatter,energy ratio,1,[01]\.[0-9]+,,$'
+  valid_json stats.json
+  # Again over the files that are there, with nothing printed.
+  expect 0 figure screen-leaking -o made --quick --size 30x20 -q
+  unsaid out.txt .
+}
+
+# All of a paper; the photograph is not there, which is said and hinders nothing else.
+test_prefix() {
+  expect 0 figure screen -o made --quick --size 36x24
+  for name in screen-leaking screen-thickness screen-truth screen-table; do figure_files "$name"; done
+  expect 0 figure screen -o made --quick --size 36x24 --data nowhere
+  said err.txt '^tyndall: screen-photo is skipped: nowhere/rgbd/'
+  said made/screen-table.csv '^"1 Mpixel, gather 4x4",total,ms,[0-9.e-]+,2.6,$'
+  absent made/screen-photo.png
+}
+
+test_refusals() {
+  usage_error "did you mean 'screen-table'" figure screen-tabel -o x
+  usage_error "unknown figure 'scre'" figure scre -o x
+  usage_error '-o DIR' figure all
+  usage_error 'a/b' figure screen-table -o a/b
+  touch plain
+  usage_error 'plain' figure screen-table -o plain
+  usage_error '--data' figure screen-photo -o made
+  usage_error 'size' figure screen-table -o made --size 0x4
+  absent x
+}
+
+test_interrupt() {
+  start figure screen-truth -o cut --size 64x48
+  kill -INT "$process"
+  finished 130
+  for extension in png csv json; do absent "cut/screen-truth.$extension"; done
+}
+
+test_list
+test_one
+test_prefix
+test_refusals
+test_interrupt
+no_temporary_files
+finish 90
