@@ -44,6 +44,7 @@ static ty_result make_def(cli_session* session, const ty_scene* scene, const cli
     const ty_screen_settings settings = ty_scene_render_settings(scene).screen;
     *def = ty_default_screen_def();
     choose_variant(&settings, def);
+    if (strcmp(settings.spread, "gaussian") == 0) def->spread = TY_SCREEN_SPREAD_GAUSSIAN;
     def->filter = settings.filter;
     if (settings.levels > 0) def->levels = settings.levels;
     def->progress = cli_progress_report;
