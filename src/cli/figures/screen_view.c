@@ -16,11 +16,14 @@ void screen_free_view(screen_view* view) {
     *view = (screen_view){0};
 }
 
-ty_result screen_load_room(figure_run* run, double thickness, ty_scene** out) {
-    char medium[48];
-    snprintf(medium, sizeof medium, thickness > 0 ? "media[0].sigma_s=%.9g" : "media=[]",
-             thickness / SCREEN_ROOM_DEPTH);
-    return ty_scene_load(run->session->context, "builtin:screen_room", (const char* const[]){medium}, 1, out);
+ty_result screen_load_room(figure_run* run, const screen_water* water, ty_scene** out) {
+    char scattering[48] = "media=[]", cosine[48] = "";
+    const char* const overrides[2] = {scattering, cosine};
+    if (water != NULL) {
+        snprintf(scattering, sizeof scattering, "media[0].sigma_s=%.9g", water->thickness / SCREEN_ROOM_DEPTH);
+        snprintf(cosine, sizeof cosine, "media[0].g=%.9g", (double)water->g);
+    }
+    return ty_scene_load(run->session->context, "builtin:screen_room", overrides, water != NULL ? 2 : 1, out);
 }
 
 void screen_room_size(const figure_run* run, int32_t width, int32_t size[2]) {
@@ -32,7 +35,7 @@ void screen_room_size(const figure_run* run, int32_t width, int32_t size[2]) {
 
 static ty_result render_surfaces(figure_run* run, const int32_t size[2], screen_view* view) {
     ty_scene* scene = NULL;
-    ty_result result = screen_load_room(run, 0, &scene);
+    ty_result result = screen_load_room(run, NULL, &scene);
     if (result != TY_OK) return result;
     ty_path_def def = ty_default_path_def();
     def.spp = run->options->quick ? ROOM_SAMPLES_QUICK : ROOM_SAMPLES;
@@ -75,12 +78,12 @@ ty_screen_def screen_view_def(const screen_view* view) {
     return def;
 }
 
-ty_screen_def screen_room_def(const screen_view* view, double thickness) {
+ty_screen_def screen_room_def(const screen_view* view, const screen_water* water) {
     ty_screen_def def = screen_view_def(view);
     for (int c = 0; c < 3; ++c) {
-        def.sigma_s[c] = (float)(thickness / SCREEN_ROOM_DEPTH);
+        def.sigma_s[c] = (float)(water->thickness / SCREEN_ROOM_DEPTH);
         def.sigma_a[c] = room_absorption[c];
-        def.g[c] = SCREEN_ROOM_G;
+        def.g[c] = water->g;
     }
     return def;
 }
