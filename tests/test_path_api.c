@@ -532,6 +532,61 @@ static void cells_are_x_fastest(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* Lamps, a sky and a ball; the fog reaches far beyond them, so that it decides which light is likely. */
+static ty_scene* lit_scene(ty_context* context, bool foggy) {
+    const double lower[3] = {-9, -8, -7}, upper[3] = {6, 7, 11};
+    ty_scene* scene = make_scene(context);
+    ty_medium_def fog = box_medium(lower, upper, 0.1f, 0.02f);
+    ty_light_def sky = ty_default_light_def(), lamp = sky, far = sky;
+    sky.kind = TY_LIGHT_ENVIRONMENT;
+    set3f(sky.color, 0.25f, 0.5f, 0.75f);
+    lamp.kind = far.kind = TY_LIGHT_POINT;
+    set3(lamp.position, 1, 1, 1);
+    set3(far.position, -3, 1, 4);
+    ty_shape_def ball = ty_default_shape_def(), glowing = ball;
+    ball.kind = glowing.kind = TY_SHAPE_SPHERE;
+    ball.radius = 0.5;
+    set3(glowing.origin, 0.7, 0, 0.5);
+    glowing.radius = 0.1;
+    set3f(glowing.emission, 3, 2, 1);
+    if (foggy) assert_int_equal(ty_scene_add_medium(scene, &fog), TY_OK);
+    assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
+    assert_int_equal(ty_scene_add_light(scene, &lamp), TY_OK);
+    assert_int_equal(ty_scene_add_light(scene, &far), TY_OK);
+    assert_int_equal(ty_scene_add_shape(scene, &ball), TY_OK);
+    assert_int_equal(ty_scene_add_shape(scene, &glowing), TY_OK);
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    return scene;
+}
+
+static void media_can_be_ignored(void** state) {
+    ty_scene *foggy = lit_scene(*state, true), *clear = lit_scene(*state, false);
+    ty_path_def def = small_def(4), ignoring = def;
+    ignoring.ignore_media = true;
+    def.aovs = ignoring.aovs = TY_AOV_ALL;
+    ty_image *fog = render(foggy, &def, NULL), *without = render(foggy, &ignoring, NULL);
+    ty_image *expected = render(clear, &def, NULL), *nothing = render(clear, &ignoring, NULL);
+    assert_true(same_images(without, expected));
+    assert_true(same_images(nothing, expected));
+    assert_false(same_images(fog, expected));
+    ty_image* const images[] = {fog, without, expected, nothing};
+    for (int i = 0; i < 4; ++i) ty_image_destroy(images[i]);
+
+    const double from[3] = {0, 0, 5}, to[3] = {0, 3, 0}, ray[6] = {0, 0, 5, 0, 0.03, -1};
+    double transmittance[3], a[3], b[3];
+    const int32_t size[3] = {1, 1, 1};
+    assert_int_equal(ty_path_transmittance(foggy, &ignoring, from, to, transmittance), TY_OK);
+    for (int c = 0; c < 3; ++c) assert_true(transmittance[c] == 1);
+    assert_int_equal(ty_path_radiance(foggy, &ignoring, 1, ray, a, NULL), TY_OK);
+    assert_int_equal(ty_path_radiance(clear, &def, 1, ray, b, NULL), TY_OK);
+    assert_memory_equal(a, b, sizeof a);
+    assert_int_equal(ty_path_fluence(foggy, &ignoring, to, to, size, a, NULL, NULL), TY_OK);
+    assert_int_equal(ty_path_fluence(clear, &def, to, to, size, b, NULL, NULL), TY_OK);
+    assert_memory_equal(a, b, sizeof a);
+    ty_scene_destroy(foggy);
+    ty_scene_destroy(clear);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_defs_are_refused),
@@ -558,6 +613,7 @@ int main(void) {
         cmocka_unit_test(wrong_cells_are_refused),
         cmocka_unit_test(fluence_of_a_constant_sky),
         cmocka_unit_test(cells_are_x_fastest),
+        cmocka_unit_test(media_can_be_ignored),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -228,6 +228,9 @@ static void states_of_other_renders_are_refused(void** state) {
     def = same;
     def.aovs |= TY_AOV_DEPTH;
     refuse(*state, scene, def, bytes, size, "the state has other channels");
+    def = same;
+    def.ignore_media = true;
+    refuse(*state, scene, def, bytes, size, "the state is of the scene with its media");
     free(bytes);
     ty_scene_destroy(scene);
 }

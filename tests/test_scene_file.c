@@ -67,7 +67,12 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_string_equal(render.method, "path");
     assert_int_equal(render.spp, 64);
     assert_int_equal(render.seed, 0);
-    assert_int_equal(render.max_depth, 0);
+    assert_int_equal(render.path.max_depth, 0);
+    assert_string_equal(render.screen.variant, "scatter");
+    assert_int_equal(render.screen.filter, 4);
+    assert_int_equal(render.screen.levels, 0);
+    assert_string_equal(render.screen.environment, "around");
+    assert_true(render.screen.balance);
     assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
     assert_int_equal(ty_scene_get_info(scene).media, 0);
     ty_scene_destroy(scene);
@@ -86,7 +91,8 @@ static void test_camera_and_render(void** state) {
         parse(context, "{\"tyndall\":1,\"camera\":{\"position\":[1,2,3],\"target\":[4,5,7],\"up\":[0,0,2],"
                        "\"fov_y\":30.5,\"resolution\":[64,32.0],\"exposure\":-1.5},"
                        "\"render\":{\"method\":\"path\",\"spp\":7,\"seed\":9007199254740991,"
-                       "\"path\":{\"max_depth\":3}}}");
+                       "\"path\":{\"max_depth\":3},\"screen\":{\"variant\":\"naive\",\"filter\":6,"
+                       "\"levels\":5,\"environment\":\"lights\",\"balance\":false}}}");
     const ty_camera_def camera = ty_scene_camera(scene);
     expect_vector(camera.position, 1, 2, 3);
     expect_vector(camera.target, 4, 5, 7);
@@ -96,7 +102,12 @@ static void test_camera_and_render(void** state) {
     const ty_render_settings render = ty_scene_render_settings(scene);
     assert_int_equal(render.spp, 7);
     assert_true(render.seed == 9007199254740991u);
-    assert_int_equal(render.max_depth, 3);
+    assert_int_equal(render.path.max_depth, 3);
+    assert_string_equal(render.screen.variant, "naive");
+    assert_int_equal(render.screen.filter, 6);
+    assert_int_equal(render.screen.levels, 5);
+    assert_string_equal(render.screen.environment, "lights");
+    assert_false(render.screen.balance);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
@@ -366,7 +377,7 @@ static void test_overrides(void** state) {
     ty_scene* scene = parse_with(context, text, overrides, COUNT(overrides));
     const ty_render_settings render = ty_scene_render_settings(scene);
     assert_int_equal(render.spp, 4);
-    assert_int_equal(render.max_depth, 5);
+    assert_int_equal(render.path.max_depth, 5);
     ty_medium_def medium;
     assert_int_equal(ty_scene_get_medium(scene, 1, &medium), TY_OK);
     expect_rgb(medium.g, 0, 0, -0.5);
@@ -412,7 +423,8 @@ static const char every_key[] =
     "\"emission\":1},"
     "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"light_scale\":1,"
     "\"emission_scale\":1,\"material\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
-    "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0}}}";
+    "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0},"
+    "\"screen\":{\"variant\":\"scatter\",\"filter\":4,\"levels\":0,\"environment\":\"none\",\"balance\":false}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {

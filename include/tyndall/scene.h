@@ -275,12 +275,29 @@ TY_API ty_context* ty_scene_context(const ty_scene* scene);
 TY_API ty_axis ty_scene_up_axis(const ty_scene* scene);
 TY_API ty_camera_def ty_scene_camera(const ty_scene* scene);
 
+/* What a method is asked for under its own name in `render`. */
+typedef struct ty_path_settings {
+    int32_t max_depth; /* scatterings and reflections at most; 0 (default) for unlimited */
+} ty_path_settings;
+
+typedef struct ty_screen_settings {
+    char variant[16];     /* "scatter" (default), "gather", "naive", "published" or "reference" */
+    int32_t filter;       /* taps, 2, 4 (default) or 6 */
+    int32_t levels;       /* of the pyramid, 1..15; 0 (default): as many as are needed */
+    char environment[16]; /* what light from outside the picture counts: "around" (default): the mean radiance that
+                             arrives at the camera from all directions, without media; "lights": that of environment
+                             lights alone; "none" */
+    bool balance;         /* whether it is put in only for what the picture's own light loses to backward scattering
+                             (ty_screen_balance), default, or in full; without "none" full is far too bright */
+} ty_screen_settings;
+
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16];   /* "path" */
-    int32_t spp;       /* samples per pixel, 1..2^24; default 64 */
-    uint64_t seed;     /* default 0 */
-    int32_t max_depth; /* path: scatterings and reflections at most; 0 (default) for unlimited */
+    char method[16]; /* "path" (default) or "screen" */
+    int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
+    uint64_t seed;   /* default 0 */
+    ty_path_settings path;
+    ty_screen_settings screen;
 } ty_render_settings;
 
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);
@@ -311,6 +328,8 @@ typedef struct ty_scene_info {
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);
 /* One medium as added, with its grid (not retained for the caller); TY_ERROR_ARGUMENT past the end. */
 TY_API ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out);
+/* Radiance of the environment lights together, mean over all directions, W m^-2 sr^-1; 0 without any. */
+TY_API void ty_scene_environment(const ty_scene* scene, float radiance[3]);
 /* One mesh as it stands in the world (its transform is the identity); the arrays are the scene's own and last as long
  * as it; textures are not retained for the caller. TY_ERROR_ARGUMENT past the end. */
 TY_API ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out);

@@ -8,6 +8,7 @@
 #define TYNDALL_SCREEN_H
 
 #include <tyndall/base.h>
+#include <tyndall/scene.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -144,6 +145,18 @@ TY_API ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, 
  * when none is known. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_screen_fill_distance(ty_context* context, int32_t width, int32_t height, float* distance,
                                          int64_t* filled);
+
+/* ---- Scenes: what is held against ty_path_render ---- */
+
+/* Sets medium, focal length, principal point and planar as a committed scene has them, for pictures of its camera that
+ * are `height` pixels high (0: its own resolution). Coefficients of media add; g is their mean, weighted by sigma_s.
+ * That a medium glows is warned of and else ignored. Errors: TY_ERROR_ARGUMENT (a medium is not homogeneous). */
+TY_API ty_result ty_screen_set_scene(const ty_scene* scene, int32_t height, ty_screen_def* def);
+/* Turns distances from the camera to surfaces, m, along the rays through pixels' centres (0: to none) into the part of
+ * them that is inside the scene's media; several media are weighted so that the optical depth stays. Warns where the
+ * camera is outside of a medium, or media fill different spaces. distance: width * height floats, changed in place.
+ * Errors: TY_ERROR_ARGUMENT. */
+TY_API ty_result ty_screen_scene_distance(const ty_scene* scene, int32_t width, int32_t height, float* distance);
 
 #ifdef __cplusplus
 }

@@ -36,15 +36,23 @@ int cli_parse_aov_words(const char* command, const char* text, const cli_aov_wor
     return CLI_GO;
 }
 
+static const cli_aov_word path_words[] = {
+    {"depth", TY_AOV_DEPTH},       {"transmittance", TY_AOV_TRANSMITTANCE},
+    {"single", TY_AOV_SINGLE},     {"multiple", TY_AOV_MULTIPLE},
+    {"albedo", TY_AOV_ALBEDO},     {"normal", TY_AOV_NORMAL},
+    {"variance", TY_AOV_VARIANCE}, {"samples", TY_AOV_SAMPLES},
+    {"all", TY_AOV_ALL},
+};
+enum { PATH_WORDS = sizeof path_words / sizeof path_words[0] };
+
 int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs) {
-    static const cli_aov_word words[] = {
-        {"depth", TY_AOV_DEPTH},       {"transmittance", TY_AOV_TRANSMITTANCE},
-        {"single", TY_AOV_SINGLE},     {"multiple", TY_AOV_MULTIPLE},
-        {"albedo", TY_AOV_ALBEDO},     {"normal", TY_AOV_NORMAL},
-        {"variance", TY_AOV_VARIANCE}, {"samples", TY_AOV_SAMPLES},
-        {"all", TY_AOV_ALL},
-    };
-    return cli_parse_aov_words(command, text, words, sizeof words / sizeof words[0], aovs);
+    return cli_parse_aov_words(command, text, path_words, PATH_WORDS, aovs);
+}
+
+const char* cli_aov_outside(uint32_t aovs, uint32_t known) {
+    for (int i = 0; i < PATH_WORDS; ++i)
+        if (path_words[i].aovs != TY_AOV_ALL && (aovs & path_words[i].aovs & ~known) != 0) return path_words[i].name;
+    return NULL;
 }
 
 static bool is_even(const float* plane, size_t count) {
@@ -73,10 +81,9 @@ static ty_result copy_without(ty_context* context, const ty_image* image, int32_
     return result;
 }
 
-ty_result cli_drop_even_samples(ty_context* context, ty_image** image) {
-    const int32_t channel = ty_image_find_channel(*image, "samples.N");
-    const size_t pixels = (size_t)ty_image_width(*image) * (size_t)ty_image_height(*image);
-    if (channel < 0 || !is_even(ty_image_plane_const(*image, channel), pixels)) return TY_OK;
+ty_result cli_drop_channel(ty_context* context, ty_image** image, const char* name) {
+    const int32_t channel = ty_image_find_channel(*image, name);
+    if (channel < 0) return TY_OK;
     ty_image* rest = NULL;
     const ty_result result = copy_without(context, *image, channel, &rest);
     if (result != TY_OK) {
@@ -86,4 +93,11 @@ ty_result cli_drop_even_samples(ty_context* context, ty_image** image) {
     ty_image_destroy(*image);
     *image = rest;
     return TY_OK;
+}
+
+ty_result cli_drop_even_samples(ty_context* context, ty_image** image) {
+    const int32_t channel = ty_image_find_channel(*image, "samples.N");
+    const size_t pixels = (size_t)ty_image_width(*image) * (size_t)ty_image_height(*image);
+    if (channel < 0 || !is_even(ty_image_plane_const(*image, channel), pixels)) return TY_OK;
+    return cli_drop_channel(context, image, "samples.N");
 }

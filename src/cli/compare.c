@@ -52,6 +52,7 @@ static int read_image(cli_session* session, const char* path, cli_compared* out)
     if (result != TY_OK) return cli_fail_reading(session, result);
     out->source = path;
     out->seconds = metadata_number(out->image, "tyndall.seconds");
+    out->own_seconds = metadata_number(out->image, "tyndall.own_seconds");
     out->spp = metadata_number(out->image, "tyndall.spp");
     return CLI_GO;
 }
@@ -93,34 +94,32 @@ static int write_rendering(cli_session* session, const cli_comparison* compariso
 
 /* Renders, and writes the image to the folder. */
 static int render_entry(cli_session* session, const cli_comparison* comparison, const cli_method* method,
-                        const ty_scene* scene, const ty_path_def* def, cli_compared* entry) {
-    cli_report report = {.method = method->name, .seed = def->seed, .complete = true};
+                        const ty_scene* scene, const cli_request* request, cli_compared* entry) {
+    cli_report report = {.method = method->name, .seed = request->seed, .complete = true};
     snprintf(report.scene, sizeof report.scene, "%016" PRIx64, ty_scene_hash(scene));
-    const ty_result result = method->render(scene, def, &entry->image, &report.path);
+    const ty_result result = method->render(session, scene, request, &entry->image, &report);
     if (result != TY_OK) return cli_fail_running(session, result);
     entry->source = method->name;
     entry->seconds = report.path.seconds;
+    entry->own_seconds = report.own_seconds;
     entry->spp = report.path.spp;
     return write_rendering(session, comparison, entry, &report);
 }
 
-static ty_path_def make_def(cli_session* session, const ty_scene* scene, const compare_options* options) {
+static cli_request make_request(const cli_session* session, const ty_scene* scene, const compare_options* options) {
     const ty_render_settings settings = ty_scene_render_settings(scene);
-    ty_path_def def = ty_default_path_def();
-    def.spp = options->spp_given ? options->spp : settings.spp;
-    def.seed = session->common.seed_given ? session->common.seed : settings.seed;
-    def.max_depth = settings.max_depth;
-    def.width = options->size[0];
-    def.height = options->size[1];
-    def.progress = cli_progress_report;
-    def.progress_user = &session->progress;
-    return def;
+    return (cli_request){
+        .spp = options->spp_given ? options->spp : settings.spp,
+        .seed = session->common.seed_given ? session->common.seed : settings.seed,
+        .width = options->size[0],
+        .height = options->size[1],
+    };
 }
 
 /* Reads the reference or renders it, with a seed of its own; all other images get its size. The folder is made once
  * nothing that goes in can be wrong any more. */
 static int get_reference(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
-                         const compare_options* options, ty_path_def* def) {
+                         const compare_options* options, cli_request* request) {
     cli_compared* reference = &comparison->reference;
     snprintf(reference->name, sizeof reference->name, "reference");
     if (options->reference != NULL) {
@@ -128,20 +127,19 @@ static int get_reference(cli_session* session, cli_comparison* comparison, const
         if (status != CLI_GO) return status;
         int32_t frame[4];
         ty_image_get_frame(reference->image, frame);
-        if (def->width == 0) {
-            def->width = frame[2];
-            def->height = frame[3];
+        if (request->width == 0) {
+            request->width = frame[2];
+            request->height = frame[3];
         }
         return cli_make_folder("compare", options->folder);
     }
-    const cli_method* method = cli_find_method("compare", "path");
-    const int status = method == NULL ? CLI_USAGE : cli_make_folder("compare", options->folder);
+    const int status = cli_make_folder("compare", options->folder);
     if (status != CLI_GO) return status;
-    ty_path_def better = *def;
-    const int32_t more = def->spp < SPP_MAX / REFERENCE_FACTOR ? REFERENCE_FACTOR * def->spp : SPP_MAX;
+    cli_request better = *request;
+    const int32_t more = request->spp < SPP_MAX / REFERENCE_FACTOR ? REFERENCE_FACTOR * request->spp : SPP_MAX;
     better.spp = options->reference_spp_given ? options->reference_spp : more;
-    better.seed = def->seed + 1;
-    return render_entry(session, comparison, method, scene, &better, reference);
+    better.seed = request->seed + 1;
+    return render_entry(session, comparison, &cli_method_path, scene, &better, reference);
 }
 
 /* The next word of "path,fld" as a method; NULL, after a message, when there is none of that name. */
@@ -153,16 +151,26 @@ static const cli_method* next_method(const char** words) {
     return cli_find_method("compare", word);
 }
 
+/* Before the reference takes its time. */
+static int check_methods(cli_session* session, const ty_scene* scene, const compare_options* options,
+                         const cli_request* request) {
+    int status = CLI_GO;
+    for (const char* words = options->methods; words != NULL && status == CLI_GO;)
+        status = cli_check_request(session, scene, next_method(&words), request);
+    return status;
+}
+
 static int compare_methods(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
                            const compare_options* options) {
-    ty_path_def def = make_def(session, scene, options);
-    int status = get_reference(session, comparison, scene, options, &def);
+    cli_request request = make_request(session, scene, options);
+    int status = check_methods(session, scene, options, &request);
+    if (status == CLI_GO) status = get_reference(session, comparison, scene, options, &request);
     for (const char* words = options->methods; words != NULL && status == CLI_GO;) {
         const cli_method* method = next_method(&words);
         if (method == NULL) return CLI_USAGE;
         cli_compared* entry = &comparison->entries[comparison->count];
         choose_name(comparison, method->name, entry->name);
-        status = render_entry(session, comparison, method, scene, &def, entry);
+        status = render_entry(session, comparison, method, scene, &request, entry);
         if (status != CLI_GO) break;
         ++comparison->count;
         status = compare_entry(session, comparison, entry);
@@ -192,7 +200,7 @@ static void print_result(const cli_comparison* comparison) {
         printf("%-24s %14.8g %14.6g %14.6g %14.6g\n", comparison->entries[i].name, d->mean_ratio[3], d->rmse[3],
                d->relative_rmse[3], d->rel_mse[3]);
     }
-    printf("wrote %s/errors.json, table.md, side.png and heat maps\n", comparison->folder);
+    printf("wrote %s/report.html, errors.json, table.md, side.png and heat maps\n", comparison->folder);
 }
 
 static bool is_image(const char* path) {
@@ -247,7 +255,8 @@ int cli_compare(int count, char** arguments) {
     compare_options options = {0};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
-        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with: path", &options.methods, 0, 0, NULL},
+        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with: path, screen", &options.methods, 0, 0,
+         NULL},
         {"reference", 0, CLI_TEXT, "FILE", "the true image (default: path, rendered for longer)", &options.reference, 0,
          0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
@@ -257,14 +266,15 @@ int cli_compare(int count, char** arguments) {
         {"size", 0, CLI_SIZE, "WxH", "pixels (default: the reference's or what the scene says)", options.size, 0, 0,
          NULL},
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene, as for render", &options.overrides, 0, 0, NULL},
-        {"exposure", 0, CLI_REAL, "STOPS", "of side.png (default: the camera's, or 0)", &options.exposure, -64, 64,
+        {"exposure", 0, CLI_REAL, "STOPS", "of what is shown (default: the camera's, or 0)", &options.exposure, -64, 64,
          &options.exposure_given},
     };
     const cli_syntax syntax = {
         "compare",
         "SCENE --methods NAME,... -o DIR | REFERENCE.exr IMAGE.exr... -o DIR",
         "Compares methods, or finished images, with a reference.",
-        "Writes errors.json and table.md (as 'tyndall diff' measures, and times), side.png (all at one exposure) and\n"
+        "Writes report.html (a page by itself, with a slider between the reference and each image), errors.json and\n"
+        "table.md (as 'tyndall diff' measures, and times), side.png and view_NAME.png (all at one exposure), and\n"
         "heat_NAME.png (red where brighter than the reference, blue where darker, full at 100 percent of it or of a\n"
         "tenth of its mean, whichever is more); of scenes also the images. A reference that is rendered has a seed of\n"
         "its own: one more than the others'.",

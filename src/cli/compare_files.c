@@ -1,6 +1,7 @@
 /* What `tyndall compare` writes. */
 #define _GNU_SOURCE
 #include "cli/compare_files.h"
+#include "cli/compare_page.h"
 #include "cli/difference.h"
 #include "cli/side_by_side.h"
 
@@ -18,6 +19,7 @@ static void image_json(json_writer* json, const cli_compared* image) {
     json_text(json, "name", image->name);
     json_text(json, "source", image->source);
     if (image->seconds >= 0) json_number(json, "seconds", image->seconds);
+    if (image->own_seconds >= 0) json_number(json, "own_seconds", image->own_seconds);
     if (image->spp >= 0) json_number(json, "spp", image->spp);
 }
 
@@ -37,12 +39,14 @@ void cli_comparison_json(json_writer* json, const void* user) {
     json_close_array(json);
 }
 
-static void write_errors(FILE* file, const cli_comparison* comparison) {
+static ty_result write_errors(ty_context* context, FILE* file, const cli_comparison* comparison) {
+    (void)context;
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
     cli_comparison_json(&json, comparison);
     json_close_object(&json);
+    return TY_OK;
 }
 
 static void write_amount(FILE* file, double amount) {
@@ -52,7 +56,8 @@ static void write_amount(FILE* file, double amount) {
         fputs(" |", file);
 }
 
-static void write_table(FILE* file, const cli_comparison* comparison) {
+static ty_result write_table(ty_context* context, FILE* file, const cli_comparison* comparison) {
+    (void)context;
     const cli_compared* reference = &comparison->reference;
     if (comparison->subject != NULL) fprintf(file, "Scene: %s\n\n", comparison->subject);
     fprintf(file, "Reference: %s (%s)", reference->name, reference->source);
@@ -76,19 +81,21 @@ static void write_table(FILE* file, const cli_comparison* comparison) {
             "of error^2 / (reference^2 + 0.01 mean^2).\n\nHeat maps: red where the image is brighter than the "
             "reference, blue where it is darker; full colour at 100 percent of the reference, or of a tenth of its "
             "mean where that is more. Green: not finite.\n");
+    return TY_OK;
 }
 
 /* A text file, made in memory first. */
 static int write_text(cli_session* session, const cli_comparison* comparison, const char* name,
-                      void (*write)(FILE* file, const cli_comparison* comparison)) {
+                      ty_result (*write)(ty_context* context, FILE* file, const cli_comparison* comparison)) {
     char *path = cli_comparison_path(comparison->folder, "", name, ""), *text = NULL;
     size_t size = 0;
     if (path == NULL) return CLI_FAILED;
     FILE* file = open_memstream(&text, &size);
     ty_result result = TY_ERROR_MEMORY;
     if (file != NULL) {
-        write(file, comparison);
-        if (fclose(file) == 0) result = ty_bytes_write(session->context, path, text, size);
+        result = write(session->context, file, comparison);
+        if (fclose(file) != 0) result = TY_ERROR_MEMORY;
+        if (result == TY_OK) result = ty_bytes_write(session->context, path, text, size);
     }
     free(text);
     free(path);
@@ -105,6 +112,22 @@ static int write_heat_maps(cli_session* session, const cli_comparison* compariso
         free(path);
         if (result != TY_OK) status = cli_fail_running(session, result);
     }
+    return status;
+}
+
+/* An image as it is shown, at the exposure of all. */
+static int write_view(cli_session* session, const cli_comparison* comparison, const cli_compared* entry) {
+    char* path = cli_comparison_path(comparison->folder, "view_", entry->name, ".png");
+    if (path == NULL) return CLI_FAILED;
+    const ty_result result = ty_image_write_png(session->context, entry->image, comparison->exposure, true, path);
+    free(path);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
+}
+
+static int write_views(cli_session* session, const cli_comparison* comparison) {
+    int status = write_view(session, comparison, &comparison->reference);
+    for (int i = 0; i < comparison->count && status == CLI_DONE; ++i)
+        status = write_view(session, comparison, &comparison->entries[i]);
     return status;
 }
 
@@ -136,7 +159,9 @@ static int write_side_by_side(cli_session* session, const cli_comparison* compar
 
 int cli_write_comparison(cli_session* session, const cli_comparison* comparison) {
     int status = write_heat_maps(session, comparison);
+    if (status == CLI_DONE) status = write_views(session, comparison);
     if (status == CLI_DONE) status = write_side_by_side(session, comparison);
+    if (status == CLI_DONE) status = write_text(session, comparison, "report.html", cli_write_comparison_page);
     if (status == CLI_DONE) status = write_text(session, comparison, "table.md", write_table);
     if (status == CLI_DONE) status = write_text(session, comparison, "errors.json", write_errors);
     return status;

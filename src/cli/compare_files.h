@@ -11,6 +11,7 @@ typedef struct cli_compared {
     const char* source;          /* the method or the image's file */
     ty_image* image;
     double seconds, spp;      /* negative: not known */
+    double own_seconds;       /* without the path-traced image that the method starts from; negative: not known */
     ty_difference difference; /* from the reference; not set for the reference itself */
 } cli_compared;
 
@@ -23,8 +24,8 @@ typedef struct cli_comparison {
     int count;
 } cli_comparison;
 
-/* errors.json, table.md, side.png and a heat_NAME.png for each entry, in the folder; CLI_DONE or an exit status after a
- * message. */
+/* report.html, errors.json, table.md, side.png, a heat_NAME.png for each entry and a view_NAME.png for each image, in
+ * the folder; CLI_DONE or an exit status after a message. */
 int cli_write_comparison(cli_session* session, const cli_comparison* comparison);
 
 /* The members of errors.json, into the object that is open; user is the cli_comparison (cli_session.stats). */

@@ -1,22 +1,31 @@
 /* The methods that render scenes. */
 #include "cli/methods.h"
-#include "cli/options.h"
+#include "cli/aovs.h"
 
-#include <stdio.h>
 #include <string.h>
 
-static const cli_method methods[] = {
-    {"path", "unbiased path tracing", ty_path_render},
-};
+static const cli_method* const methods[] = {&cli_method_path, &cli_method_screen};
 enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
 const cli_method* cli_find_method(const char* command, const char* name) {
     char known[128] = "";
     for (int i = 0; i < METHOD_COUNT; ++i) {
-        if (strcmp(name, methods[i].name) == 0) return &methods[i];
+        if (strcmp(name, methods[i]->name) == 0) return methods[i];
         const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i == 0 ? "" : ", ", methods[i].name);
+        snprintf(known + used, sizeof known - used, "%s%s", i == 0 ? "" : ", ", methods[i]->name);
     }
     cli_usage_error(command, "unknown method '%s'; known: %s", name, known);
     return NULL;
+}
+
+int cli_check_request(cli_session* session, const ty_scene* scene, const cli_method* method,
+                      const cli_request* request) {
+    const char* command = session->command;
+    const char* aov = cli_aov_outside(request->aovs, method->aovs);
+    if (aov != NULL) return cli_usage_error(command, "--aov: the method %s has no '%s'", method->name, aov);
+    if (request->crop[2] > 0 && !method->crops)
+        return cli_usage_error(command, "--crop: the method %s renders whole frames, since light spreads over them",
+                               method->name);
+    const ty_result result = method->check != NULL ? method->check(scene) : TY_OK;
+    return result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
 }

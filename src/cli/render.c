@@ -42,29 +42,24 @@ static void print_closing_lines(const render_options* options, const cli_report*
     if (options->png != NULL) printf("wrote %s\n", options->png);
 }
 
-static ty_path_def make_path_def(const render_options* options, cli_session* session,
-                                 const ty_render_settings* settings, cli_checkpoint* checkpoint) {
-    ty_path_def def = ty_default_path_def();
+static cli_request make_request(const render_options* options, const cli_session* session,
+                                const ty_render_settings* settings, cli_checkpoint* checkpoint) {
     const bool bounded_otherwise = options->time > 0 || options->error > 0;
-    def.spp = options->spp_given ? options->spp : bounded_otherwise ? SPP_MAX : settings->spp;
-    def.seed = session->common.seed_given ? session->common.seed : settings->seed;
-    def.max_depth = settings->max_depth;
-    def.seconds = options->time;
-    def.error = options->error;
-    def.width = options->size[0];
-    def.height = options->size[1];
-    def.aovs = options->aovs | TY_AOV_SAMPLES;
-    memcpy(def.crop, options->crop, sizeof def.crop);
-    def.progress = cli_progress_report;
-    def.progress_user = &session->progress;
-    if (options->resume) {
-        def.state = cli_checkpoint_write;
-        def.state_user = checkpoint;
-        def.state_seconds = options->checkpoint;
-        def.resume = checkpoint->bytes;
-        def.resume_size = checkpoint->size;
-    }
-    return def;
+    cli_request request = {
+        .spp = options->spp_given  ? options->spp
+               : bounded_otherwise ? SPP_MAX
+                                   : settings->spp,
+        .seed = session->common.seed_given ? session->common.seed : settings->seed,
+        .seconds = options->time,
+        .error = options->error,
+        .width = options->size[0],
+        .height = options->size[1],
+        .aovs = options->aovs | TY_AOV_SAMPLES,
+        .checkpoint = options->resume ? checkpoint : NULL,
+        .checkpoint_seconds = options->checkpoint,
+    };
+    memcpy(request.crop, options->crop, sizeof request.crop);
+    return request;
 }
 
 /* Wrong input can only be the state, whose message does not know its file. */
@@ -91,15 +86,17 @@ static int render_scene(cli_session* session, const ty_scene* scene, const rende
     const ty_render_settings settings = ty_scene_render_settings(scene);
     const cli_method* method = cli_find_method("render", options->method != NULL ? options->method : settings.method);
     if (method == NULL) return CLI_USAGE;
-    const ty_path_def def = make_path_def(options, session, &settings, checkpoint);
+    const cli_request request = make_request(options, session, &settings, checkpoint);
+    const int possible = cli_check_request(session, scene, method, &request);
+    if (possible != CLI_GO) return possible;
     report->method = method->name;
-    report->seed = def.seed;
+    report->seed = request.seed;
     report->fov_y = ty_scene_camera(scene).fov_y;
     report->scene_bytes = ty_scene_get_info(scene).bytes;
     snprintf(report->scene, sizeof report->scene, "%016" PRIx64, ty_scene_hash(scene));
-    report->resumed = def.resume != NULL;
+    report->resumed = options->resume && checkpoint->bytes != NULL;
     ty_image* image = NULL;
-    const ty_result result = method->render(scene, &def, &image, &report->path);
+    const ty_result result = method->render(session, scene, &request, &image, report);
     cli_progress_clear(&session->progress);
     if (result != TY_OK && result != TY_CANCELLED) return fail_rendering(session, result, checkpoint);
     report->complete = result == TY_OK;
@@ -154,7 +151,7 @@ int cli_render(int count, char** arguments) {
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"method", 0, CLI_TEXT, "NAME", "path (default: what the scene says)", &options.method, 0, 0, NULL},
+        {"method", 0, CLI_TEXT, "NAME", "path or screen (default: what the scene says)", &options.method, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,

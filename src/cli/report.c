@@ -21,6 +21,18 @@ void cli_report_stats(json_writer* json, const void* user) {
     json_unsigned(json, "vertices", report->path.vertices);
     json_number(json, "error", report->path.error);
     json_text(json, "isa", report->path.isa == NULL ? "" : report->path.isa);
+    if (report->screen.isa != NULL) {
+        json_open_object(json, "screen");
+        json_number(json, "seconds", report->screen.seconds);
+        json_numbers(json, "step_seconds", report->screen.step_seconds, 3);
+        json_integer(json, "levels", report->screen.levels);
+        json_number(json, "spread", report->screen.spread);
+        json_integer(json, "cut", report->screen.cut);
+        json_integer(json, "mended", report->screen.mended);
+        json_number(json, "bytes", report->screen.bytes);
+        json_text(json, "isa", report->screen.isa);
+        json_close_object(json);
+    }
     json_number(json, "load_seconds", report->load_seconds);
     json_number(json, "render_seconds", report->path.seconds);
     json_number(json, "render_cpu_seconds", report->path.cpu_seconds);
@@ -43,6 +55,7 @@ ty_result cli_report_metadata(ty_image* image, const cli_report* report) {
     } numbers[] = {
         {"tyndall.spp", report->path.spp},
         {"tyndall.seconds", report->path.seconds},
+        {"tyndall.own_seconds", report->own_seconds},
         {"tyndall.error", report->path.error},
         {"tyndall.complete", report->complete ? 1 : 0},
     };

@@ -10,7 +10,9 @@ typedef struct cli_report {
     char scene[17]; /* hash */
     size_t scene_bytes;
     const char* method;
-    ty_path_stats path;
+    ty_path_stats path;     /* seconds: of everything, also of what is done with the paths' image */
+    double own_seconds;     /* without the path-traced image that the method starts from */
+    ty_screen_stats screen; /* method screen alone */
     uint64_t seed;
     int32_t width, height;
     double load_seconds;

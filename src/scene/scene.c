@@ -25,7 +25,10 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
         scene->camera.up[1] = 0;
         scene->camera.up[2] = 1;
     }
-    scene->settings = (ty_render_settings){.method = "path", .spp = 64};
+    scene->settings =
+        (ty_render_settings){.method = "path",
+                             .spp = 64,
+                             .screen = {.variant = "scatter", .filter = 4, .environment = "around", .balance = true}};
     *out = scene;
     return TY_OK;
 }
@@ -346,29 +349,59 @@ void ty_scene_set_camera_source(ty_scene* scene, const char* source) {
     snprintf(scene->camera_source, sizeof scene->camera_source, "%s", source);
 }
 
-static void widen(ty_scene_info* info, const double point[3]) {
+/* m; empty when lower is above upper. */
+typedef struct extent {
+    double lower[3], upper[3];
+} extent;
+
+static const extent nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void widen(extent* box, const double point[3]) {
     for (int a = 0; a < 3; ++a) {
-        info->lower[a] = fmin(info->lower[a], point[a]);
-        info->upper[a] = fmax(info->upper[a], point[a]);
+        box->lower[a] = fmin(box->lower[a], point[a]);
+        box->upper[a] = fmax(box->upper[a], point[a]);
     }
 }
 
-static void widen_by_shape(ty_scene_info* info, const ty_shape_def* shape) {
+static void widen_by_shape(extent* box, const ty_shape_def* shape) {
     double origin[3], u[3], v[3], point[3];
     if (shape->kind == TY_SHAPE_SPHERE) {
         const double radius = ty_shape_sphere(shape, origin);
         for (int side = -1; side <= 1; side += 2) {
             for (int a = 0; a < 3; ++a) point[a] = origin[a] + side * radius;
-            widen(info, point);
+            widen(box, point);
         }
     }
     for (int32_t q = 0; q < ty_shape_quad_count(shape); ++q) {
         ty_shape_quad(shape, q, origin, u, v);
         for (int corner = 0; corner < 4; ++corner) {
             for (int a = 0; a < 3; ++a) point[a] = origin[a] + (corner & 1 ? u[a] : 0) + (corner & 2 ? v[a] : 0);
-            widen(info, point);
+            widen(box, point);
         }
     }
+}
+
+static void widen_by_surfaces(extent* box, const ty_scene* scene) {
+    for (size_t i = 0; i < scene->shape_count; ++i) widen_by_shape(box, &scene->shapes[i]);
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        widen(box, scene->meshes[i]->lower);
+        widen(box, scene->meshes[i]->upper);
+    }
+}
+
+/* An empty box becomes a point. */
+static void copy_extent(const extent* box, double lower[3], double upper[3]) {
+    const bool empty = box->lower[0] > box->upper[0];
+    for (int a = 0; a < 3; ++a) {
+        lower[a] = empty ? 0 : box->lower[a];
+        upper[a] = empty ? 0 : box->upper[a];
+    }
+}
+
+void ty_scene_surface_extent(const ty_scene* scene, double lower[3], double upper[3]) {
+    extent box = nothing;
+    widen_by_surfaces(&box, scene);
+    copy_extent(&box, lower, upper);
 }
 
 /* Grids of media, and textures of meshes, by number; NULL where there is none. */
@@ -423,17 +456,12 @@ ty_scene_info ty_scene_get_info(const ty_scene* scene) {
                           .shapes = (int32_t)scene->shape_count,
                           .meshes = (int32_t)scene->mesh_count,
                           .emitters = scene->view.lights.count,
-                          .bounded = scene->medium_count > 0 || scene->shape_count > 0 || scene->mesh_count > 0,
-                          .lower = {INFINITY, INFINITY, INFINITY},
-                          .upper = {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_extent(&scene->media[i], info.lower, info.upper);
-    for (size_t i = 0; i < scene->shape_count; ++i) widen_by_shape(&info, &scene->shapes[i]);
-    for (size_t i = 0; i < scene->mesh_count; ++i) {
-        widen(&info, scene->meshes[i]->lower);
-        widen(&info, scene->meshes[i]->upper);
-        info.triangles += (int64_t)scene->meshes[i]->triangle_count;
-    }
-    for (int a = 0; a < 3 && !info.bounded; ++a) info.lower[a] = info.upper[a] = 0;
+                          .bounded = scene->medium_count > 0 || scene->shape_count > 0 || scene->mesh_count > 0};
+    extent box = nothing;
+    for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_extent(&scene->media[i], box.lower, box.upper);
+    widen_by_surfaces(&box, scene);
+    copy_extent(&box, info.lower, info.upper);
+    for (size_t i = 0; i < scene->mesh_count; ++i) info.triangles += (int64_t)scene->meshes[i]->triangle_count;
     count_textures(scene, &info);
     info.bytes = count_bytes(scene) + info.texture_bytes;
     return info;
@@ -444,6 +472,12 @@ ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_de
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "media: there is no medium %d", (int)index);
     *out = scene->media[index];
     return TY_OK;
+}
+
+void ty_scene_environment(const ty_scene* scene, float radiance[3]) {
+    for (int c = 0; c < 3; ++c) radiance[c] = 0;
+    for (size_t i = 0; i < scene->light_count; ++i)
+        for (int c = 0; c < 3 && scene->environments[i] != NULL; ++c) radiance[c] += scene->environments[i]->mean[c];
 }
 
 ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {

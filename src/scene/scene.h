@@ -55,4 +55,7 @@ struct ty_scene {
 /* The view of a committed scene; NULL, with a message, of any other. */
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene);
 
+/* The box around all surfaces, m; a point when there are none. */
+void ty_scene_surface_extent(const ty_scene* scene, double lower[3], double upper[3]);
+
 #endif

@@ -60,16 +60,30 @@ static ty_result hash_tree(ty_scene_reader* reader) {
 
 /* ---- Sections ---- */
 
+/* A word; out stays as it is when the key is absent. */
+static void read_word(const json_t* object, const char* key, char out[16]) {
+    const char* word = json_string_value(json_object_get(object, key));
+    if (word != NULL) snprintf(out, 16, "%s", word);
+}
+
+static void read_screen(const json_t* screen, ty_screen_settings* settings) {
+    read_word(screen, "variant", settings->variant);
+    read_word(screen, "environment", settings->environment);
+    ty_read_int(screen, "filter", &settings->filter);
+    ty_read_int(screen, "levels", &settings->levels);
+    ty_read_bool(screen, "balance", &settings->balance);
+}
+
 static void read_render(const ty_scene_reader* reader) {
     const json_t* render = json_object_get(reader->root, "render");
     ty_render_settings settings = ty_scene_render_settings(reader->scene);
-    const char* method = json_string_value(json_object_get(render, "method"));
-    if (method != NULL) snprintf(settings.method, sizeof settings.method, "%s", method);
+    read_word(render, "method", settings.method);
     double seed = (double)settings.seed;
     ty_read_number(render, "seed", &seed);
     settings.seed = (uint64_t)seed;
     ty_read_int(render, "spp", &settings.spp);
-    ty_read_int(json_object_get(render, "path"), "max_depth", &settings.max_depth);
+    ty_read_int(json_object_get(render, "path"), "max_depth", &settings.path.max_depth);
+    read_screen(json_object_get(render, "screen"), &settings.screen);
     ty_scene_set_render_settings(reader->scene, &settings);
 }
 

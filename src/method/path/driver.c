@@ -5,6 +5,7 @@
 #include "base/isa.h"
 #include "method/path/equiangular.k.h"
 #include "scene/check.h"
+#include "scene/light.h"
 
 /* Of the radiance that an isotropic medium scatters under the typical light. */
 static const float faint_fraction = 0.5f;
@@ -75,30 +76,57 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->def = def;
     const ty_result result = check_def(run->context, def);
     if (result != TY_OK) return result;
-    run->request.scene = ty_scene_get_view(scene);
-    if (run->request.scene == NULL) return TY_ERROR_ARGUMENT;
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    if (view == NULL) return TY_ERROR_ARGUMENT;
+    run->view = *view;
+    if (def->ignore_media) run->view.medium_count = 0;
+    run->request.scene = &run->view;
     ty_sobol_matrices(&run->sobol);
     run->request.sobol = &run->sobol;
     run->request.seed = def->seed;
     run->request.max_depth = def->max_depth;
     run->kernel = choose_kernel(&run->stats.isa);
-    choose_guides(&run->request);
-    run->request.faint = faint_radiance(&run->request.scene->lights);
     return TY_OK;
 }
 
-ty_result ty_path_take_items(ty_path_run* run, bool with_parts) {
+/* How far apart a scene's things are decides which lights are likely, so without its media lights are others. */
+static ty_result take_lights(ty_path_run* run, const ty_scene* scene) {
+    ty_light_set* set = &run->view.lights;
+    if (!run->def->ignore_media || set->count == 0) return TY_OK;
+    double lower[3], upper[3];
+    run->lights = ty_alloc_array(run->context, (size_t)set->count, sizeof *run->lights, false);
+    if (run->lights == NULL) return TY_ERROR_MEMORY;
+    memcpy(run->lights, set->lights, (size_t)set->count * sizeof *run->lights);
+    ty_scene_surface_extent(scene, lower, upper);
+    set->placed = ty_light_set_choice(run->lights, (size_t)set->count, lower, upper);
+    set->lights = run->lights;
+    return TY_OK;
+}
+
+static ty_result take_items(ty_path_run* run, bool with_parts) {
     const size_t count = (size_t)run->item_count;
     run->items = ty_alloc_array(run->context, count, sizeof *run->items, true);
     if (run->items != NULL && with_parts) run->parts = ty_alloc_array(run->context, count, sizeof *run->parts, true);
-    if (run->items != NULL && (run->parts != NULL) == with_parts) return TY_OK;
-    ty_path_free_items(run);
-    return TY_ERROR_MEMORY;
+    return run->items != NULL && (run->parts != NULL) == with_parts ? TY_OK : TY_ERROR_MEMORY;
 }
 
-void ty_path_free_items(ty_path_run* run) {
+ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_parts) {
+    ty_result result = take_lights(run, scene);
+    if (result == TY_OK) result = take_items(run, with_parts);
+    if (result != TY_OK) {
+        ty_path_run_end(run);
+        return result;
+    }
+    choose_guides(&run->request);
+    run->request.faint = faint_radiance(&run->view.lights);
+    return TY_OK;
+}
+
+void ty_path_run_end(ty_path_run* run) {
+    ty_free_array(run->context, run->lights, (size_t)run->view.lights.count, sizeof *run->lights);
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
     ty_free_array(run->context, run->parts, (size_t)run->item_count, sizeof *run->parts);
+    run->lights = NULL;
     run->items = NULL;
     run->parts = NULL;
 }

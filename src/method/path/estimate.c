@@ -5,8 +5,9 @@
 #include "scene/check.h"
 
 /* Allocates the run's items, samples them and copies the results out. */
-static ty_result sample_items(ty_path_run* run, double* mean, double* uncollided, double* variance) {
-    ty_result result = ty_path_take_items(run, uncollided != NULL);
+static ty_result sample_items(ty_path_run* run, const ty_scene* scene, double* mean, double* uncollided,
+                              double* variance) {
+    ty_result result = ty_path_run_begin(run, scene, uncollided != NULL);
     if (result != TY_OK) return result;
     result = ty_path_sample(run);
     for (int64_t i = 0; i < run->item_count; ++i)
@@ -15,7 +16,7 @@ static ty_result sample_items(ty_path_run* run, double* mean, double* uncollided
             if (uncollided != NULL) uncollided[3 * i + c] = run->parts[i].uncollided[c] / fmax(run->items[i].count, 1);
             if (variance != NULL) variance[3 * i + c] = ty_path_item_variance(&run->items[i], c);
         }
-    ty_path_free_items(run);
+    ty_path_run_end(run);
     return result;
 }
 
@@ -34,7 +35,7 @@ ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, int64_
     run.request.kind = TY_PATH_RAYS;
     run.request.rays = rays;
     run.item_count = count;
-    return sample_items(&run, radiance, NULL, variance);
+    return sample_items(&run, scene, radiance, NULL, variance);
 }
 
 ty_result ty_path_fluence(const ty_scene* scene, const ty_path_def* def, const double lower[3], const double upper[3],
@@ -56,7 +57,7 @@ ty_result ty_path_fluence(const ty_scene* scene, const ty_path_def* def, const d
     }
     run.stage = "fluence";
     run.request.kind = TY_PATH_CELLS;
-    return sample_items(&run, fluence, uncollided, variance);
+    return sample_items(&run, scene, fluence, uncollided, variance);
 }
 
 ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, const double from[3], const double to[3],

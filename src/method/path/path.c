@@ -67,10 +67,10 @@ ty_result ty_path_render(const ty_scene* scene, const ty_path_def* def, ty_image
     ty_result result = ty_path_prepare(scene, def, &run);
     if (result == TY_OK) result = prepare_pixels(scene, &run);
     if (result == TY_OK) result = check_memory(&run);
-    if (result == TY_OK) result = ty_path_take_items(&run, ty_aovs_need_parts(def->aovs));
+    if (result == TY_OK) result = ty_path_run_begin(&run, scene, ty_aovs_need_parts(def->aovs));
     if (result != TY_OK) return result;
     result = render_pixels(&run, out);
     if (stats != NULL && (result == TY_OK || result == TY_CANCELLED)) *stats = run.stats;
-    ty_path_free_items(&run);
+    ty_path_run_end(&run);
     return result;
 }

@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { STATE_VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
+enum { STATE_VERSION = 2, BYTE_ORDER_MARK = 0x01020304 };
 
 static const char state_magic[8] = "tyndstat";
 
@@ -19,7 +19,7 @@ typedef struct state_header {
     char library[16];               /* version, since another one may trace other paths */
     uint64_t scene, seed;
     int32_t width, height, crop[4], max_depth;
-    uint32_t aovs;
+    uint32_t aovs, ignore_media, unused;
     double seconds, cpu_seconds; /* so far */
     uint64_t paths, vertices;
 } state_header;
@@ -64,6 +64,7 @@ static state_header make_header(const ty_path_run* run, const ty_path_stats* sta
     memcpy(header.crop, run->request.crop, sizeof header.crop);
     header.max_depth = run->def->max_depth;
     header.aovs = run->def->aovs;
+    header.ignore_media = run->def->ignore_media;
     header.seconds = stats->seconds;
     header.cpu_seconds = stats->cpu_seconds;
     header.paths = stats->paths;
@@ -123,6 +124,9 @@ static ty_result check_render(ty_context* context, const state_header* was, cons
                        was->crop[1], was->crop[2], was->crop[3], is->crop[0], is->crop[1], is->crop[2], is->crop[3]);
     if (was->max_depth != is->max_depth)
         return ty_fail(context, TY_ERROR_INPUT, "the state is of max_depth %d, not %d", was->max_depth, is->max_depth);
+    if (was->ignore_media != is->ignore_media)
+        return ty_fail(context, TY_ERROR_INPUT, "the state is of the scene with%s its media",
+                       was->ignore_media != 0 ? "out" : "");
     if (was->aovs != is->aovs)
         return ty_fail(context, TY_ERROR_INPUT,
                        "the state has other channels beside R, G and B: aovs %" PRIu32 ", not %" PRIu32, was->aovs,
