@@ -24,6 +24,7 @@ typedef struct screen_view {
     float* distance;            /* m along each pixel's ray; width * height, 0 where there is none */
     double focal[2], center[2]; /* pixels; as in ty_screen_def */
     bool planar;
+    float absorption[3]; /* of the room's medium, 1/m */
 } screen_view;
 
 void screen_free_view(screen_view* view);
