@@ -202,8 +202,9 @@ static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn b
 
 /* ---- the whole ---- */
 
-/* Light counts as cut where more than this part of it should go beyond the last level (small angles). */
-static const double cut_share = 0.1;
+/* Small angles: light counts as cut where more than this part of it should go beyond the last level, and there are
+ * levels enough where less than that part should. Tails are long, and coarse levels cost next to nothing. */
+static const double cut_share = 0.5, rest_share = 0.01;
 
 /* The optical thickness at which it does. */
 static float thickness_limit(double width, double variance) {
@@ -258,7 +259,7 @@ static int32_t choose_levels(const scatter* s) {
         for (int c = 0; c < 3; ++c) {
             const double most = (double)s->counts[band].largest[c];
             while (levels < s->built && (s->job->small_angle ? ty_screen_tail(s->job->width[c], most,
-                                                                              (double)s->variance[levels]) > cut_share
+                                                                              (double)s->variance[levels]) > rest_share
                                                              : (double)s->variance[levels] < most))
                 ++levels;
         }

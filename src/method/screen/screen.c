@@ -100,9 +100,10 @@ void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, in
 }
 
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height) {
-    const int32_t asked = def->levels == TY_SCREEN_LEVELS_AUTO  ? TY_SCREEN_LEVELS_USUAL
-                          : def->levels == TY_SCREEN_LEVELS_ALL ? TY_SCREEN_LEVELS_MAX
-                                                                : def->levels;
+    const bool gaussian = def->variant != TY_SCREEN_SCATTER || def->spread == TY_SCREEN_SPREAD_GAUSSIAN;
+    const int32_t most =
+        gaussian && def->levels == TY_SCREEN_LEVELS_AUTO ? TY_SCREEN_LEVELS_USUAL : TY_SCREEN_LEVELS_MAX;
+    const int32_t asked = def->levels > 0 ? def->levels : most;
     int32_t possible = 1;
     while (possible < asked && (width > 2 || height > 2)) {
         width = (width + 1) / 2;
