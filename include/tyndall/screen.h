@@ -101,8 +101,8 @@ typedef struct ty_screen_planes {
 
 typedef struct ty_screen_image {
     int32_t width, height;   /* 1..65536 */
-    ty_screen_planes color;  /* I: radiance, linear Rec.709; read only. Negative and not finite values count as
-                                0, +Inf as the largest half, 65504 */
+    ty_screen_planes color;  /* I: radiance, linear Rec.709; read only. Negative values and NaN count as 0, +Inf
+                                as the largest half, 65504; where there is a medium, so do values above 1e29 */
     const float* distance;   /* D, m */
     ptrdiff_t distance_step; /* floats; as in ty_screen_planes */
     ptrdiff_t distance_row;
@@ -125,7 +125,7 @@ typedef struct ty_screen_stats {
     const char* isa;        /* which build of the kernels ran, as in ty_path_stats */
 } ty_screen_stats;
 
-/* Bytes of workspace that a call needs; 0 if the def or a size is wrong. */
+/* Bytes of workspace that a call needs; 0 if a size is wrong, or a field of the def that it depends on. */
 TY_API size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height);
 
 /* J of Eq. 12. workspace: at least ty_screen_workspace bytes, aligned to 64, and then nothing is allocated; or NULL,
@@ -135,8 +135,9 @@ TY_API ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, 
                                  void* workspace, size_t workspace_size, ty_screen_stats* stats);
 
 /* What the filter starts from: attenuated I' (Eq. 3), scattered I0 (Eq. 4), spread: the radius, pixels, within which
- * half of a pixel's scattered light falls, per channel (Eq. 5: 1.18 standard deviations). Any may be NULL; planes as
- * image->out is laid out, which itself is not touched. Errors: TY_ERROR_ARGUMENT. */
+ * half of a pixel's scattered light falls, per channel (Eq. 5: 1.18 standard deviations). attenuated has in it what the
+ * environment adds. Any may be NULL; planes as image->out is laid out, which itself is not touched. Errors:
+ * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, const ty_screen_image* image,
                                  float* const attenuated[3], float* const scattered[3], float* const spread[3]);
 

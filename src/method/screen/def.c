@@ -81,17 +81,26 @@ static ty_result check_camera(ty_context* context, const ty_screen_def* def) {
     return TY_OK;
 }
 
+bool ty_screen_has_filter(const ty_screen_def* def) {
+    return def->filter == 2 || def->filter == 4 || def->filter == 6;
+}
+
+bool ty_screen_has_levels(const ty_screen_def* def) {
+    return def->levels == TY_SCREEN_LEVELS_AUTO || def->levels == TY_SCREEN_LEVELS_ALL ||
+           (def->levels >= 1 && def->levels <= TY_SCREEN_LEVELS_MAX);
+}
+
 static ty_result check_filter(ty_context* context, const ty_screen_def* def) {
-    if (def->filter != 2 && def->filter != 4 && def->filter != 6)
+    if (!ty_screen_has_filter(def))
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen.filter: %d is not 2, 4 or 6", def->filter);
-    if (def->levels != TY_SCREEN_LEVELS_AUTO && def->levels != TY_SCREEN_LEVELS_ALL &&
-        (def->levels < 1 || def->levels > TY_SCREEN_LEVELS_MAX))
+    if (!ty_screen_has_levels(def))
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen.levels: %d is outside 1..%d", def->levels,
                        TY_SCREEN_LEVELS_MAX);
     ty_result result = ty_check_number(context, "screen.variant", def->variant, 0, TY_SCREEN_REFERENCE);
     if (result == TY_OK) result = ty_check_number(context, "screen.spread", def->spread, 0, TY_SCREEN_SPREAD_GAUSSIAN);
     if (result == TY_OK) result = ty_check_number(context, "screen.mask", def->mask, 0, TY_SCREEN_MASK_SMOOTH);
-    if (result == TY_OK) result = ty_check_number(context, "screen.mask_width", (double)def->mask_width, 1e-6, 1e6);
+    if (result == TY_OK)
+        result = ty_check_number(context, "screen.mask_width", (double)def->mask_width, (double)1e-6f, 1e6);
     if (result == TY_OK) result = ty_check_number(context, "screen.level_scale", (double)def->level_scale, 1e-3, 1e3);
     if (result == TY_OK) result = ty_check_number(context, "screen.window", def->window, 0, 65536);
     return result;

@@ -14,7 +14,7 @@ typedef struct fill_level {
 } fill_level;
 
 static bool is_known(float distance) {
-    return distance > 0 && distance < TY_SCREEN_DISTANCE_MAX;
+    return distance > 0 && distance < TY_FLOAT_MAX;
 }
 
 /* The mean of the known among four texels. */
@@ -25,7 +25,7 @@ static float pull_texel(const fill_level* fine, int32_t x, int32_t y) {
         for (int32_t i = 2 * x; i < 2 * x + 2 && i < fine->width; ++i) {
             const float distance = fine->distance[(ptrdiff_t)j * fine->width + i];
             if (!is_known(distance)) continue;
-            sum += distance;
+            sum += ty_minf(distance, TY_SCREEN_DISTANCE_MAX);
             ++known;
         }
     return known > 0 ? sum / (float)known : 0;

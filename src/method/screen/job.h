@@ -9,6 +9,9 @@
 enum { TY_SCREEN_SIDE_MAX = 65536, TY_SCREEN_LEVELS_USUAL = 6 };
 
 ty_result ty_screen_check(ty_context* context, const ty_screen_def* def);
+/* Whether a def's filter and levels are such as exist. */
+bool ty_screen_has_filter(const ty_screen_def* def);
+bool ty_screen_has_levels(const ty_screen_def* def);
 /* out: whether image->out must be there. */
 ty_result ty_screen_check_image(ty_context* context, const ty_screen_image* image, bool out);
 

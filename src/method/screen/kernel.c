@@ -60,7 +60,8 @@ static void mend(const ty_screen_row* row, int32_t x0, int32_t count, chunk* c, 
         float* radiance = c->radiance[channel];
         load(row->color[channel] + x0 * row->color_step, row->color_step, count, radiance);
 #pragma omp simd
-        for (int32_t i = 0; i < count; ++i) radiance[i] = ty_screen_mend(radiance[i], &c->mended[i]);
+        for (int32_t i = 0; i < count; ++i)
+            radiance[i] = ty_screen_mend(radiance[i], TY_SCREEN_RADIANCE_MAX, &c->mended[i]);
     }
     int32_t mended = 0;
 #pragma omp simd reduction(+ : mended)

@@ -141,9 +141,11 @@ static void copy_rows(void* user, int64_t index, int32_t worker) {
     for (int64_t y = index * ROWS_PER_TASK; y < (index + 1) * ROWS_PER_TASK && y < image->height; ++y) {
         for (int64_t x = 0; x < image->width; ++x) {
             int32_t changed = 0;
+            float radiance[3]; /* all read before any is written: out may be the same planes in another order */
             for (int c = 0; c < 3; ++c)
-                image->out.data[c][y * image->out.row + x * image->out.step] =
-                    ty_screen_mend(image->color.data[c][y * image->color.row + x * image->color.step], &changed);
+                radiance[c] = ty_screen_mend(image->color.data[c][y * image->color.row + x * image->color.step],
+                                             TY_FLOAT_MAX, &changed);
+            for (int c = 0; c < 3; ++c) image->out.data[c][y * image->out.row + x * image->out.step] = radiance[c];
             const float distance = image->distance[y * image->distance_row + x * image->distance_step];
             mended += changed;
             unknown += distance > 0 && distance < TY_FLOAT_MAX ? 0 : 1;
@@ -217,8 +219,7 @@ static size_t workspace(const ty_context* context, const ty_screen_def* def, int
 size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
     const bool size = width >= 1 && height >= 1 && width <= TY_SCREEN_SIDE_MAX && height <= TY_SCREEN_SIDE_MAX;
     const bool usable = context != NULL && size && def != NULL && def->cookie == TY_DEF_COOKIE &&
-                        (def->filter == 2 || def->filter == 4 || def->filter == 6) &&
-                        def->levels <= TY_SCREEN_LEVELS_MAX;
+                        ty_screen_has_filter(def) && ty_screen_has_levels(def);
     return usable ? workspace(context, def, width, height) : 0;
 }
 

@@ -8,7 +8,7 @@
 /* The largest radiance that +Inf stands for: the largest half. */
 #define TY_SCREEN_BRIGHTEST 65504.0f
 /* Beyond these, sums and products of single precision overflow on the way: radiance, and variance in pixels^2. */
-#define TY_SCREEN_RADIANCE_MAX 1e30f
+#define TY_SCREEN_RADIANCE_MAX 1e29f
 #define TY_SCREEN_VARIANCE_MAX 1e9f
 #define TY_SCREEN_DISTANCE_MAX 1e15f
 /* exp(-x) below single precision's range: nothing is left. */
@@ -40,9 +40,9 @@ TY_FN float ty_screen_distance(ty_screen_params params, float distance, int32_t 
 }
 
 /* A radiance that can be worked with: 0 for what is negative or not a number, the largest half for what is beyond
- * TY_SCREEN_RADIANCE_MAX. *mended becomes 1 where the given one was not such. */
-TY_FN float ty_screen_mend(float radiance, int32_t* mended) {
-    const int32_t low = radiance >= 0.0f, high = radiance <= TY_SCREEN_RADIANCE_MAX;
+ * `highest`. *mended becomes 1 where the given one was not such. */
+TY_FN float ty_screen_mend(float radiance, float highest, int32_t* mended) {
+    const int32_t low = radiance >= 0.0f, high = radiance <= highest;
     *mended |= low && high ? 0 : 1;
     return low ? (high ? radiance : TY_SCREEN_BRIGHTEST) : 0.0f;
 }
