@@ -192,17 +192,17 @@ ty_result ty_screen_gather(ty_screen_job* job) {
     prepare(&g, job);
 
     const double start = ty_wall_seconds();
-    ty_parallel_for(job->context, bands(job->image->height), split, &g);
+    ty_screen_parallel(job, bands(job->image->height), split, &g);
     ty_screen_sum_counts(job, g.counts, bands(job->image->height));
     const int32_t levels = choose_levels(&g);
     const double attenuated = ty_wall_seconds();
     for (g.level = 0; g.level < levels; ++g.level) {
         g.params.mask.threshold = spread_of(&g, g.level);
-        ty_parallel_for(job->context, bands(g.levels[g.level + 1].height), descend, &g);
+        ty_screen_parallel(job, bands(g.levels[g.level + 1].height), descend, &g);
     }
     g.params.level_count = levels + 1;
     const double filtered = ty_wall_seconds();
-    ty_parallel_for(job->context, bands(job->image->height), compose, &g);
+    ty_screen_parallel(job, bands(job->image->height), compose, &g);
 
     job->stats.step_seconds[0] = attenuated - start;
     job->stats.step_seconds[1] = filtered - attenuated;

@@ -193,11 +193,10 @@ static void finish(void* user, int64_t index, int32_t worker) {
 
 static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn body) {
     const int64_t texels = (int64_t)s->levels[level].width * s->levels[level].height;
-    if (texels >= TEXELS_FOR_THREADS) {
-        ty_parallel_for(s->job->context, count, body, (void*)(uintptr_t)s);
-        return;
-    }
-    for (int64_t i = 0; i < count; ++i) body((void*)(uintptr_t)s, i, 0);
+    if (texels >= TEXELS_FOR_THREADS)
+        ty_screen_parallel(s->job, count, body, (void*)(uintptr_t)s);
+    else
+        ty_screen_here(count, body, (void*)(uintptr_t)s);
 }
 
 /* ---- the whole ---- */
