@@ -9,13 +9,22 @@
 /* Standard deviations to where a Gaussian reaches in single precision: exp(-18) = 1.5e-8. */
 #define TY_SCREEN_REACH 6.0f
 
+/* Gaussians wider than a pixel and a half (sharpness 1 / (2 sigma^2)) are as good as integrals. */
+#define TY_SCREEN_SMOOTH 0.22f
+
 /* The Gaussian, not normalised, at distance^2 in pixels^2. */
 TY_FN float ty_screen_gaussian(float sharpness, float distance_squared) {
-    return ty_expf(-ty_minf(sharpness * distance_squared, 87.0f));
+    return ty_exp_minus(ty_minf(sharpness * distance_squared, 87.0f));
 }
 
 /* Its sum over the pixels -before..after along one axis. */
 TY_FN float ty_screen_gaussian_sum(float sharpness, int32_t before, int32_t after) {
+    if (sharpness < TY_SCREEN_SMOOTH) {
+        /* an integral over whole pixels, to 1e-8 */
+        const float root = sqrtf(sharpness);
+        return 0.5f * sqrtf(TY_PI / sharpness) *
+               (erff(root * ((float)before + 0.5f)) + erff(root * ((float)after + 0.5f)));
+    }
     const float reach = TY_SCREEN_REACH * sqrtf(0.5f / sharpness) + 1.0f;
     const int32_t low = reach < (float)before ? (int32_t)reach : before;
     const int32_t high = reach < (float)after ? (int32_t)reach : after;
