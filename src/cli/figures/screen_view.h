@@ -1,5 +1,4 @@
-/* What the figures of screen-space scattering start from: a surface image with distances, and media to put before it.
- */
+/* What figures of screen-space scattering start from: an image with distances, and media to put before it. */
 #ifndef TY_CLI_FIGURES_SCREEN_VIEW_H
 #define TY_CLI_FIGURES_SCREEN_VIEW_H
 
