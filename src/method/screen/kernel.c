@@ -207,25 +207,8 @@ static void onward(const ty_screen_level* level, int32_t y, float* const out[6])
 
 /* ---- from level to level ---- */
 
-static void add_rows(const float* const* rows, const float* weights, int32_t count, int32_t width, float* out) {
-    if (count == 4) {
-        const float *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
-        const float outer = weights[1], inner = weights[0];
-#pragma omp simd
-        for (int32_t i = 0; i < width; ++i) out[i] = outer * (a[i] + d[i]) + inner * (b[i] + c[i]);
-        return;
-    }
-    for (int32_t i = 0; i < width; ++i) out[i] = 0;
-    for (int32_t pair = 0; pair < count / 2; ++pair) {
-        const float *a = rows[count / 2 - 1 - pair], *b = rows[count / 2 + pair];
-        const float weight = weights[pair];
-#pragma omp simd
-        for (int32_t i = 0; i < width; ++i) out[i] += weight * (a[i] + b[i]);
-    }
-}
-
-/* One texel of the next level, anywhere in the row: what lies outside counts as the edge. */
-static float down_item(const ty_screen_taps* taps, const float* row, int32_t width, int32_t x) {
+/* One texel of a narrower row, anywhere in it: what lies outside counts as the edge. */
+static float narrow_item(const ty_screen_taps* taps, const float* row, int32_t width, int32_t x) {
     float sum = 0;
     for (int32_t pair = 0; pair < taps->reach; ++pair)
         sum +=
@@ -233,12 +216,10 @@ static float down_item(const ty_screen_taps* taps, const float* row, int32_t wid
     return sum;
 }
 
-static void down(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* scratch, float* out) {
-    add_rows(rows, taps->down, 2 * taps->reach, width, scratch);
+static void narrow(const ty_screen_taps* taps, const float* row, int32_t width, float* out) {
     const int32_t half = (width + 1) / 2, begin = least(1, half), end = most((width - taps->reach) / 2, begin);
-    for (int32_t x = 0; x < begin; ++x) out[x] = down_item(taps, scratch, width, x);
+    for (int32_t x = 0; x < begin; ++x) out[x] = narrow_item(taps, row, width, x);
     const float inner = taps->down[0], outer = taps->down[1], outmost = taps->down[2];
-    const float* row = scratch;
     if (taps->reach <= 2) {
 #pragma omp simd
         for (int32_t x = begin; x < end; ++x)
@@ -249,7 +230,23 @@ static void down(const ty_screen_taps* taps, const float* const* rows, int32_t w
             out[x] = inner * (row[2 * x] + row[2 * x + 1]) + outer * (row[2 * x - 1] + row[2 * x + 2]) +
                      outmost * (row[2 * x - 2] + row[2 * x + 3]);
     }
-    for (int32_t x = end; x < half; ++x) out[x] = down_item(taps, scratch, width, x);
+    for (int32_t x = end; x < half; ++x) out[x] = narrow_item(taps, row, width, x);
+}
+
+static void join(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* out) {
+    const float inner = taps->down[0], outer = taps->down[1], outmost = taps->down[2];
+    const float *above = rows[taps->reach - 1], *below = rows[taps->reach];
+    const float *up = taps->reach > 1 ? rows[taps->reach - 2] : above,
+                *low = taps->reach > 1 ? rows[taps->reach + 1] : below;
+    if (taps->reach <= 2) {
+#pragma omp simd
+        for (int32_t i = 0; i < width; ++i) out[i] = inner * (above[i] + below[i]) + outer * (up[i] + low[i]);
+        return;
+    }
+    const float *top = rows[0], *bottom = rows[5];
+#pragma omp simd
+    for (int32_t i = 0; i < width; ++i)
+        out[i] = inner * (above[i] + below[i]) + outer * (up[i] + low[i]) + outmost * (top[i] + bottom[i]);
 }
 
 /* The rows of the next level that row y lies between, mixed: `width` texels. */
@@ -460,7 +457,8 @@ const ty_screen_kernels TY_JOIN(ty_screen_kernels_, TY_ISA) = {
     .split = split,
     .scatter = scatter,
     .onward = onward,
-    .down = down,
+    .narrow = narrow,
+    .join = join,
     .up = up,
     .add = add,
     .gather_split = gather_split,
