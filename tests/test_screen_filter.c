@@ -54,7 +54,7 @@ static double kept_energy(ty_context* context, variant v, int32_t filter, double
 static void highlights_keep_their_energy(void** state) {
     static const double distances[] = {0.1, 1, 4, 10};
     for (int v = 0; v < VARIANT_COUNT; ++v)
-        for (int32_t filter = 2; filter <= 6; filter += 2) {
+        for (int32_t filter = 2; filter <= (v == REFERENCE ? 2 : 6); filter += 2) { /* it has none */
             double least = 1;
             for (int i = 0; i < 4; ++i) {
                 const double kept = kept_energy(*state, (variant)v, filter, distances[i]);
