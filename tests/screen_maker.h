@@ -74,6 +74,12 @@ static inline ty_screen_stats apply(ty_context* context, const ty_screen_def* de
     return stats;
 }
 
+static inline double sum_of(const float* values, int32_t count) {
+    double sum = 0;
+    for (int32_t i = 0; i < count; ++i) sum += (double)values[i];
+    return sum;
+}
+
 static inline ty_screen_def gray_fog(double sigma_s, double sigma_a, double g, double focal) {
     ty_screen_def def = ty_default_screen_def();
     set3f(def.sigma_s, sigma_s, sigma_s, sigma_s);

@@ -330,6 +330,21 @@ static void all_sizes_work(void** state) {
             }
 }
 
+static void longest_sides_work(void** state) {
+    for (int v = 0; v < REFERENCE; ++v)
+        for (int upright = 0; upright < 2; ++upright) {
+            picture p = make_picture(upright ? 1 : TY_SCREEN_SIDE_MAX, upright ? TY_SCREEN_SIDE_MAX : 1, 20);
+            fill_color(&p, 1, 10, 100);
+            ty_screen_def def = gray_fog(0.05, 0, 0.6, 200);
+            def.levels = TY_SCREEN_LEVELS_MAX;
+            set_variant(&def, (variant)v);
+            assert_int_equal(apply(*state, &def, &p).levels, TY_SCREEN_LEVELS_MAX);
+            for (int32_t k = 0; v != PUBLISHED && k < 3 * pixel_count(&p); ++k)
+                assert_close((double)p.out[k], (double)p.color[k], 1e-5 * (double)p.color[k]);
+            free_picture(&p);
+        }
+}
+
 /* ---- refusals ---- */
 
 #define DOUBLE(field) offsetof(ty_screen_def, field), FIELD_DOUBLE
@@ -452,6 +467,7 @@ int main(void) {
         cmocka_unit_test(workspace_is_exact),
         cmocka_unit_test(with_a_workspace_nothing_is_allocated),
         cmocka_unit_test(all_sizes_work),
+        cmocka_unit_test(longest_sides_work),
         cmocka_unit_test(bad_fields_are_refused),
         cmocka_unit_test(bad_images_are_refused),
         cmocka_unit_test(the_reference_can_be_cancelled),

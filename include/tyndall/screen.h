@@ -23,7 +23,8 @@ typedef enum ty_screen_variant {
 /* How far scattered light spreads. */
 typedef enum ty_screen_spread {
     TY_SCREEN_SPREAD_SMALL_ANGLE = 0, /* multiple small-angle scattering by Henyey-Greenstein, in closed form: a sharp
-                                         core and long tails, as measured against path (docs/method/screen.md) */
+                                         core and long tails, as measured against path (docs/method/screen.md). It grows
+                                         up to a scattering optical thickness of 76 */
     TY_SCREEN_SPREAD_GAUSSIAN = 1     /* the paper's Gaussian (Eq. 2) */
 } ty_screen_spread;
 
