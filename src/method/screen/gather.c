@@ -104,21 +104,23 @@ static void narrow_row(const gather* g, int32_t worker, int32_t y) {
     const ptrdiff_t first = (ptrdiff_t)y * from->width;
     g->job->kernels->gather_rows(&g->params, from->texels + 4 * first, g->spread[g->level] + first, from->width, rows);
     for (int32_t kind = 0; kind < kind_count(g); ++kind)
-        g->job->kernels->narrow(taps_of(g, kind), rows[kind], from->width, worker_row(g, worker, y % TAPS_MAX, kind));
+        g->job->kernels->narrow(taps_of(g, kind), rows[kind], from->width, NULL,
+                                worker_row(g, worker, y % TAPS_MAX, kind));
 }
 
 static void join_rows(const gather* g, int32_t worker, int32_t y) {
     const ty_screen_texels *from = &g->levels[g->level], *to = &g->levels[g->level + 1];
     const float* joined[TY_GATHER_ROWS];
     for (int32_t kind = 0; kind < kind_count(g); ++kind) {
-        const ty_screen_taps* taps = taps_of(g, kind);
+        const float* down = taps_of(g, kind)->down;
+        const float weights[TAPS_MAX] = {down[2], down[1], down[0], down[0], down[1], down[2]};
         const float* rows[TAPS_MAX];
-        for (int32_t tap = 0; tap < 2 * taps->reach; ++tap) {
-            const int32_t row = ty_screen_clamp_index(2 * y + 1 - taps->reach + tap, from->height);
+        for (int32_t tap = 0; tap < TAPS_MAX; ++tap) {
+            const int32_t row = weights[tap] > 0 ? ty_screen_clamp_index(2 * y - 2 + tap, from->height) : 2 * y;
             rows[tap] = worker_row(g, worker, row % TAPS_MAX, kind);
         }
         float* out = worker_row(g, worker, TAPS_MAX, kind);
-        g->job->kernels->join(taps, rows, to->width, out);
+        g->job->kernels->join(weights, rows, to->width, out);
         joined[kind] = out;
     }
     const ptrdiff_t first = (ptrdiff_t)y * to->width;

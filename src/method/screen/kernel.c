@@ -216,9 +216,17 @@ static float narrow_item(const ty_screen_taps* taps, const float* row, int32_t w
     return sum;
 }
 
-static void narrow(const ty_screen_taps* taps, const float* row, int32_t width, float* out) {
-    const int32_t half = (width + 1) / 2, begin = least(1, half), end = most((width - taps->reach) / 2, begin);
-    for (int32_t x = 0; x < begin; ++x) out[x] = narrow_item(taps, row, width, x);
+/* The same, so that no light is lost. */
+static float narrow_edge(const ty_screen_taps* taps, const float* row, int32_t width, const float* area, int32_t x) {
+    float weights[TY_SCREEN_DOWN_WEIGHTS], sum = 0;
+    ty_screen_down_weights(*taps, area, width, x, weights);
+    for (int32_t i = 0; i < TY_SCREEN_DOWN_WEIGHTS; ++i)
+        if (weights[i] > 0) sum += weights[i] * row[2 * x - 2 + i];
+    return sum;
+}
+
+static void narrow(const ty_screen_taps* taps, const float* row, int32_t width, const float* area, float* out) {
+    const int32_t half = (width + 1) / 2, begin = least(2, half), end = most(half - 4, begin);
     const float inner = taps->down[0], outer = taps->down[1], outmost = taps->down[2];
     if (taps->reach <= 2) {
 #pragma omp simd
@@ -230,23 +238,24 @@ static void narrow(const ty_screen_taps* taps, const float* row, int32_t width, 
             out[x] = inner * (row[2 * x] + row[2 * x + 1]) + outer * (row[2 * x - 1] + row[2 * x + 2]) +
                      outmost * (row[2 * x - 2] + row[2 * x + 3]);
     }
-    for (int32_t x = end; x < half; ++x) out[x] = narrow_item(taps, row, width, x);
+    for (int32_t x = 0; x < half; x = x + 1 == begin ? end : x + 1)
+        out[x] = area != NULL ? narrow_edge(taps, row, width, area, x) : narrow_item(taps, row, width, x);
 }
 
-static void join(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* out) {
-    const float inner = taps->down[0], outer = taps->down[1], outmost = taps->down[2];
-    const float *above = rows[taps->reach - 1], *below = rows[taps->reach];
-    const float *up = taps->reach > 1 ? rows[taps->reach - 2] : above,
-                *low = taps->reach > 1 ? rows[taps->reach + 1] : below;
-    if (taps->reach <= 2) {
+static void join(const float weights[TY_SCREEN_DOWN_WEIGHTS], const float* const rows[TY_SCREEN_DOWN_WEIGHTS],
+                 int32_t width, float* out) {
+    const float *a = rows[1], *b = rows[2], *c = rows[3], *d = rows[4];
+    const float of_a = weights[1], of_b = weights[2], of_c = weights[3], of_d = weights[4];
+    if (weights[0] <= 0 && weights[5] <= 0) {
 #pragma omp simd
-        for (int32_t i = 0; i < width; ++i) out[i] = inner * (above[i] + below[i]) + outer * (up[i] + low[i]);
+        for (int32_t i = 0; i < width; ++i) out[i] = of_a * a[i] + of_b * b[i] + (of_c * c[i] + of_d * d[i]);
         return;
     }
-    const float *top = rows[0], *bottom = rows[5];
+    const float *first = rows[0], *last = rows[5];
+    const float of_first = weights[0], of_last = weights[5];
 #pragma omp simd
     for (int32_t i = 0; i < width; ++i)
-        out[i] = inner * (above[i] + below[i]) + outer * (up[i] + low[i]) + outmost * (top[i] + bottom[i]);
+        out[i] = of_a * a[i] + of_b * b[i] + (of_c * c[i] + of_d * d[i]) + (of_first * first[i] + of_last * last[i]);
 }
 
 /* The rows of the next level that row y lies between, mixed: `width` texels. */

@@ -38,6 +38,7 @@ typedef struct ty_screen_level {
     int32_t width, height;
     ptrdiff_t stride;
     float* plane[6];
+    float* area[2];           /* of its texels along x and y: less than 1 where they reach beyond the picture */
     ty_screen_share share[3]; /* what goes on to the next, per channel */
 } ty_screen_level;
 
@@ -80,10 +81,12 @@ typedef struct ty_screen_kernels {
                     ty_screen_counts* counts);
     /* What goes on from row y of a level, into onward[6]. */
     void (*onward)(const ty_screen_level* level, int32_t y, float* const onward[6]);
-    /* A row of `width` texels, half as many of them. */
-    void (*narrow)(const ty_screen_taps* taps, const float* row, int32_t width, float* out);
-    /* A row of the next level from 2 * reach narrowed rows of this one, `width` texels each. */
-    void (*join)(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* out);
+    /* A row of `width` texels, half as many of them. area: of the texels (ty_screen_down_weights); NULL: outside counts
+     * as the edge. */
+    void (*narrow)(const ty_screen_taps* taps, const float* row, int32_t width, const float* area, float* out);
+    /* The weighted sum of narrowed rows, `width` texels each; those of weight 0 may be any. */
+    void (*join)(const float weights[TY_SCREEN_DOWN_WEIGHTS], const float* const rows[TY_SCREEN_DOWN_WEIGHTS],
+                 int32_t width, float* out);
     /* Row y of a level: what stays there and what comes back from the next (light in next->plane[0..2]), in place of
      * the light. scratch: next->width floats. */
     void (*up)(const ty_screen_taps* taps, const ty_screen_level* level, const ty_screen_level* next, int32_t y,

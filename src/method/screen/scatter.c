@@ -50,16 +50,23 @@ static ptrdiff_t worker_floats(const scatter* s) {
     return PLANES * (TAPS_MAX * s->half_stride + s->row_stride);
 }
 
+static void take_areas(ty_screen_level* level, ty_screen_arena* memory) {
+    level->area[0] = ty_screen_take(memory, sizeof(float) * (size_t)level->width);
+    level->area[1] = ty_screen_take(memory, sizeof(float) * (size_t)level->height);
+}
+
 static void lay_out(scatter* s, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
                     ty_screen_arena* memory) {
     s->built = ty_screen_level_limit(def, width, height);
     s->taps = ty_screen_choose_taps(def->filter);
     s->levels[0] = (ty_screen_level){.width = width, .height = height};
+    take_areas(&s->levels[0], memory);
     for (int32_t k = 1; k <= s->built; ++k) {
         ty_screen_level* level = &s->levels[k];
         level->width = halved(s->levels[k - 1].width);
         level->height = halved(s->levels[k - 1].height);
         level->stride = aligned(level->width);
+        take_areas(level, memory);
         for (int plane = 0; plane < PLANES; ++plane)
             level->plane[plane] = ty_screen_take(memory, sizeof(float) * (size_t)level->stride * (size_t)level->height);
     }
@@ -166,18 +173,19 @@ static void descend(void* user, int64_t index, int32_t worker) {
             else
                 s->job->kernels->onward(from, made, onward);
             for (int plane = 0; plane < PLANES; ++plane)
-                s->job->kernels->narrow(&s->taps, onward[plane], from->width,
+                s->job->kernels->narrow(&s->taps, onward[plane], from->width, from->area[0],
                                         worker_row(s, worker, made % TAPS_MAX, plane));
         }
         made = last;
+        float weights[TAPS_MAX];
+        ty_screen_down_weights(s->taps, from->area[1], from->height, y, weights);
         for (int plane = 0; plane < PLANES; ++plane) {
             const float* rows[TAPS_MAX];
-            for (int32_t tap = 0; tap < 2 * reach; ++tap) {
-                int32_t row = 2 * y + 1 - reach + tap;
-                row = row < 0 ? 0 : row >= from->height ? from->height - 1 : row;
+            for (int32_t tap = 0; tap < TAPS_MAX; ++tap) {
+                const int32_t row = weights[tap] > 0 ? 2 * y - 2 + tap : 2 * y;
                 rows[tap] = worker_row(s, worker, row % TAPS_MAX, plane);
             }
-            s->job->kernels->join(&s->taps, rows, to->width, to->plane[plane] + y * to->stride);
+            s->job->kernels->join(weights, rows, to->width, to->plane[plane] + y * to->stride);
         }
     }
 }
@@ -237,6 +245,21 @@ static double held_radius(const scatter* s, int32_t level) {
         least = fmin(least, ty_screen_radius(s->job, c, (double)most));
     }
     return least;
+}
+
+/* A level's texels of the last row or column may lie in the picture with a part only. */
+static void set_areas(scatter* s) {
+    for (int axis = 0; axis < 2; ++axis) {
+        const int32_t pixels = axis == 0 ? s->levels[0].width : s->levels[0].height;
+        for (int32_t i = 0; i < pixels; ++i) s->levels[0].area[axis][i] = 1;
+        for (int32_t k = 1; k <= s->built; ++k) {
+            const int32_t fine = axis == 0 ? s->levels[k - 1].width : s->levels[k - 1].height;
+            float weights[TAPS_MAX];
+            for (int32_t i = 0; i < halved(fine); ++i)
+                s->levels[k].area[axis][i] =
+                    ty_screen_down_weights(s->taps, s->levels[k - 1].area[axis], fine, i, weights);
+        }
+    }
 }
 
 static void set_levels(scatter* s) {
@@ -301,6 +324,7 @@ ty_result ty_screen_scatter(ty_screen_job* job) {
     lay_out(&s, job->context, job->def, job->image->width, job->image->height, &memory);
     s.job = job;
     s.in_place = overlap(job->image);
+    set_areas(&s);
     set_levels(&s);
 
     const double start = ty_wall_seconds();

@@ -40,7 +40,7 @@ TY_FN float ty_screen_mean_measure(float light, float moment) {
  * up as four, which keeps pictures free of blocks. Four taps: Burt 1981, as in the paper; six: binomial. */
 typedef struct ty_screen_taps {
     int32_t reach; /* taps on each side: 1, 2 or 3 */
-    float down[3]; /* sum 1/2 */
+    float down[3]; /* sum 1/2; half of up, but for two taps */
     int32_t reach_up;
     float up[3]; /* of the coarse texels at distance 0, 1 (towards the fine one), -1; sum 1 */
 } ty_screen_taps;
@@ -50,6 +50,38 @@ TY_FN ty_screen_taps ty_screen_choose_taps(int32_t filter) {
     const ty_screen_taps four = {2, {0.37f, 0.13f, 0.0f}, 2, {0.74f, 0.26f, 0.0f}};
     const ty_screen_taps six = {3, {0.3125f, 0.15625f, 0.03125f}, 3, {0.625f, 0.3125f, 0.0625f}};
     return filter == 2 ? two : filter == 4 ? four : six;
+}
+
+/* With what weight texel `fine` of a level looks at texel `coarse` of the next, which has `count` of them; outside
+ * counts as the edge. */
+TY_FN float ty_screen_up_weight(ty_screen_taps taps, int32_t fine, int32_t coarse, int32_t count) {
+    const int32_t middle = fine / 2, towards = (fine & 1) != 0 ? 1 : -1;
+    int32_t far = middle + towards, behind = middle - towards;
+    far = far < 0 ? 0 : far >= count ? count - 1 : far;
+    behind = behind < 0 ? 0 : behind >= count ? count - 1 : behind;
+    return (coarse == middle ? taps.up[0] : 0.0f) + (coarse == far ? taps.up[1] : 0.0f) +
+           (coarse == behind ? taps.up[2] : 0.0f);
+}
+
+#define TY_SCREEN_DOWN_WEIGHTS 6
+
+/* The weights of texels 2 coarse - 2 .. 2 coarse + 3 of a level (`fine_count` of them) in texel `coarse` of the next:
+ * what each gets from it on the way up, so that no light is lost at any edge. area: how much of each texel lies in the
+ * picture, along one axis. Returns the area of the coarse one. */
+TY_FN float ty_screen_down_weights(ty_screen_taps taps, TY_GLOBAL const float* area, int32_t fine_count, int32_t coarse,
+                                   float weights[TY_SCREEN_DOWN_WEIGHTS]) {
+    const int32_t count = (fine_count + 1) / 2;
+    float sum = 0.0f;
+    for (int32_t i = 0; i < TY_SCREEN_DOWN_WEIGHTS; ++i) {
+        const int32_t fine = 2 * coarse - 2 + i;
+        const int32_t inside = fine >= 0 && fine < fine_count;
+        const float share = taps.reach == 1 ? (fine / 2 == coarse ? 1.0f : 0.0f)
+                                            : ty_screen_up_weight(taps, fine < 0 ? 0 : fine, coarse, count);
+        weights[i] = inside ? share * area[fine] : 0.0f;
+        sum += weights[i];
+    }
+    for (int32_t i = 0; i < TY_SCREEN_DOWN_WEIGHTS; ++i) weights[i] /= sum;
+    return 0.5f * sum;
 }
 
 /* The variance, in pixels of the finer level squared, that going down a level and up again adds. */
