@@ -123,6 +123,9 @@ test_screen() {
   expect 0 render asked.json -o ours.exr -D render.screen.variant=scatter -q
   expect 0 diff ours.exr asked.exr
   unsaid out.txt '^values that differ: 0$'
+  expect 0 render asked.json -o wide.exr -D render.screen.variant=scatter -D render.screen.spread=gaussian -q
+  expect 0 diff ours.exr wide.exr
+  unsaid out.txt '^values that differ: 0$'
 }
 
 test_screen_refusals() {

@@ -28,7 +28,7 @@ test_one() {
   expect 0 figure screen-leaking -o made --quick --size 48x32 --stats stats.json
   said out.txt '^wrote made/screen-leaking.png, .csv and .json$'
   figure_files screen-leaking
-  said made/screen-leaking.csv '^scatter,energy ratio,1,[01]\.[0-9]+,,$'
+  said made/screen-leaking.csv '^scatter,energy ratio,1,[01]\.[0-9]+,1,0\.01$'
   valid_json stats.json
   # Again over the files that are there, with nothing printed.
   expect 0 figure screen-leaking -o made --quick --size 30x20 -q

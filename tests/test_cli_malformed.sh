@@ -60,13 +60,15 @@ kind=0
 bad_image() {
   kind=$((kind + 1))
   begin
-  case $((kind % 6)) in
+  case $((kind % 8)) in
   0) refused "$1" "$2" info "$1" ;;
   1) refused "$1" "$2" convert "$1" OUT.png ;;
   2) refused "$1" "$2" diff ok.exr "$1" --png OUT.png ;;
   3) refused "$1" "$2" merge ok.exr "$1" -o OUT.exr ;;
   4) refused "$1" "$2" compare ok.exr "$1" -o OUT ;;
   5) refused "$1" "$2" render sky.json -D "lights[0].file=$1" -o OUT.exr ;;
+  6) refused "$1" "$2" screen "$1" -o OUT.exr --medium fog:9 ;;
+  7) refused "$1" "$2" screen ok.exr "$1" -o OUT.exr --medium fog:9 ;;
   esac
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 
+#include <pthread.h>
 #include <stdatomic.h>
 
 static void results_have_names(void** state) {
@@ -343,6 +344,47 @@ static void every_index_runs_once(void** state) {
     }
 }
 
+typedef struct nest {
+    ty_context* context;
+    _Atomic int32_t inner, alone;
+} nest;
+
+static void count_inner(void* user, int64_t index, int32_t worker) {
+    (void)index;
+    nest* n = user;
+    atomic_fetch_add(&n->inner, 1);
+    atomic_fetch_add(&n->alone, worker == 0);
+}
+
+static void run_inner(void* user, int64_t index, int32_t worker) {
+    (void)index, (void)worker;
+    ty_parallel_for(((nest*)user)->context, 10, count_inner, user);
+}
+
+static void loops_in_loops_run_alone(void** state) {
+    (void)state;
+    nest n = {.context = make_context(4)};
+    ty_parallel_for(n.context, 20, run_inner, &n);
+    assert_int_equal(atomic_load(&n.inner), 200);
+    assert_int_equal(atomic_load(&n.alone), 200);
+    ty_context_destroy(n.context);
+}
+
+static void* run_many(void* user) {
+    for (int i = 0; i < 50; ++i) ty_parallel_for(((nest*)user)->context, 10, count_inner, user);
+    return NULL;
+}
+
+static void loops_of_several_threads_do_not_wait_for_each_other(void** state) {
+    (void)state;
+    nest n = {.context = make_context(3)};
+    pthread_t threads[4];
+    for (int i = 0; i < 4; ++i) assert_int_equal(pthread_create(&threads[i], NULL, run_many, &n), 0);
+    for (int i = 0; i < 4; ++i) assert_int_equal(pthread_join(threads[i], NULL), 0);
+    assert_int_equal(atomic_load(&n.inner), 4 * 50 * 10);
+    ty_context_destroy(n.context);
+}
+
 static void clocks_run_forward(void** state) {
     (void)state;
     const double wall = ty_wall_seconds(), cpu = ty_cpu_seconds();
@@ -364,6 +406,8 @@ int main(void) {
         cmocka_unit_test(arrays_check_their_size),
         cmocka_unit_test(arrays_grow_and_keep_their_content),
         cmocka_unit_test(every_index_runs_once),
+        cmocka_unit_test(loops_in_loops_run_alone),
+        cmocka_unit_test(loops_of_several_threads_do_not_wait_for_each_other),
         cmocka_unit_test(clocks_run_forward),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

@@ -276,8 +276,11 @@ static const bad_case bad_cases[] = {
     /* render */
     {HEAD "\"render\": {\"spp\": 0}}", NULL, "s.json:2: render.spp: 0 is outside [1, 16777216]"},
     {HEAD "\"render\": {\"seed\": -1}}", NULL, "s.json:2: render.seed: -1 is outside [0, 9007199254740991]"},
+    {HEAD "\"render\": {\"screen\": {\"filter\": 5}}}", NULL,
+     "s.json:2: render.screen.filter: 5 is not a multiple of 2"},
+    {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL, "s.json:2: render.screen.levels: 16 is outside [0, 15]"},
     {HEAD "\"render\": {\"method\": \"pth\"}}", NULL,
-     "s.json:2: render.method: \"pth\" is not one of \"path\"; did you mean \"path\"?"},
+     "s.json:2: render.method: \"pth\" is not one of \"path\", \"screen\"; did you mean \"path\"?"},
     /* values from overrides */
     {HEAD "\"render\": {}}", "render.spp=0", "override \"render.spp=0\": render.spp: 0 is outside [1, 16777216]"},
     {HEAD "\"render\": {}}", "render.spp=x",

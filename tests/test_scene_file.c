@@ -69,6 +69,7 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_int_equal(render.seed, 0);
     assert_int_equal(render.path.max_depth, 0);
     assert_string_equal(render.screen.variant, "scatter");
+    assert_string_equal(render.screen.spread, "small_angle");
     assert_int_equal(render.screen.filter, 4);
     assert_int_equal(render.screen.levels, 0);
     assert_string_equal(render.screen.environment, "around");
@@ -87,12 +88,12 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
 static void test_camera_and_render(void** state) {
     (void)state;
     ty_context* context = make_context();
-    ty_scene* scene =
-        parse(context, "{\"tyndall\":1,\"camera\":{\"position\":[1,2,3],\"target\":[4,5,7],\"up\":[0,0,2],"
-                       "\"fov_y\":30.5,\"resolution\":[64,32.0],\"exposure\":-1.5},"
-                       "\"render\":{\"method\":\"path\",\"spp\":7,\"seed\":9007199254740991,"
-                       "\"path\":{\"max_depth\":3},\"screen\":{\"variant\":\"naive\",\"filter\":6,"
-                       "\"levels\":5,\"environment\":\"lights\",\"balance\":false}}}");
+    ty_scene* scene = parse(
+        context, "{\"tyndall\":1,\"camera\":{\"position\":[1,2,3],\"target\":[4,5,7],\"up\":[0,0,2],"
+                 "\"fov_y\":30.5,\"resolution\":[64,32.0],\"exposure\":-1.5},"
+                 "\"render\":{\"method\":\"path\",\"spp\":7,\"seed\":9007199254740991,"
+                 "\"path\":{\"max_depth\":3},\"screen\":{\"variant\":\"naive\",\"spread\":\"gaussian\",\"filter\":6,"
+                 "\"levels\":5,\"environment\":\"lights\",\"balance\":false}}}");
     const ty_camera_def camera = ty_scene_camera(scene);
     expect_vector(camera.position, 1, 2, 3);
     expect_vector(camera.target, 4, 5, 7);
@@ -104,6 +105,7 @@ static void test_camera_and_render(void** state) {
     assert_true(render.seed == 9007199254740991u);
     assert_int_equal(render.path.max_depth, 3);
     assert_string_equal(render.screen.variant, "naive");
+    assert_string_equal(render.screen.spread, "gaussian");
     assert_int_equal(render.screen.filter, 6);
     assert_int_equal(render.screen.levels, 5);
     assert_string_equal(render.screen.environment, "lights");
@@ -424,7 +426,8 @@ static const char every_key[] =
     "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"light_scale\":1,"
     "\"emission_scale\":1,\"material\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0},"
-    "\"screen\":{\"variant\":\"scatter\",\"filter\":4,\"levels\":0,\"environment\":\"none\",\"balance\":false}}}";
+    "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":0,\"environment\":\"none\","
+    "\"balance\":false}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {

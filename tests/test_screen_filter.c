@@ -249,15 +249,16 @@ static void spread_is_weighted_by_luminance(void** state) {
     for (int weighted = 0; weighted < 2; ++weighted) {
         const ty_screen_gather_params params = {
             .mask = {TY_SCREEN_MASK_SMOOTH, 1, 0.5f}, .luminance_weights = weighted, .normalise = 1};
-        float rows[TY_GATHER_ROWS][4], filtered[TY_GATHER_ROWS][2], coarse[8], coarse_spread[2], scratch[4];
+        float rows[TY_GATHER_ROWS][4], filtered[TY_GATHER_ROWS][2], coarse[8], coarse_spread[2], narrowed[2];
         float* into[TY_GATHER_ROWS];
         const float* from[TY_GATHER_ROWS];
         for (int kind = 0; kind < TY_GATHER_ROWS; ++kind) into[kind] = rows[kind];
         ty_screen_kernels_v1.gather_rows(&params, texels, spread, 4, into);
         ty_screen_taps box = ty_screen_choose_taps(2);
         for (int kind = 0; kind < TY_GATHER_ROWS; ++kind) {
-            const float* const both[2] = {rows[kind], rows[kind]};
-            ty_screen_kernels_v1.down(&box, both, 4, scratch, filtered[kind]);
+            const float* const both[2] = {narrowed, narrowed};
+            ty_screen_kernels_v1.narrow(&box, rows[kind], 4, narrowed);
+            ty_screen_kernels_v1.join(&box, both, 2, filtered[kind]);
             from[kind] = filtered[kind];
         }
         ty_screen_kernels_v1.gather_store(&params, from, 2, coarse, coarse_spread);

@@ -195,7 +195,7 @@ static void no_medium_gives_the_picture_back(void** state) {
 
 static float bad_value(int i) {
     static const uint32_t bits[] = {0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffc00001u,
-                                    0x7f800001u, 0xbf800000u, 0x80000001u, 0xff7fffffu};
+                                    0x7f800001u, 0xbf800000u, 0x8da24260u, 0xff7fffffu};
     return ty_float_from_bits(bits[i % 8]);
 }
 

@@ -110,13 +110,14 @@ static ty_image* render_screen(const ty_scene* scene, int32_t spp, uint64_t seed
 }
 
 /* How the scene's screen image differs from the path-traced one, in means of blocks, since paths are noisy. */
-static ty_difference measure(const char* name, const ty_scene* scene, const ty_image* truth, surroundings around) {
+static ty_difference measure(const char* name, const ty_scene* scene, const ty_image* truth, surroundings around,
+                             int32_t block) {
     static const char* const words[] = {"nothing around", "around in full", "balanced"};
     ty_image* image = render_screen(scene, 64, 5, around);
     ty_difference difference;
-    must(ty_scene_context(scene), ty_image_compare(ty_scene_context(scene), image, truth, 4, &difference));
-    printf("%-34s %-15s mean ratio %.3f, relative RMSE of 4x4 blocks %.3f\n", name, words[around],
-           difference.mean_ratio[3], difference.relative_rmse[3]);
+    must(ty_scene_context(scene), ty_image_compare(ty_scene_context(scene), image, truth, block, &difference));
+    printf("%-34s %-15s mean ratio %.3f, relative RMSE of %dx%d blocks %.3f\n", name, words[around],
+           difference.mean_ratio[3], block, block, difference.relative_rmse[3]);
     ty_image_destroy(image);
     return difference;
 }
@@ -157,7 +158,8 @@ static void test_absorption(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* Forward scattering, optical thickness 1 and 2 to the far wall. */
+/* Forward scattering, optical thickness 1 and 2 to the far wall. The truth itself is noisy: 3% and 6% in such blocks.
+ */
 static void test_forward_fog(void** state) {
     static const double sigma_s[] = {0.18, 0.36};
     for (int i = 0; i < 2; ++i) {
@@ -165,9 +167,9 @@ static void test_forward_fog(void** state) {
         ty_scene* scene = glowing_room(*state, &fog, 0, 1);
         ty_image* truth = render_surfaces(scene, 4096, 1, false);
         const ty_difference difference =
-            measure(i == 0 ? "g 0.9, thickness 1" : "g 0.9, thickness 2", scene, truth, BALANCED);
+            measure(i == 0 ? "g 0.9, thickness 1" : "g 0.9, thickness 2", scene, truth, BALANCED, 8);
         assert_true(fabs(difference.mean_ratio[3] - 1) < 0.04);
-        assert_true(difference.relative_rmse[3] < 0.15);
+        assert_true(difference.relative_rmse[3] < 0.13);
         ty_image_destroy(truth);
         ty_scene_destroy(scene);
     }
@@ -181,9 +183,9 @@ static void test_light_from_behind(void** state) {
         ty_scene* scene = glowing_room(*state, &fog, 0.3, behind[i]);
         const char* name = i == 0 ? "g 0, dark behind the camera" : "g 0, bright behind the camera";
         ty_image* truth = render_surfaces(scene, 512, 1, false);
-        const ty_difference none = measure(name, scene, truth, NOTHING);
-        const ty_difference balanced = measure(name, scene, truth, BALANCED);
-        const ty_difference full = measure(name, scene, truth, IN_FULL);
+        const ty_difference none = measure(name, scene, truth, NOTHING, 4);
+        const ty_difference balanced = measure(name, scene, truth, BALANCED, 4);
+        const ty_difference full = measure(name, scene, truth, IN_FULL, 4);
         assert_true(balanced.relative_rmse[3] < 0.8 * none.relative_rmse[3]);
         assert_true(fabs(balanced.mean_ratio[3] - 1) < 0.08);
         assert_true(full.mean_ratio[3] > 1.3);
@@ -194,15 +196,15 @@ static void test_light_from_behind(void** state) {
 
 /* A sky above ground fog. */
 static void test_sky(void** state) {
-    static const double g[] = {0, 0.5, 0.85};
+    static const double g[] = {0, 0.5, 0.9};
     for (int i = 0; i < 3; ++i) {
         ty_scene* scene = foggy_field(*state, 0.2, g[i]);
         char name[32];
         snprintf(name, sizeof name, "sky, g %g", g[i]);
         ty_image* truth = render_surfaces(scene, 512, 1, false);
-        const ty_difference none = measure(name, scene, truth, NOTHING);
-        const ty_difference balanced = measure(name, scene, truth, BALANCED);
-        const ty_difference full = measure(name, scene, truth, IN_FULL);
+        const ty_difference none = measure(name, scene, truth, NOTHING, 4);
+        const ty_difference balanced = measure(name, scene, truth, BALANCED, 4);
+        const ty_difference full = measure(name, scene, truth, IN_FULL, 4);
         assert_true(fabs(balanced.mean_ratio[3] - 1) < 0.12);
         assert_true(balanced.relative_rmse[3] < 1.02 * none.relative_rmse[3]);
         assert_true(full.relative_rmse[3] > 2 * balanced.relative_rmse[3]);

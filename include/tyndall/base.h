@@ -102,7 +102,9 @@ typedef struct ty_progress {
 typedef bool (*ty_progress_fn)(void* user, const ty_progress* progress);
 
 /* Runs body(user, index, worker) for every index in [0, count) over the context's threads; worker is in
- * [0, threads). Which thread takes which index is not fixed, so a body writes only what its index owns. */
+ * [0, threads). Which thread takes which index is not fixed, so a body writes only what its index owns. The context's
+ * threads start with its first loop and end with the context; a loop that begins while another runs, from its body or
+ * from another thread, runs in the calling thread alone, as worker 0. */
 typedef void (*ty_parallel_fn)(void* user, int64_t index, int32_t worker);
 TY_API void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user);
 

@@ -281,9 +281,10 @@ typedef struct ty_path_settings {
 } ty_path_settings;
 
 typedef struct ty_screen_settings {
-    char variant[16];     /* "scatter" (default), "gather", "naive", "published" or "reference" */
-    int32_t filter;       /* taps, 2, 4 (default) or 6 */
-    int32_t levels;       /* of the pyramid, 1..15; 0 (default): as many as are needed */
+    char variant[16]; /* "scatter" (default), "gather", "naive", "published" or "reference" */
+    char spread[16];  /* of variant "scatter" and "reference": "small_angle" (default) or "gaussian" (the paper's) */
+    int32_t filter;   /* taps, 2, 4 (default) or 6 */
+    int32_t levels;   /* of the pyramid, 1..15; 0 (default): as many as are needed */
     char environment[16]; /* what light from outside the picture counts: "around" (default): the mean radiance that
                              arrives at the camera from all directions, without media; "lights": that of environment
                              lights alone; "none" */

@@ -63,9 +63,9 @@ typedef struct ty_screen_def {
     ty_screen_variant variant; /* default TY_SCREEN_SCATTER */
     ty_screen_spread spread;   /* TY_SCREEN_SCATTER; the other variants are Gaussian. Default small angles */
     int32_t filter;            /* taps along x and y from one level to the next: 2, 4 or 6; default 4 */
-    int32_t levels;            /* K, 1..TY_SCREEN_LEVELS_MAX; TY_SCREEN_LEVELS_AUTO (default): as many as the largest
-                                  spread needs, 6 at most; TY_SCREEN_LEVELS_ALL: as many as it needs. Wider spreads are
-                                  cut to what K levels hold. Sides of one pixel end the pyramid */
+    int32_t levels; /* K, 1..TY_SCREEN_LEVELS_MAX; TY_SCREEN_LEVELS_AUTO (default): as many as the largest spread needs,
+                       but of Gaussians 6 at most, as in the paper; TY_SCREEN_LEVELS_ALL: as many as it needs. Wider
+                       spreads are cut to what K levels hold. Sides of one pixel end the pyramid */
 
     /* TY_SCREEN_GATHER alone. The defaults are the paper's method with its masks normalised; ty_screen_naive_def and
      * ty_screen_published_def change them. */
@@ -118,8 +118,8 @@ typedef struct ty_screen_stats {
     double spread;          /* largest radius within which half of a pixel's scattered light falls, pixels, before it
                                was cut */
     double held;            /* the largest such radius that K levels hold; twice as large with each level more */
-    int64_t cut;            /* pixels whose spread was wider than that: by variance (Gaussian), or for more than a tenth
-                               of the light (small angles) */
+    int64_t cut;            /* pixels whose spread was wider than that: by variance (Gaussian), or for more than half of
+                               the light (small angles) */
     int64_t mended;         /* pixels with a value that was negative or not finite */
     int64_t unknown;        /* pixels without a distance */
     double bytes;           /* that the passes read and wrote, each plane counted once a pass */

@@ -1,6 +1,7 @@
 /* Contexts: errors, logging, memory, clocks. */
 #define _GNU_SOURCE
 #include "base/context.h"
+#include "base/parallel.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -24,6 +25,8 @@ struct ty_context {
     char message[MESSAGE_SIZE];
     double machine_memory; /* bytes */
     _Atomic size_t taken;  /* bytes of arrays that were not given back yet */
+    ty_team team;          /* all threads but the caller's */
+    ty_team_member members[];
 };
 
 const char* ty_result_name(ty_result result) {
@@ -78,6 +81,10 @@ ty_context_def ty_default_context_def(void) {
     return (ty_context_def){.cookie = TY_DEF_COOKIE};
 }
 
+static size_t context_size(int32_t threads) {
+    return sizeof(ty_context) + (size_t)(threads - 1) * sizeof(ty_team_member);
+}
+
 ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
     if (out == NULL || def == NULL || def->cookie != TY_DEF_COOKIE || def->threads < 0 ||
         def->threads > TY_THREADS_MAX || (def->alloc == NULL) != (def->free == NULL))
@@ -87,11 +94,13 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
         copy.alloc = default_alloc;
         copy.free = default_free;
     }
-    ty_context* context = copy.alloc(copy.alloc_user, sizeof *context);
+    const int32_t threads = copy.threads > 0 ? copy.threads : available_processors();
+    ty_context* context = copy.alloc(copy.alloc_user, context_size(threads));
     if (context == NULL) return TY_ERROR_MEMORY;
-    memset(context, 0, sizeof *context);
+    memset(context, 0, context_size(threads));
     context->def = copy;
-    context->threads = copy.threads > 0 ? copy.threads : available_processors();
+    context->threads = threads;
+    ty_team_create(&context->team, context->members, threads - 1);
     context->machine_memory = physical_memory();
     atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
@@ -101,9 +110,10 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
 
 void ty_context_destroy(ty_context* context) {
     if (context == NULL) return;
+    ty_team_destroy(&context->team);
     pthread_mutex_destroy(&context->lock);
     const ty_context_def def = context->def;
-    def.free(def.alloc_user, context, sizeof *context);
+    def.free(def.alloc_user, context, context_size(context->threads));
 }
 
 const char* ty_last_error(const ty_context* context) {
@@ -119,6 +129,12 @@ void ty_clear_error(ty_context* context) {
 
 int32_t ty_context_threads(const ty_context* context) {
     return context->threads;
+}
+
+void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user) {
+    ty_loop loop = {.body = body, .user = user, .count = count};
+    atomic_init(&loop.next, 0);
+    ty_team_run(&context->team, &loop);
 }
 
 ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) {

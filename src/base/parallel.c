@@ -1,45 +1,87 @@
-/* Parallel loops: indices are handed out one by one; results may depend on the index only, never on the worker. */
-#include "base/context.h"
+/* Parallel loops: indices are handed out one by one; results may depend on the index only, never on the worker.
+ *
+ * The threads of a context wait between loops, since starting them takes longer than a short loop. A loop that begins
+ * while another has them (from a body, or from another thread of the caller's) runs in its own thread alone: the
+ * context's processors are at work already. */
+#include "base/parallel.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
-
-typedef struct loop {
-    ty_parallel_fn body;
-    void* user;
-    int64_t count;
-    _Atomic int64_t next;
-} loop;
-
-typedef struct worker {
-    loop* loop;
-    int32_t index;
-    pthread_t thread;
-} worker;
-
-static void* work(void* argument) {
-    const worker* self = argument;
-    loop* shared = self->loop;
+static void work(ty_loop* loop, int32_t worker) {
     for (;;) {
-        const int64_t index = atomic_fetch_add_explicit(&shared->next, 1, memory_order_relaxed);
-        if (index >= shared->count) return NULL;
-        shared->body(shared->user, index, self->index);
+        const int64_t index = atomic_fetch_add_explicit(&loop->next, 1, memory_order_relaxed);
+        if (index >= loop->count) return;
+        loop->body(loop->user, index, worker);
     }
 }
 
-void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user) {
-    loop shared = {.body = body, .user = user, .count = count};
-    atomic_init(&shared.next, 0);
-    int32_t threads = ty_context_threads(context);
-    if (threads > count) threads = count < 1 ? 1 : (int32_t)count;
-    worker first = {.loop = &shared, .index = 0};
-    worker others[TY_THREADS_MAX - 1];
-    int32_t started = 0;
-    for (int32_t i = 0; i < threads - 1; ++i) {
-        others[i] = (worker){.loop = &shared, .index = i + 1};
-        if (pthread_create(&others[i].thread, NULL, work, &others[i]) != 0) break;
-        ++started;
+static void* wait_for_loops(void* argument) {
+    const ty_team_member* self = argument;
+    ty_team* team = self->team;
+    uint64_t seen = 0;
+    pthread_mutex_lock(&team->lock);
+    for (;;) {
+        while (!team->ends && (team->calls == seen || self->index > team->members))
+            pthread_cond_wait(&team->called, &team->lock);
+        if (team->ends) break;
+        seen = team->calls;
+        ty_loop* loop = team->loop;
+        pthread_mutex_unlock(&team->lock);
+        work(loop, self->index);
+        pthread_mutex_lock(&team->lock);
+        if (--team->working == 0) pthread_cond_signal(&team->finished);
     }
-    work(&first);
-    for (int32_t i = 0; i < started; ++i) pthread_join(others[i].thread, NULL);
+    pthread_mutex_unlock(&team->lock);
+    return NULL;
+}
+
+void ty_team_create(ty_team* team, ty_team_member* threads, int32_t wanted) {
+    *team = (ty_team){.threads = threads, .wanted = wanted};
+    pthread_mutex_init(&team->turn, NULL);
+    pthread_mutex_init(&team->lock, NULL);
+    pthread_cond_init(&team->called, NULL);
+    pthread_cond_init(&team->finished, NULL);
+}
+
+void ty_team_destroy(ty_team* team) {
+    pthread_mutex_lock(&team->lock);
+    team->ends = true;
+    pthread_cond_broadcast(&team->called);
+    pthread_mutex_unlock(&team->lock);
+    for (int32_t i = 0; i < team->started; ++i) pthread_join(team->threads[i].thread, NULL);
+    pthread_cond_destroy(&team->called);
+    pthread_cond_destroy(&team->finished);
+    pthread_mutex_destroy(&team->lock);
+    pthread_mutex_destroy(&team->turn);
+}
+
+/* As many threads as the loop has use for, if the system gives them. */
+static int32_t start_threads(ty_team* team, int64_t useful) {
+    const int32_t members = useful < team->wanted ? (int32_t)useful : team->wanted;
+    while (team->started < members) {
+        ty_team_member* member = &team->threads[team->started];
+        *member = (ty_team_member){.team = team, .index = team->started + 1};
+        if (pthread_create(&member->thread, NULL, wait_for_loops, member) != 0) return team->started;
+        ++team->started;
+    }
+    return members;
+}
+
+void ty_team_run(ty_team* team, ty_loop* loop) {
+    const bool alone = loop->count < 2 || team->wanted < 1 || pthread_mutex_trylock(&team->turn) != 0;
+    if (alone) {
+        work(loop, 0);
+        return;
+    }
+    pthread_mutex_lock(&team->lock);
+    team->members = start_threads(team, loop->count - 1);
+    team->working = team->members;
+    team->loop = loop;
+    ++team->calls;
+    pthread_cond_broadcast(&team->called);
+    pthread_mutex_unlock(&team->lock);
+    work(loop, 0);
+    pthread_mutex_lock(&team->lock);
+    while (team->working > 0) pthread_cond_wait(&team->finished, &team->lock);
+    team->members = 0;
+    pthread_mutex_unlock(&team->lock);
+    pthread_mutex_unlock(&team->turn);
 }

@@ -4,6 +4,7 @@
 #include "cli/compare_page.h"
 #include "cli/difference.h"
 #include "cli/side_by_side.h"
+#include "cli/text_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -39,12 +40,12 @@ void cli_comparison_json(json_writer* json, const void* user) {
     json_close_array(json);
 }
 
-static ty_result write_errors(ty_context* context, FILE* file, const cli_comparison* comparison) {
+static ty_result print_errors(ty_context* context, FILE* file, const void* user) {
     (void)context;
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
-    cli_comparison_json(&json, comparison);
+    cli_comparison_json(&json, user);
     json_close_object(&json);
     return TY_OK;
 }
@@ -56,8 +57,9 @@ static void write_amount(FILE* file, double amount) {
         fputs(" |", file);
 }
 
-static ty_result write_table(ty_context* context, FILE* file, const cli_comparison* comparison) {
+static ty_result print_table(ty_context* context, FILE* file, const void* user) {
     (void)context;
+    const cli_comparison* comparison = user;
     const cli_compared* reference = &comparison->reference;
     if (comparison->subject != NULL) fprintf(file, "Scene: %s\n\n", comparison->subject);
     fprintf(file, "Reference: %s (%s)", reference->name, reference->source);
@@ -84,20 +86,10 @@ static ty_result write_table(ty_context* context, FILE* file, const cli_comparis
     return TY_OK;
 }
 
-/* A text file, made in memory first. */
-static int write_text(cli_session* session, const cli_comparison* comparison, const char* name,
-                      ty_result (*write)(ty_context* context, FILE* file, const cli_comparison* comparison)) {
-    char *path = cli_comparison_path(comparison->folder, "", name, ""), *text = NULL;
-    size_t size = 0;
+static int write_text(cli_session* session, const cli_comparison* comparison, const char* name, cli_print_fn print) {
+    char* path = cli_comparison_path(comparison->folder, "", name, "");
     if (path == NULL) return CLI_FAILED;
-    FILE* file = open_memstream(&text, &size);
-    ty_result result = TY_ERROR_MEMORY;
-    if (file != NULL) {
-        result = write(session->context, file, comparison);
-        if (fclose(file) != 0) result = TY_ERROR_MEMORY;
-        if (result == TY_OK) result = ty_bytes_write(session->context, path, text, size);
-    }
-    free(text);
+    const ty_result result = cli_write_text_file(session->context, path, print, comparison);
     free(path);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
@@ -161,8 +153,8 @@ int cli_write_comparison(cli_session* session, const cli_comparison* comparison)
     int status = write_heat_maps(session, comparison);
     if (status == CLI_DONE) status = write_views(session, comparison);
     if (status == CLI_DONE) status = write_side_by_side(session, comparison);
-    if (status == CLI_DONE) status = write_text(session, comparison, "report.html", cli_write_comparison_page);
-    if (status == CLI_DONE) status = write_text(session, comparison, "table.md", write_table);
-    if (status == CLI_DONE) status = write_text(session, comparison, "errors.json", write_errors);
+    if (status == CLI_DONE) status = write_text(session, comparison, "report.html", cli_print_comparison_page);
+    if (status == CLI_DONE) status = write_text(session, comparison, "table.md", print_table);
+    if (status == CLI_DONE) status = write_text(session, comparison, "errors.json", print_errors);
     return status;
 }

@@ -154,7 +154,8 @@ static void write_heading(FILE* file, const cli_comparison* comparison) {
     fprintf(file, ". Exposure %.3g stops. Tyndall %s.</p>\n", comparison->exposure, ty_version());
 }
 
-ty_result cli_write_comparison_page(ty_context* context, FILE* file, const cli_comparison* comparison) {
+ty_result cli_print_comparison_page(ty_context* context, FILE* file, const void* user) {
+    const cli_comparison* comparison = user;
     const char* mark = strstr(cli_compare_page_text, content_mark);
     fwrite(cli_compare_page_text, 1, (size_t)(mark - cli_compare_page_text), file);
     write_heading(file, comparison);

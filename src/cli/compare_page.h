@@ -4,7 +4,7 @@
 
 #include "cli/compare_files.h"
 
-/* Writes the page; images come from the PNGs that are in the folder already. */
-ty_result cli_write_comparison_page(ty_context* context, FILE* file, const cli_comparison* comparison);
+/* A cli_print_fn; user is the cli_comparison, and images come from the PNGs that are in its folder already. */
+ty_result cli_print_comparison_page(ty_context* context, FILE* file, const void* user);
 
 #endif

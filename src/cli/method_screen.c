@@ -25,6 +25,7 @@ static ty_result find_radiance_around(cli_session* session, const ty_scene* scen
     def.ignore_media = true;
     def.spp = SAMPLES;
     def.seconds = def.error = 0;
+    def.progress = NULL; /* it is short, and half of it would be of no use */
     def.state = NULL;
     def.resume = NULL;
     def.resume_size = 0;
@@ -43,6 +44,7 @@ static ty_result make_def(cli_session* session, const ty_scene* scene, const cli
     const ty_screen_settings settings = ty_scene_render_settings(scene).screen;
     *def = ty_default_screen_def();
     choose_variant(&settings, def);
+    if (strcmp(settings.spread, "gaussian") == 0) def->spread = TY_SCREEN_SPREAD_GAUSSIAN;
     def->filter = settings.filter;
     if (settings.levels > 0) def->levels = settings.levels;
     def->progress = cli_progress_report;
@@ -88,10 +90,13 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
     surfaces.aovs |= TY_AOV_DEPTH;
     ty_screen_def def;
     ty_image* image = NULL;
+    const double begun = cli_wall_seconds();
     ty_result result = make_def(session, scene, request, &def);
     if (result != TY_OK) return result;
+    report->own_seconds = cli_wall_seconds() - begun;
     const ty_result traced = ty_path_render(scene, &surfaces, &image, &report->path);
     if (traced != TY_OK && traced != TY_CANCELLED) return traced;
+    const double finished = cli_wall_seconds();
     result = scatter(session, scene, &def, image, &report->screen);
     if (result == TY_OK && (request->aovs & TY_AOV_DEPTH) == 0)
         result = cli_drop_channel(session->context, &image, "depth.Z");
@@ -99,8 +104,8 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
         ty_image_destroy(image);
         return result;
     }
-    report->own_seconds = report->screen.seconds;
-    report->path.seconds += report->screen.seconds;
+    report->own_seconds += cli_wall_seconds() - finished;
+    report->path.seconds += report->own_seconds;
     *out = image;
     return traced;
 }

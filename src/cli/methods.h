@@ -25,7 +25,7 @@ typedef struct cli_method {
     /* Whether it is made for the scene; NULL: for all of them. */
     ty_result (*check)(const ty_scene* scene);
     /* Renders, and fills in what the report says of the run: path, own_seconds, screen. Results as of
-     * ty_path_render. */
+     * ty_path_render, but for TY_CANCELLED with *out NULL when a part is no picture. */
     ty_result (*render)(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
                         cli_report* report);
 } cli_method;

@@ -98,7 +98,7 @@ static int render_scene(cli_session* session, const ty_scene* scene, const rende
     ty_image* image = NULL;
     const ty_result result = method->render(session, scene, &request, &image, report);
     cli_progress_clear(&session->progress);
-    if (result != TY_OK && result != TY_CANCELLED) return fail_rendering(session, result, checkpoint);
+    if (image == NULL) return fail_rendering(session, result, checkpoint);
     report->complete = result == TY_OK;
     report->width = ty_image_width(image);
     report->height = ty_image_height(image);

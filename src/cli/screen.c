@@ -40,6 +40,13 @@ static ty_result compute(cli_session* session, screen_report* report, const scre
     return result;
 }
 
+/* The work is not counted in samples per pixel. */
+static bool report_progress(void* user, const ty_progress* progress) {
+    ty_progress report = *progress;
+    report.done = report.total = 0;
+    return cli_progress_report(user, &report);
+}
+
 /* Sets everything of the def; needs the image for the camera. */
 static int make_def(cli_session* session, const screen_options* options, const screen_input* input,
                     const ty_medium_def* medium, ty_screen_def* def) {
@@ -48,7 +55,7 @@ static int make_def(cli_session* session, const screen_options* options, const s
     memcpy(def->sigma_a, medium->sigma_a, sizeof def->sigma_a);
     memcpy(def->g, medium->g, sizeof def->g);
     def->unknown = (float)options->sky_distance;
-    def->progress = cli_progress_report;
+    def->progress = report_progress;
     def->progress_user = &session->progress;
     screen_set_variant(options, def);
     const int status = screen_set_camera(options, input, def);
@@ -130,9 +137,12 @@ int cli_screen(int count, char** arguments) {
          &options.balance, 0, 0, NULL},
         {"variant", 0, CLI_CHOICE, SCREEN_KINDS, "ours (default), the paper's, and baselines", &options.kind, 0, 0,
          NULL},
+        {"spread", 0, CLI_CHOICE, "small-angle|gaussian", "scatter: by phase function (default), or the paper's",
+         &options.spread, 0, 0, &options.spread_given},
         {"filter", 0, CLI_CHOICE, "2|4|6", "taps along x and y between levels (default 4)", &options.filter, 0, 0,
          NULL},
-        {"levels", 0, CLI_TEXT, "N|auto", "of the pyramid (default auto: 6 at most)", &options.levels, 0, 0, NULL},
+        {"levels", 0, CLI_TEXT, "N|auto|all", "of the pyramid (default auto: what it takes, of Gaussians 6 at most)",
+         &options.levels, 0, 0, NULL},
         {"window", 0, CLI_INT, "N", "reference: pixels that light reaches along x and y (default: all)",
          &options.window, 1, 65536, &options.window_given},
         {"mask", 0, CLI_CHOICE, "none|step|smooth", "gather: what keeps near pixels out of wide levels", &options.mask,

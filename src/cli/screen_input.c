@@ -51,10 +51,10 @@ static int choose_channel(const screen_options* options, ty_image* image, const 
         return cli_fail(CLI_USAGE, "%s: which channel is the distance? Give --distance-channel; there are: %s", path,
                         list);
     if (channel < 0)
-        return cli_usage_error("screen",
-                               "%s: no channel holds distances; give DISTANCE or --distance-channel; there "
-                               "are: %s",
-                               path, list);
+        return cli_fail(CLI_USAGE,
+                        "%s: no channel holds distances; give DISTANCE or --distance-channel; there "
+                        "are: %s",
+                        path, list);
     *distance = ty_image_plane(image, channel);
     return CLI_GO;
 }
@@ -64,10 +64,10 @@ static int read_distances(cli_session* session, const screen_options* options, s
     const ty_result result = ty_image_read_whole(session->context, input->distance_path, &input->distances, &largest);
     if (result != TY_OK) return cli_fail_reading(session, result);
     if (largest > 0 && !options->distance_scale_given)
-        return cli_usage_error("screen",
-                               "%s: distances are whole numbers, 0 to %d, here; say with --distance-scale "
-                               "how many metres 1 is (0.001 if they are millimetres)",
-                               input->distance_path, largest);
+        return cli_fail(CLI_USAGE,
+                        "%s: distances are whole numbers, 0 to %d, here; say with --distance-scale "
+                        "how many metres 1 is (0.001 if they are millimetres)",
+                        input->distance_path, largest);
     return choose_channel(options, input->distances, input->distance_path, true, &input->distance);
 }
 
@@ -75,9 +75,8 @@ static int check_sizes(const screen_input* input) {
     if (input->distances == NULL) return CLI_GO;
     const int32_t width = ty_image_width(input->distances), height = ty_image_height(input->distances);
     if (width != input->width || height != input->height)
-        return cli_usage_error("screen",
-                               "%s is %dx%d pixels, and %s is %dx%d: an image and its distances have one size",
-                               input->image_path, input->width, input->height, input->distance_path, width, height);
+        return cli_fail(CLI_USAGE, "%s is %dx%d pixels, and %s is %dx%d: an image and its distances have one size",
+                        input->image_path, input->width, input->height, input->distance_path, width, height);
     int32_t a[4], b[4];
     ty_image_get_frame(input->image, a);
     ty_image_get_frame(input->distances, b);

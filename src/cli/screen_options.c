@@ -79,11 +79,12 @@ static int check_sky(screen_options* options) {
 }
 
 static int check_levels(screen_options* options) {
-    double levels = TY_SCREEN_LEVELS_AUTO;
-    if (options->levels != NULL && strcmp(options->levels, "auto") != 0 &&
+    const bool all = options->levels != NULL && strcmp(options->levels, "all") == 0;
+    double levels = all ? TY_SCREEN_LEVELS_ALL : TY_SCREEN_LEVELS_AUTO;
+    if (options->levels != NULL && !all && strcmp(options->levels, "auto") != 0 &&
         (!cli_parse_real(options->levels, &levels) || levels != floor(levels) || levels < 1 ||
          levels > TY_SCREEN_LEVELS_MAX))
-        return cli_usage_error("screen", "--levels: '%s' is neither auto nor a whole number from 1 to %d",
+        return cli_usage_error("screen", "--levels: '%s' is none of auto, all and the whole numbers from 1 to %d",
                                options->levels, (int)TY_SCREEN_LEVELS_MAX);
     options->level_count = (int32_t)levels;
     return CLI_GO;
@@ -106,6 +107,8 @@ static int check_variant(const screen_options* options) {
     for (size_t i = 0; !gathers && i < sizeof of_gather / sizeof of_gather[0]; ++i)
         if (of_gather[i].given)
             return cli_usage_error("screen", "--%s is for --variant gather, published and naive", of_gather[i].name);
+    if (options->spread_given && options->kind != SCREEN_SCATTER)
+        return cli_usage_error("screen", "--spread is for --variant scatter; the others are Gaussian");
     if (options->window_given && options->kind != SCREEN_EXACT)
         return cli_usage_error("screen", "--window is for --variant reference");
     return CLI_GO;
@@ -133,6 +136,7 @@ static void set_gather_details(const screen_options* options, ty_screen_def* def
 }
 
 void screen_set_variant(const screen_options* options, ty_screen_def* def) {
+    def->spread = (ty_screen_spread)options->spread;
     def->filter = 2 + 2 * options->filter;
     def->levels = options->level_count;
     def->window = options->window;

@@ -32,6 +32,8 @@ typedef struct screen_options {
     double sky_distance; /* m */
     bool fill;           /* --sky fill */
 
+    int spread; /* ty_screen_spread */
+    bool spread_given;
     int kind;   /* screen_kind */
     int filter; /* which of 2, 4, 6 */
     const char* levels;

@@ -133,8 +133,8 @@ static void note_cut(cli_session* session, const screen_report* report) {
         snprintf(advice, sizeof advice, "--levels %.0f would hold them", needed);
     else if (stats->levels < most)
         snprintf(advice, sizeof advice, "--levels %.0f would hold the most", most);
-    note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, and %d levels hold %.3g: cut to that; %s",
-         stats->cut, stats->spread, stats->levels, stats->held, advice);
+    note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, more than %d levels hold, and are cut to that; %s",
+         stats->cut, stats->spread, stats->levels, advice);
 }
 
 void screen_print_notes(cli_session* session, const screen_report* report) {
@@ -179,12 +179,14 @@ static ty_result set_triple(ty_image* image, const char* key, const float values
 }
 
 static ty_result set_texts(ty_image* image, const screen_report* report) {
+    const bool gaussian = report->def->spread == TY_SCREEN_SPREAD_GAUSSIAN || report->def->variant != TY_SCREEN_SCATTER;
     const struct {
         const char *key, *value;
     } texts[] = {
         {"tyndall.version", ty_version()},
         {"tyndall.method", "screen"},
         {"tyndall.screen.variant", kind_name(report->options)},
+        {"tyndall.screen.spread", gaussian ? "gaussian" : "small-angle"},
         {"tyndall.screen.medium", report->options->medium},
     };
     ty_result result = TY_OK;

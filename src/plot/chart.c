@@ -2,7 +2,6 @@
 #include "plot/chart.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { TICK = 5, GAP = 8, BAR_HEIGHT = 14, BAR_COLORS = 256 };
 

@@ -1,4 +1,5 @@
 /* How much of each cell of a grid lies within a medium's bounds. */
+#include "base/float_mode.h"
 #include "base/context.h"
 #include "grid/grid.h"
 #include "scene/check.h"
@@ -29,7 +30,7 @@ static void cover_row(void* user, int64_t index, int32_t worker) {
     const int64_t j = index % job->size[1], k = index / job->size[1];
     float* row = job->values + index * job->size[0];
     const float weight = 1 / (float)(job->samples * job->samples);
-    const unsigned state = ty_mesh_enter_thread();
+    const unsigned state = ty_flush_denormals();
     for (int32_t s = 0; s < job->samples * job->samples; ++s) {
         const double y = (double)j + (s % job->samples + 0.5) / job->samples;
         const double z = (double)k + (s / job->samples + 0.5) / job->samples;
@@ -41,7 +42,7 @@ static void cover_row(void* user, int64_t index, int32_t worker) {
             cover(row, job->size[0], (double)spans.enter[i] / job->cell[0], (double)spans.leave[i] / job->cell[0],
                   weight);
     }
-    ty_mesh_leave_thread(state);
+    ty_restore_denormals(state);
 }
 
 static ty_result check_box(ty_context* context, const double lower[3], const double upper[3], const int32_t size[3]) {

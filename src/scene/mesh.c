@@ -8,10 +8,6 @@
 #include <embree3/rtcore.h>
 #include <stdatomic.h>
 #include <stdio.h>
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#endif
-
 typedef struct mesh_quad {
     int32_t shape, part; /* as in ty_hit */
     ty_vec corner, normal;
@@ -256,24 +252,6 @@ size_t ty_mesh_bytes(const ty_mesh* mesh) {
     if (mesh == NULL) return 0;
     return sizeof *mesh + (size_t)atomic_load(&mesh->bytes) + mesh->quad_count * sizeof *mesh->quads +
            mesh->sphere_count * sizeof *mesh->spheres;
-}
-
-unsigned ty_mesh_enter_thread(void) {
-#if defined(__SSE2__)
-    const unsigned state = _mm_getcsr();
-    _mm_setcsr(state | 0x8040u); /* flush to zero, denormals are zero */
-    return state;
-#else
-    return 0;
-#endif
-}
-
-void ty_mesh_leave_thread(unsigned state) {
-#if defined(__SSE2__)
-    _mm_setcsr(state);
-#else
-    (void)state;
-#endif
 }
 
 /* What ty_hit says of Embree's answer; position comes in as a point on the ray. */

@@ -25,10 +25,6 @@ ty_result ty_mesh_create(ty_context* context, const ty_mesh_parts* parts, ty_mes
 void ty_mesh_destroy(ty_mesh* mesh);
 size_t ty_mesh_bytes(const ty_mesh* mesh);
 
-/* Denormals off for the calling thread, as Embree asks, until the returned state is given back. */
-unsigned ty_mesh_enter_thread(void);
-void ty_mesh_leave_thread(unsigned state);
-
 /* The nearest hit closer than far; direction is unit. mesh is not NULL. Where surfaces have alpha, the ray itself
  * decides which it meets: the same ray always meets the same. */
 bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit);

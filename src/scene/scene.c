@@ -25,10 +25,11 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
         scene->camera.up[1] = 0;
         scene->camera.up[2] = 1;
     }
-    scene->settings =
-        (ty_render_settings){.method = "path",
-                             .spp = 64,
-                             .screen = {.variant = "scatter", .filter = 4, .environment = "around", .balance = true}};
+    scene->settings = (ty_render_settings){
+        .method = "path",
+        .spp = 64,
+        .screen = {
+            .variant = "scatter", .spread = "small_angle", .filter = 4, .environment = "around", .balance = true}};
     *out = scene;
     return TY_OK;
 }

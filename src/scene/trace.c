@@ -1,4 +1,5 @@
 /* Many rays through a scene, for callers outside the kernels. */
+#include "base/float_mode.h"
 #include "base/context.h"
 #include "scene/scene.h"
 
@@ -46,13 +47,13 @@ static void trace_block(void* user, int64_t index, int32_t worker) {
     const trace_job* job = user;
     const int64_t begin = index * BLOCK_RAYS;
     const int64_t end = job->count - begin < BLOCK_RAYS ? job->count : begin + BLOCK_RAYS;
-    const unsigned state = ty_mesh_enter_thread();
+    const unsigned state = ty_flush_denormals();
     if (job->coherent)
         for (int64_t at = begin; at < end; at += TY_PACKET)
             trace_packet(job, at, end - at < TY_PACKET ? (int32_t)(end - at) : TY_PACKET);
     else
         for (int64_t at = begin; at < end; ++at) trace_one(job, at);
-    ty_mesh_leave_thread(state);
+    ty_restore_denormals(state);
 }
 
 static void miss_all(const trace_job* job) {

@@ -54,7 +54,7 @@ ty_result figure_note_difference(figure_run* run, const char* item, const ty_ima
     if (result == TY_OK) result = figure_note(run, item, "RMSE", "W m^-2 sr^-1", out->rmse[3]);
     if (result == TY_OK) result = figure_note(run, item, "relative RMSE", "1", out->relative_rmse[3]);
     if (result == TY_OK) result = figure_note(run, item, "relMSE", "1", out->rel_mse[3]);
-    if (result == TY_OK) result = figure_note(run, item, "energy ratio", "1", out->mean_ratio[3]);
+    if (result == TY_OK) result = figure_expect(run, item, "energy ratio", "1", out->mean_ratio[3], 1, 0.01);
     return result;
 }
 

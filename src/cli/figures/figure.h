@@ -45,7 +45,8 @@ bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_S
 /* TY_CANCELLED once the user has interrupted: for work that takes no progress callback. */
 ty_result figure_check_interrupt(void);
 
-/* How a differs from b, as ty_image_compare has it, as quantities of an item. */
+/* How a differs from b, as ty_image_compare has it, as quantities of an item. A method should keep the energy of its
+ * reference within a hundredth. */
 ty_result figure_note_difference(figure_run* run, const char* item, const ty_image* a, const ty_image* b,
                                  ty_difference* out);
 /* Where a is brighter (red) or darker (blue) than b, of the same size, in percent of b or of a tenth of b's mean,

@@ -2,13 +2,15 @@
 #define _GNU_SOURCE
 #include "cli/figures/output.h"
 
+#include "cli/text_file.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* What the files are made of. */
 typedef struct figure_text {
-    const figure_run* run;
+    figure_run* run;
     const char* title;
     double seconds;
 } figure_text;
@@ -30,7 +32,9 @@ static void write_amount(FILE* file, double amount) {
         fputc(',', file);
 }
 
-static void write_csv(FILE* file, const figure_text* text) {
+static ty_result print_csv(ty_context* context, FILE* file, const void* user) {
+    (void)context;
+    const figure_text* text = user;
     fputs("item,quantity,unit,measured,expected,tolerance\n", file);
     for (size_t i = 0; i < text->run->count; ++i) {
         const figure_quantity* quantity = &text->run->quantities[i];
@@ -44,6 +48,7 @@ static void write_csv(FILE* file, const figure_text* text) {
         write_amount(file, quantity->tolerance);
         fputc('\n', file);
     }
+    return TY_OK;
 }
 
 static void write_quantity(json_writer* json, const figure_quantity* quantity) {
@@ -57,49 +62,38 @@ static void write_quantity(json_writer* json, const figure_quantity* quantity) {
     json_close_object(json);
 }
 
-static void write_json(FILE* file, const figure_text* text) {
+static ty_result print_json(ty_context* context, FILE* file, const void* user) {
+    const figure_text* text = user;
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "figure", text->run->name);
     json_text(&json, "title", text->title);
     json_text(&json, "caption", text->run->caption);
     json_text(&json, "version", ty_version());
-    json_integer(&json, "threads", ty_context_threads(text->run->session->context));
+    json_integer(&json, "threads", ty_context_threads(context));
     json_bool(&json, "quick", text->run->options->quick);
     json_number(&json, "seconds", text->seconds);
     json_open_array(&json, "quantities");
     for (size_t i = 0; i < text->run->count; ++i) write_quantity(&json, &text->run->quantities[i]);
     json_close_array(&json);
     json_close_object(&json);
+    return TY_OK;
 }
 
-static char* make_path(const figure_text* text, const char* extension) {
+/* A file of the figure; print NULL: the page. */
+static ty_result write_file(const figure_text* text, const char* extension, cli_print_fn print) {
     char* path = NULL;
-    return asprintf(&path, "%s/%s%s", text->run->options->folder, text->run->name, extension) >= 0 ? path : NULL;
-}
-
-/* A text file, made in memory first. */
-static ty_result write_text(const figure_text* text, const char* extension,
-                            void (*write)(FILE* file, const figure_text* text)) {
-    char *path = make_path(text, extension), *bytes = NULL;
-    size_t size = 0;
-    FILE* file = path == NULL ? NULL : open_memstream(&bytes, &size);
-    ty_result result = TY_ERROR_MEMORY;
-    if (file != NULL) {
-        write(file, text);
-        if (fclose(file) == 0) result = ty_bytes_write(text->run->session->context, path, bytes, size);
-    }
-    free(bytes);
+    if (asprintf(&path, "%s/%s%s", text->run->options->folder, text->run->name, extension) < 0) return TY_ERROR_MEMORY;
+    const ty_result result = print != NULL ? cli_write_text_file(text->run->session->context, path, print, text)
+                                           : plot_write_page(&text->run->page, text->title, text->run->caption, path);
     free(path);
     return result;
 }
 
 int figure_write(figure_run* run, const char* title, double seconds) {
     const figure_text text = {run, title, seconds};
-    char* path = make_path(&text, ".png");
-    ty_result result = path == NULL ? TY_ERROR_MEMORY : plot_write_page(&run->page, title, run->caption, path);
-    free(path);
-    if (result == TY_OK) result = write_text(&text, ".csv", write_csv);
-    if (result == TY_OK) result = write_text(&text, ".json", write_json);
+    ty_result result = write_file(&text, ".png", NULL);
+    if (result == TY_OK) result = write_file(&text, ".csv", print_csv);
+    if (result == TY_OK) result = write_file(&text, ".json", print_json);
     return result == TY_OK ? CLI_DONE : cli_fail_running(run->session, result);
 }

@@ -5,7 +5,7 @@
 
 enum { STAGES = 7, REFERENCE_WINDOW = 100, PAGE_WIDTH = 1900, ROOM_WIDTH = 288 };
 
-static const double thickness = 4;
+static const screen_water water = {.thickness = 4, .g = 0.97f};
 
 static void make_naive(ty_screen_def* def) {
     ty_screen_naive_def(def);
@@ -34,8 +34,10 @@ static void make_published(ty_screen_def* def) {
     ty_screen_published_def(def);
 }
 
+/* With the spread that all others have. */
 static void make_scatter(ty_screen_def* def) {
     def->variant = TY_SCREEN_SCATTER;
+    def->spread = TY_SCREEN_SPREAD_GAUSSIAN;
 }
 
 static const struct {
@@ -48,7 +50,7 @@ static const struct {
     {"luminance", "(d) luminance weights", make_weighted},
     {"gather", "(e) blurred distance", make_gather},
     {"published", "(e), masks not normalised", make_published},
-    {"scatter", "scatter (ours)", make_scatter},
+    {"scatter", "scatter (ours), Gaussian", make_scatter},
 };
 
 /* The near lamps before the far wall. */
@@ -68,14 +70,14 @@ static ty_result fill_cell(figure_run* run, const screen_view* view, const ty_im
 
 /* The surface image, its distances, and the reference over a window and unbounded. */
 static ty_result fill_references(figure_run* run, const screen_view* view, plot_sheet* sheet, ty_image** reference) {
-    ty_screen_def def = screen_room_def(view, thickness);
+    ty_screen_def def = screen_room_def(view, &water);
     ty_screen_stats stats;
     ty_image* windowed = NULL;
     ty_difference difference;
     def.variant = TY_SCREEN_REFERENCE;
     ty_result result = screen_apply(run, view, &def, reference, &stats);
     if (result == TY_OK) result = figure_note(run, "reference", "time", "s", stats.seconds);
-    if (result == TY_OK) result = figure_note(run, "reference", "largest spread", "pixel", stats.spread);
+    if (result == TY_OK) result = figure_note(run, "reference", "largest half-light radius", "pixel", stats.spread);
     def.window = REFERENCE_WINDOW;
     if (result == TY_OK) result = screen_apply(run, view, &def, &windowed, &stats);
     if (result == TY_OK) result = figure_note(run, "reference 100x100", "time", "s", stats.seconds);
@@ -97,7 +99,7 @@ static ty_result fill_references(figure_run* run, const screen_view* view, plot_
 /* A picture of one stage, and below it where it errs. */
 static ty_result fill_stage(figure_run* run, const screen_view* view, int stage, const ty_image* reference,
                             plot_sheet* sheet) {
-    ty_screen_def def = screen_room_def(view, thickness);
+    ty_screen_def def = screen_room_def(view, &water);
     stages[stage].make(&def);
     ty_image* image = NULL;
     ty_screen_stats stats;
@@ -149,6 +151,6 @@ ty_result figure_screen_leaking(figure_run* run) {
         "The builtin scene screen_room, %d × %d pixels, scattering of optical thickness %g as far as the back wall "
         "(%g m), g = %g. Two bright lamps hang 2.6 m and 3.4 m away before the dark wall; the insets enlarge one. "
         "Below: the error against the unbounded reference, red where too bright.",
-        size[0], size[1], thickness, SCREEN_ROOM_DEPTH, (double)SCREEN_ROOM_G);
+        size[0], size[1], water.thickness, SCREEN_ROOM_DEPTH, (double)water.g);
     return result;
 }

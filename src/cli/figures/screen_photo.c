@@ -14,13 +14,14 @@ static const char* const color_name = "rgbd/tum_fr1_color.png";
 static const char* const depth_name = "rgbd/tum_fr1_depth.png";
 
 static const struct {
-    const char* title;
-    float sigma_s[3], sigma_a[3], g;
-    float around[3]; /* radiance of the surroundings, for ty_screen_balance */
+    const char *title, *medium; /* as ty_medium_parse takes it */
+    float around[3];            /* radiance of the surroundings, where a white sheet in the picture has about 1 */
 } media[MEDIA] = {
-    {"fog", {0.45f, 0.45f, 0.45f}, {0, 0, 0}, 0.85f, {0.45f, 0.46f, 0.48f}},
-    {"milk in water", {0.75f, 0.95f, 1.2f}, {0.02f, 0.012f, 0.01f}, 0.94f, {0.3f, 0.32f, 0.36f}},
-    {"sea water", {0.25f, 0.3f, 0.35f}, {0.9f, 0.2f, 0.12f}, 0.92f, {0.02f, 0.12f, 0.2f}},
+    {"fog, visibility 5 m", "fog:5", {0.4f, 0.41f, 0.43f}},
+    {"milk, one part in 80000 of water",
+     "{\"preset\": \"wholemilk\", \"dilution\": 80000, \"g\": 0.95}",
+     {0.3f, 0.33f, 0.36f}},
+    {"coastal water, Jerlov 3C", "jerlov3c", {0.02f, 0.1f, 0.12f}},
 };
 
 /* Metres from a depth map's samples; 0 stays unknown. */
@@ -55,25 +56,37 @@ static ty_result read_view(figure_run* run, const char* color_path, const char* 
     return result;
 }
 
-static ty_result fill_medium(figure_run* run, const screen_view* view, int medium, plot_cell* cell) {
-    ty_screen_def def = screen_view_def(view);
-    for (int c = 0; c < 3; ++c) {
-        def.sigma_s[c] = media[medium].sigma_s[c];
-        def.sigma_a[c] = media[medium].sigma_a[c];
-        def.g[c] = media[medium].g;
-    }
-    ty_screen_balance(&def, media[medium].around);
-    ty_image* image = NULL;
-    ty_screen_stats stats;
-    ty_result result = screen_apply(run, view, &def, &image, &stats);
-    if (result == TY_OK) result = figure_note(run, media[medium].title, "time", "s", stats.seconds);
-    if (result == TY_OK) result = figure_note(run, media[medium].title, "largest spread", "pixel", stats.spread);
-    if (result == TY_OK) result = plot_picture_of_image(run->session->context, image, 0, &cell->picture);
-    ty_image_destroy(image);
+static ty_result make_def(figure_run* run, const screen_view* view, int medium, ty_screen_def* out) {
+    ty_medium_def parsed;
+    const ty_result result = ty_medium_parse(run->session->context, media[medium].medium, &parsed);
+    if (result != TY_OK) return result;
+    *out = screen_view_def(view);
+    memcpy(out->sigma_s, parsed.sigma_s, sizeof out->sigma_s);
+    memcpy(out->sigma_a, parsed.sigma_a, sizeof out->sigma_a);
+    memcpy(out->g, parsed.g, sizeof out->g);
+    ty_screen_balance(out, media[medium].around);
+    return TY_OK;
+}
+
+static void write_lines(const ty_screen_def* def, int medium, plot_cell* cell) {
     snprintf(cell->title, sizeof cell->title, "%s", media[medium].title);
-    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "σs %.3g %.3g %.3g, σa %.3g %.3g %.3g per m, g %.3g",
-             (double)def.sigma_s[0], (double)def.sigma_s[1], (double)def.sigma_s[2], (double)def.sigma_a[0],
-             (double)def.sigma_a[1], (double)def.sigma_a[2], (double)def.g[0]);
+    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "per m: σs %.3g %.3g %.3g, σa %.2g %.2g %.2g; g %.3g",
+             (double)def->sigma_s[0], (double)def->sigma_s[1], (double)def->sigma_s[2], (double)def->sigma_a[0],
+             (double)def->sigma_a[1], (double)def->sigma_a[2], (double)def->g[1]);
+}
+
+static ty_result fill_medium(figure_run* run, const screen_view* view, int medium, plot_cell* cell) {
+    const char* item = media[medium].title;
+    ty_screen_def def;
+    ty_screen_stats stats;
+    ty_image* image = NULL;
+    ty_result result = make_def(run, view, medium, &def);
+    if (result == TY_OK) result = screen_apply(run, view, &def, &image, &stats);
+    if (result == TY_OK) result = figure_note(run, item, "time", "s", stats.seconds);
+    if (result == TY_OK) result = figure_note(run, item, "largest half-light radius", "pixel", stats.spread);
+    if (result == TY_OK) result = plot_picture_of_image(run->session->context, image, 0, &cell->picture);
+    if (result == TY_OK) write_lines(&def, medium, cell);
+    ty_image_destroy(image);
     return result;
 }
 

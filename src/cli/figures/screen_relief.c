@@ -100,9 +100,9 @@ static ty_result add_relief(const screen_view* view, const relief* r, int64_t fa
     return result;
 }
 
-static ty_result add_medium(const screen_view* view, double thickness, ty_scene* scene) {
-    if (!(thickness > 0)) return TY_OK;
-    const ty_screen_def def = screen_room_def(view, thickness);
+static ty_result add_medium(const screen_view* view, const screen_water* water, ty_scene* scene) {
+    if (water == NULL) return TY_OK;
+    const ty_screen_def def = screen_room_def(view, water);
     ty_medium_def medium = ty_default_medium_def();
     medium.bounds = TY_BOUNDS_BOX;
     for (int c = 0; c < 3; ++c) {
@@ -115,7 +115,7 @@ static ty_result add_medium(const screen_view* view, double thickness, ty_scene*
     return ty_scene_add_medium(scene, &medium);
 }
 
-static ty_result fill_scene(const screen_view* view, double thickness, ty_scene* scene) {
+static ty_result fill_scene(const screen_view* view, const screen_water* water, ty_scene* scene) {
     const size_t pixels = (size_t)view->width * (size_t)view->height;
     relief r = {malloc(pixels * 12 * sizeof *r.positions), malloc(pixels * 8 * sizeof *r.uv),
                 malloc(pixels * 6 * sizeof *r.indices)};
@@ -124,18 +124,18 @@ static ty_result fill_scene(const screen_view* view, double thickness, ty_scene*
         const int64_t facets = fill_relief(view, &r);
         result = ty_scene_set_camera(scene, &view->camera);
         if (result == TY_OK) result = add_relief(view, &r, facets, scene);
-        if (result == TY_OK) result = add_medium(view, thickness, scene);
+        if (result == TY_OK) result = add_medium(view, water, scene);
         if (result == TY_OK) result = ty_scene_commit(scene);
     }
     free_relief(&r);
     return result;
 }
 
-ty_result screen_make_relief(figure_run* run, const screen_view* view, double thickness, ty_scene** out) {
+ty_result screen_make_relief(figure_run* run, const screen_view* view, const screen_water* water, ty_scene** out) {
     ty_scene* scene = NULL;
     ty_result result = ty_scene_create(run->session->context, TY_AXIS_Y, &scene);
     if (result != TY_OK) return result;
-    result = fill_scene(view, thickness, scene);
+    result = fill_scene(view, water, scene);
     if (result == TY_OK)
         *out = scene;
     else

@@ -5,8 +5,8 @@
 #include "cli/figures/screen_view.h"
 
 /* One facet a pixel, across the camera's axis at the pixel's distance, with the pixel's radiance: without a medium the
- * camera sees the view again, and nothing that the view does not show gives light. The medium fills everything; its
- * optical thickness is as in screen_load_room. The scene comes committed. Errors: TY_ERROR_MEMORY. */
-ty_result screen_make_relief(figure_run* run, const screen_view* view, double thickness, ty_scene** out);
+ * camera sees the view again, and nothing that the view does not show gives light. Water fills
+ * everything; NULL: nothing does. The scene comes committed. Errors: TY_ERROR_MEMORY. */
+ty_result screen_make_relief(figure_run* run, const screen_view* view, const screen_water* water, ty_scene** out);
 
 #endif

@@ -27,6 +27,8 @@ static const struct {
     {"4 Mpixel", 2048, 2048, 1.2, {1.9, 2.6, 8.6, 2.3}, 4.2, 8.0},
 };
 
+static const screen_water water = {.thickness = 6, .g = 0.97f};
+
 /* What is measured; the first three, and the four after them, make a row each. */
 typedef enum setup { SCATTER_2, SCATTER_4, SCATTER_6, GATHER_2, GATHER_4, GATHER_6, NAIVE } setup;
 
@@ -37,7 +39,7 @@ typedef struct timing {
 
 static ty_screen_def make_def(const screen_view* view, int which) {
     static const int32_t filters[SETUPS] = {2, 4, 6, 2, 4, 6, 4};
-    ty_screen_def def = screen_room_def(view, 6);
+    ty_screen_def def = screen_room_def(view, &water);
     if (which >= GATHER_2) def.variant = TY_SCREEN_GATHER;
     if (which == NAIVE) ty_screen_naive_def(&def);
     def.filter = filters[which];

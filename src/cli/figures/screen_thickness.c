@@ -3,10 +3,12 @@
 
 enum { THICKNESSES = 4, METHODS = 3, SHOWN = 2, ROOM_WIDTH = 288, PAGE_WIDTH = 1900 };
 
-static const double thicknesses[THICKNESSES] = {2, 4, 6, 8};
+static const screen_water waters[THICKNESSES] = {{2, 0.97f}, {4, 0.97f}, {6, 0.97f}, {8, 0.97f}};
 static const char* const names[METHODS] = {"scatter", "gather", "naive"};
 
+/* All with the spread that the reference has. */
 static void choose_method(int method, ty_screen_def* def) {
+    def->spread = TY_SCREEN_SPREAD_GAUSSIAN;
     if (method == 1) def->variant = TY_SCREEN_GATHER;
     if (method == 2) ty_screen_naive_def(def);
 }
@@ -40,10 +42,10 @@ static ty_result show_method(figure_run* run, const screen_view* view, int colum
 
 static ty_result fill_method(figure_run* run, const screen_view* view, int column, int method,
                              const ty_image* reference, plot_sheet* sheet, error_charts* charts) {
-    ty_screen_def def = screen_room_def(view, thicknesses[column]);
+    ty_screen_def def = screen_room_def(view, &waters[column]);
     choose_method(method, &def);
     char item[FIGURE_NAME_SIZE];
-    snprintf(item, sizeof item, "%s, thickness %g", names[method], thicknesses[column]);
+    snprintf(item, sizeof item, "%s, thickness %g", names[method], waters[column].thickness);
     ty_image* image = NULL;
     ty_screen_stats stats;
     ty_difference difference;
@@ -57,14 +59,14 @@ static ty_result fill_method(figure_run* run, const screen_view* view, int colum
         snprintf(plot_sheet_cell(sheet, 2 + 2 * method, column)->lines[0], PLOT_LABEL_SIZE,
                  "RMSE %.3g, relative %.3g, relMSE %.2g", difference.rmse[3], difference.relative_rmse[3],
                  difference.rel_mse[3]);
-    plot_add_point(&charts->relative_rmse.series[method], thicknesses[column], difference.relative_rmse[3], 0);
-    plot_add_point(&charts->rel_mse.series[method], thicknesses[column], difference.rel_mse[3], 0);
+    plot_add_point(&charts->relative_rmse.series[method], waters[column].thickness, difference.relative_rmse[3], 0);
+    plot_add_point(&charts->rel_mse.series[method], waters[column].thickness, difference.rel_mse[3], 0);
     return TY_OK;
 }
 
 static ty_result fill_column(figure_run* run, const screen_view* view, int column, plot_sheet* sheet,
                              error_charts* charts) {
-    ty_screen_def def = screen_room_def(view, thicknesses[column]);
+    ty_screen_def def = screen_room_def(view, &waters[column]);
     def.variant = TY_SCREEN_REFERENCE;
     ty_image* reference = NULL;
     ty_screen_stats stats;
@@ -76,8 +78,8 @@ static ty_result fill_column(figure_run* run, const screen_view* view, int colum
         result = fill_method(run, view, column, method, reference, sheet, charts);
     ty_image_destroy(reference);
     if (result != TY_OK) return result;
-    snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "τ = %g, spread up to %.0f pixels", thicknesses[column],
-             stats.spread);
+    snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "τ = %g, half the light within %.0f pixels",
+             waters[column].thickness, stats.spread);
     return TY_OK;
 }
 
@@ -110,7 +112,8 @@ ty_result figure_screen_thickness(figure_run* run) {
     snprintf(
         run->caption, sizeof run->caption,
         "The builtin scene screen_room, %d × %d pixels, g = %g, scattering of optical thickness τ as far as the back "
-        "wall (%g m). Errors against the unbounded screen-space reference.",
-        size[0], size[1], (double)SCREEN_ROOM_G, SCREEN_ROOM_DEPTH);
+        "wall (%g m). The spread is the paper's Gaussian, also of scatter. Errors are against the unbounded "
+        "screen-space reference.",
+        size[0], size[1], (double)waters[0].g, SCREEN_ROOM_DEPTH);
     return result;
 }

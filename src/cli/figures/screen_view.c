@@ -7,20 +7,20 @@
 
 enum { ROOM_SAMPLES = 64, ROOM_SAMPLES_QUICK = 4 };
 
-/* As scenes/builtin/screen_room.json has it. */
-static const float room_absorption[3] = {0.02f, 0.008f, 0.005f};
-
 void screen_free_view(screen_view* view) {
     ty_image_destroy(view->surface);
     free(view->distance);
     *view = (screen_view){0};
 }
 
-ty_result screen_load_room(figure_run* run, double thickness, ty_scene** out) {
-    char medium[48];
-    snprintf(medium, sizeof medium, thickness > 0 ? "media[0].sigma_s=%.9g" : "media=[]",
-             thickness / SCREEN_ROOM_DEPTH);
-    return ty_scene_load(run->session->context, "builtin:screen_room", (const char* const[]){medium}, 1, out);
+ty_result screen_load_room(figure_run* run, const screen_water* water, ty_scene** out) {
+    char scattering[48] = "media=[]", cosine[48] = "";
+    const char* const overrides[2] = {scattering, cosine};
+    if (water != NULL) {
+        snprintf(scattering, sizeof scattering, "media[0].sigma_s=%.9g", water->thickness / SCREEN_ROOM_DEPTH);
+        snprintf(cosine, sizeof cosine, "media[0].g=%.9g", (double)water->g);
+    }
+    return ty_scene_load(run->session->context, "builtin:screen_room", overrides, water != NULL ? 2 : 1, out);
 }
 
 void screen_room_size(const figure_run* run, int32_t width, int32_t size[2]) {
@@ -30,9 +30,19 @@ void screen_room_size(const figure_run* run, int32_t width, int32_t size[2]) {
     size[1] = options->size[0] > 0 ? options->size[1] : chosen * 2 / 3;
 }
 
+static ty_result find_absorption(figure_run* run, screen_view* view) {
+    ty_scene* scene = NULL;
+    ty_medium_def medium;
+    ty_result result = ty_scene_load(run->session->context, "builtin:screen_room", NULL, 0, &scene);
+    if (result == TY_OK) result = ty_scene_get_medium(scene, 0, &medium);
+    if (result == TY_OK) memcpy(view->absorption, medium.sigma_a, sizeof view->absorption);
+    ty_scene_destroy(scene);
+    return result;
+}
+
 static ty_result render_surfaces(figure_run* run, const int32_t size[2], screen_view* view) {
     ty_scene* scene = NULL;
-    ty_result result = screen_load_room(run, 0, &scene);
+    ty_result result = screen_load_room(run, NULL, &scene);
     if (result != TY_OK) return result;
     ty_path_def def = ty_default_path_def();
     def.spp = run->options->quick ? ROOM_SAMPLES_QUICK : ROOM_SAMPLES;
@@ -51,7 +61,8 @@ static ty_result render_surfaces(figure_run* run, const int32_t size[2], screen_
 ty_result screen_render_room(figure_run* run, const int32_t size[2], screen_view* out) {
     screen_view view = {.width = size[0], .height = size[1], .center = {-1, -1}};
     const size_t count = (size_t)size[0] * (size_t)size[1];
-    ty_result result = render_surfaces(run, size, &view);
+    ty_result result = find_absorption(run, &view);
+    if (result == TY_OK) result = render_surfaces(run, size, &view);
     if (result == TY_OK) {
         view.distance = malloc(count * sizeof *view.distance);
         result = view.distance == NULL ? TY_ERROR_MEMORY : TY_OK;
@@ -75,12 +86,12 @@ ty_screen_def screen_view_def(const screen_view* view) {
     return def;
 }
 
-ty_screen_def screen_room_def(const screen_view* view, double thickness) {
+ty_screen_def screen_room_def(const screen_view* view, const screen_water* water) {
     ty_screen_def def = screen_view_def(view);
     for (int c = 0; c < 3; ++c) {
-        def.sigma_s[c] = (float)(thickness / SCREEN_ROOM_DEPTH);
-        def.sigma_a[c] = room_absorption[c];
-        def.g[c] = SCREEN_ROOM_G;
+        def.sigma_s[c] = (float)(water->thickness / SCREEN_ROOM_DEPTH);
+        def.sigma_a[c] = view->absorption[c];
+        def.g[c] = water->g;
     }
     return def;
 }

@@ -68,6 +68,7 @@ static void read_word(const json_t* object, const char* key, char out[16]) {
 
 static void read_screen(const json_t* screen, ty_screen_settings* settings) {
     read_word(screen, "variant", settings->variant);
+    read_word(screen, "spread", settings->spread);
     read_word(screen, "environment", settings->environment);
     ty_read_int(screen, "filter", &settings->filter);
     ty_read_int(screen, "levels", &settings->levels);

@@ -1,6 +1,8 @@
 /* The path tracer's kernel; built once per instruction set, with TY_ISA naming it. */
 #include "method/path/path.k.h"
 
+#include "base/float_mode.h"
+
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
 
@@ -78,7 +80,7 @@ static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_parts* pa
 }
 
 TY_PATH_KERNEL(TY_JOIN(ty_path_kernel_, TY_ISA)) {
-    const unsigned thread_state = ty_mesh_enter_thread();
+    const unsigned thread_state = ty_flush_denormals();
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {
         const uint64_t number = random_item(request, item);
@@ -92,6 +94,6 @@ TY_PATH_KERNEL(TY_JOIN(ty_path_kernel_, TY_ISA)) {
             add_sample(&path, &sums[item - begin], part);
         }
     }
-    ty_mesh_leave_thread(thread_state);
+    ty_restore_denormals(thread_state);
     return vertices;
 }

@@ -7,7 +7,7 @@
 #include <math.h>
 
 /* Rows of the next level that one task makes, and rows of the picture that one composes. */
-enum { BAND = 32, TAPS_MAX = 6, ROW_ALIGN = 16, WORKER_ROWS = TY_GATHER_ROWS * (TAPS_MAX + 1) + 1 };
+enum { BAND = 32, TAPS_MAX = 6, ROW_ALIGN = 16 };
 
 typedef struct gather {
     ty_screen_job* job;
@@ -16,14 +16,22 @@ typedef struct gather {
     ty_screen_texels levels[TY_SCREEN_LEVELS_MAX + 1];
     float* spread[TY_SCREEN_LEVELS_MAX + 1]; /* W, pixels */
     int32_t built, level;
-    float* rows; /* WORKER_ROWS of them for each worker */
-    ptrdiff_t row_stride;
+    float* rows; /* worker_floats for each worker */
+    ptrdiff_t row_stride, half_stride;
     ty_screen_counts* counts; /* one for each band */
     float limit;              /* variance of the last level */
 } gather;
 
 static int32_t bands(int32_t rows) {
     return (rows + BAND - 1) / BAND;
+}
+
+static ptrdiff_t aligned(ptrdiff_t floats) {
+    return (floats + ROW_ALIGN - 1) / ROW_ALIGN * ROW_ALIGN;
+}
+
+static ptrdiff_t worker_floats(const gather* g) {
+    return TY_GATHER_ROWS * ((TAPS_MAX + 1) * g->half_stride + g->row_stride);
 }
 
 static void lay_out(gather* g, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
@@ -36,9 +44,9 @@ static void lay_out(gather* g, const ty_context* context, const ty_screen_def* d
         g->levels[k].texels = ty_screen_take(memory, 4 * sizeof(float) * texels);
         g->spread[k] = ty_screen_take(memory, sizeof(float) * texels);
     }
-    g->row_stride = (width + ROW_ALIGN - 1) / ROW_ALIGN * ROW_ALIGN;
-    g->rows = ty_screen_take(memory,
-                             sizeof(float) * (size_t)g->row_stride * WORKER_ROWS * (size_t)ty_context_threads(context));
+    g->row_stride = aligned(width);
+    g->half_stride = aligned((width + 1) / 2);
+    g->rows = ty_screen_take(memory, sizeof(float) * (size_t)worker_floats(g) * (size_t)ty_context_threads(context));
     g->counts = ty_screen_take(memory, sizeof *g->counts * (size_t)bands(height));
 }
 
@@ -72,24 +80,50 @@ static void split(void* user, int64_t index, int32_t worker) {
 
 /* ---- Eq. 6-9 ---- */
 
-/* Row y of one kind, where a worker keeps it; the last one is for what a filter gives. */
+/* A worker's rows: those that were narrowed last, kind by kind, those of the next level, and those of this one. */
 static float* worker_row(const gather* g, int32_t worker, int32_t slot, int32_t kind) {
-    return g->rows + ((ptrdiff_t)worker * WORKER_ROWS + slot * TY_GATHER_ROWS + kind) * g->row_stride;
+    return g->rows + (ptrdiff_t)worker * worker_floats(g) + (ptrdiff_t)(slot * TY_GATHER_ROWS + kind) * g->half_stride;
 }
 
-static void filter_row(const gather* g, int32_t worker, int32_t y, float* const filtered[TY_GATHER_ROWS]) {
+static float* wide_row(const gather* g, int32_t worker, int32_t kind) {
+    return worker_row(g, worker, TAPS_MAX + 1, 0) + kind * g->row_stride;
+}
+
+static int32_t kind_count(const gather* g) {
+    return g->params.mask.kind == TY_SCREEN_MASK_NONE ? TY_GATHER_MASK : TY_GATHER_ROWS;
+}
+
+static const ty_screen_taps* taps_of(const gather* g, int32_t kind) {
+    return &g->taps[kind >= TY_GATHER_WEIGHT];
+}
+
+static void narrow_row(const gather* g, int32_t worker, int32_t y) {
     const ty_screen_texels* from = &g->levels[g->level];
-    float* scratch = worker_row(g, worker, TAPS_MAX + 1, 0);
-    const int32_t kinds = g->params.mask.kind == TY_SCREEN_MASK_NONE ? TY_GATHER_MASK : TY_GATHER_ROWS;
-    for (int32_t kind = 0; kind < kinds; ++kind) {
-        const ty_screen_taps* taps = &g->taps[kind >= TY_GATHER_WEIGHT];
+    float* rows[TY_GATHER_ROWS];
+    for (int32_t kind = 0; kind < TY_GATHER_ROWS; ++kind) rows[kind] = wide_row(g, worker, kind);
+    const ptrdiff_t first = (ptrdiff_t)y * from->width;
+    g->job->kernels->gather_rows(&g->params, from->texels + 4 * first, g->spread[g->level] + first, from->width, rows);
+    for (int32_t kind = 0; kind < kind_count(g); ++kind)
+        g->job->kernels->narrow(taps_of(g, kind), rows[kind], from->width, worker_row(g, worker, y % TAPS_MAX, kind));
+}
+
+static void join_rows(const gather* g, int32_t worker, int32_t y) {
+    const ty_screen_texels *from = &g->levels[g->level], *to = &g->levels[g->level + 1];
+    const float* joined[TY_GATHER_ROWS];
+    for (int32_t kind = 0; kind < kind_count(g); ++kind) {
+        const ty_screen_taps* taps = taps_of(g, kind);
         const float* rows[TAPS_MAX];
         for (int32_t tap = 0; tap < 2 * taps->reach; ++tap) {
             const int32_t row = ty_screen_clamp_index(2 * y + 1 - taps->reach + tap, from->height);
             rows[tap] = worker_row(g, worker, row % TAPS_MAX, kind);
         }
-        g->job->kernels->down(taps, rows, from->width, scratch, filtered[kind]);
+        float* out = worker_row(g, worker, TAPS_MAX, kind);
+        g->job->kernels->join(taps, rows, to->width, out);
+        joined[kind] = out;
     }
+    const ptrdiff_t first = (ptrdiff_t)y * to->width;
+    g->job->kernels->gather_store(&g->params, joined, to->width, to->texels + 4 * first,
+                                  g->spread[g->level + 1] + first);
 }
 
 static void descend(void* user, int64_t index, int32_t worker) {
@@ -97,23 +131,11 @@ static void descend(void* user, int64_t index, int32_t worker) {
     const ty_screen_texels *from = &g->levels[g->level], *to = &g->levels[g->level + 1];
     const int32_t begin = (int32_t)index * BAND, reach = g->taps[0].reach;
     const int32_t end = begin + BAND < to->height ? begin + BAND : to->height;
-    float* filtered[TY_GATHER_ROWS];
-    for (int32_t kind = 0; kind < TY_GATHER_ROWS; ++kind) filtered[kind] = worker_row(g, worker, TAPS_MAX, kind);
     int32_t next = 2 * begin + 1 - reach;
     for (int32_t y = begin; y < end; ++y) {
-        for (; next <= 2 * y + reach; ++next) {
-            if (next < 0 || next >= from->height) continue;
-            float* rows[TY_GATHER_ROWS];
-            for (int32_t kind = 0; kind < TY_GATHER_ROWS; ++kind)
-                rows[kind] = worker_row(g, worker, next % TAPS_MAX, kind);
-            const ptrdiff_t first = (ptrdiff_t)next * from->width;
-            g->job->kernels->gather_rows(&g->params, from->texels + 4 * first, g->spread[g->level] + first, from->width,
-                                         rows);
-        }
-        filter_row(g, worker, y, filtered);
-        const ptrdiff_t first = (ptrdiff_t)y * to->width;
-        g->job->kernels->gather_store(&g->params, (const float* const*)filtered, to->width, to->texels + 4 * first,
-                                      g->spread[g->level + 1] + first);
+        for (; next <= 2 * y + reach; ++next)
+            if (next >= 0 && next < from->height) narrow_row(g, worker, next);
+        join_rows(g, worker, y);
     }
 }
 
@@ -192,17 +214,17 @@ ty_result ty_screen_gather(ty_screen_job* job) {
     prepare(&g, job);
 
     const double start = ty_wall_seconds();
-    ty_parallel_for(job->context, bands(job->image->height), split, &g);
+    ty_screen_parallel(job, bands(job->image->height), split, &g);
     ty_screen_sum_counts(job, g.counts, bands(job->image->height));
     const int32_t levels = choose_levels(&g);
     const double attenuated = ty_wall_seconds();
     for (g.level = 0; g.level < levels; ++g.level) {
         g.params.mask.threshold = spread_of(&g, g.level);
-        ty_parallel_for(job->context, bands(g.levels[g.level + 1].height), descend, &g);
+        ty_screen_parallel(job, bands(g.levels[g.level + 1].height), descend, &g);
     }
     g.params.level_count = levels + 1;
     const double filtered = ty_wall_seconds();
-    ty_parallel_for(job->context, bands(job->image->height), compose, &g);
+    ty_screen_parallel(job, bands(job->image->height), compose, &g);
 
     job->stats.step_seconds[0] = attenuated - start;
     job->stats.step_seconds[1] = filtered - attenuated;

@@ -45,6 +45,10 @@ typedef struct ty_screen_arena {
 /* A piece aligned to 64 bytes; NULL without a base. */
 void* ty_screen_take(ty_screen_arena* memory, size_t bytes);
 
+/* ty_parallel_for with denormals off: what hardly any light is left of is 0. The other runs in this thread alone. */
+void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, void* user);
+void ty_screen_here(int64_t count, ty_parallel_fn body, void* user);
+
 /* Adds up what the bands of a picture noticed, and finds the largest spread. */
 void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count);
 /* The radius, pixels, within which half of the light of a measure of spread falls. */

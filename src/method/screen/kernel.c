@@ -10,7 +10,6 @@ enum { CHUNK = 256 };
 typedef struct chunk {
     float radiance[3][CHUNK], distance[CHUNK];
     float attenuated[3][CHUNK], scattered[3][CHUNK], measure[3][CHUNK];
-    int32_t mended[CHUNK];
 } chunk;
 
 static int32_t least(int32_t a, int32_t b) {
@@ -25,7 +24,8 @@ static int32_t most(int32_t a, int32_t b) {
 
 static void load(const float* from, ptrdiff_t step, int32_t count, float* to) {
     if (step == 1) {
-        memcpy(to, from, sizeof(float) * (size_t)count);
+#pragma omp simd
+        for (int32_t i = 0; i < count; ++i) to[i] = from[i];
         return;
     }
     for (int32_t i = 0; i < count; ++i) to[i] = from[i * step];
@@ -33,7 +33,8 @@ static void load(const float* from, ptrdiff_t step, int32_t count, float* to) {
 
 static void store(const float* from, int32_t count, float* to, ptrdiff_t step) {
     if (step == 1) {
-        memcpy(to, from, sizeof(float) * (size_t)count);
+#pragma omp simd
+        for (int32_t i = 0; i < count; ++i) to[i] = from[i];
         return;
     }
     for (int32_t i = 0; i < count; ++i) to[i * step] = from[i];
@@ -41,72 +42,98 @@ static void store(const float* from, int32_t count, float* to, ptrdiff_t step) {
 
 static void find_distances(const ty_screen_params* params, const ty_screen_row* row, int32_t x0, int32_t count,
                            chunk* c, ty_screen_counts* counts) {
-    const ty_screen_params p = *params;
-    float given[CHUNK];
-    load(row->distance + x0 * row->distance_step, row->distance_step, count, given);
+    float* distance = c->distance;
+    load(row->distance + x0 * row->distance_step, row->distance_step, count, distance);
+    const float replacement = params->unknown;
     int32_t unknown = 0;
+    if (params->planar) {
+        const ty_screen_params p = *params;
+#pragma omp simd
+        for (int32_t i = 0; i < count; ++i) distance[i] *= ty_screen_slant(p, x0 + i, row->y);
+    }
 #pragma omp simd reduction(+ : unknown)
     for (int32_t i = 0; i < count; ++i) {
         int32_t missing;
-        c->distance[i] = ty_screen_distance(p, given[i], x0 + i, row->y, &missing);
+        distance[i] = ty_screen_distance(distance[i], replacement, &missing);
         unknown += missing;
     }
     counts->unknown += unknown;
 }
 
 static void mend(const ty_screen_row* row, int32_t x0, int32_t count, chunk* c, ty_screen_counts* counts) {
-    memset(c->mended, 0, sizeof(int32_t) * (size_t)count);
-    for (int channel = 0; channel < 3; ++channel) {
-        float* radiance = c->radiance[channel];
-        load(row->color[channel] + x0 * row->color_step, row->color_step, count, radiance);
-#pragma omp simd
-        for (int32_t i = 0; i < count; ++i)
-            radiance[i] = ty_screen_mend(radiance[i], TY_SCREEN_RADIANCE_MAX, &c->mended[i]);
-    }
+    float *r = c->radiance[0], *g = c->radiance[1], *b = c->radiance[2];
+    load(row->color[0] + x0 * row->color_step, row->color_step, count, r);
+    load(row->color[1] + x0 * row->color_step, row->color_step, count, g);
+    load(row->color[2] + x0 * row->color_step, row->color_step, count, b);
     int32_t mended = 0;
 #pragma omp simd reduction(+ : mended)
-    for (int32_t i = 0; i < count; ++i) mended += c->mended[i];
+    for (int32_t i = 0; i < count; ++i) {
+        int32_t changed = 0;
+        r[i] = ty_screen_mend(r[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        g[i] = ty_screen_mend(g[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        b[i] = ty_screen_mend(b[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        mended += changed;
+    }
     counts->mended += mended;
+}
+
+static void measure_spread(const ty_screen_params* params, int channel, const chunk* c, int32_t count, float* measure) {
+    const float slope = params->slope[channel], bend = params->bend[channel];
+    const float* distance = c->distance;
+    if (bend > 0) {
+#pragma omp simd
+        for (int32_t i = 0; i < count; ++i) measure[i] = ty_screen_variance(slope, bend, distance[i]);
+    } else {
+#pragma omp simd
+        for (int32_t i = 0; i < count; ++i) measure[i] = ty_screen_variance(slope, 0.0f, distance[i]);
+    }
 }
 
 static void split_light(const ty_screen_params* params, int channel, int32_t count, chunk* c) {
     const float sigma_s = params->sigma_s[channel], sigma_a = params->sigma_a[channel];
     const float airlight = params->airlight[channel], forward = params->forward[channel];
-    const float slope = params->slope[channel], bend = params->bend[channel];
     const float *radiance = c->radiance[channel], *distance = c->distance;
-    float *attenuated = c->attenuated[channel], *scattered = c->scattered[channel], *measure = c->measure[channel];
+    float *attenuated = c->attenuated[channel], *scattered = c->scattered[channel];
 #pragma omp simd
     for (int32_t i = 0; i < count; ++i) {
         const ty_screen_parts parts =
             ty_screen_split_light(sigma_s, sigma_a, airlight, forward, radiance[i], distance[i]);
         attenuated[i] = parts.attenuated + parts.airlight;
         scattered[i] = parts.scattered;
-        measure[i] = ty_screen_variance(slope, bend, distance[i]);
     }
 }
 
 static void note_largest(const chunk* c, int32_t count, const float limit[3], ty_screen_counts* counts) {
     const float *r = c->measure[0], *g = c->measure[1], *b = c->measure[2];
     const float most_r = limit[0], most_g = limit[1], most_b = limit[2];
+    float largest_r = counts->largest[0], largest_g = counts->largest[1], largest_b = counts->largest[2];
     int32_t cut = 0;
-#pragma omp simd reduction(+ : cut)
-    for (int32_t i = 0; i < count; ++i) cut += (r[i] > most_r) | (g[i] > most_g) | (b[i] > most_b);
-    counts->cut += cut;
-    for (int channel = 0; channel < 3; ++channel) {
-        const float* measure = c->measure[channel];
-        float largest = counts->largest[channel];
-#pragma omp simd reduction(max : largest)
-        for (int32_t i = 0; i < count; ++i) largest = ty_maxf(largest, measure[i]);
-        counts->largest[channel] = largest;
+#pragma omp simd reduction(+ : cut) reduction(max : largest_r, largest_g, largest_b)
+    for (int32_t i = 0; i < count; ++i) {
+        cut += (r[i] > most_r) | (g[i] > most_g) | (b[i] > most_b);
+        largest_r = ty_maxf(largest_r, r[i]);
+        largest_g = ty_maxf(largest_g, g[i]);
+        largest_b = ty_maxf(largest_b, b[i]);
     }
+    counts->cut += cut;
+    counts->largest[0] = largest_r;
+    counts->largest[1] = largest_g;
+    counts->largest[2] = largest_b;
+}
+
+/* Distances, mended radiance, and how far light spreads. */
+static void load_chunk(const ty_screen_params* params, const ty_screen_row* row, int32_t x0, int32_t count,
+                       const float limit[3], chunk* c, ty_screen_counts* counts) {
+    find_distances(params, row, x0, count, c, counts);
+    mend(row, x0, count, c, counts);
+    for (int channel = 0; channel < 3; ++channel) measure_spread(params, channel, c, count, c->measure[channel]);
+    note_largest(c, count, limit, counts);
 }
 
 static void split_chunk(const ty_screen_params* params, const ty_screen_row* row, int32_t x0, int32_t count,
                         const float limit[3], chunk* c, ty_screen_counts* counts) {
-    find_distances(params, row, x0, count, c, counts);
-    mend(row, x0, count, c, counts);
+    load_chunk(params, row, x0, count, limit, c, counts);
     for (int channel = 0; channel < 3; ++channel) split_light(params, channel, count, c);
-    note_largest(c, count, limit, counts);
 }
 
 static void store_if(const float* from, int32_t count, float* to, int32_t x0) {
@@ -129,25 +156,35 @@ static void split(const ty_screen_params* params, const ty_screen_row* row, cons
 
 /* ---- scattering ---- */
 
+/* One channel of a chunk: what goes on into light and moment, all else into base. */
+static void scatter_light(const ty_screen_params* params, ty_screen_share share, int channel, int32_t count,
+                          const chunk* c, float* base, float* light, float* moment) {
+    const float sigma_s = params->sigma_s[channel], sigma_a = params->sigma_a[channel];
+    const float airlight = params->airlight[channel], forward = params->forward[channel];
+    const float *radiance = c->radiance[channel], *distance = c->distance, *measure = c->measure[channel];
+#pragma omp simd
+    for (int32_t i = 0; i < count; ++i) {
+        const ty_screen_parts parts =
+            ty_screen_split_light(sigma_s, sigma_a, airlight, forward, radiance[i], distance[i]);
+        const float on = ty_screen_onward(share, measure[i]) * parts.scattered;
+        base[i] = parts.attenuated + parts.airlight + (parts.scattered - on);
+        light[i] = on;
+        moment[i] = on * measure[i];
+    }
+}
+
 static void scatter(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_share shares[3],
                     const float limit[3], float* const out[3], ptrdiff_t out_step, float* const onward[6],
                     ty_screen_counts* counts) {
     chunk c;
+    float base[CHUNK];
     ty_screen_counts ignored = {0};
     for (int32_t x0 = 0; x0 < params->width; x0 += CHUNK) {
         const int32_t count = least(CHUNK, params->width - x0);
-        split_chunk(params, row, x0, count, limit, &c, out != NULL ? counts : &ignored);
+        load_chunk(params, row, x0, count, limit, &c, out != NULL ? counts : &ignored);
         for (int channel = 0; channel < 3; ++channel) {
-            float *light = onward[channel] + x0, *moment = onward[3 + channel] + x0;
-            float *base = c.attenuated[channel], *scattered = c.scattered[channel], *measure = c.measure[channel];
-            const ty_screen_share share = shares[channel];
-#pragma omp simd
-            for (int32_t i = 0; i < count; ++i) {
-                const float on = ty_screen_onward(share, measure[i]) * scattered[i];
-                base[i] += scattered[i] - on;
-                light[i] = on;
-                moment[i] = on * measure[i];
-            }
+            scatter_light(params, shares[channel], channel, count, &c, base, onward[channel] + x0,
+                          onward[3 + channel] + x0);
             if (out != NULL) store(base, count, out[channel] + x0 * out_step, out_step);
         }
     }
@@ -170,25 +207,8 @@ static void onward(const ty_screen_level* level, int32_t y, float* const out[6])
 
 /* ---- from level to level ---- */
 
-static void add_rows(const float* const* rows, const float* weights, int32_t count, int32_t width, float* out) {
-    if (count == 4) {
-        const float *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
-        const float outer = weights[1], inner = weights[0];
-#pragma omp simd
-        for (int32_t i = 0; i < width; ++i) out[i] = outer * (a[i] + d[i]) + inner * (b[i] + c[i]);
-        return;
-    }
-    for (int32_t i = 0; i < width; ++i) out[i] = 0;
-    for (int32_t pair = 0; pair < count / 2; ++pair) {
-        const float *a = rows[count / 2 - 1 - pair], *b = rows[count / 2 + pair];
-        const float weight = weights[pair];
-#pragma omp simd
-        for (int32_t i = 0; i < width; ++i) out[i] += weight * (a[i] + b[i]);
-    }
-}
-
-/* One texel of the next level, anywhere in the row: what lies outside counts as the edge. */
-static float down_item(const ty_screen_taps* taps, const float* row, int32_t width, int32_t x) {
+/* One texel of a narrower row, anywhere in it: what lies outside counts as the edge. */
+static float narrow_item(const ty_screen_taps* taps, const float* row, int32_t width, int32_t x) {
     float sum = 0;
     for (int32_t pair = 0; pair < taps->reach; ++pair)
         sum +=
@@ -196,12 +216,10 @@ static float down_item(const ty_screen_taps* taps, const float* row, int32_t wid
     return sum;
 }
 
-static void down(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* scratch, float* out) {
-    add_rows(rows, taps->down, 2 * taps->reach, width, scratch);
+static void narrow(const ty_screen_taps* taps, const float* row, int32_t width, float* out) {
     const int32_t half = (width + 1) / 2, begin = least(1, half), end = most((width - taps->reach) / 2, begin);
-    for (int32_t x = 0; x < begin; ++x) out[x] = down_item(taps, scratch, width, x);
+    for (int32_t x = 0; x < begin; ++x) out[x] = narrow_item(taps, row, width, x);
     const float inner = taps->down[0], outer = taps->down[1], outmost = taps->down[2];
-    const float* row = scratch;
     if (taps->reach <= 2) {
 #pragma omp simd
         for (int32_t x = begin; x < end; ++x)
@@ -212,7 +230,23 @@ static void down(const ty_screen_taps* taps, const float* const* rows, int32_t w
             out[x] = inner * (row[2 * x] + row[2 * x + 1]) + outer * (row[2 * x - 1] + row[2 * x + 2]) +
                      outmost * (row[2 * x - 2] + row[2 * x + 3]);
     }
-    for (int32_t x = end; x < half; ++x) out[x] = down_item(taps, scratch, width, x);
+    for (int32_t x = end; x < half; ++x) out[x] = narrow_item(taps, row, width, x);
+}
+
+static void join(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* out) {
+    const float inner = taps->down[0], outer = taps->down[1], outmost = taps->down[2];
+    const float *above = rows[taps->reach - 1], *below = rows[taps->reach];
+    const float *up = taps->reach > 1 ? rows[taps->reach - 2] : above,
+                *low = taps->reach > 1 ? rows[taps->reach + 1] : below;
+    if (taps->reach <= 2) {
+#pragma omp simd
+        for (int32_t i = 0; i < width; ++i) out[i] = inner * (above[i] + below[i]) + outer * (up[i] + low[i]);
+        return;
+    }
+    const float *top = rows[0], *bottom = rows[5];
+#pragma omp simd
+    for (int32_t i = 0; i < width; ++i)
+        out[i] = inner * (above[i] + below[i]) + outer * (up[i] + low[i]) + outmost * (top[i] + bottom[i]);
 }
 
 /* The rows of the next level that row y lies between, mixed: `width` texels. */
@@ -423,7 +457,8 @@ const ty_screen_kernels TY_JOIN(ty_screen_kernels_, TY_ISA) = {
     .split = split,
     .scatter = scatter,
     .onward = onward,
-    .down = down,
+    .narrow = narrow,
+    .join = join,
     .up = up,
     .add = add,
     .gather_split = gather_split,

@@ -80,8 +80,10 @@ typedef struct ty_screen_kernels {
                     ty_screen_counts* counts);
     /* What goes on from row y of a level, into onward[6]. */
     void (*onward)(const ty_screen_level* level, int32_t y, float* const onward[6]);
-    /* A row of the next level from 2 * reach rows of this one, `width` wide; scratch: width floats. */
-    void (*down)(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* scratch, float* out);
+    /* A row of `width` texels, half as many of them. */
+    void (*narrow)(const ty_screen_taps* taps, const float* row, int32_t width, float* out);
+    /* A row of the next level from 2 * reach narrowed rows of this one, `width` texels each. */
+    void (*join)(const ty_screen_taps* taps, const float* const* rows, int32_t width, float* out);
     /* Row y of a level: what stays there and what comes back from the next (light in next->plane[0..2]), in place of
      * the light. scratch: next->width floats. */
     void (*up)(const ty_screen_taps* taps, const ty_screen_level* level, const ty_screen_level* next, int32_t y,

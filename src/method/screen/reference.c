@@ -142,12 +142,12 @@ ty_result ty_screen_reference(ty_screen_job* job) {
     ty_screen_arena memory = {.base = job->memory};
     lay_out(&r, job->context, job->def, job->image->width, job->image->height, &memory);
     const double start = ty_wall_seconds();
-    ty_parallel_for(job->context, r.tiles[1], prepare, &r);
+    ty_screen_parallel(job, r.tiles[1], prepare, &r);
     const double prepared = ty_wall_seconds();
     const int64_t total = (int64_t)r.segments[0] * r.segments[1], batch = 4 * (int64_t)ty_context_threads(job->context);
     for (r.first = 0; r.first < total; r.first += batch) {
         if (!report(&r, prepared, r.first, total)) return TY_CANCELLED;
-        ty_parallel_for(job->context, total - r.first < batch ? total - r.first : batch, compose, &r);
+        ty_screen_parallel(job, total - r.first < batch ? total - r.first : batch, compose, &r);
     }
     report(&r, prepared, total, total);
     job->stats.step_seconds[0] = prepared - start;

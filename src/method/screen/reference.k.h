@@ -9,13 +9,26 @@
 /* Standard deviations to where a Gaussian reaches in single precision: exp(-18) = 1.5e-8. */
 #define TY_SCREEN_REACH 6.0f
 
+/* Sums over Gaussians with a smaller sharpness (standard deviations above 8 pixels) are as good as integrals. */
+#define TY_SCREEN_SMOOTH 0.0078f
+
 /* The Gaussian, not normalised, at distance^2 in pixels^2. */
 TY_FN float ty_screen_gaussian(float sharpness, float distance_squared) {
-    return ty_expf(-ty_minf(sharpness * distance_squared, 87.0f));
+    return ty_exp_minus(ty_minf(sharpness * distance_squared, 87.0f));
+}
+
+/* Its integral from 0 to x, half a pixel beyond the last one that is summed, with what the sum has more (Euler and
+ * Maclaurin: the slope there over 24). */
+TY_FN float ty_screen_gaussian_half(float sharpness, float x) {
+    const float integral = 0.5f * sqrtf(TY_PI / sharpness) * erff(sqrtf(sharpness) * x);
+    return integral + sharpness * x * ty_screen_gaussian(sharpness, x * x) * (1.0f / 12.0f);
 }
 
 /* Its sum over the pixels -before..after along one axis. */
 TY_FN float ty_screen_gaussian_sum(float sharpness, int32_t before, int32_t after) {
+    if (sharpness < TY_SCREEN_SMOOTH)
+        return ty_screen_gaussian_half(sharpness, (float)before + 0.5f) +
+               ty_screen_gaussian_half(sharpness, (float)after + 0.5f);
     const float reach = TY_SCREEN_REACH * sqrtf(0.5f / sharpness) + 1.0f;
     const int32_t low = reach < (float)before ? (int32_t)reach : before;
     const int32_t high = reach < (float)after ? (int32_t)reach : after;

@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* Rows of the next level that one task makes. */
-enum { BAND = 32, ROW_ALIGN = 16, TAPS_MAX = 6, PLANES = 6, WORKER_ROWS = PLANES * TAPS_MAX + PLANES + 1 };
+enum { BAND = 32, ROW_ALIGN = 16, TAPS_MAX = 6, PLANES = 6 };
 /* Levels with fewer texels are worked on by one thread: waking others takes longer. */
 enum { TEXELS_FOR_THREADS = 1 << 15 };
 
@@ -25,8 +25,8 @@ typedef struct scatter {
     int32_t built;                                    /* levels that there is memory for */
     int32_t level;                                    /* the one that tasks work on */
     float* edges;                                     /* rows of colour around each band, as they were */
-    float* rows;                                      /* WORKER_ROWS rows for each worker */
-    ptrdiff_t row_stride;
+    float* rows;                                      /* worker_floats for each worker */
+    ptrdiff_t row_stride, half_stride;
     ty_screen_counts* counts; /* one for each band */
     int32_t band_count;
     bool in_place;
@@ -46,6 +46,10 @@ static int32_t bands(int32_t rows) {
 
 /* ---- memory ---- */
 
+static ptrdiff_t worker_floats(const scatter* s) {
+    return PLANES * (TAPS_MAX * s->half_stride + s->row_stride);
+}
+
 static void lay_out(scatter* s, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
                     ty_screen_arena* memory) {
     s->built = ty_screen_level_limit(def, width, height);
@@ -61,10 +65,11 @@ static void lay_out(scatter* s, const ty_context* context, const ty_screen_def* 
     }
     s->row_stride = aligned(width);
     s->band_count = bands(s->levels[1].height);
+    s->half_stride = aligned(halved(width));
     const size_t row = sizeof(float) * (size_t)s->row_stride;
     const int32_t margin = 2 * (s->taps.reach - 1);
     s->edges = ty_screen_take(memory, row * 3 * (size_t)margin * (size_t)s->band_count);
-    s->rows = ty_screen_take(memory, row * WORKER_ROWS * (size_t)ty_context_threads(context));
+    s->rows = ty_screen_take(memory, sizeof(float) * (size_t)worker_floats(s) * (size_t)ty_context_threads(context));
     s->counts = ty_screen_take(memory, sizeof *s->counts * (size_t)s->band_count);
 }
 
@@ -117,14 +122,17 @@ static ty_screen_row band_row(const scatter* s, int32_t band, int32_t y) {
 
 /* ---- from level to level ---- */
 
-/* Where a worker keeps row y (any number) of what goes on, plane by plane. */
-static float* worker_row(const scatter* s, int32_t worker, int32_t y, int plane) {
-    const int32_t slot = ((y % TAPS_MAX) + TAPS_MAX) % TAPS_MAX;
-    return s->rows + (ptrdiff_t)(worker * WORKER_ROWS + slot * PLANES + plane) * s->row_stride;
+/* A worker's rows: those that were narrowed last, plane by plane, and as many for what goes on from the current one. */
+static float* worker_row(const scatter* s, int32_t worker, int32_t slot, int plane) {
+    return s->rows + (ptrdiff_t)worker * worker_floats(s) + (ptrdiff_t)(slot * PLANES + plane) * s->half_stride;
+}
+
+static float* worker_onward(const scatter* s, int32_t worker, int plane) {
+    return worker_row(s, worker, TAPS_MAX, 0) + plane * s->row_stride;
 }
 
 static float* worker_scratch(const scatter* s, int32_t worker) {
-    return s->rows + (ptrdiff_t)(worker * WORKER_ROWS + PLANES * TAPS_MAX) * s->row_stride;
+    return worker_onward(s, worker, 0);
 }
 
 /* Makes what goes on from row y of level 0, and writes what stays when the row is the band's own. */
@@ -146,17 +154,20 @@ static void descend(void* user, int64_t index, int32_t worker) {
     const int32_t band = (int32_t)index, begin = band * BAND, reach = s->taps.reach;
     const int32_t end = begin + BAND < to->height ? begin + BAND : to->height;
     if (s->level == 0) s->counts[band] = (ty_screen_counts){0};
+    float* onward[PLANES];
+    for (int plane = 0; plane < PLANES; ++plane) onward[plane] = worker_onward(s, worker, plane);
     int32_t made = 2 * begin - reach; /* the last row that is ready */
     for (int32_t y = begin; y < end; ++y) {
         const int32_t last = 2 * y + reach;
         for (++made; made <= last; ++made) {
             if (made < 0 || made >= from->height) continue;
-            float* onward[6];
-            for (int plane = 0; plane < PLANES; ++plane) onward[plane] = worker_row(s, worker, made, plane);
             if (s->level == 0)
                 scatter_row(s, band, made, onward);
             else
                 s->job->kernels->onward(from, made, onward);
+            for (int plane = 0; plane < PLANES; ++plane)
+                s->job->kernels->narrow(&s->taps, onward[plane], from->width,
+                                        worker_row(s, worker, made % TAPS_MAX, plane));
         }
         made = last;
         for (int plane = 0; plane < PLANES; ++plane) {
@@ -164,10 +175,9 @@ static void descend(void* user, int64_t index, int32_t worker) {
             for (int32_t tap = 0; tap < 2 * reach; ++tap) {
                 int32_t row = 2 * y + 1 - reach + tap;
                 row = row < 0 ? 0 : row >= from->height ? from->height - 1 : row;
-                rows[tap] = worker_row(s, worker, row, plane);
+                rows[tap] = worker_row(s, worker, row % TAPS_MAX, plane);
             }
-            s->job->kernels->down(&s->taps, rows, from->width, worker_scratch(s, worker),
-                                  to->plane[plane] + y * to->stride);
+            s->job->kernels->join(&s->taps, rows, to->width, to->plane[plane] + y * to->stride);
         }
     }
 }
@@ -193,17 +203,17 @@ static void finish(void* user, int64_t index, int32_t worker) {
 
 static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn body) {
     const int64_t texels = (int64_t)s->levels[level].width * s->levels[level].height;
-    if (texels >= TEXELS_FOR_THREADS) {
-        ty_parallel_for(s->job->context, count, body, (void*)(uintptr_t)s);
-        return;
-    }
-    for (int64_t i = 0; i < count; ++i) body((void*)(uintptr_t)s, i, 0);
+    if (texels >= TEXELS_FOR_THREADS)
+        ty_screen_parallel(s->job, count, body, (void*)(uintptr_t)s);
+    else
+        ty_screen_here(count, body, (void*)(uintptr_t)s);
 }
 
 /* ---- the whole ---- */
 
-/* Light counts as cut where more than this part of it should go beyond the last level (small angles). */
-static const double cut_share = 0.1;
+/* Small angles: light counts as cut where more than this part of it should go beyond the last level, and there are
+ * levels enough where less than that part should. Tails are long, and coarse levels cost next to nothing. */
+static const double cut_share = 0.5, rest_share = 0.01;
 
 /* The optical thickness at which it does. */
 static float thickness_limit(double width, double variance) {
@@ -258,7 +268,7 @@ static int32_t choose_levels(const scatter* s) {
         for (int c = 0; c < 3; ++c) {
             const double most = (double)s->counts[band].largest[c];
             while (levels < s->built && (s->job->small_angle ? ty_screen_tail(s->job->width[c], most,
-                                                                              (double)s->variance[levels]) > cut_share
+                                                                              (double)s->variance[levels]) > rest_share
                                                              : (double)s->variance[levels] < most))
                 ++levels;
         }

@@ -1,4 +1,5 @@
 /* What a scene says of its picture: the medium, the camera, how far light goes through the medium to each pixel. */
+#include "base/float_mode.h"
 #include "base/context.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
@@ -106,12 +107,12 @@ static void find_row(void* user, int64_t y, int32_t worker) {
     (void)worker;
     distance_job* job = user;
     float* row = job->distance + y * job->width;
-    const unsigned state = ty_mesh_enter_thread();
+    const unsigned state = ty_flush_denormals();
     for (int32_t x = 0; x < job->width; ++x) {
         const ty_vec direction = ty_camera_direction(&job->camera, (float)x + 0.5f, (float)y + 0.5f);
         row[x] = equal_distance(job, direction, row[x] > 0 && row[x] < TY_FLOAT_MAX ? row[x] : TY_FLOAT_MAX);
     }
-    ty_mesh_leave_thread(state);
+    ty_restore_denormals(state);
 }
 
 static void warn_of_glow(const ty_scene* scene, const ty_scene_view* view) {

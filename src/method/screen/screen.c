@@ -2,6 +2,7 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
+#include "base/float_mode.h"
 #include "base/isa.h"
 #include "method/screen/spread.h"
 
@@ -100,9 +101,10 @@ void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, in
 }
 
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height) {
-    const int32_t asked = def->levels == TY_SCREEN_LEVELS_AUTO  ? TY_SCREEN_LEVELS_USUAL
-                          : def->levels == TY_SCREEN_LEVELS_ALL ? TY_SCREEN_LEVELS_MAX
-                                                                : def->levels;
+    const bool gaussian = def->variant != TY_SCREEN_SCATTER || def->spread == TY_SCREEN_SPREAD_GAUSSIAN;
+    const int32_t most =
+        gaussian && def->levels == TY_SCREEN_LEVELS_AUTO ? TY_SCREEN_LEVELS_USUAL : TY_SCREEN_LEVELS_MAX;
+    const int32_t asked = def->levels > 0 ? def->levels : most;
     int32_t possible = 1;
     while (possible < asked && (width > 2 || height > 2)) {
         width = (width + 1) / 2;
@@ -110,6 +112,28 @@ int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t h
         ++possible;
     }
     return possible;
+}
+
+typedef struct task {
+    ty_parallel_fn body;
+    void* user;
+} task;
+
+static void run_task(void* user, int64_t index, int32_t worker) {
+    const task* t = user;
+    const unsigned state = ty_flush_denormals();
+    t->body(t->user, index, worker);
+    ty_restore_denormals(state);
+}
+
+void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, void* user) {
+    task t = {body, user};
+    ty_parallel_for(job->context, count, run_task, &t);
+}
+
+void ty_screen_here(int64_t count, ty_parallel_fn body, void* user) {
+    task t = {body, user};
+    for (int64_t i = 0; i < count; ++i) run_task(&t, i, 0);
 }
 
 void* ty_screen_take(ty_screen_arena* memory, size_t bytes) {
@@ -273,7 +297,7 @@ ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, const t
     split_work work = {.job = &job, .targets = {attenuated, scattered, spread}};
     work.rows = ty_alloc_array(context, floats, sizeof(float), false);
     if (work.rows == NULL) return TY_ERROR_MEMORY;
-    ty_parallel_for(context, task_count(image), split_rows, &work);
+    ty_screen_parallel(&job, task_count(image), split_rows, &work);
     ty_free_array(context, work.rows, floats, sizeof(float));
     return TY_OK;
 }

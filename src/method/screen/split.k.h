@@ -29,14 +29,18 @@ typedef struct ty_screen_params {
     float unknown;                          /* m */
 } ty_screen_params;
 
-/* The distance along the pixel's ray, m; *missing becomes 1 where there is none. */
-TY_FN float ty_screen_distance(ty_screen_params params, float distance, int32_t x, int32_t y, int32_t* missing) {
-    const int32_t known = distance > 0.0f && distance < TY_FLOAT_MAX;
+/* How much longer the way to pixel (x, y) is than its depth along the camera's axis. */
+TY_FN float ty_screen_slant(ty_screen_params params, int32_t x, int32_t y) {
     const float dx = ((float)x + 0.5f - params.center_x) * params.inverse_focal_x;
     const float dy = ((float)y + 0.5f - params.center_y) * params.inverse_focal_y;
-    const float along = params.planar ? distance * sqrtf(1.0f + dx * dx + dy * dy) : distance;
+    return sqrtf(1.0f + dx * dx + dy * dy);
+}
+
+/* A distance that can be worked with, m; *missing becomes 1, else 0, where there is none. */
+TY_FN float ty_screen_distance(float distance, float unknown, int32_t* missing) {
+    const int32_t known = distance > 0.0f && distance <= TY_FLOAT_MAX;
     *missing = known ? 0 : 1;
-    return known ? ty_minf(along, TY_SCREEN_DISTANCE_MAX) : params.unknown;
+    return known ? ty_minf(distance, TY_SCREEN_DISTANCE_MAX) : unknown;
 }
 
 /* A radiance that can be worked with: 0 for what is negative or not a number, the largest half for what is beyond
@@ -61,8 +65,8 @@ typedef struct ty_screen_parts {
 /* One channel of a pixel. */
 TY_FN ty_screen_parts ty_screen_split_light(float sigma_s, float sigma_a, float airlight, float forward, float radiance,
                                             float distance) {
-    const float absorbed = ty_expf(-ty_minf(sigma_a * distance, TY_SCREEN_OPAQUE));
-    const float kept = ty_expf(-ty_minf(sigma_s * distance, TY_SCREEN_OPAQUE));
+    const float absorbed = ty_exp_minus(ty_minf(sigma_a * distance, TY_SCREEN_OPAQUE));
+    const float kept = ty_exp_minus(ty_minf(sigma_s * distance, TY_SCREEN_OPAQUE));
     ty_screen_parts parts;
     parts.attenuated = radiance * (absorbed * kept);
     parts.scattered = forward * (radiance * (absorbed * (1.0f - kept)));

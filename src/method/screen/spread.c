@@ -19,8 +19,9 @@ static const double thick = 16;
 enum { TERMS_MAX = 64, NODES = TY_SCREEN_SHARE_TERMS };
 
 double ty_screen_angle(double g) {
-    const double least = 1e-3;
-    return (1 - g) / sqrt(g > least ? g : least);
+    const double widest = 2; /* at g = 0.17: below it light goes all ways, and no picture is wider */
+    const double angle = g > 0 ? (1 - g) / sqrt(g) : widest;
+    return angle < widest ? angle : widest;
 }
 
 /* The mean of erf(x T) over a normal T. */
