@@ -68,6 +68,31 @@ static void gaussians_have_the_variance_of_equation_2(void** state) {
     check_variance(*state, REFERENCE, 4, 0.5, 1, 0.5);
 }
 
+/* All variants spread light about where it came from. The paper's third level is as wide as three filters, of 1.25
+ * texels^2 each, and the cubic lookup's 1/3 texel^2 make it; Eq. 10 takes it for 41 pixels^2. */
+static void points_stay_in_place(void** state) {
+    enum { SIDE = 200, X = 97, Y = 106 };
+    for (int v = 0; v < VARIANT_COUNT; ++v) {
+        if (v == REFERENCE) continue;                    /* exact */
+        ty_screen_def def = gray_fog(1, 0, 0.9, 57.243); /* spread over 6.4 pixels: level 3 */
+        def.filter = 6;
+        set_variant(&def, (variant)v);
+        picture p = point_image(*state, &def, SIDE, X, Y);
+        double sum = 0, x = 0, y = 0;
+        for (int32_t i = 0; i < pixel_count(&p); ++i) {
+            sum += (double)p.out[i];
+            x += (i % SIDE - X) * (double)p.out[i];
+            y += (i / SIDE - Y) * (double)p.out[i];
+        }
+        printf("%s: %.4f %.4f pixels off\n", variant_names[v], x / sum, y / sum);
+        assert_close(x / sum, 0, v == SMALL_ANGLE ? 0.5 : 0.02); /* its tails meet the edges */
+        assert_close(y / sum, 0, v == SMALL_ANGLE ? 0.5 : 0.02);
+        if (v == GATHER || v == NAIVE || v == PUBLISHED)
+            assert_close(variance_about(&p, X, Y) / sum, 1.25 * (1 + 4 + 16) + 64 / 3.0, 0.2);
+        free_picture(&p);
+    }
+}
+
 /* ---- small angles ---- */
 
 enum { DRAWS = 100000 };
@@ -220,6 +245,7 @@ static void channels_do_not_mix(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gaussians_have_the_variance_of_equation_2),
+        cmocka_unit_test(points_stay_in_place),
         cmocka_unit_test(tails_are_those_of_the_theory),
         cmocka_unit_test(shares_follow_tails),
         cmocka_unit_test(small_angles_are_those_of_the_theory),
