@@ -104,6 +104,11 @@ test_screen() {
   expect 0 compare dark.json --methods screen,path -o dark --spp 64 --reference-spp 256 --stats stats.json
   said out.txt '^screen +(1\.00|0\.99)'
   said dark/errors.json '"own_seconds": '
+  # What screen needs of the camera is in the images.
+  for image in dark/reference.exr dark/screen.exr; do
+    expect 0 info $image
+    said out.txt '^tyndall\.camera\.fov_y [0-9]'
+  done
   page dark/report.html 5
   # Without media both see the surfaces.
   room '"sigma_s": 0' > clear.json

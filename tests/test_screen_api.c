@@ -443,6 +443,7 @@ static void bad_images_are_refused(void** state) {
 
 static bool stop_after_three(void* user, const ty_progress* progress) {
     assert_true(progress->fraction >= 0 && progress->fraction <= 1);
+    assert_int_equal(progress->total, 0); /* not samples per pixel */
     return ++*(int*)user < 3;
 }
 

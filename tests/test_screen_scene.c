@@ -188,6 +188,8 @@ static void wrong_calls_are_refused(void** state) {
     def.cookie = 0;
     assert_int_equal(ty_screen_set_scene(f->scene, 0, &def), TY_ERROR_ARGUMENT);
     assert_error(f->context, "ty_default_screen_def");
+    assert_int_equal(ty_screen_scene_distance(f->scene, WIDTH, HEIGHT, NULL), TY_ERROR_ARGUMENT);
+    assert_error(f->context, "distance is NULL");
     assert_int_equal(ty_screen_scene_distance(f->scene, 0, HEIGHT, distance), TY_ERROR_ARGUMENT);
     assert_error(f->context, "0 x 7");
     assert_int_equal(ty_screen_scene_distance(f->scene, WIDTH, 65537, distance), TY_ERROR_ARGUMENT);

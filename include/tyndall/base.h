@@ -93,8 +93,8 @@ typedef struct ty_progress {
     double fraction;   /* of the whole work, 0..1 */
     double seconds;    /* since the work began */
     double remaining;  /* seconds, estimated; negative while unknown */
-    uint64_t done;     /* samples per pixel finished in full */
-    uint64_t total;    /* samples per pixel asked for; 0 if only time or error bounds the work */
+    uint64_t done;     /* samples per pixel finished in full; 0 in work that is not counted in them */
+    uint64_t total;    /* samples per pixel asked for; 0 if only time or error bounds the work, or it has none */
 } ty_progress;
 
 /* Called about ten times a second, from one thread at a time. Return false to cancel: the work then stops

@@ -1,6 +1,7 @@
 /* tyndall compare: methods, or finished images, against a reference. */
 #include "cli/commands.h"
 #include "cli/compare_files.h"
+#include "cli/metadata.h"
 #include "cli/methods.h"
 #include "cli/report.h"
 
@@ -41,19 +42,14 @@ static void choose_name(const cli_comparison* comparison, const char* source, ch
 
 /* ---- images ---- */
 
-static double metadata_number(const ty_image* image, const char* key) {
-    double value = -1;
-    const char* text = ty_image_get_metadata(image, key);
-    return text != NULL && cli_parse_real(text, &value) ? value : -1;
-}
-
 static int read_image(cli_session* session, const char* path, cli_compared* out) {
     const ty_result result = ty_image_read(session->context, path, &out->image);
     if (result != TY_OK) return cli_fail_reading(session, result);
     out->source = path;
-    out->seconds = metadata_number(out->image, "tyndall.seconds");
-    out->own_seconds = metadata_number(out->image, "tyndall.own_seconds");
-    out->spp = metadata_number(out->image, "tyndall.spp");
+    out->seconds = out->own_seconds = out->spp = -1; /* unknown */
+    cli_metadata_number(out->image, "tyndall.seconds", &out->seconds);
+    cli_metadata_number(out->image, "tyndall.own_seconds", &out->own_seconds);
+    cli_metadata_number(out->image, "tyndall.spp", &out->spp);
     return CLI_GO;
 }
 
@@ -95,7 +91,8 @@ static int write_rendering(cli_session* session, const cli_comparison* compariso
 /* Renders, and writes the image to the folder. */
 static int render_entry(cli_session* session, const cli_comparison* comparison, const cli_method* method,
                         const ty_scene* scene, const cli_request* request, cli_compared* entry) {
-    cli_report report = {.method = method->name, .seed = request->seed, .complete = true};
+    cli_report report = {
+        .method = method->name, .seed = request->seed, .fov_y = ty_scene_camera(scene).fov_y, .complete = true};
     snprintf(report.scene, sizeof report.scene, "%016" PRIx64, ty_scene_hash(scene));
     const ty_result result = method->render(session, scene, request, &entry->image, &report);
     if (result != TY_OK) return cli_fail_running(session, result);

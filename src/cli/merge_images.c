@@ -1,7 +1,7 @@
 /* Merging renderings of one scene. */
 #include "cli/merge_images.h"
 #include "cli/merge_seeds.h"
-#include "cli/options.h"
+#include "cli/metadata.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -72,8 +72,7 @@ static size_t pixels_of(const window* w) {
 /* ---- what the pieces are ---- */
 
 static bool read_number(const ty_image* image, const char* key, double* out) {
-    const char* text = ty_image_get_metadata(image, key);
-    return text != NULL && cli_parse_real(text, out) && *out >= 0;
+    return cli_metadata_number(image, key, out) && *out >= 0;
 }
 
 static ty_result describe(merge* m, const cli_piece* piece, part* out) {
@@ -315,8 +314,8 @@ static ty_result set_metadata(merge* m) {
     for (size_t i = 0; result == TY_OK && i < sizeof kept / sizeof *kept; ++i)
         result = ty_image_set_text(m->image, kept[i], ty_image_get_metadata(m->parts[0].image, kept[i]));
     double fov_y = 0;
-    if (result == TY_OK && read_number(m->parts[0].image, "tyndall.camera.fov_y", &fov_y))
-        result = ty_image_set_number(m->image, "tyndall.camera.fov_y", fov_y);
+    if (result == TY_OK && read_number(m->parts[0].image, cli_fov_key, &fov_y))
+        result = ty_image_set_number(m->image, cli_fov_key, fov_y);
     if (result == TY_OK) result = set_seeds(m);
     if (result == TY_OK) result = ty_image_set_number(m->image, "tyndall.spp", mean_weight(m));
     if (result == TY_OK) result = ty_image_set_number(m->image, "tyndall.seconds", seconds);

@@ -1,10 +1,8 @@
 /* What a rendering did, in --stats and in an image's metadata. */
 #include "cli/report.h"
-#include "cli/options.h"
+#include "cli/metadata.h"
 
 #include <inttypes.h>
-
-const char* const cli_fov_key = "tyndall.camera.fov_y";
 
 void cli_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
@@ -66,9 +64,4 @@ ty_result cli_report_metadata(ty_image* image, const cli_report* report) {
         result = ty_image_set_number(image, numbers[i].key, numbers[i].value);
     if (result == TY_OK && report->fov_y > 0) result = ty_image_set_number(image, cli_fov_key, report->fov_y);
     return result;
-}
-
-bool cli_metadata_number(const ty_image* image, const char* key, double* out) {
-    const char* text = ty_image_get_metadata(image, key);
-    return text != NULL && cli_parse_real(text, out);
 }

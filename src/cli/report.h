@@ -24,9 +24,4 @@ typedef struct cli_report {
 void cli_report_stats(json_writer* json, const void* user);
 ty_result cli_report_metadata(ty_image* image, const cli_report* report);
 
-/* Metadata: the full vertical angle of view of the frame, degrees. */
-extern const char* const cli_fov_key;
-/* A number in an image's metadata; false if there is none under this key. */
-bool cli_metadata_number(const ty_image* image, const char* key, double* out);
-
 #endif

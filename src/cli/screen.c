@@ -40,13 +40,6 @@ static ty_result compute(cli_session* session, screen_report* report, const scre
     return result;
 }
 
-/* The work is not counted in samples per pixel. */
-static bool report_progress(void* user, const ty_progress* progress) {
-    ty_progress report = *progress;
-    report.done = report.total = 0;
-    return cli_progress_report(user, &report);
-}
-
 /* Sets everything of the def; needs the image for the camera. */
 static int make_def(cli_session* session, const screen_options* options, const screen_input* input,
                     const ty_medium_def* medium, ty_screen_def* def) {
@@ -55,7 +48,7 @@ static int make_def(cli_session* session, const screen_options* options, const s
     memcpy(def->sigma_a, medium->sigma_a, sizeof def->sigma_a);
     memcpy(def->g, medium->g, sizeof def->g);
     def->unknown = (float)options->sky_distance;
-    def->progress = report_progress;
+    def->progress = cli_progress_report;
     def->progress_user = &session->progress;
     screen_set_variant(options, def);
     const int status = screen_set_camera(options, input, def);
@@ -147,7 +140,7 @@ int cli_screen(int count, char** arguments) {
          &options.window, 1, 65536, &options.window_given},
         {"mask", 0, CLI_CHOICE, "none|step|smooth", "gather: what keeps near pixels out of wide levels", &options.mask,
          0, 0, &options.mask_given},
-        {"mask-width", 0, CLI_REAL, "E", "gather: epsilon of the smooth mask (default 1)", &options.mask_width, 1e-6,
+        {"mask-width", 0, CLI_REAL, "E", "gather: epsilon of the smooth mask (default 0.5)", &options.mask_width, 1e-6,
          1e6, &options.mask_width_given},
         {"level-scale", 0, CLI_REAL, "C", "gather: pixels of spread at level 0 (default 0.8)", &options.level_scale,
          1e-3, 1e3, &options.level_scale_given},

@@ -1,6 +1,6 @@
 /* tyndall screen: reading images and distances. */
 #include "cli/screen_input.h"
-#include "cli/report.h"
+#include "cli/metadata.h"
 
 #include <math.h>
 #include <string.h>

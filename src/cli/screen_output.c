@@ -1,6 +1,6 @@
 /* tyndall screen: the image that comes out, and what is said about it. */
 #include "cli/screen_output.h"
-#include "cli/report.h"
+#include "cli/metadata.h"
 #include "cli/text.h"
 
 #include <inttypes.h>

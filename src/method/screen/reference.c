@@ -131,9 +131,7 @@ static bool report(const reference* r, double start, int64_t done, int64_t total
     const ty_progress progress = {.stage = "screen",
                                   .fraction = fraction,
                                   .seconds = seconds,
-                                  .remaining = done > 0 ? seconds * (1 - fraction) / fraction : -1,
-                                  .done = (uint64_t)done,
-                                  .total = (uint64_t)total};
+                                  .remaining = done > 0 ? seconds * (1 - fraction) / fraction : -1};
     return def->progress(def->progress_user, &progress);
 }
 

@@ -127,8 +127,9 @@ static void warn_of_glow(const ty_scene* scene, const ty_scene_view* view) {
 ty_result ty_screen_scene_distance(const ty_scene* scene, int32_t width, int32_t height, float* distance) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
-    if (width < 1 || height < 1 || width > 65536 || height > 65536)
-        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "screen: %d x %d is outside 1..65536", width, height);
+    if (width < 1 || height < 1 || width > 65536 || height > 65536 || distance == NULL)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "screen: %d x %d is outside 1..65536, or distance is NULL",
+                       width, height);
     distance_job job = {.view = view, .width = width, .distance = distance};
     job.camera = ty_camera_get_view(&scene->camera, width, height);
     for (int32_t i = 0; i < view->medium_count; ++i) job.sigma_t += mean_sigma_t(&view->media[i]);

@@ -1,0 +1,13 @@
+/* What the command line keeps in the metadata of images, and reads back. */
+#include "cli/metadata.h"
+#include "cli/options.h"
+
+const char* const cli_fov_key = "tyndall.camera.fov_y";
+
+bool cli_metadata_number(const ty_image* image, const char* key, double* out) {
+    const char* text = ty_image_get_metadata(image, key);
+    double value = 0;
+    if (text == NULL || !cli_parse_real(text, &value)) return false;
+    *out = value;
+    return true;
+}
