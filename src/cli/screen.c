@@ -57,12 +57,12 @@ static int make_def(cli_session* session, const screen_options* options, const s
 
 static int apply(cli_session* session, screen_input* input, screen_report* report) {
     screen_output output;
-    int status = screen_create_output(session, report->options, input, &output);
+    int status = screen_create_output(session, report, &output);
     if (status == CLI_GO) status = screen_prepare_distances(session, report->options, input);
     if (status == CLI_GO) {
         report->load_seconds = cli_wall_seconds() - session->started;
         const ty_result result = compute(session, report, &output);
-        if (result != TY_OK) status = cli_fail_running(session, result);
+        if (result != TY_OK) status = screen_fail_running(session, report, output.channels, result);
     }
     if (status == CLI_GO) {
         screen_print_notes(session, report);

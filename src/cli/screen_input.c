@@ -59,10 +59,16 @@ static int choose_channel(const screen_options* options, ty_image* image, const 
     return CLI_GO;
 }
 
+/* Messages about memory do not know what it was for. */
+static int fail_reading(cli_session* session, const char* path, ty_result result) {
+    if (result != TY_ERROR_MEMORY) return cli_fail_reading(session, result);
+    return cli_fail(CLI_FAILED, "%s: %s", path, ty_last_error(session->context));
+}
+
 static int read_distances(cli_session* session, const screen_options* options, screen_input* input) {
     int32_t largest = 0;
     const ty_result result = ty_image_read_whole(session->context, input->distance_path, &input->distances, &largest);
-    if (result != TY_OK) return cli_fail_reading(session, result);
+    if (result != TY_OK) return fail_reading(session, input->distance_path, result);
     if (largest > 0 && !options->distance_scale_given)
         return cli_fail(CLI_USAGE,
                         "%s: distances are whole numbers, 0 to %d, here; say with --distance-scale "
@@ -110,7 +116,7 @@ int screen_open_input(cli_session* session, const screen_options* options, const
         distance_path == NULL || (strcmp(image_path, distance_path) == 0 && cli_has_extension(image_path, ".exr"));
     *out = (screen_input){.image_path = image_path, .distance_path = one_file ? image_path : distance_path};
     const ty_result result = ty_image_read(session->context, image_path, &out->image);
-    if (result != TY_OK) return cli_fail_reading(session, result);
+    if (result != TY_OK) return fail_reading(session, image_path, result);
     out->width = ty_image_width(out->image);
     out->height = ty_image_height(out->image);
     int status = check_color(out);

@@ -61,6 +61,20 @@ static ty_result carry_metadata(const ty_image* from, ty_image* to) {
     return result;
 }
 
+int screen_fail_running(cli_session* session, const screen_report* report, int32_t channels_out, ty_result result) {
+    const screen_input* input = report->input;
+    if (result != TY_ERROR_MEMORY) return cli_fail_running(session, result);
+    int32_t channels = channels_out + ty_image_channel_count(input->image);
+    if (input->distances != NULL) channels += ty_image_channel_count(input->distances);
+    const double images = (double)sizeof(float) * channels * input->width * input->height;
+    const size_t work = ty_screen_workspace(session->context, report->def, input->width, input->height);
+    char all[24];
+    cli_format_bytes(images + (double)work, all);
+    cli_progress_clear(&session->progress);
+    return cli_fail(CLI_FAILED, "%s: %dx%d pixels need %s in all; %s", input->image_path, input->width, input->height,
+                    all, ty_last_error(session->context));
+}
+
 /* Makes the image from the names of its channels: own ones, then carried ones. */
 static ty_result create_image(cli_session* session, const screen_input* input, const own_channel* own, int own_count,
                               const char** names, screen_output* out) {
@@ -69,6 +83,7 @@ static ty_result create_image(cli_session* session, const screen_input* input, c
     for (int i = 0; i < own_count; ++i) names[count++] = own[i].name;
     for (int32_t i = 0; i < channels; ++i)
         if (is_carried(input, i, own, own_count)) names[count++] = ty_image_channel_name(input->image, i);
+    out->channels = count;
     ty_result result = ty_image_create(session->context, input->width, input->height, count, names, &out->image);
     if (result != TY_OK) return result;
     for (int i = 0; i < own_count; ++i) *own[i].plane = ty_image_plane(out->image, i);
@@ -81,16 +96,16 @@ static ty_result create_image(cli_session* session, const screen_input* input, c
     return result == TY_OK ? carry_metadata(input->image, out->image) : result;
 }
 
-int screen_create_output(cli_session* session, const screen_options* options, const screen_input* input,
-                         screen_output* out) {
+int screen_create_output(cli_session* session, const screen_report* report, screen_output* out) {
+    const screen_input* input = report->input;
     own_channel own[OWN_CHANNELS_MAX];
     *out = (screen_output){0};
-    const int own_count = list_own_channels(options->aovs, out, own);
+    const int own_count = list_own_channels(report->options->aovs, out, own);
     const char** names = calloc((size_t)(own_count + ty_image_channel_count(input->image)), sizeof *names);
     if (names == NULL) return cli_fail(CLI_FAILED, "not enough memory");
     const ty_result result = create_image(session, input, own, own_count, names, out);
     free(names);
-    return result == TY_OK ? CLI_GO : cli_fail_running(session, result);
+    return result == TY_OK ? CLI_GO : screen_fail_running(session, report, out->channels, result);
 }
 
 /* ---- what is said ---- */

@@ -8,6 +8,7 @@ typedef struct screen_output {
     ty_image* image;
     /* Planes of the image; those of --aov are NULL where they are not asked for. */
     float *color[3], *attenuated[3], *scattered[3], *spread[3], *distance;
+    int32_t channels;
 } screen_output;
 
 /* What a call did, for --stats and metadata. */
@@ -20,8 +21,9 @@ typedef struct screen_report {
 } screen_report;
 
 /* An image like the input's in place and metadata, R, G and B still 0, with its other channels and those of --aov. */
-int screen_create_output(cli_session* session, const screen_options* options, const screen_input* input,
-                         screen_output* out);
+int screen_create_output(cli_session* session, const screen_report* report, screen_output* out);
+/* As cli_fail_running; where memory is short, with what all images and the work take together. */
+int screen_fail_running(cli_session* session, const screen_report* report, int32_t channels_out, ty_result result);
 /* Metadata, files and closing lines; an exit status. */
 int screen_write_output(cli_session* session, const screen_report* report, const screen_output* output);
 
