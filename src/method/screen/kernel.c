@@ -43,35 +43,44 @@ static void store(const float* from, int32_t count, float* to, ptrdiff_t step) {
 static void find_distances(const ty_screen_params* params, const ty_screen_row* row, int32_t x0, int32_t count,
                            chunk* c, ty_screen_counts* counts) {
     float* distance = c->distance;
-    load(row->distance + x0 * row->distance_step, row->distance_step, count, distance);
-    const float replacement = params->unknown;
-    int32_t unknown = 0;
+    const float* from = row->distance + x0 * row->distance_step;
+    if (row->distance_step != 1 || params->planar) {
+        load(from, row->distance_step, count, distance);
+        from = distance;
+    }
     if (params->planar) {
         const ty_screen_params p = *params;
 #pragma omp simd
         for (int32_t i = 0; i < count; ++i) distance[i] *= ty_screen_slant(p, x0 + i, row->y);
     }
+    const float replacement = params->unknown;
+    int32_t unknown = 0;
 #pragma omp simd reduction(+ : unknown)
     for (int32_t i = 0; i < count; ++i) {
         int32_t missing;
-        distance[i] = ty_screen_distance(distance[i], replacement, &missing);
+        distance[i] = ty_screen_distance(from[i], replacement, &missing);
         unknown += missing;
     }
     counts->unknown += unknown;
 }
 
 static void mend(const ty_screen_row* row, int32_t x0, int32_t count, chunk* c, ty_screen_counts* counts) {
+    const float* from[3];
+    for (int channel = 0; channel < 3; ++channel) {
+        from[channel] = row->color[channel] + x0 * row->color_step;
+        if (row->color_step == 1) continue;
+        load(from[channel], row->color_step, count, c->radiance[channel]);
+        from[channel] = c->radiance[channel];
+    }
+    const float *red = from[0], *green = from[1], *blue = from[2];
     float *r = c->radiance[0], *g = c->radiance[1], *b = c->radiance[2];
-    load(row->color[0] + x0 * row->color_step, row->color_step, count, r);
-    load(row->color[1] + x0 * row->color_step, row->color_step, count, g);
-    load(row->color[2] + x0 * row->color_step, row->color_step, count, b);
     int32_t mended = 0;
 #pragma omp simd reduction(+ : mended)
     for (int32_t i = 0; i < count; ++i) {
         int32_t changed = 0;
-        r[i] = ty_screen_mend(r[i], TY_SCREEN_RADIANCE_MAX, &changed);
-        g[i] = ty_screen_mend(g[i], TY_SCREEN_RADIANCE_MAX, &changed);
-        b[i] = ty_screen_mend(b[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        r[i] = ty_screen_mend(red[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        g[i] = ty_screen_mend(green[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        b[i] = ty_screen_mend(blue[i], TY_SCREEN_RADIANCE_MAX, &changed);
         mended += changed;
     }
     counts->mended += mended;
@@ -156,36 +165,66 @@ static void split(const ty_screen_params* params, const ty_screen_row* row, cons
 
 /* ---- scattering ---- */
 
-/* One channel of a chunk: what goes on into light and moment, all else into base. */
-static void scatter_light(const ty_screen_params* params, ty_screen_share share, int channel, int32_t count,
-                          const chunk* c, float* base, float* light, float* moment) {
+/* What becomes of a channel's light in a chunk: the part that goes on to level 1, the part that does not, and what the
+ * environment adds. */
+typedef struct fates {
+    float on[CHUNK], stays[CHUNK], airlight[CHUNK];
+} fates;
+
+static void find_fates(const ty_screen_params* params, ty_screen_share share, int channel, int32_t count,
+                       const chunk* c, fates* f) {
     const float sigma_s = params->sigma_s[channel], sigma_a = params->sigma_a[channel];
     const float airlight = params->airlight[channel], forward = params->forward[channel];
-    const float *radiance = c->radiance[channel], *distance = c->distance, *measure = c->measure[channel];
+    const float *distance = c->distance, *measure = c->measure[channel];
 #pragma omp simd
     for (int32_t i = 0; i < count; ++i) {
-        const ty_screen_parts parts =
-            ty_screen_split_light(sigma_s, sigma_a, airlight, forward, radiance[i], distance[i]);
+        const ty_screen_parts parts = ty_screen_split_light(sigma_s, sigma_a, airlight, forward, 1.0f, distance[i]);
         const float on = ty_screen_onward(share, measure[i]) * parts.scattered;
-        base[i] = parts.attenuated + parts.airlight + (parts.scattered - on);
+        f->on[i] = on;
+        f->stays[i] = parts.attenuated + (parts.scattered - on);
+        f->airlight[i] = parts.airlight;
+    }
+}
+
+/* One channel of a chunk: what goes on into light and moment, all else into base. */
+static void scatter_light(const fates* f, int channel, int32_t count, const chunk* c, float* base, float* light,
+                          float* moment) {
+    const float *radiance = c->radiance[channel], *measure = c->measure[channel];
+#pragma omp simd
+    for (int32_t i = 0; i < count; ++i) {
+        const float on = f->on[i] * radiance[i];
+        base[i] = f->stays[i] * radiance[i] + f->airlight[i];
         light[i] = on;
         moment[i] = on * measure[i];
     }
+}
+
+/* Whether the medium treats a channel as it does the one before. */
+static bool same_fate(const ty_screen_params* params, int channel) {
+    if (channel == 0) return false;
+    const int before = channel - 1;
+    return params->sigma_s[channel] == params->sigma_s[before] && params->sigma_a[channel] == params->sigma_a[before] &&
+           params->airlight[channel] == params->airlight[before] &&
+           params->forward[channel] == params->forward[before] && params->slope[channel] == params->slope[before] &&
+           params->bend[channel] == params->bend[before] && params->angle[channel] == params->angle[before];
 }
 
 static void scatter(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_share shares[3],
                     const float limit[3], float* const out[3], ptrdiff_t out_step, float* const onward[6],
                     ty_screen_counts* counts) {
     chunk c;
+    fates f;
     float base[CHUNK];
     ty_screen_counts ignored = {0};
     for (int32_t x0 = 0; x0 < params->width; x0 += CHUNK) {
         const int32_t count = least(CHUNK, params->width - x0);
         load_chunk(params, row, x0, count, limit, &c, out != NULL ? counts : &ignored);
         for (int channel = 0; channel < 3; ++channel) {
-            scatter_light(params, shares[channel], channel, count, &c, base, onward[channel] + x0,
-                          onward[3 + channel] + x0);
-            if (out != NULL) store(base, count, out[channel] + x0 * out_step, out_step);
+            if (!same_fate(params, channel)) find_fates(params, shares[channel], channel, count, &c, &f);
+            float* const to = out != NULL ? out[channel] + x0 * out_step : base;
+            float* const stays = out_step == 1 ? to : base;
+            scatter_light(&f, channel, count, &c, stays, onward[channel] + x0, onward[3 + channel] + x0);
+            if (stays != to) store(base, count, to, out_step);
         }
     }
 }
@@ -216,30 +255,45 @@ static float narrow_item(const ty_screen_taps* taps, const float* row, int32_t w
     return sum;
 }
 
-/* The same, so that no light is lost. */
-static float narrow_edge(const ty_screen_taps* taps, const float* row, int32_t width, const float* area, int32_t x) {
-    float weights[TY_SCREEN_DOWN_WEIGHTS], sum = 0;
-    ty_screen_down_weights(*taps, area, width, x, weights);
+/* The same with weights of its own. */
+static float narrow_edge(const float* weights, const float* row, int32_t x) {
+    float sum = 0;
     for (int32_t i = 0; i < TY_SCREEN_DOWN_WEIGHTS; ++i)
         if (weights[i] > 0) sum += weights[i] * row[2 * x - 2 + i];
     return sum;
 }
 
-static void narrow(const ty_screen_taps* taps, const float* row, int32_t width, const float* area, float* out) {
-    const int32_t half = (width + 1) / 2, begin = least(2, half), end = most(half - 4, begin);
+/* Texels begin..end - 1 of a narrower row, away from its ends; at most CHUNK of them. */
+static void narrow_middle(const ty_screen_taps* taps, const float* row, int32_t begin, int32_t end, float* out) {
+    float even[CHUNK + 2], odd[CHUNK + 2]; /* from one texel before on */
+    const int32_t count = end - begin;
+    const float* from = row + 2 * (begin - 1);
+#pragma omp simd
+    for (int32_t i = 0; i < count + 2; ++i) {
+        even[i] = from[2 * i];
+        odd[i] = from[2 * i + 1];
+    }
     const float inner = taps->down[0], outer = taps->down[1], outmost = taps->down[2];
     if (taps->reach <= 2) {
 #pragma omp simd
-        for (int32_t x = begin; x < end; ++x)
-            out[x] = inner * (row[2 * x] + row[2 * x + 1]) + outer * (row[2 * x - 1] + row[2 * x + 2]);
+        for (int32_t i = 0; i < count; ++i)
+            out[begin + i] = inner * (even[i + 1] + odd[i + 1]) + outer * (odd[i] + even[i + 2]);
     } else {
 #pragma omp simd
-        for (int32_t x = begin; x < end; ++x)
-            out[x] = inner * (row[2 * x] + row[2 * x + 1]) + outer * (row[2 * x - 1] + row[2 * x + 2]) +
-                     outmost * (row[2 * x - 2] + row[2 * x + 3]);
+        for (int32_t i = 0; i < count; ++i)
+            out[begin + i] =
+                inner * (even[i + 1] + odd[i + 1]) + outer * (odd[i] + even[i + 2]) + outmost * (even[i] + odd[i + 2]);
     }
-    for (int32_t x = 0; x < half; x = x + 1 == begin ? end : x + 1)
-        out[x] = area != NULL ? narrow_edge(taps, row, width, area, x) : narrow_item(taps, row, width, x);
+}
+
+static void narrow(const ty_screen_taps* taps, const float* row, int32_t width, const float* edges, float* out) {
+    const int32_t half = (width + 1) / 2, begin = ty_screen_edge_begin(half), end = ty_screen_edge_end(half);
+    for (int32_t x = begin; x < end; x += CHUNK) narrow_middle(taps, row, x, least(x + CHUNK, end), out);
+    const float* weights = edges;
+    for (int32_t x = 0; x < half; x = x + 1 == begin ? end : x + 1) {
+        out[x] = edges != NULL ? narrow_edge(weights, row, x) : narrow_item(taps, row, width, x);
+        weights = edges != NULL ? weights + TY_SCREEN_DOWN_WEIGHTS : NULL;
+    }
 }
 
 static void join(const float weights[TY_SCREEN_DOWN_WEIGHTS], const float* const rows[TY_SCREEN_DOWN_WEIGHTS],

@@ -38,8 +38,9 @@ typedef struct ty_screen_level {
     int32_t width, height;
     ptrdiff_t stride;
     float* plane[6];
-    float* area[2];           /* of its texels along x and y: less than 1 where they reach beyond the picture */
-    ty_screen_share share[3]; /* what goes on to the next, per channel */
+    float* area[2]; /* of its texels along x and y: less than 1 where they reach beyond the picture */
+    float edges[TY_SCREEN_EDGES * TY_SCREEN_DOWN_WEIGHTS]; /* along x, to the next level */
+    ty_screen_share share[3];                              /* what goes on to the next, per channel */
 } ty_screen_level;
 
 /* Rows on the way from one level of the paper's pyramid to the next. */

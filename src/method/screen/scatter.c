@@ -173,7 +173,7 @@ static void descend(void* user, int64_t index, int32_t worker) {
             else
                 s->job->kernels->onward(from, made, onward);
             for (int plane = 0; plane < PLANES; ++plane)
-                s->job->kernels->narrow(&s->taps, onward[plane], from->width, from->area[0],
+                s->job->kernels->narrow(&s->taps, onward[plane], from->width, from->edges,
                                         worker_row(s, worker, made % TAPS_MAX, plane));
         }
         made = last;
@@ -247,6 +247,15 @@ static double held_radius(const scatter* s, int32_t level) {
     return least;
 }
 
+static void set_edges(ty_screen_taps taps, ty_screen_level* level) {
+    const int32_t count = halved(level->width), begin = ty_screen_edge_begin(count);
+    float* weights = level->edges;
+    for (int32_t i = 0; i < count; i = i + 1 == begin ? ty_screen_edge_end(count) : i + 1) {
+        ty_screen_down_weights(taps, level->area[0], level->width, i, weights);
+        weights += TY_SCREEN_DOWN_WEIGHTS;
+    }
+}
+
 /* A level's texels of the last row or column may lie in the picture with a part only. */
 static void set_areas(scatter* s) {
     for (int axis = 0; axis < 2; ++axis) {
@@ -260,6 +269,7 @@ static void set_areas(scatter* s) {
                     ty_screen_down_weights(s->taps, s->levels[k - 1].area[axis], fine, i, weights);
         }
     }
+    for (int32_t k = 0; k < s->built; ++k) set_edges(s->taps, &s->levels[k]);
 }
 
 static void set_levels(scatter* s) {

@@ -65,6 +65,18 @@ TY_FN float ty_screen_up_weight(ty_screen_taps taps, int32_t fine, int32_t coars
 
 #define TY_SCREEN_DOWN_WEIGHTS 6
 
+/* Of `count` texels, those before begin and from end on may have weights of their own. */
+#define TY_SCREEN_EDGES 6
+
+TY_FN int32_t ty_screen_edge_begin(int32_t count) {
+    return count < 2 ? count : 2;
+}
+
+TY_FN int32_t ty_screen_edge_end(int32_t count) {
+    const int32_t begin = ty_screen_edge_begin(count);
+    return count - 4 > begin ? count - 4 : begin;
+}
+
 /* The weights of texels 2 coarse - 2 .. 2 coarse + 3 of a level (`fine_count` of them) in texel `coarse` of the next:
  * what each gets from it on the way up, so that no light is lost at any edge. area: how much of each texel lies in the
  * picture, along one axis. Returns the area of the coarse one. */

@@ -60,6 +60,7 @@ static void make_params(ty_screen_job* job) {
         const double sigma_t = sigma_s + sigma_a;
         params.airlight[c] = sigma_t > 0 ? (float)((double)def->environment[c] * sigma_s / sigma_t) : 0.0f;
         job->width[c] = focal * ty_screen_angle(g);
+        params.angle[c] = (float)job->width[c];
         if (job->small_angle)
             params.slope[c] = def->sigma_s[c];
         else

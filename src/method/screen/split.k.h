@@ -22,6 +22,7 @@ typedef struct ty_screen_params {
     float forward[3];             /* fraction of the scattered light that arrives */
     float slope[3]; /* measure of spread: slope D / (1 + bend D^2). Eq. 2 squared, in pixels, or sigma_s D */
     float bend[3];
+    float angle[3];              /* of the small-angle spread, pixels */
     float mean_slope, mean_bend; /* the same for the mean of the channels' coefficients: the paper's single W */
     int32_t planar;              /* distances are along the camera's axis */
     float center_x, center_y;    /* principal point, pixels */
