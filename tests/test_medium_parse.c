@@ -80,10 +80,10 @@ static void test_every_preset_is_the_same_in_words_and_in_a_scene(void** state) 
 
 static const char* const wrong[][2] = {
     {"wholmilk", "medium: there is no medium \"wholmilk\"; did you mean \"Wholemilk\"?"},
-    {"", "medium: there is no medium \"\"; docs/scene.md lists all"},
+    {"", "medium: there is no medium \"\"; 'tyndall info --media' lists all"},
     {"jerlov 1", "medium: there is no medium \"jerlov 1\"; did you mean \"Jerlov I\"?"},
-    {"[1]", "medium: there is no medium \"[1]\"; docs/scene.md lists all"},
-    {"a\033b:1", "medium: there is no medium \"a?b\"; docs/scene.md lists all"},
+    {"[1]", "medium: there is no medium \"[1]\"; 'tyndall info --media' lists all"},
+    {"a\033b:1", "medium: there is no medium \"a?b\"; 'tyndall info --media' lists all"},
     {"\xff", "medium: the name is not UTF-8"},
     {"fog", "medium: Fog needs its visibility in metres: Fog:50"},
     {"fog:", "medium: \"\" is not a number; Fog takes its visibility in metres: Fog:50"},

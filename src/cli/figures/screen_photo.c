@@ -112,11 +112,10 @@ ty_result figure_screen_photo(figure_run* run) {
     ty_result result = read_view(run, color_path, depth_path, &view);
     if (result == TY_OK) result = fill_page(run, &view);
     screen_free_view(&view);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "A photograph with depth (TUM RGB-D benchmark, sequence fr1, CC BY), decoded from sRGB; where the sensor "
-        "saw "
-        "no depth it is filled from around. Scattered light that leaves the image's half space is made up for by the "
-        "surroundings' radiance.");
+    snprintf(run->caption, sizeof run->caption,
+             "A photograph with depth (TUM RGB-D benchmark, sequence fr1, CC BY), decoded from sRGB; where the sensor "
+             "saw no depth it is filled from around. Scattered light that leaves the image's half space is made up for "
+             "by the "
+             "surroundings' radiance.");
     return result;
 }

@@ -89,6 +89,23 @@ static double without_noise(double rmse, double noise) {
     return rmse > noise ? sqrt(rmse * rmse - noise * noise) : NAN;
 }
 
+typedef char amount_text[16];
+
+static void format_amount(double amount, amount_text out) {
+    if (isnan(amount))
+        snprintf(out, sizeof(amount_text), "< noise");
+    else
+        snprintf(out, sizeof(amount_text), "%.3g", amount);
+}
+
+static void write_lines(const double rmse[4], double mean, double energy, plot_cell* errors) {
+    amount_text texts[4];
+    for (int c = 0; c < 3; ++c) format_amount(rmse[c], texts[c]);
+    format_amount(rmse[3] / mean, texts[3]);
+    snprintf(errors->lines[0], PLOT_LABEL_SIZE, "RMSE R %s, G %s, B %s", texts[0], texts[1], texts[2]);
+    snprintf(errors->lines[1], PLOT_LABEL_SIZE, "relative %s, energy %.3g", texts[3], energy);
+}
+
 static ty_result note_method(figure_run* run, const truth_row* row, int method, const ty_difference* difference,
                              plot_cell* errors) {
     static const char* const channels[3] = {"RMSE R", "RMSE G", "RMSE B"};
@@ -104,12 +121,7 @@ static ty_result note_method(figure_run* run, const truth_row* row, int method, 
     if (result == TY_OK) result = figure_note(run, item, "relative RMSE", "1", rmse[3] / mean);
     if (result == TY_OK) result = figure_note(run, item, "relMSE, with noise", "1", difference->rel_mse[3]);
     if (result == TY_OK) result = figure_note(run, item, "energy ratio", "1", difference->mean_ratio[3]);
-    if (isnan(rmse[3]))
-        snprintf(errors->lines[0], PLOT_LABEL_SIZE, "RMSE below the truth's own noise");
-    else
-        snprintf(errors->lines[0], PLOT_LABEL_SIZE, "RMSE R %.3g, G %.3g, B %.3g", rmse[0], rmse[1], rmse[2]);
-    snprintf(errors->lines[1], PLOT_LABEL_SIZE, "relative %.3g, energy %.3g", rmse[3] / mean,
-             difference->mean_ratio[3]);
+    write_lines(rmse, mean, difference->mean_ratio[3], errors);
     return result;
 }
 
@@ -179,9 +191,8 @@ ty_result figure_screen_truth(figure_run* run) {
         "The builtin scene screen_room, %d × %d pixels, g = %g, scattering of optical thickness τ as far as the back "
         "wall (%g m). Relief: every pixel is a facet that sends what the image shows and reflects nothing, which is "
         "what screen-space methods know of a scene. Room: the lit scene itself, with all that they cannot know. The "
-        "truth's own noise is taken out of each RMSE. Errors are of means over %d × %d pixels. Scatter spreads light "
-        "as "
-        "small-angle theory has it, gather and reference by the paper's Gaussian.",
+        "truth's own noise is taken out of each RMSE (< noise: nothing is left). Errors are of means over %d × %d "
+        "pixels. Scatter spreads light as small-angle theory has it, gather and reference by the paper's Gaussian.",
         size[0], size[1], (double)waters[0].g, SCREEN_ROOM_DEPTH, BLOCK, BLOCK);
     return result;
 }

@@ -23,7 +23,7 @@ static int32_t find_preset(const ty_scene_reader* reader, const ty_json_path* pl
     if (ty_word_near(name, nearest))
         ty_append(text, sizeof text, "; did you mean \"%s\"?", nearest);
     else
-        ty_append(text, sizeof text, "; docs/scene.md lists all");
+        ty_append(text, sizeof text, "; 'tyndall info --media' lists all");
     ty_reader_fail(reader, place, TY_ERROR_INPUT, "%s", text);
     return index;
 }
