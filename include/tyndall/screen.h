@@ -79,8 +79,8 @@ typedef struct ty_screen_def {
     int32_t window; /* TY_SCREEN_REFERENCE: pixels along x and y that a pixel's light reaches, 1..65536; 0 (default):
                        all, to where single precision ends (6 standard deviations) */
 
-    bool (*progress)(void* user, const ty_progress* progress); /* TY_SCREEN_REFERENCE alone; default NULL */
-    void* progress_user;
+    ty_progress_fn progress; /* TY_SCREEN_REFERENCE alone; default NULL */
+    void* progress_user;     /* default NULL */
 } ty_screen_def;
 
 TY_API ty_screen_def ty_default_screen_def(void);
@@ -143,8 +143,8 @@ TY_API ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, 
                                  float* const attenuated[3], float* const scattered[3], float* const spread[3]);
 
 /* Fills pixels without a distance from the known ones around them, the near ones first (a push-pull pyramid): for depth
- * sensors, whose holes are not sky. distance: width * height floats, changed in place. Returns how many were filled, 0
- * when none is known. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ * sensors, whose holes are not sky. distance: width * height floats, changed in place. *filled: how many were, 0 when
+ * none is known. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_screen_fill_distance(ty_context* context, int32_t width, int32_t height, float* distance,
                                          int64_t* filled);
 

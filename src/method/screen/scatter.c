@@ -1,8 +1,7 @@
 /* TY_SCREEN_SCATTER: light goes down the pyramid as far as its width asks for, and all of it comes back up.
  *
- * Level 0 is never stored: its rows are split on the fly, what stays goes straight to the picture, what goes on to
- * level
- * 1. So the picture is read once and written twice, and the pyramid takes 8 bytes a pixel. */
+ * Level 0 is never stored: its rows are split on the fly, what stays goes straight to the picture, what goes on into
+ * level 1. So the picture is read once and written twice, and the pyramid takes 8 bytes a pixel. */
 #include "method/screen/job.h"
 
 #include "base/context.h"
