@@ -4,6 +4,10 @@ target_compile_options(tyndall_options INTERFACE
   -Wall -Wextra -Wshadow -Wvla
   $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes -Wmissing-prototypes>
   -fno-math-errno -fno-trapping-math -ffp-contract=fast -fopenmp-simd)
+# Sanitizers and builds for debugging keep clang from vectorising loops that are marked for it, which it warns of.
+if(CMAKE_C_COMPILER_ID MATCHES Clang)
+  target_compile_options(tyndall_options INTERFACE -Wno-pass-failed)
+endif()
 if(TYNDALL_WERROR)
   target_compile_options(tyndall_options INTERFACE -Werror)
 endif()
