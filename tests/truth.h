@@ -133,6 +133,19 @@ static inline void commit(ty_scene* scene) {
     must(ty_scene_context(scene), ty_scene_commit(scene));
 }
 
+/* A square of side `side` m that shines at the origin from 1 m away, in a cube of fog of half side `half`. */
+static inline ty_scene* emitter_in_fog(ty_context* context, double side, double half, double thickness, double g) {
+    static const double center[3] = {0, 0, -1}, x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
+    ty_scene* scene = new_scene(context);
+    const ty_medium_def fog = medium_cube(half, thickness, 0, g);
+    ty_shape_def emitter = square_shape(center, x, y, side / 2, 0);
+    gray(emitter.emission, 1);
+    add_medium(scene, &fog);
+    add_shape(scene, &emitter);
+    commit(scene);
+    return scene;
+}
+
 static inline ty_image* render(const ty_scene* scene, int32_t side, int32_t spp, uint64_t seed) {
     ty_path_def def = ty_default_path_def();
     def.spp = spp;

@@ -5,6 +5,7 @@
 enum { RINGS = 4, PER_RING = 6, RADIUS_COUNT = RINGS * PER_RING, AZIMUTHS = 24, RAY_COUNT = RADIUS_COUNT * AZIMUTHS };
 enum { SIDE = 1400 };
 
+static const double fog_half = 2; /* m: fog on all sides, but not so far that much light would come back from behind */
 static const double emitter = 0.04;                       /* its side, m; it is 1 m away */
 static const double nearest = 0.03, farthest = 0.03 * 16; /* of all rings, in its plane, m; each is twice the last */
 static const double focal = 600;                          /* pixels */
@@ -14,23 +15,10 @@ static double radius_at(double part) {
     return nearest * pow(farthest / nearest, (part + 0.5) / RADIUS_COUNT);
 }
 
-/* Fog on all sides, but not so far that much light would come back from behind. */
-static ty_scene* emitter_in_fog(ty_context* context, double thickness, double g) {
-    static const double center[3] = {0, 0, -1}, x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
-    ty_scene* scene = new_scene(context);
-    const ty_medium_def fog = medium_cube(2, thickness, 0, g);
-    ty_shape_def shape = square_shape(center, x, y, emitter / 2, 0);
-    gray(shape.emission, 1);
-    add_medium(scene, &fog);
-    add_shape(scene, &shape);
-    commit(scene);
-    return scene;
-}
-
 /* Path tracing's energy in each ring, over 1 - exp(-thickness) of what the emitter would send. */
 static void trace_energy(ty_context* context, double thickness, double g, double energy[RINGS]) {
     double *rays = new_numbers(6 * RAY_COUNT), *radiance = new_numbers(3 * RAY_COUNT);
-    ty_scene* scene = emitter_in_fog(context, thickness, g);
+    ty_scene* scene = emitter_in_fog(context, emitter, fog_half, thickness, g);
     for (int i = 0; i < RAY_COUNT; ++i) {
         const double radius = radius_at(i / AZIMUTHS), turn = 2 * pi * (i % AZIMUTHS + 0.5) / AZIMUTHS;
         set3(rays + 6 * i + 3, radius * cos(turn), radius * sin(turn), -1);

@@ -5,6 +5,7 @@
 
 enum { RADIUS_COUNT = 40, AZIMUTHS = 16, RAY_COUNT = RADIUS_COUNT * AZIMUTHS, CHECKED = 5 };
 
+static const double fog_half = 3;                    /* m: fog on all sides */
 static const double side = 0.01;                     /* of the emitter, m; it is 1 m away */
 static const double nearest = 0.008, farthest = 1.0; /* radii in the emitter's plane, m */
 static const double checked[CHECKED] = {0.02, 0.05, 0.1, 0.2, 0.3};
@@ -13,24 +14,11 @@ static double radius_at(int i) {
     return nearest * pow(farthest / nearest, i / (RADIUS_COUNT - 1.0));
 }
 
-/* A small square that shines at the camera through fog on all sides. */
-static ty_scene* lamp_in_fog(ty_context* context, double thickness, double g) {
-    static const double center[3] = {0, 0, -1}, x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
-    ty_scene* scene = new_scene(context);
-    const ty_medium_def fog = medium_cube(3, thickness, 0, g);
-    ty_shape_def lamp = square_shape(center, x, y, side / 2, 0);
-    gray(lamp.emission, 1);
-    add_medium(scene, &fog);
-    add_shape(scene, &lamp);
-    commit(scene);
-    return scene;
-}
-
 /* The scattered light that seems to come from within each radius, over (1 - exp(-thickness)) of what the lamp sends
  * unscattered: what of the scattered part a point spread function has there. */
 static void measure_energy(ty_context* context, double thickness, double g, int32_t spp, double energy[RADIUS_COUNT]) {
     double *rays = new_numbers(6 * RAY_COUNT), *radiance = new_numbers(3 * RAY_COUNT), profile[RADIUS_COUNT] = {0};
-    ty_scene* scene = lamp_in_fog(context, thickness, g);
+    ty_scene* scene = emitter_in_fog(context, side, fog_half, thickness, g);
     for (int i = 0; i < RAY_COUNT; ++i) {
         const double radius = radius_at(i / AZIMUTHS), turn = 2 * pi * (i % AZIMUTHS + 0.5) / AZIMUTHS;
         set3(rays + 6 * i + 3, radius * cos(turn), radius * sin(turn), -1);
