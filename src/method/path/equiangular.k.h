@@ -1,9 +1,11 @@
 /* Equi-angular sampling (Kulla and Fajardo 2012): light that a nearby lamp scatters into a ray, sampled where the lamp
  * is near the ray. It is a second technique beside the collisions of the free flight, and the two share each light path
  * by how far from the lamp it scatters:
- *     w = 1 / (1 + (d / r)^4),  d: from the scattering point to the lamp's point,  r: the lamp's reach.
+ *     w = 1 / (1 + (d / r)^4) * l / (l + p),  d: from the scattering point to the lamp's point,  r: the lamp's reach,
+ * l: density per steradian with which the lamp's point is sampled, p: the phase function towards it.
  * Any w that both sides know gives a mean without bias; this one takes the 1/d^2 near a lamp, whose variance in a
- * medium is not finite, away from collisions, and costs rays that pass far from lamps nothing. */
+ * medium is not finite, away from collisions, leaves lamps that look larger than the phase function's peak to
+ * directions sampled from it, and costs rays that pass far from lamps nothing. */
 #ifndef TY_PATH_EQUIANGULAR_K_H
 #define TY_PATH_EQUIANGULAR_K_H
 
@@ -24,16 +26,26 @@ TY_FN ty_stretch ty_spans_stretch(const ty_spans* spans) {
     return stretch;
 }
 
-/* The share w of the equi-angular technique at squared distance d2 from a lamp with squared reach r2. */
-TY_FN float ty_lamp_share(float d2, float r2) {
+/* The first factor of w at squared distance d2 from a lamp with squared reach r2, and what is left of 1, without
+ * cancellation: it takes 1/d^2 away near the lamp. */
+TY_FN float ty_lamp_nearness(float d2, float r2) {
     const float x = d2 / r2;
     return 1.0f / (1.0f + x * x);
 }
 
-/* 1 - w, without cancellation: it takes 1/d^2 away near the lamp. */
-TY_FN float ty_lamp_rest(float d2, float r2) {
+TY_FN float ty_lamp_farness(float d2, float r2) {
     const float x = d2 / r2;
     return x * x / (1.0f + x * x);
+}
+
+/* The second factor; lamps without extent have density 0, and are never met by chance. */
+TY_FN float ty_lamp_smallness(float density, float phase) {
+    return density > 0.0f ? density / (density + phase) : 1.0f;
+}
+
+/* 1 - w. */
+TY_FN float ty_lamp_rest(float d2, float r2, float density, float phase) {
+    return ty_lamp_farness(d2, r2) + ty_lamp_nearness(d2, r2) * (1.0f - ty_lamp_smallness(density, phase));
 }
 
 /* Samples a stretch in proportion to the angle under which a point at `nearest` along the ray and `off` beside it sees

@@ -26,6 +26,7 @@ typedef struct ty_path {
     float survival;    /* throughput without what directions were weighted with: what Russian roulette looks at */
     float pdf;         /* per steradian, of direction; 0 where no light sampling competes (the eye) */
     int32_t scattered; /* whether the last vertex is in a medium, where equi-angular sampling competed */
+    float phase;       /* the phase function (green) of that vertex in direction, per steradian */
     int32_t depth;     /* scatterings and reflections so far */
     int32_t part;      /* what became of light that the path finds now */
     float radiance[TY_PART_COUNT][3]; /* found so far */
@@ -57,12 +58,13 @@ TY_FN float ty_path_met_weight(const ty_path* path, const ty_encounter* end) {
     float weight = 1.0f;
     if (end->point.light < 0) return weight;
     const ty_light_view* light = &lights->lights[end->point.light];
+    const float density = ty_light_pdf(light, path->origin, path->direction, distance);
     if (path->pdf > 0.0f) {
         const float chosen = ty_lights_probability(lights, end->point.light, path->origin, path->normal);
-        weight = path->pdf / (path->pdf + chosen * ty_light_pdf(light, path->origin, path->direction, distance));
+        weight = path->pdf / (path->pdf + chosen * density);
     }
     if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-        weight *= ty_lamp_rest(distance * distance, light->reach2);
+        weight *= ty_lamp_rest(distance * distance, light->reach2, density, path->phase);
     return weight;
 }
 
@@ -224,13 +226,14 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
 }
 
 /* Samples a light from a vertex whose factor (see above) the caller knows how to evaluate: the weight is shared with
- * the vertex taking that direction itself, with density pdf, and with equi-angular sampling of the last stretch. */
+ * the vertex taking that direction itself, with density pdf, and with equi-angular sampling of the last stretch. phase:
+ * in media, the phase function (green) towards the sample. */
 TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, float chosen,
-                                    const ty_light_sample* sample, const float factor[3], float pdf) {
+                                    const ty_light_sample* sample, const float factor[3], float pdf, float phase) {
     float weight = 1.0f / chosen, weighted[3], radiance[3];
     if (sample->pdf > 0.0f) weight = sample->pdf / (chosen * sample->pdf + pdf);
     if (path->scattered != 0 && ty_light_is_lamp(light->kind))
-        weight *= ty_lamp_rest(sample->distance * sample->distance, light->reach2);
+        weight *= ty_lamp_rest(sample->distance * sample->distance, light->reach2, sample->pdf, phase);
     for (int c = 0; c < 3; ++c) weighted[c] = path->beta[c] * factor[c] * weight;
     ty_path_add_light(path, path->origin, sample, weighted, radiance);
     ty_path_add(path, radiance);
@@ -256,23 +259,25 @@ TY_FN void ty_path_add_lamps(ty_path* path, const ty_spans* spans) {
     const ty_vec off = ty_mad(to, path->direction, -nearest);
     const float off2 = ty_dot(off, off) + 1e-10f * light->reach2;
     const float beyond = nearest - ty_clampf(nearest, stretch.enter, stretch.leave);
-    const float chance = ty_lamp_share(off2 + beyond * beyond, light->reach2);
+    const float chance = ty_lamp_nearness(off2 + beyond * beyond, light->reach2);
     if (ty_random_white(&path->random) >= chance) return;
     float t;
     const float density = ty_equiangular_sample(stretch, nearest, sqrtf(off2), along, &t);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
     if (!ty_light_sample_from(light, at, u, v, &sample)) return;
-    const float weight = ty_lamp_share(sample.distance * sample.distance, light->reach2) / (chosen * density * chance);
+    const float near = ty_lamp_nearness(sample.distance * sample.distance, light->reach2);
+    const float weight = near / (chosen * density * chance);
     const float mu = ty_clampf(ty_dot(path->direction, sample.look), -1.0f, 1.0f);
     float factor[3] = {0.0f, 0.0f, 0.0f}, transmittance[3], radiance[3];
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
         const ty_medium_view* medium = &scene->media[spans->medium[i]];
-        const float amount = weight * ty_medium_density(medium, at, &path->random);
         float sigma_s[3], g[3];
         ty_medium_sigma_s(medium, at, sigma_s);
         ty_medium_g(medium, at, g);
+        const float share = ty_lamp_smallness(sample.pdf, ty_hg(mu, g[1]));
+        const float amount = share * weight * ty_medium_density(medium, at, &path->random);
         for (int c = 0; c < 3; ++c) factor[c] += path->beta[c] * amount * sigma_s[c] * ty_hg(mu, g[c]);
     }
     if (!(ty_sum3(factor) > 0.0f)) return;
@@ -293,10 +298,11 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     if (light != NULL) {
         ty_scatter_phase(&scatter, sample.look, phase);
         ty_path_add_vertex_light(path, light, chosen, &sample, phase,
-                                 sample.pdf > 0.0f ? ty_scatter_pdf(&scatter, sample.look, phase) : 0.0f);
+                                 sample.pdf > 0.0f ? ty_scatter_pdf(&scatter, sample.look, phase) : 0.0f, phase[1]);
     }
     path->direction = ty_scatter_sample(&scatter, &path->random);
     ty_scatter_phase(&scatter, path->direction, phase);
+    path->phase = phase[1];
     path->pdf = ty_scatter_pdf(&scatter, path->direction, phase);
     for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
 }
@@ -313,7 +319,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_encounter* at) {
     const float facing = light != NULL ? ty_dot(point->normal, sample.look) * (1.0f / TY_PI) : 0.0f;
     if (facing > 0.0f && ty_dot(point->facing, sample.look) > 0.0f) {
         for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * facing;
-        ty_path_add_vertex_light(path, light, chosen, &sample, factor, facing);
+        ty_path_add_vertex_light(path, light, chosen, &sample, factor, facing, 0.0f);
     }
     const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
     const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
@@ -431,6 +437,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->survival = 1.0f;
     path->pdf = 0.0f;
     path->scattered = 0;
+    path->phase = 0.0f;
     path->depth = 0;
     path->part = TY_PART_UNCOLLIDED;
     path->normal = ty_vec_make(0, 0, 0);
@@ -445,7 +452,7 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     float chosen;
     path->origin = point;
     const ty_light_view* light = ty_path_choose_light(path, point, &chosen, &sample);
-    if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI);
+    if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
     const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
     path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     path->pdf = TY_INV_4PI;
