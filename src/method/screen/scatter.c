@@ -31,8 +31,9 @@ typedef struct scatter {
     bool in_place;
 } scatter;
 
+/* Rows of many planes side by side: a step that is no power of two keeps them in different sets of the caches. */
 static ptrdiff_t aligned(ptrdiff_t floats) {
-    return (floats + ROW_ALIGN - 1) / ROW_ALIGN * ROW_ALIGN;
+    return ((floats + ROW_ALIGN - 1) / ROW_ALIGN | 1) * ROW_ALIGN;
 }
 
 static int32_t halved(int32_t side) {
