@@ -8,7 +8,6 @@
 #include "method/screen/spread.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Rows of the next level that one task makes. */
 enum { BAND = 32, ROW_ALIGN = 16, TAPS_MAX = 6, PLANES = 6 };
