@@ -65,6 +65,7 @@ valid_json() {
 # start ARGUMENT...: a render in the background that says on stderr when it is under way.
 start() {
   what="tyndall $*"
+  : > err.txt # here and not by the child, or what the last run said would be taken for progress
   "$tyndall" "$@" --progress json > out.txt 2> err.txt < /dev/null &
   process=$!
   for _ in $(seq 200); do
@@ -74,7 +75,13 @@ start() {
   fail "no progress within 20 s"
 }
 
+# finished STATUS: what was started ends with it, and soon.
 finished() {
+  for _ in $(seq 600); do
+    kill -0 "$process" 2> /dev/null || break
+    sleep 0.1
+  done
+  kill -KILL "$process" 2> /dev/null && fail "still running after 60 s"
   wait "$process"
   status=$?
   checks=$((checks + 1))
