@@ -1,0 +1,129 @@
+/* Multigrid for the linearised problem: V cycles of red-black Gauss-Seidel, red first on the way down and last on the
+ * way up. Couplings of coarser levels are resistors in series along an axis and in parallel across it; corrections are
+ * linear in between. Any size: an odd axis ends with a coarse cell of one child. Axes with long cells are coarsened
+ * later than those with short ones. */
+#include "solve/job.h"
+
+#include <string.h>
+
+/* Sweeps over a level that has no coarser one. */
+enum { LAST_SWEEPS = 4 };
+/* Cells this much longer than the shortest are not coarsened yet. */
+static const double LONG = 1.5;
+
+typedef struct pass {
+    const ty_diffusion_job* job;
+    const ty_level *fine, *coarse;
+    int32_t color;
+} pass;
+
+/* ---- levels ---- */
+
+static void take_level(ty_level* level, ty_solve_arena* arena) {
+    for (int axis = 0; axis < 3; ++axis) level->g[axis] = ty_solve_take_box(arena, &level->box);
+    level->d = ty_solve_take_box(arena, &level->box);
+    level->e = ty_solve_take_box(arena, &level->box);
+    level->f = ty_solve_take_box(arena, &level->box);
+}
+
+/* The next level's box; false when one cell is left. */
+static bool coarsen_box(const ty_level* fine, double cell[3], ty_level* coarse) {
+    double shortest = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        if (fine->box.size[axis] > 1 && (shortest <= 0 || cell[axis] < shortest)) shortest = cell[axis];
+    if (shortest <= 0) return false;
+    int32_t size[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const bool halved = fine->box.size[axis] > 1 && cell[axis] < LONG * shortest;
+        coarse->children[axis] = halved ? 2 : 1;
+        size[axis] = halved ? (fine->box.size[axis] + 1) / 2 : fine->box.size[axis];
+        if (halved) cell[axis] *= 2;
+    }
+    coarse->box = ty_box_make(size[0], size[1], size[2]);
+    return true;
+}
+
+void ty_multigrid_lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
+    double cell[3];
+    memcpy(cell, job->def->cell, sizeof cell);
+    job->levels[0] = (ty_level){.box = job->cells.box, .children = {1, 1, 1}};
+    take_level(&job->levels[0], arena);
+    job->level_count = 1;
+    while (job->level_count < TY_LEVELS_MAX) {
+        ty_level* next = &job->levels[job->level_count];
+        *next = (ty_level){0};
+        if (!coarsen_box(next - 1, cell, next)) return;
+        take_level(next, arena);
+        ++job->level_count;
+    }
+}
+
+/* ---- cycles ---- */
+
+static void relax_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->relax(p->fine, p->color, (int32_t)index);
+}
+
+static void restrict_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->restrict_residual(p->fine, p->coarse, (int32_t)index);
+}
+
+static void prolong_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->prolong(p->fine, p->coarse, (int32_t)index);
+}
+
+static void coarsen_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->coarsen(p->fine, p->coarse, (int32_t)index);
+}
+
+/* Counts passes over a level. */
+static void count(ty_diffusion_job* job, const ty_level* level, double passes) {
+    job->stats->work += passes * (double)ty_box_cells(&level->box) / (double)ty_box_cells(&job->cells.box);
+}
+
+static void relax(ty_diffusion_job* job, const ty_level* level, int32_t first) {
+    pass p = {.job = job, .fine = level, .color = first};
+    ty_solve_planes(job, &level->box, relax_plane, &p);
+    p.color = 1 - first;
+    ty_solve_planes(job, &level->box, relax_plane, &p);
+    count(job, level, 1);
+}
+
+static void clear(const ty_level* level) {
+    memset(level->e - ty_box_origin(&level->box), 0, sizeof(float) * ty_box_items(&level->box));
+}
+
+void ty_multigrid_coarsen(ty_diffusion_job* job) {
+    for (int32_t i = 0; i + 1 < job->level_count; ++i) {
+        pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+        ty_solve_planes(job, &p.coarse->box, coarsen_plane, &p);
+        count(job, p.fine, 1);
+    }
+}
+
+void ty_multigrid_cycle(ty_diffusion_job* job) {
+    const int32_t last = job->level_count - 1;
+    clear(&job->levels[0]);
+    for (int32_t i = 0; i < last; ++i) {
+        pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+        relax(job, p.fine, 0);
+        ty_solve_planes(job, &p.coarse->box, restrict_plane, &p);
+        count(job, p.fine, 1);
+    }
+    for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[last], sweep & 1);
+    for (int32_t i = last - 1; i >= 0; --i) {
+        pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+        ty_solve_planes(job, &p.fine->box, prolong_plane, &p);
+        count(job, p.fine, 1);
+        relax(job, p.fine, 1);
+    }
+    ++job->stats->cycles;
+}
