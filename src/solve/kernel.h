@@ -68,7 +68,7 @@ typedef struct ty_level_kernels {
     void (*relax)(const ty_level* level, int32_t color, int32_t z);
     /* f of a plane of the coarser level: the sum of what is left on the finer one. */
     void (*restrict_residual)(const ty_level* fine, const ty_level* coarse, int32_t z);
-    /* Adds to e of a plane of the finer level what the coarser one says, linear in between. */
+    /* Adds to e of a plane of the finer level what the coarser one says. */
     void (*prolong)(const ty_level* fine, const ty_level* coarse, int32_t z);
     /* g and d of a plane of the coarser level. */
     void (*coarsen)(const ty_level* fine, const ty_level* coarse, int32_t z);

@@ -26,10 +26,4 @@ TY_FN float ty_level_relax(TY_GLOBAL const float* gx, TY_GLOBAL const float* gy,
     return sum / ty_maxf(d[i] + (x0 + x1) + (y0 + y1) + (z0 + z1), TY_LEVEL_LEAST);
 }
 
-/* The coupling of two coarse cells, centre to centre: half of the faces inside them in series with the one between. */
-TY_FN float ty_level_series(float below, float between, float above) {
-    const float half = 0.5f / ty_maxf(below, TY_LEVEL_LEAST) + 0.5f / ty_maxf(above, TY_LEVEL_LEAST);
-    return 1.0f / (half + 1.0f / ty_maxf(between, TY_LEVEL_LEAST));
-}
-
 #endif

@@ -8,8 +8,8 @@
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
 
-/* Items of a row on the stack, with room for a ghost before and after. */
-enum { ROW_ITEMS = TY_DIFFUSION_SIDE_MAX + 16, FIRST = 8 };
+/* Items of a row on the stack. */
+enum { ROW_ITEMS = TY_DIFFUSION_SIDE_MAX };
 
 static void relax(const ty_level* level, int32_t color, int32_t z) {
     const ptrdiff_t row = level->box.row, plane = level->box.plane;
@@ -65,52 +65,23 @@ static void restrict_residual(const ty_level* fine, const ty_level* coarse, int3
     }
 }
 
-/* The coarse cells that a fine one lies between along an axis, and the share of the farther. */
-static float find_parents(const ty_level* fine, const ty_level* coarse, int axis, int32_t i, int32_t parents[2]) {
-    const int32_t children = coarse->children[axis], last = coarse->box.size[axis] - 1;
-    parents[0] = i / children;
-    parents[1] = parents[0];
-    if (children == 1 || i + 1 == (fine->box.size[axis] | 1)) return 0;
-    const int32_t other = (i & 1) != 0 ? parents[0] + 1 : parents[0] - 1;
-    if (other < 0 || other > last) return 0;
-    parents[1] = other;
-    return 0.25f;
-}
-
-static void add_row(const float* coarse, int32_t count, int32_t children, float* out) {
-    if (children == 1) {
-#pragma omp simd
-        for (int32_t i = 0; i < count; ++i) out[i] += coarse[i];
-        return;
-    }
-#pragma omp simd
-    for (int32_t i = 0; i < count / 2; ++i) {
-        const float near = 0.75f * coarse[i];
-        out[2 * i] += near + 0.25f * coarse[i - 1];
-        out[2 * i + 1] += near + 0.25f * coarse[i + 1];
-    }
-    if ((count & 1) != 0) out[count - 1] += coarse[count / 2];
-}
-
 static void prolong(const ty_level* fine, const ty_level* coarse, int32_t z) {
-    float mixed[ROW_ITEMS];
-    int32_t zs[2], ys[2];
-    const int32_t nx = coarse->box.size[0];
-    const float far_z = find_parents(fine, coarse, 2, z, zs);
+    const int32_t nx = fine->box.size[0];
     for (int32_t y = 0; y < fine->box.size[1]; ++y) {
-        const float far_y = find_parents(fine, coarse, 1, y, ys);
-        const float* a = coarse->e + ty_box_at(&coarse->box, ys[0], zs[0]);
-        const float* b = coarse->e + ty_box_at(&coarse->box, ys[1], zs[0]);
-        const float* c = coarse->e + ty_box_at(&coarse->box, ys[0], zs[1]);
-        const float* d = coarse->e + ty_box_at(&coarse->box, ys[1], zs[1]);
-        const float of_a = (1 - far_y) * (1 - far_z), of_b = far_y * (1 - far_z), of_c = (1 - far_y) * far_z,
-                    of_d = far_y * far_z;
-        float* row = mixed + FIRST;
+        const ptrdiff_t from = ty_box_at(&coarse->box, y / coarse->children[1], z / coarse->children[2]);
+        const float* parents = coarse->e + from;
+        float* e = fine->e + ty_box_at(&fine->box, y, z);
+        if (coarse->children[0] == 1) {
 #pragma omp simd
-        for (int32_t i = 0; i < nx; ++i) row[i] = of_a * a[i] + of_b * b[i] + (of_c * c[i] + of_d * d[i]);
-        row[-1] = row[0];
-        row[nx] = row[nx - 1];
-        add_row(row, fine->box.size[0], coarse->children[0], fine->e + ty_box_at(&fine->box, y, z));
+            for (int32_t i = 0; i < nx; ++i) e[i] += parents[i];
+            continue;
+        }
+#pragma omp simd
+        for (int32_t i = 0; i < nx / 2; ++i) {
+            e[2 * i] += parents[i];
+            e[2 * i + 1] += parents[i];
+        }
+        if ((nx & 1) != 0) e[nx - 1] += parents[nx / 2];
     }
 }
 
@@ -132,41 +103,31 @@ static void sum_faces(const ty_level* fine, const ty_level* coarse, const float*
         }
 }
 
-static void fill(float* items, int32_t count, float value) {
-    for (int32_t i = 0; i < count; ++i) items[i] = value;
+/* What couplings between coarse cells are of the sum of those between their children: centres are twice as far apart.
+ */
+static float distance_share(const ty_level* coarse, int axis) {
+    return coarse->children[axis] == 2 ? 0.5f : 1.0f;
 }
 
 /* Faces below a coarse row along y or z. */
 static void coarsen_across(const ty_level* fine, const ty_level* coarse, int axis, int32_t y, int32_t z) {
-    const int32_t children = coarse->children[axis], nx = coarse->box.size[0], at = (axis == 1 ? y : z) * children;
-    float sum[ROW_ITEMS], pairs[3][TY_DIFFUSION_SIDE_MAX];
-    for (int side = 0; side < 3; ++side) {
-        const int32_t index = at + side - 1;
-        if (side == 1 || (children == 2 && index < fine->box.size[axis])) {
-            sum_faces(fine, coarse, fine->g[axis], axis, index, y, z, sum);
-            pair_up(sum, fine->box.size[0], coarse->children[0], pairs[side]);
-        } else {
-            fill(pairs[side], nx, TY_FLOAT_MAX);
-        }
-    }
+    float sum[ROW_ITEMS];
+    const int32_t index = (axis == 1 ? y : z) * coarse->children[axis];
+    const float share = distance_share(coarse, axis);
+    sum_faces(fine, coarse, fine->g[axis], axis, index, y, z, sum);
     float* g = coarse->g[axis] + ty_box_at(&coarse->box, y, z);
+    pair_up(sum, fine->box.size[0], coarse->children[0], g);
 #pragma omp simd
-    for (int32_t i = 0; i < nx; ++i) g[i] = ty_level_series(pairs[0][i], pairs[1][i], pairs[2][i]);
+    for (int32_t i = 0; i < coarse->box.size[0]; ++i) g[i] *= share;
 }
 
 static void coarsen_along(const ty_level* fine, const ty_level* coarse, int32_t y, int32_t z) {
     float sum[ROW_ITEMS];
-    const int32_t nx = coarse->box.size[0], fine_nx = fine->box.size[0];
+    const int32_t children = coarse->children[0];
+    const float share = distance_share(coarse, 0);
     sum_faces(fine, coarse, fine->g[0], 0, 0, y, z, sum);
     float* g = coarse->g[0] + ty_box_at(&coarse->box, y, z);
-    if (coarse->children[0] == 1) {
-        memcpy(g, sum, sizeof(float) * (size_t)nx);
-        return;
-    }
-    if ((fine_nx & 1) != 0) sum[fine_nx] = TY_FLOAT_MAX;
-    g[0] = 0;
-#pragma omp simd
-    for (int32_t i = 1; i < nx; ++i) g[i] = ty_level_series(sum[2 * i - 1], sum[2 * i], sum[2 * i + 1]);
+    for (int32_t i = 0; i < coarse->box.size[0]; ++i) g[i] = share * sum[i * children];
 }
 
 static void coarsen_sinks(const ty_level* fine, const ty_level* coarse, int32_t y, int32_t z) {

@@ -1,7 +1,9 @@
-/* Multigrid for the linearised problem: V cycles of red-black Gauss-Seidel, red first on the way down and last on the
- * way up. Couplings of coarser levels are resistors in series along an axis and in parallel across it; corrections are
- * linear in between. Any size: an odd axis ends with a coarse cell of one child. Axes with long cells are coarsened
- * later than those with short ones. */
+/* Multigrid for the linearised problem: a preconditioner for conjugate gradients. Red-black Gauss-Seidel, red first on
+ * the way down and last on the way up; corrections are constant in a coarse cell, and its couplings half the sums of
+ * those between its children: the energy of such corrections, for centres twice as far apart. That is symmetric and
+ * holds for jumps of any size, where linear corrections and resistors in series do not; what it costs on smooth media,
+ * visiting coarse levels twice gives back. Any size: an odd axis ends with a coarse cell of one child. Axes with long
+ * cells are coarsened later than those with short ones. */
 #include "solve/job.h"
 
 #include <string.h>
@@ -109,21 +111,24 @@ void ty_multigrid_coarsen(ty_diffusion_job* job) {
     }
 }
 
+/* e of a level, from what it is. */
+static void cycle(ty_diffusion_job* job, int32_t i) {
+    if (i + 1 == job->level_count) {
+        for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[i], sweep & 1);
+        return;
+    }
+    pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+    relax(job, p.fine, 0);
+    ty_solve_planes(job, &p.coarse->box, restrict_plane, &p);
+    count(job, p.fine, 1);
+    for (int visit = 0; visit < (i + 2 < job->level_count ? 2 : 1); ++visit) cycle(job, i + 1);
+    ty_solve_planes(job, &p.fine->box, prolong_plane, &p);
+    count(job, p.fine, 1);
+    relax(job, p.fine, 1);
+}
+
 void ty_multigrid_cycle(ty_diffusion_job* job) {
-    const int32_t last = job->level_count - 1;
     clear(&job->levels[0]);
-    for (int32_t i = 0; i < last; ++i) {
-        pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
-        relax(job, p.fine, 0);
-        ty_solve_planes(job, &p.coarse->box, restrict_plane, &p);
-        count(job, p.fine, 1);
-    }
-    for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[last], sweep & 1);
-    for (int32_t i = last - 1; i >= 0; --i) {
-        pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
-        ty_solve_planes(job, &p.fine->box, prolong_plane, &p);
-        count(job, p.fine, 1);
-        relax(job, p.fine, 1);
-    }
+    cycle(job, 0);
     ++job->stats->cycles;
 }
