@@ -190,16 +190,25 @@ static void set_cells(ty_diffusion_job* job, double rms) {
     for (int side = 0; side < 6; ++side) set_side(job, side);
 }
 
-/* Where the iterations start: a fluence that is given, or next to none. */
+/* The fluence that iterations start from where none is given, for sources with an rms of 1: next to none (Algorithm 1),
+ * but with boundaries that send light in, or multigrid, what sources of one box length make. An empty box is a solution
+ * too: nothing diffuses in it. */
+static double first_phi(const ty_diffusion_def* def) {
+    bool lit = def->solver == TY_DIFFUSION_MULTIGRID;
+    for (int side = 0; side < 6; ++side) lit = lit || def->boundary[side].value != NULL;
+    const double shortest = fmin(fmin(def->cell[0], def->cell[1]), def->cell[2]);
+    return lit ? shortest * (double)def->size[0] : 1e-20 * shortest;
+}
+
 static void set_phi(ty_diffusion_job* job) {
     const ty_box* box = &job->cells.box;
     const ty_diffusion_def* def = job->def;
-    const double least = 1e-20 * fmin(fmin(def->cell[0], def->cell[1]), def->cell[2]);
+    const double first = first_phi(def), least = fmin(first, 1e-20);
     for (int32_t z = 0; z < box->size[2]; ++z)
         for (int32_t y = 0; y < box->size[1]; ++y) {
             const ptrdiff_t at = ty_box_at(box, y, z), dense = ty_box_dense(box, y, z);
             for (int32_t x = 0; x < box->size[0]; ++x) {
-                double phi = def->start != NULL ? (double)def->start[dense + x] * (double)job->cells.scale : 0;
+                double phi = def->start != NULL ? (double)def->start[dense + x] * (double)job->cells.scale : first;
                 if (!(phi > least) && def->limiter != TY_LIMITER_NONE) phi = least;
                 if (def->solver == TY_DIFFUSION_SOR_FLOAT)
                     ((float*)job->phi)[at + x] = (float)phi;
