@@ -232,15 +232,19 @@ static void run_task(void* user, int64_t index, int32_t worker) {
     ty_restore_denormals(state);
 }
 
-void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel_fn body, void* user) {
+void ty_solve_tasks(const ty_diffusion_job* job, const ty_box* box, int64_t count, ty_parallel_fn body, void* user) {
     task t = {body, user};
     if (ty_box_cells(box) >= CELLS_FOR_THREADS) {
-        ty_parallel_for(job->context, box->size[2], run_task, &t);
+        ty_parallel_for(job->context, count, run_task, &t);
         return;
     }
     const unsigned state = ty_flush_denormals();
-    for (int64_t z = 0; z < box->size[2]; ++z) body(user, z, 0);
+    for (int64_t i = 0; i < count; ++i) body(user, i, 0);
     ty_restore_denormals(state);
+}
+
+void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel_fn body, void* user) {
+    ty_solve_tasks(job, box, box->size[2], body, user);
 }
 
 ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, int32_t planes) {

@@ -35,7 +35,9 @@ void* ty_solve_take(ty_solve_arena* arena, size_t bytes);
 /* A plane of ghosts and all around; returns where cell (0, 0, 0) is. */
 float* ty_solve_take_box(ty_solve_arena* arena, const ty_box* box);
 
-/* body over the planes of a box, with denormals off; by this thread alone when they are few. */
+/* A loop of body over parts of a box, or over its planes, with denormals off; by this thread alone when the box has few
+ * cells. */
+void ty_solve_tasks(const ty_diffusion_job* job, const ty_box* box, int64_t count, ty_parallel_fn body, void* user);
 void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel_fn body, void* user);
 /* The sums of all planes, in order. */
 ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, int32_t planes);

@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* Sweeps over a level that has no coarser one. */
-enum { LAST_SWEEPS = 4 };
+/* Sweeps over a level that has no coarser one; planes of a level that one task relaxes. */
+enum { LAST_SWEEPS = 4, SLAB = 16 };
 /* Cells this much longer than the shortest are not coarsened yet. */
 static const double LONG = 1.5;
 
@@ -62,10 +62,31 @@ void ty_multigrid_lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
 
 /* ---- cycles ---- */
 
-static void relax_plane(void* user, int64_t index, int32_t worker) {
+static void relax_plane(const pass* p, int32_t color, int32_t z) {
+    p->job->level_kernels->relax(p->fine, color, z);
+}
+
+/* Both colours of a slab while its planes are in the cache: the second follows one plane behind the first. The planes
+ * at either end of the slab wait for the first colour of its neighbours. */
+static void relax_slab(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const pass* p = user;
-    p->job->level_kernels->relax(p->fine, p->color, (int32_t)index);
+    const int32_t planes = p->fine->box.size[2], begin = (int32_t)index * SLAB;
+    const int32_t end = begin + SLAB < planes ? begin + SLAB : planes;
+    for (int32_t z = begin; z < end; ++z) {
+        relax_plane(p, p->color, z);
+        if (z - 1 > begin || (z == 1 && begin == 0)) relax_plane(p, 1 - p->color, z - 1);
+    }
+    if (end == planes && (planes - 1 > begin || begin == 0)) relax_plane(p, 1 - p->color, planes - 1);
+}
+
+/* The second colour of the planes where slabs meet. */
+static void relax_seam(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const int32_t begin = ((int32_t)index + 1) * SLAB;
+    relax_plane(p, 1 - p->color, begin - 1);
+    relax_plane(p, 1 - p->color, begin);
 }
 
 static void restrict_plane(void* user, int64_t index, int32_t worker) {
@@ -93,9 +114,9 @@ static void count(ty_diffusion_job* job, const ty_level* level, double passes) {
 
 static void relax(ty_diffusion_job* job, const ty_level* level, int32_t first) {
     pass p = {.job = job, .fine = level, .color = first};
-    ty_solve_planes(job, &level->box, relax_plane, &p);
-    p.color = 1 - first;
-    ty_solve_planes(job, &level->box, relax_plane, &p);
+    const int32_t slabs = (level->box.size[2] + SLAB - 1) / SLAB;
+    ty_solve_tasks(job, &level->box, slabs, relax_slab, &p);
+    ty_solve_tasks(job, &level->box, slabs - 1, relax_seam, &p);
     count(job, level, 1);
 }
 

@@ -6,7 +6,7 @@
 #include <math.h>
 
 /* What one iteration's linear solve reduces its residual to: more is lost on the next D, or on single precision. */
-static const double REDUCTION_LIMITED = 0.1, REDUCTION_LINEAR = 1e-4;
+static const double REDUCTION_LIMITED = 0.3, REDUCTION_LINEAR = 1e-4;
 enum { GRADIENTS_MAX = 30 };
 
 typedef struct picard {
