@@ -141,7 +141,7 @@ static void check_point(ty_context* context, int32_t n, double albedo) {
 }
 
 static void point_source_matches_its_greens_function(void** state) {
-    for (int i = 0; i <= 4; ++i) check_point(*state, 63, 0.25 * i);
+    for (int i = 0; i <= 2; ++i) check_point(*state, 63, 0.5 * i);
 }
 
 /* Near the point FLD streams: phi r^2 is level, where diffusion's phi r is. */

@@ -56,7 +56,7 @@ INLINE double NAME(sor_range)(const ty_cells* cells, const int32_t limiter, cons
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
     for (int32_t i = begin; i < end; i += 2) {
-        const float d = NAME(diffusivity)(cells, limiter, phi, view->extinction[i], i);
+        const float d = ty_cell_hold(diff[i], NAME(diffusivity)(cells, limiter, phi, view->extinction[i], i));
         diff[i] = d;
         const REAL x0 = (REAL)(k[0] * (d + diff[i - 1])), x1 = (REAL)(k[1] * (d + diff[i + 1]));
         const REAL y0 = (REAL)(k[2] * (d + diff[i - row])), y1 = (REAL)(k[3] * (d + diff[i + row]));

@@ -16,6 +16,15 @@ TY_FN float ty_cell_diffusivity(int32_t limiter, float n, float sigma, float phi
     return ty_limiter_value(limiter, n, gradient / thick) / sigma;
 }
 
+/* D moves only by more than limiters in single precision are good to: else residuals of the non-linear problem stall
+ * where single precision puts it, at 5e-9 times the cells along an axis. */
+#define TY_CELL_HELD 1e-6f
+
+TY_FN float ty_cell_hold(float held, float next) {
+    const float change = next - held;
+    return (change < 0.0f ? -change : change) > TY_CELL_HELD * held ? next : held;
+}
+
 /* What leaves through a face of the box per unit of fluence, from the face's half cell in series with its boundary. */
 TY_FN float ty_cell_boundary(float a, float b, float diffusivity) {
     return a * diffusivity / (1.0f + b * diffusivity);

@@ -58,6 +58,7 @@ static void lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
     }
     if (def->solver != TY_DIFFUSION_MULTIGRID) return;
     job->direction = ty_solve_take_box(arena, box);
+    job->image = ty_solve_take_box(arena, box);
     job->change = ty_solve_take_box(arena, box);
     ty_multigrid_lay_out(job, arena);
 }

@@ -15,14 +15,14 @@ typedef struct ty_diffusion_job {
     const ty_level_kernels* level_kernels;
     ty_cells cells;
     void* phi;              /* double, or float for TY_DIFFUSION_SOR_FLOAT; cell (0, 0, 0) as all arrays here */
-    float* diffusivity;     /* D; multigrid's conjugate gradients use the place meanwhile */
+    float* diffusivity;     /* D */
     ty_plane_sums* sums;    /* one for each plane */
     double start, reported; /* seconds */
 
     /* Multigrid's alone. */
     ty_level levels[TY_LEVELS_MAX];
     int32_t level_count;
-    float *direction, *change; /* of conjugate gradients: p, and what phi changes by */
+    float *direction, *image, *change; /* of conjugate gradients: p, A p, and what phi changes by */
 } ty_diffusion_job;
 
 /* Memory handed out piece by piece; without a base it only counts. */

@@ -67,7 +67,7 @@ static row_view with_x_sides(const ty_cells* cells, row_view view, int32_t y, in
             const ptrdiff_t at = ty_box_at(box, y, z);                                                                 \
             const float* extinction = cells->extinction + ty_box_dense(box, y, z);                                     \
             _Pragma("omp simd") for (int32_t i = 0; i < box->size[0]; ++i) diffusivity[at + i] =                       \
-                diffusivity_double(cells, kind, phi + at, extinction[i], i);                                           \
+                ty_cell_hold(diffusivity[at + i], diffusivity_double(cells, kind, phi + at, extinction[i], i));        \
         }                                                                                                              \
         break
 

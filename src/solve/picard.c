@@ -25,13 +25,13 @@ static void apply_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const ty_diffusion_job* job = ((picard*)user)->job;
     const int32_t z = (int32_t)index;
-    job->sums[z] = job->level_kernels->apply(&job->levels[0], job->direction, job->diffusivity, z);
+    job->sums[z] = job->level_kernels->apply(&job->levels[0], job->direction, job->image, z);
 }
 
 static void dots_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const ty_diffusion_job* job = ((picard*)user)->job;
-    job->sums[index] = job->level_kernels->dots(&job->levels[0], job->diffusivity, (int32_t)index);
+    job->sums[index] = job->level_kernels->dots(&job->levels[0], job->image, (int32_t)index);
 }
 
 static void direct_plane(void* user, int64_t index, int32_t worker) {
@@ -44,8 +44,8 @@ static void step_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const picard* p = user;
     const ty_diffusion_job* job = p->job;
-    job->sums[index] = job->level_kernels->step(&job->levels[0], p->factor, job->direction, job->diffusivity,
-                                                job->change, (int32_t)index);
+    job->sums[index] =
+        job->level_kernels->step(&job->levels[0], p->factor, job->direction, job->image, job->change, (int32_t)index);
 }
 
 static void update_plane(void* user, int64_t index, int32_t worker) {
