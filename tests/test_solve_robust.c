@@ -70,7 +70,7 @@ static void solvers_agree(void** state) {
     for (int i = 0; i < CASES; ++i) {
         problem p = make_case(&cases[i]);
         float* other = make_floats(p.cells);
-        p.def.tolerance = 5e-7;
+        p.def.tolerance = 1e-7;
         solve_into(*state, &p, p.fluence);
         assert_energy(&p);
         p.def.solver = TY_DIFFUSION_SOR;

@@ -20,6 +20,9 @@ typedef enum ty_limiter {
     TY_LIMITER_COUNT = 6
 } ty_limiter;
 
+/* A Marshak boundary lets at most half of the fluence out. Light that streams towards it through vacuum piles up there,
+ * against what the limiter says, and iterations are slow to find that out; with
+ * a fluence of 0 on the faces it streams out. */
 typedef enum ty_boundary_kind {
     TY_BOUNDARY_MARSHAK = 0,   /* value: the flux that comes in, W m^-2 (irradiance of the face); 0 is vacuum */
     TY_BOUNDARY_DIRICHLET = 1, /* value: the fluence on the face, W m^-2 */
@@ -52,10 +55,12 @@ typedef struct ty_diffusion_def {
     double larsen_power;     /* n of TY_LIMITER_LARSEN, 1..100; default 2 */
     ty_boundary boundary[6]; /* x low, x high, y low, ...; default Marshak, nothing comes in */
     ty_diffusion_solver solver;
-    double relaxation;       /* SOR's omega, 0..2 exclusive; default 1.85 */
-    double tolerance;        /* of rms(residual) / rms(source); default 1e-6 */
-    int32_t iterations;      /* at most; 0 (default): 100 of multigrid, 20000 of SOR */
-    const float* start;      /* a fluence to start from, W m^-2; NULL (default): next to none */
+    double relaxation;  /* SOR's omega, 0..2 exclusive; default 1.85 */
+    double tolerance;   /* of rms(residual) / rms(source), where the source counts what comes in through boundaries;
+                           default 1e-6. Fluences are good to about a tenth of it */
+    int32_t iterations; /* at most; 0 (default): 500 of multigrid, 20000 of SOR */
+    const float* start; /* a fluence to start from, W m^-2, at least 0; NULL (default): the solver's own. What a box
+                           of half as many cells along each axis has saves iterations in vacuum */
     ty_progress_fn progress; /* default NULL */
     void* progress_user;
     void* memory; /* ty_diffusion_memory bytes, aligned to 64; NULL (default): from the context */

@@ -90,7 +90,7 @@ static void solve_linear(picard* p, double squares, double target) {
 ty_result ty_solve_picard(ty_diffusion_job* job) {
     picard p = {.job = job};
     const ty_diffusion_def* def = job->def;
-    const int32_t limit = def->iterations > 0 ? def->iterations : 100;
+    const int32_t limit = def->iterations > 0 ? def->iterations : 500;
     const double cells = (double)ty_box_cells(&job->cells.box);
     const double reduction = def->limiter == TY_LIMITER_NONE ? REDUCTION_LINEAR : REDUCTION_LIMITED;
     for (int32_t i = 0;; ++i) {
