@@ -1,0 +1,165 @@
+/* Loops over planes of cells of the non-linear problem; built once per instruction set, with TY_ISA naming it. */
+#include "solve/kernel.h"
+
+#include "solve/cells.k.h"
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+/* What is inlined where a limiter is known, so that loops have no choices. */
+#define INLINE static inline __attribute__((always_inline))
+
+/* A row of the box: couplings to the six neighbours, 0 where a boundary is, and what is there instead. */
+typedef struct row_view {
+    const float *extinction, *absorption, *source;
+    float k[6];
+    float a[6], b[6];
+    const float* value[6];
+} row_view;
+
+static bool is_edge(const ty_cells* cells, int32_t y, int32_t z) {
+    return y == 0 || z == 0 || y == cells->box.size[1] - 1 || z == cells->box.size[2] - 1;
+}
+
+static void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {
+    view->k[side] = 0;
+    view->a[side] = cells->sides[side].a;
+    view->b[side] = cells->sides[side].b;
+    view->value[side] = cells->sides[side].value + face;
+}
+
+/* Without boundaries along x. */
+static row_view view_row(const ty_cells* cells, int32_t y, int32_t z) {
+    const ptrdiff_t at = ty_box_dense(&cells->box, y, z);
+    row_view view = {.extinction = cells->extinction + at,
+                     .absorption = cells->absorption != NULL ? cells->absorption + at : cells->zeros,
+                     .source = cells->source + at};
+    for (int side = 0; side < 6; ++side) {
+        view.k[side] = cells->coupling[side / 2];
+        view.value[side] = cells->zeros;
+    }
+    if (y == 0) set_side(cells, &view, 2, cells->sides[2].step * z);
+    if (y == cells->box.size[1] - 1) set_side(cells, &view, 3, cells->sides[3].step * z);
+    if (z == 0) set_side(cells, &view, 4, cells->sides[4].step * y);
+    if (z == cells->box.size[2] - 1) set_side(cells, &view, 5, cells->sides[5].step * y);
+    return view;
+}
+
+static row_view with_x_sides(const ty_cells* cells, row_view view, int32_t y, int32_t z, bool low, bool high) {
+    if (low) set_side(cells, &view, 0, cells->sides[0].step * z + y);
+    if (high) set_side(cells, &view, 1, cells->sides[1].step * z + y);
+    return view;
+}
+
+#define REAL double
+#define NAME(name) name##_double
+#include "solve/cell_rows.h"
+#undef REAL
+#undef NAME
+#define REAL float
+#define NAME(name) name##_float
+#include "solve/cell_rows.h"
+#undef REAL
+#undef NAME
+
+#define DIFFUSE_ROWS(kind)                                                                                             \
+    case kind:                                                                                                         \
+        for (int32_t y = 0; y < box->size[1]; ++y) {                                                                   \
+            const ptrdiff_t at = ty_box_at(box, y, z);                                                                 \
+            const float* extinction = cells->extinction + ty_box_dense(box, y, z);                                     \
+            _Pragma("omp simd") for (int32_t i = 0; i < box->size[0]; ++i) diffusivity[at + i] =                       \
+                ty_cell_hold(diffusivity[at + i], diffusivity_double(cells, kind, phi + at, extinction[i], i));        \
+        }                                                                                                              \
+        break
+
+static void diffuse(const ty_cells* cells, const double* phi, float* diffusivity, int32_t z) {
+    const ty_box* box = &cells->box;
+    switch (cells->limiter) {
+        DIFFUSE_ROWS(TY_LIMITER_SUM);
+        DIFFUSE_ROWS(TY_LIMITER_MAX);
+        DIFFUSE_ROWS(TY_LIMITER_KERSHAW);
+        DIFFUSE_ROWS(TY_LIMITER_LARSEN);
+        DIFFUSE_ROWS(TY_LIMITER_LEVERMORE_POMRANING);
+        DIFFUSE_ROWS(TY_LIMITER_NONE);
+    default: break;
+    }
+}
+#undef DIFFUSE_ROWS
+
+INLINE double assemble_range(const ty_cells* cells, const row_view* view, const double* phi, const float* diff,
+                             const ty_level* level, ptrdiff_t at, int32_t begin, int32_t end, const bool edge) {
+    const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
+    const float* k = view->k;
+    const double scale = (double)cells->scale;
+    float *gx = level->g[0] + at, *gy = level->g[1] + at, *gz = level->g[2] + at, *sink = level->d + at,
+          *f = level->f + at;
+    double sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (int32_t i = begin; i < end; ++i) {
+        const float d = diff[i];
+        const float x0 = k[0] * (d + diff[i - 1]), x1 = k[1] * (d + diff[i + 1]);
+        const float y0 = k[2] * (d + diff[i - row]), y1 = k[3] * (d + diff[i + row]);
+        const float z0 = k[4] * (d + diff[i - plane]), z1 = k[5] * (d + diff[i + plane]);
+        const double here = phi[i];
+        double left = (double)view->source[i] * scale - (double)view->absorption[i] * here +
+                      (double)x0 * (phi[i - 1] - here) + (double)x1 * (phi[i + 1] - here) +
+                      (double)y0 * (phi[i - row] - here) + (double)y1 * (phi[i + row] - here) +
+                      (double)z0 * (phi[i - plane] - here) + (double)z1 * (phi[i + plane] - here);
+        float lost = view->absorption[i];
+        if (edge)
+            for (int s = 0; s < 6; ++s) {
+                const float w = ty_cell_boundary(view->a[s], view->b[s], d);
+                left += (double)w * ((double)view->value[s][s < 2 ? 0 : i] - here);
+                lost += w;
+            }
+        gx[i] = x0;
+        gy[i] = y0;
+        gz[i] = z0;
+        sink[i] = lost;
+        f[i] = (float)left;
+        sum += left * left;
+    }
+    return sum;
+}
+
+static double assemble(const ty_cells* cells, const double* phi, const float* diffusivity, const ty_level* level,
+                       int32_t z) {
+    const int32_t nx = cells->box.size[0];
+    double sum = 0;
+    for (int32_t y = 0; y < cells->box.size[1]; ++y) {
+        const ptrdiff_t at = ty_box_at(&cells->box, y, z);
+        const double* row = phi + at;
+        const float* diff = diffusivity + at;
+        const row_view view = view_row(cells, y, z), low = with_x_sides(cells, view, y, z, true, nx == 1);
+        sum += assemble_range(cells, &low, row, diff, level, at, 0, 1, true);
+        sum += is_edge(cells, y, z) ? assemble_range(cells, &view, row, diff, level, at, 1, nx - 1, true)
+                                    : assemble_range(cells, &view, row, diff, level, at, 1, nx - 1, false);
+        if (nx == 1) continue;
+        const row_view high = with_x_sides(cells, view, y, z, false, true);
+        sum += assemble_range(cells, &high, row, diff, level, at, nx - 1, nx, true);
+    }
+    return sum;
+}
+
+static void update(const ty_cells* cells, const float* x, double* phi, int32_t z) {
+    const double kept = cells->limiter != TY_LIMITER_NONE ? (double)TY_CELL_KEPT : -1e300;
+    for (int32_t y = 0; y < cells->box.size[1]; ++y) {
+        const ptrdiff_t at = ty_box_at(&cells->box, y, z);
+        double* row = phi + at;
+        const float* change = x + at;
+#pragma omp simd
+        for (int32_t i = 0; i < cells->box.size[0]; ++i) {
+            const double next = row[i] + (double)change[i], least = kept > 0 ? kept * row[i] : kept;
+            row[i] = next > least ? next : least;
+        }
+    }
+}
+
+const ty_cell_kernels TY_JOIN(ty_cell_kernels_, TY_ISA) = {
+    .ghosts = ghosts_double,
+    .ghosts_float = ghosts_float,
+    .diffuse = diffuse,
+    .assemble = assemble,
+    .sor = sor_double,
+    .sor_float = sor_float,
+    .update = update,
+};

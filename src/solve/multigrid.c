@@ -1,0 +1,155 @@
+/* Multigrid for the linearised problem: a preconditioner for conjugate gradients. Red-black Gauss-Seidel, red first on
+ * the way down and last on the way up; corrections are constant in a coarse cell, and its couplings half the sums of
+ * those between its children: the energy of such corrections, for centres twice as far apart. That is symmetric and
+ * holds for jumps of any size, where linear corrections and resistors in series do not; what it costs on smooth media,
+ * visiting coarse levels twice gives back. Any size: an odd axis ends with a coarse cell of one child. Axes with long
+ * cells are coarsened later than those with short ones. */
+#include "solve/job.h"
+
+#include <string.h>
+
+/* Sweeps over a level that has no coarser one; planes of a level that one task relaxes. */
+enum { LAST_SWEEPS = 4, SLAB = 16 };
+/* Cells this much longer than the shortest are not coarsened yet. */
+static const double LONG = 1.5;
+
+typedef struct pass {
+    const ty_diffusion_job* job;
+    const ty_level *fine, *coarse;
+    int32_t color;
+} pass;
+
+/* ---- levels ---- */
+
+static void take_level(ty_level* level, ty_solve_arena* arena) {
+    for (int axis = 0; axis < 3; ++axis) level->g[axis] = ty_solve_take_box(arena, &level->box);
+    level->d = ty_solve_take_box(arena, &level->box);
+    level->e = ty_solve_take_box(arena, &level->box);
+    level->f = ty_solve_take_box(arena, &level->box);
+}
+
+/* The next level's box; false when one cell is left. */
+static bool coarsen_box(const ty_level* fine, double cell[3], ty_level* coarse) {
+    double shortest = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        if (fine->box.size[axis] > 1 && (shortest <= 0 || cell[axis] < shortest)) shortest = cell[axis];
+    if (shortest <= 0) return false;
+    int32_t size[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const bool halved = fine->box.size[axis] > 1 && cell[axis] < LONG * shortest;
+        coarse->children[axis] = halved ? 2 : 1;
+        size[axis] = halved ? (fine->box.size[axis] + 1) / 2 : fine->box.size[axis];
+        if (halved) cell[axis] *= 2;
+    }
+    coarse->box = ty_box_make(size[0], size[1], size[2]);
+    return true;
+}
+
+void ty_multigrid_lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
+    double cell[3];
+    memcpy(cell, job->def->cell, sizeof cell);
+    job->levels[0] = (ty_level){.box = job->cells.box, .children = {1, 1, 1}};
+    take_level(&job->levels[0], arena);
+    job->level_count = 1;
+    while (job->level_count < TY_LEVELS_MAX) {
+        ty_level* next = &job->levels[job->level_count];
+        *next = (ty_level){0};
+        if (!coarsen_box(next - 1, cell, next)) return;
+        take_level(next, arena);
+        ++job->level_count;
+    }
+}
+
+/* ---- cycles ---- */
+
+static void relax_plane(const pass* p, int32_t color, int32_t z) {
+    p->job->level_kernels->relax(p->fine, color, z);
+}
+
+/* Both colours of a slab while its planes are in the cache: the second follows one plane behind the first. The planes
+ * at either end of the slab wait for the first colour of its neighbours. */
+static void relax_slab(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const int32_t planes = p->fine->box.size[2], begin = (int32_t)index * SLAB;
+    const int32_t end = begin + SLAB < planes ? begin + SLAB : planes;
+    for (int32_t z = begin; z < end; ++z) {
+        relax_plane(p, p->color, z);
+        if (z - 1 > begin || (z == 1 && begin == 0)) relax_plane(p, 1 - p->color, z - 1);
+    }
+    if (end == planes && (planes - 1 > begin || begin == 0)) relax_plane(p, 1 - p->color, planes - 1);
+}
+
+/* The second colour of the planes where slabs meet. */
+static void relax_seam(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const int32_t begin = ((int32_t)index + 1) * SLAB;
+    relax_plane(p, 1 - p->color, begin - 1);
+    relax_plane(p, 1 - p->color, begin);
+}
+
+static void restrict_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->restrict_residual(p->fine, p->coarse, (int32_t)index);
+}
+
+static void prolong_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->prolong(p->fine, p->coarse, (int32_t)index);
+}
+
+static void coarsen_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->coarsen(p->fine, p->coarse, (int32_t)index);
+}
+
+/* Counts passes over a level. */
+static void count(ty_diffusion_job* job, const ty_level* level, double passes) {
+    job->stats->work += passes * (double)ty_box_cells(&level->box) / (double)ty_box_cells(&job->cells.box);
+}
+
+static void relax(ty_diffusion_job* job, const ty_level* level, int32_t first) {
+    pass p = {.job = job, .fine = level, .color = first};
+    const int32_t slabs = (level->box.size[2] + SLAB - 1) / SLAB;
+    ty_solve_tasks(job, &level->box, slabs, relax_slab, &p);
+    ty_solve_tasks(job, &level->box, slabs - 1, relax_seam, &p);
+    count(job, level, 1);
+}
+
+static void clear(const ty_level* level) {
+    memset(level->e - ty_box_origin(&level->box), 0, sizeof(float) * ty_box_items(&level->box));
+}
+
+void ty_multigrid_coarsen(ty_diffusion_job* job) {
+    for (int32_t i = 0; i + 1 < job->level_count; ++i) {
+        pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+        ty_solve_planes(job, &p.coarse->box, coarsen_plane, &p);
+        count(job, p.fine, 1);
+    }
+}
+
+/* e of a level, from what it is. */
+static void cycle(ty_diffusion_job* job, int32_t i) {
+    if (i + 1 == job->level_count) {
+        for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[i], sweep & 1);
+        return;
+    }
+    pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
+    relax(job, p.fine, 0);
+    ty_solve_planes(job, &p.coarse->box, restrict_plane, &p);
+    count(job, p.fine, 1);
+    for (int visit = 0; visit < (i + 2 < job->level_count ? 2 : 1); ++visit) cycle(job, i + 1);
+    ty_solve_planes(job, &p.fine->box, prolong_plane, &p);
+    count(job, p.fine, 1);
+    relax(job, p.fine, 1);
+}
+
+void ty_multigrid_cycle(ty_diffusion_job* job) {
+    clear(&job->levels[0]);
+    cycle(job, 0);
+    ++job->stats->cycles;
+}

@@ -1,0 +1,108 @@
+/* Diffusion problems for tests: boxes of cells filled from functions of their centres. */
+#ifndef TY_TESTS_DIFFUSION_MAKER_H
+#define TY_TESTS_DIFFUSION_MAKER_H
+
+#include "solve/diffusion.h"
+
+#include "checks.h"
+
+typedef struct problem {
+    ty_diffusion_def def;
+    ty_diffusion_out out;
+    ty_diffusion_stats stats;
+    size_t cells;
+    float *extinction, *absorption, *source, *fluence, *diffusivity;
+} problem;
+
+static inline float* make_floats(size_t count) {
+    float* floats = calloc(count, sizeof *floats);
+    assert_non_null(floats);
+    return floats;
+}
+
+/* A box `extent` m long with nx x ny x nz cells, of extinction 1/m, without absorption and source. */
+static inline problem make_problem(int32_t nx, int32_t ny, int32_t nz, double extent, float extinction) {
+    problem p = {.def = ty_default_diffusion_def(), .cells = (size_t)nx * (size_t)ny * (size_t)nz};
+    const int32_t size[3] = {nx, ny, nz};
+    for (int axis = 0; axis < 3; ++axis) {
+        p.def.size[axis] = size[axis];
+        p.def.cell[axis] = extent / nx;
+    }
+    p.extinction = make_floats(p.cells);
+    p.absorption = make_floats(p.cells);
+    p.source = make_floats(p.cells);
+    p.fluence = make_floats(p.cells);
+    p.diffusivity = make_floats(p.cells);
+    for (size_t i = 0; i < p.cells; ++i) p.extinction[i] = extinction;
+    p.def.extinction = p.extinction;
+    p.def.absorption = p.absorption;
+    p.def.source = p.source;
+    p.out.fluence = p.fluence;
+    p.out.diffusivity = p.diffusivity;
+    return p;
+}
+
+static inline void free_problem(problem* p) {
+    float* const arrays[] = {p->extinction, p->absorption, p->source, p->fluence, p->diffusivity};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) free(arrays[i]);
+}
+
+static inline void set_boundaries(problem* p, ty_boundary_kind kind) {
+    for (int side = 0; side < 6; ++side) p->def.boundary[side] = (ty_boundary){.kind = kind};
+}
+
+static inline size_t cell_index(const problem* p, int32_t x, int32_t y, int32_t z) {
+    return ((size_t)z * (size_t)p->def.size[1] + (size_t)y) * (size_t)p->def.size[0] + (size_t)x;
+}
+
+/* Calls fill(p, index, centre in m). */
+static inline void fill_problem(problem* p, void (*fill)(problem* p, size_t i, const double at[3])) {
+    for (int32_t z = 0; z < p->def.size[2]; ++z)
+        for (int32_t y = 0; y < p->def.size[1]; ++y)
+            for (int32_t x = 0; x < p->def.size[0]; ++x) {
+                const double at[3] = {(x + 0.5) * p->def.cell[0], (y + 0.5) * p->def.cell[1],
+                                      (z + 0.5) * p->def.cell[2]};
+                fill(p, cell_index(p, x, y, z), at);
+            }
+}
+
+/* Solves, and asserts that it converged. */
+static inline void solve_problem(ty_context* context, problem* p) {
+    if (ty_diffusion_solve(context, &p->def, &p->out, &p->stats) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (!p->stats.converged) fail_msg("residual %g after %d iterations", p->stats.residual, (int)p->stats.iterations);
+}
+
+/* Faces of a side with values of a function of their centres; freed by the caller. */
+static inline float* face_values(const problem* p, int side, double (*value)(const double at[3])) {
+    const int axis = side / 2, u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+    float* values = make_floats((size_t)p->def.size[u] * (size_t)p->def.size[v]);
+    for (int32_t j = 0; j < p->def.size[v]; ++j)
+        for (int32_t i = 0; i < p->def.size[u]; ++i) {
+            double at[3];
+            at[axis] = (side & 1) != 0 ? p->def.cell[axis] * p->def.size[axis] : 0;
+            at[u] = (i + 0.5) * p->def.cell[u];
+            at[v] = (j + 0.5) * p->def.cell[v];
+            values[(size_t)j * (size_t)p->def.size[u] + (size_t)i] = (float)value(at);
+        }
+    return values;
+}
+
+/* Dirichlet boundaries all around, of a function. */
+static inline void set_faces(problem* p, float* values[6], double (*value)(const double at[3])) {
+    for (int side = 0; side < 6; ++side) {
+        values[side] = face_values(p, side, value);
+        p->def.boundary[side] = (ty_boundary){.kind = TY_BOUNDARY_DIRICHLET, .value = values[side]};
+    }
+}
+
+/* The largest difference of two fluences, relative to the larger. */
+static inline double largest_difference(const float* a, const float* b, size_t count) {
+    double largest = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double scale = fmax(fabs((double)a[i]), fabs((double)b[i]));
+        if (scale > 0) largest = fmax(largest, fabs((double)a[i] - (double)b[i]) / scale);
+    }
+    return largest;
+}
+
+#endif
