@@ -1,0 +1,473 @@
+/* Lamps: six pyramids about the lamp, one for each way along an axis, each cut into lengths within which the distance
+ * doubles. Within such a length optical depths are kept on a lattice of rays about a cell apart at its far end. */
+#include "direct/lamp.h"
+
+#include "base/context.h"
+#include "base/float_mode.h"
+#include "direct/lamp.k.h"
+
+/* Cells within NEAR of the lamp's own are lit by following rays, NEAR_RAYS^2 for each of the six ways. */
+enum { NEAR = 2, NEAR_SIDE = 2 * NEAR + 1, NEAR_CELLS = NEAR_SIDE * NEAR_SIDE * NEAR_SIDE };
+enum { NEAR_RAYS = 48, NEAR_RAYS_ONE_OF_MANY = 16, FIRST_SLABS = 4 };
+
+typedef struct lamp_job {
+    const ty_scene_view* scene;
+    const ty_grid_medium* medium;
+    const ty_source* source;
+    const ty_light_view* light;
+    float* const* extinction;
+    ty_lamp_out out;
+    double lower[3], upper[3]; /* of the box, m from the lamp */
+    int32_t home[3];           /* the lamp's cell; it may be outside the box */
+    float lift;                /* m off the lamp's own surface, where shadow rays start */
+} lamp_job;
+
+/* The lattice of one length of one pyramid. p and q: tangents along the axes u and v. */
+typedef struct lattice {
+    const lamp_job* of;
+    int32_t axis[3];        /* u, v, w */
+    bool backwards;         /* along w */
+    int32_t slabs, begin;   /* of the length; the first, counted along w */
+    double near, far;       /* m along w from the lamp */
+    double low[2], step[2]; /* of p and q */
+    int32_t count[2];
+    float* depth[3]; /* up to the near side of each slab, and the far side of the last: (slabs + 1) x count */
+    float* hit;      /* per ray: how far along w a surface is, m; NULL: there are none */
+} lattice;
+
+static size_t ray_count(const lattice* l) {
+    return (size_t)l->count[0] * (size_t)l->count[1];
+}
+
+static size_t depth_count(const lattice* l) {
+    return ray_count(l) * (size_t)(l->slabs + 1);
+}
+
+static void end_lattice(lattice* l) {
+    ty_context* context = l->of->medium->context;
+    for (int32_t c = 0; c < l->of->medium->planes; ++c)
+        ty_free_array(context, l->depth[c], depth_count(l), sizeof *l->depth[c]);
+    ty_free_array(context, l->hit, ray_count(l), sizeof *l->hit);
+    l->slabs = 0;
+    l->hit = l->depth[0] = l->depth[1] = l->depth[2] = NULL;
+}
+
+static ty_result take_lattice(lattice* l) {
+    const ty_grid_medium* medium = l->of->medium;
+    for (int32_t c = 0; c < medium->planes; ++c) {
+        l->depth[c] = ty_alloc_array(medium->context, depth_count(l), sizeof *l->depth[c], false);
+        if (l->depth[c] == NULL) return TY_ERROR_MEMORY;
+    }
+    if (l->of->scene->mesh == NULL) return TY_OK;
+    l->hit = ty_alloc_array(medium->context, ray_count(l), sizeof *l->hit, false);
+    return l->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* ---- shadows of surfaces ---- */
+
+/* How far a ray from the lamp goes before it meets a surface, m, at most `far`. */
+static float reach(const lamp_job* lamp, ty_vec direction, float far) {
+    if (lamp->scene->mesh == NULL) return far;
+    ty_hit hit;
+    ty_vec origin = lamp->source->position;
+    const float side = ty_dot(lamp->source->direction, direction) < 0 ? -lamp->lift : lamp->lift;
+    if (lamp->lift > 0) origin = ty_mad(origin, lamp->source->direction, side);
+    return ty_mesh_intersect(lamp->scene->mesh, origin, direction, far, &hit) ? hit.distance : far;
+}
+
+/* ---- rays of a lattice ---- */
+
+/* The near side of a slab of the lattice, m along w from the lamp. */
+static double plane_at(const lattice* l, int32_t slab) {
+    const int32_t w = l->axis[2];
+    const double cell = l->of->medium->cell[w];
+    const double from = l->backwards ? -l->of->upper[w] : l->of->lower[w];
+    return fmax(l->near, from + cell * (l->begin + slab));
+}
+
+/* The cell along w that a slab is. */
+static int32_t slab_cell(const lattice* l, int32_t slab) {
+    const int32_t at = l->begin + slab;
+    return l->backwards ? l->of->medium->box.size[l->axis[2]] - 1 - at : at;
+}
+
+/* Cuts [*near, *far] to where p times it is within [low, high]. */
+static void cut(double p, double low, double high, double* near, double* far) {
+    if (p == 0) {
+        if (low > 0 || high < 0) *far = *near;
+        return;
+    }
+    *near = fmax(*near, fmin(low / p, high / p));
+    *far = fmin(*far, fmax(low / p, high / p));
+}
+
+/* Cells around a coordinate that is in cells from the box's lower side, and the share of the upper one. */
+static void neighbours(double at, int32_t size, int32_t cells[2], float* share) {
+    const double from = fmin(fmax(at - 0.5, 0), size - 1);
+    cells[0] = (int32_t)from;
+    cells[1] = cells[0] + 1 < size ? cells[0] + 1 : cells[0];
+    *share = (float)(from - cells[0]);
+}
+
+/* Adds what a ray passes in one slab to depth[3]. */
+static void pass_slab(const lattice* l, int32_t slab, double p, double q, float depth[3]) {
+    const lamp_job* lamp = l->of;
+    const ty_grid_medium* medium = lamp->medium;
+    double near = plane_at(l, slab), far = fmin(l->far, plane_at(l, slab + 1));
+    cut(p, lamp->lower[l->axis[0]], lamp->upper[l->axis[0]], &near, &far);
+    cut(q, lamp->lower[l->axis[1]], lamp->upper[l->axis[1]], &near, &far);
+    if (!(far > near)) return;
+    const double tangent[2] = {p, q}, middle = 0.5 * (near + far);
+    int32_t cells[2][2];
+    float share[2];
+    size_t stride[3] = {1, (size_t)medium->box.size[0], (size_t)medium->box.size[0] * (size_t)medium->box.size[1]};
+    for (int i = 0; i < 2; ++i) {
+        const int32_t a = l->axis[i];
+        neighbours((tangent[i] * middle - lamp->lower[a]) / medium->cell[a], medium->box.size[a], cells[i], &share[i]);
+    }
+    const size_t base = stride[l->axis[2]] * (size_t)slab_cell(l, slab), u = stride[l->axis[0]], v = stride[l->axis[1]];
+    const float length = (float)((far - near) * sqrt(1 + p * p + q * q));
+    for (int32_t c = 0; c < medium->planes; ++c) {
+        const float* plane = lamp->extinction[c] + base;
+        const float* row[2] = {plane + v * (size_t)cells[1][0], plane + v * (size_t)cells[1][1]};
+        const size_t i = u * (size_t)cells[0][0], j = u * (size_t)cells[0][1];
+        depth[c] += length * ty_share_between(ty_share_between(row[0][i], row[0][j], share[0]),
+                                              ty_share_between(row[1][i], row[1][j], share[0]), share[1]);
+    }
+}
+
+/* Where a tangent is on a lattice: between ray *i and the next, at the returned share of the next. */
+static float locate(const lattice* l, int32_t along, double tangent, int32_t* i) {
+    const double at = fmin(fmax((tangent - l->low[along]) / l->step[along], 0), l->count[along] - 1);
+    *i = (int32_t)fmin(at, l->count[along] - 2);
+    return (float)(at - *i);
+}
+
+static float between_rays(const lattice* l, const float* plane, const int32_t at[2], const float share[2]) {
+    const float* row = plane + (size_t)at[1] * (size_t)l->count[0] + (size_t)at[0];
+    const float* next = row + l->count[0];
+    return ty_share_between(ty_share_between(row[0], row[1], share[0]), ty_share_between(next[0], next[1], share[0]),
+                            share[1]);
+}
+
+typedef struct trace_job {
+    lattice* l;
+    const lattice* before; /* the length nearer to the lamp; slabs 0: there is none */
+} trace_job;
+
+static void trace_ray(const trace_job* job, int32_t column, int32_t row) {
+    lattice* l = job->l;
+    const lattice* before = job->before;
+    const double p = l->low[0] + l->step[0] * column, q = l->low[1] + l->step[1] * row;
+    const size_t rays = ray_count(l), at = (size_t)row * (size_t)l->count[0] + (size_t)column;
+    float depth[3] = {0, 0, 0};
+    if (before->slabs > 0) {
+        int32_t i[2];
+        const float share[2] = {locate(before, 0, p, &i[0]), locate(before, 1, q, &i[1])};
+        for (int32_t c = 0; c < l->of->medium->planes; ++c)
+            depth[c] = between_rays(before, before->depth[c] + ray_count(before) * (size_t)before->slabs, i, share);
+    }
+    for (int32_t slab = 0; slab <= l->slabs; ++slab) {
+        for (int32_t c = 0; c < l->of->medium->planes; ++c) l->depth[c][rays * (size_t)slab + at] = depth[c];
+        if (slab < l->slabs) pass_slab(l, slab, p, q, depth);
+    }
+    if (l->hit == NULL) return;
+    float way[3];
+    const double length = sqrt(1 + p * p + q * q);
+    way[l->axis[0]] = (float)(p / length);
+    way[l->axis[1]] = (float)(q / length);
+    way[l->axis[2]] = (float)((l->backwards ? -1 : 1) / length);
+    l->hit[at] = reach(l->of, ty_vec_load(way), TY_FLOAT_MAX) / (float)length;
+}
+
+static void trace_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const trace_job* job = user;
+    const unsigned state = ty_flush_denormals();
+    for (int32_t column = 0; column < job->l->count[0]; ++column) trace_ray(job, column, (int32_t)row);
+    ty_restore_denormals(state);
+}
+
+/* ---- cells ---- */
+
+static void add_light(const lamp_job* lamp, size_t at, ty_vec to, float distance, const float mean[3]) {
+    const ty_lamp_out* out = &lamp->out;
+    const float falloff = ty_source_profile(lamp->light, ty_dot(to, lamp->source->direction)) / (distance * distance);
+    for (int32_t c = 0; c < 3; ++c) {
+        const float fluence = lamp->source->color[c] * falloff * mean[c];
+        out->fluence[c][at] += fluence;
+        if (out->flux == NULL) continue;
+        out->flux[c][0][at] += fluence * to.x;
+        out->flux[c][1][at] += fluence * to.y;
+        out->flux[c][2][at] += fluence * to.z;
+    }
+}
+
+static bool is_near(const lamp_job* lamp, const int32_t cell[3]) {
+    for (int a = 0; a < 3; ++a)
+        if (abs(cell[a] - lamp->home[a]) > NEAR) return false;
+    return true;
+}
+
+/* Whether the way to a cell's middle is along this lattice's pyramid: exactly one of the six has it. */
+static bool is_owned(const lattice* l, const double off[3]) {
+    const double x = fabs(off[0]), y = fabs(off[1]), z = fabs(off[2]);
+    const int32_t w = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    return w == l->axis[2] && (off[w] < 0) == l->backwards;
+}
+
+/* The share of the rays around a point that reach it. */
+static float open_share(const lattice* l, const int32_t at[2], const float share[2], double along) {
+    if (l->hit == NULL) return 1;
+    const float* row = l->hit + (size_t)at[1] * (size_t)l->count[0] + (size_t)at[0];
+    const float* next = row + l->count[0];
+    const float w = (float)along;
+    return ty_share_between(ty_share_between(row[0] > w ? 1 : 0, row[1] > w ? 1 : 0, share[0]),
+                            ty_share_between(next[0] > w ? 1 : 0, next[1] > w ? 1 : 0, share[0]), share[1]);
+}
+
+static void light_cell(const lattice* l, int32_t slab, size_t cell_at, const double off[3]) {
+    const lamp_job* lamp = l->of;
+    const ty_grid_medium* medium = lamp->medium;
+    const double along = fabs(off[l->axis[2]]);
+    const double near = plane_at(l, slab), far = fmin(l->far, plane_at(l, slab + 1));
+    int32_t at[2];
+    const float share[2] = {locate(l, 0, off[l->axis[0]] / along, &at[0]),
+                            locate(l, 1, off[l->axis[1]] / along, &at[1])};
+    const float open = open_share(l, at, share, along);
+    const float passed = (float)fmin(fmax((along - near) / (far - near), 0), 1);
+    const double distance = sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]);
+    const ty_vec to = ty_vec_make((float)(off[0] / distance), (float)(off[1] / distance), (float)(off[2] / distance));
+    const float size[3] = {(float)medium->cell[0], (float)medium->cell[1], (float)medium->cell[2]};
+    const size_t rays = ray_count(l);
+    float mean[3] = {0, 0, 0};
+    for (int32_t c = 0; c < medium->planes && open > 0; ++c) {
+        const float* plane = l->depth[c] + rays * (size_t)slab;
+        const float depth =
+            ty_share_between(between_rays(l, plane, at, share), between_rays(l, plane + rays, at, share), passed);
+        const float extinction = lamp->extinction[c][cell_at];
+        mean[c] = open * (lamp->out.transmittance != NULL ? ty_lamp_mean_transmittance(depth, extinction, to, size)
+                                                          : ty_lamp_mean(depth, extinction, to, (float)distance, size));
+    }
+    for (int32_t c = medium->planes; c < 3; ++c) mean[c] = mean[0];
+    for (int32_t c = 0; c < medium->planes && lamp->out.transmittance != NULL; ++c)
+        lamp->out.transmittance[c][cell_at] = mean[c];
+    if (lamp->out.transmittance == NULL) add_light(lamp, cell_at, to, (float)distance, mean);
+}
+
+/* One row of cells of a slab. */
+static void light_row(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const lattice* l = user;
+    const lamp_job* lamp = l->of;
+    const ty_grid_medium* medium = lamp->medium;
+    const int32_t rows = medium->box.size[l->axis[1]], slab = (int32_t)(index / rows);
+    int32_t cell[3];
+    cell[l->axis[1]] = (int32_t)(index % rows);
+    cell[l->axis[2]] = slab_cell(l, slab);
+    const unsigned state = ty_flush_denormals();
+    for (int32_t u = 0; u < medium->box.size[l->axis[0]]; ++u) {
+        double off[3];
+        cell[l->axis[0]] = u;
+        for (int a = 0; a < 3; ++a) off[a] = lamp->lower[a] + medium->cell[a] * (cell[a] + 0.5);
+        if (!is_owned(l, off) || (lamp->out.transmittance == NULL && is_near(lamp, cell))) continue;
+        const size_t at = (size_t)cell[0] + (size_t)medium->box.size[0] *
+                                                ((size_t)cell[1] + (size_t)medium->box.size[1] * (size_t)cell[2]);
+        light_cell(l, slab, at, off);
+    }
+    ty_restore_denormals(state);
+}
+
+/* ---- pyramids ---- */
+
+/* The tangents at which the box is seen between the lattice's near and far side; false: nowhere in the pyramid. */
+static bool place_rays(lattice* l) {
+    for (int i = 0; i < 2; ++i) {
+        const int32_t a = l->axis[i];
+        const double low = l->of->lower[a], high = l->of->upper[a];
+        const double at_low = low < 0 ? l->near : l->far, at_high = high > 0 ? l->near : l->far;
+        l->low[i] = at_low > 0 ? fmax(-1, low / at_low) : -1;
+        const double end = at_high > 0 ? fmin(1, high / at_high) : 1;
+        if (!(end > l->low[i])) return false;
+        const double rays = ceil((end - l->low[i]) * l->far / l->of->medium->cell[a]) + 1;
+        l->count[i] = (int32_t)fmin(fmax(2, rays), 4 * l->of->medium->box.size[a] + 64);
+        l->step[i] = (end - l->low[i]) / (l->count[i] - 1);
+    }
+    return true;
+}
+
+/* The next length from slab `begin` on; distances double within it. */
+static void place_slabs(lattice* l, int32_t begin) {
+    const int32_t size = l->of->medium->box.size[l->axis[2]];
+    const double cell = l->of->medium->cell[l->axis[2]];
+    l->begin = begin;
+    l->near = 0;
+    l->near = plane_at(l, 0);
+    l->slabs = (int32_t)fmin(size - begin, fmax(FIRST_SLABS, ceil(l->near / cell)));
+    l->far = INFINITY;
+    l->far = plane_at(l, l->slabs);
+}
+
+static ty_result light_length(const lamp_job* lamp, lattice* l, const lattice* before) {
+    const ty_result result = take_lattice(l);
+    if (result != TY_OK) return result;
+    trace_job job = {.l = l, .before = before};
+    ty_parallel_for(lamp->medium->context, l->count[1], trace_row, &job);
+    ty_parallel_for(lamp->medium->context, (int64_t)l->slabs * lamp->medium->box.size[l->axis[1]], light_row, l);
+    return TY_OK;
+}
+
+static ty_result light_pyramid(const lamp_job* lamp, int32_t w, bool backwards) {
+    const ty_grid_medium* medium = lamp->medium;
+    const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
+    lattice before = {.of = lamp},
+            l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+    ty_result result = TY_OK;
+    int32_t begin = (int32_t)fmin(medium->box.size[w], fmax(0, floor(-from / medium->cell[w])));
+    for (; begin < medium->box.size[w] && result == TY_OK; begin += l.slabs) {
+        place_slabs(&l, begin);
+        if (!(l.far > l.near) || !place_rays(&l)) continue;
+        result = light_length(lamp, &l, &before);
+        const lattice done = l;
+        end_lattice(&before);
+        before = done;
+        l.hit = l.depth[0] = l.depth[1] = l.depth[2] = NULL;
+    }
+    end_lattice(&before);
+    return result;
+}
+
+/* ---- near the lamp ---- */
+
+typedef struct near_sums {
+    double light[NEAR_CELLS][3][4]; /* per channel: fluence and flux, times the cell's volume over intensity */
+} near_sums;
+
+/* A ray from cell to cell, in the lamp's own and those around it. */
+typedef struct near_ray {
+    int32_t cell[3], step[3]; /* from home */
+    double next[3], per_cell[3];
+    double at; /* m */
+} near_ray;
+
+static void begin_near_ray(const lamp_job* lamp, const double way[3], near_ray* ray) {
+    ray->at = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double cell = lamp->medium->cell[a], low = lamp->lower[a] + cell * lamp->home[a];
+        ray->cell[a] = 0;
+        ray->step[a] = way[a] > 0 ? 1 : -1;
+        ray->next[a] = way[a] > 0 ? (low + cell) / way[a] : way[a] < 0 ? low / way[a] : INFINITY;
+        ray->per_cell[a] = way[a] != 0 ? cell / fabs(way[a]) : INFINITY;
+    }
+}
+
+/* Moves to the next cell; false past the last of interest. */
+static bool step_near_ray(near_ray* ray) {
+    const int xy = ray->next[0] < ray->next[1] ? 0 : 1;
+    const int a = ray->next[xy] < ray->next[2] ? xy : 2;
+    ray->at = ray->next[a];
+    ray->next[a] += ray->per_cell[a];
+    ray->cell[a] += ray->step[a];
+    return abs(ray->cell[a]) <= NEAR;
+}
+
+static void follow_near_ray(const lamp_job* lamp, const double way[3], double weight, near_sums* sums) {
+    const int32_t* size = lamp->medium->box.size;
+    float depth[3] = {0, 0, 0};
+    near_ray ray;
+    const ty_vec direction = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+    const double end = (double)reach(lamp, direction, TY_FLOAT_MAX);
+    weight *= (double)ty_source_profile(lamp->light, ty_dot(direction, lamp->source->direction));
+    if (!(weight > 0)) return;
+    begin_near_ray(lamp, way, &ray);
+    do {
+        const double leave = fmin(end, fmin(ray.next[0], fmin(ray.next[1], ray.next[2])));
+        const int32_t x = lamp->home[0] + ray.cell[0], y = lamp->home[1] + ray.cell[1], z = lamp->home[2] + ray.cell[2];
+        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
+        if (!(leave > ray.at)) continue;
+        const size_t at = (size_t)x + (size_t)size[0] * ((size_t)y + (size_t)size[1] * (size_t)z);
+        const int32_t slot = ray.cell[0] + NEAR + NEAR_SIDE * (ray.cell[1] + NEAR + NEAR_SIDE * (ray.cell[2] + NEAR));
+        for (int32_t c = 0; c < lamp->medium->planes; ++c) {
+            const float through = lamp->extinction[c][at] * (float)(leave - ray.at), decay = ty_decay(through);
+            const double light =
+                weight * (leave - ray.at) * (double)(ty_decay(depth[c]) * ty_mean_decay(through, decay));
+            depth[c] += through;
+            sums->light[slot][c][0] += light;
+            for (int a = 0; a < 3; ++a) sums->light[slot][c][1 + a] += light * way[a];
+        }
+    } while (ray.at < end && step_near_ray(&ray));
+}
+
+/* Rays at equal steps of the tangents, each for its share of the sphere. */
+static void follow_near_rays(const lamp_job* lamp, near_sums* sums) {
+    const int32_t side = lamp->source->alone != 0 ? NEAR_RAYS : NEAR_RAYS_ONE_OF_MANY;
+    for (int32_t i = 0; i < 6 * side * side; ++i) {
+        const int32_t face = i / (side * side), w = face / 2;
+        const double p = 2 * (i % side + 0.5) / side - 1, q = 2 * (i / side % side + 0.5) / side - 1;
+        const double length = sqrt(1 + p * p + q * q);
+        double way[3];
+        way[w] = (face % 2 == 0 ? 1 : -1) / length;
+        way[(w + 1) % 3] = p / length;
+        way[(w + 2) % 3] = q / length;
+        follow_near_ray(lamp, way, 4.0 / (side * side) / (length * length * length), sums);
+    }
+}
+
+static void add_near(const lamp_job* lamp, const near_sums* sums) {
+    const ty_grid_medium* medium = lamp->medium;
+    const int32_t* size = medium->box.size;
+    const double volume = medium->cell[0] * medium->cell[1] * medium->cell[2];
+    for (int32_t slot = 0; slot < NEAR_CELLS; ++slot) {
+        const int32_t x = lamp->home[0] + slot % NEAR_SIDE - NEAR;
+        const int32_t y = lamp->home[1] + slot / NEAR_SIDE % NEAR_SIDE - NEAR;
+        const int32_t z = lamp->home[2] + slot / (NEAR_SIDE * NEAR_SIDE) - NEAR;
+        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
+        const size_t at = (size_t)x + (size_t)size[0] * ((size_t)y + (size_t)size[1] * (size_t)z);
+        for (int32_t c = 0; c < 3; ++c) {
+            const double* light = sums->light[slot][c < medium->planes ? c : 0];
+            const double intensity = (double)lamp->source->color[c] / volume;
+            lamp->out.fluence[c][at] += (float)(intensity * light[0]);
+            for (int a = 0; a < 3 && lamp->out.flux != NULL; ++a)
+                lamp->out.flux[c][a][at] += (float)(intensity * light[1 + a]);
+        }
+    }
+}
+
+static bool is_beside_box(const lamp_job* lamp) {
+    for (int a = 0; a < 3; ++a)
+        if (lamp->home[a] < -NEAR || lamp->home[a] >= lamp->medium->box.size[a] + NEAR) return false;
+    return true;
+}
+
+static ty_result light_near(const lamp_job* lamp) {
+    near_sums* sums = ty_alloc_array(lamp->medium->context, 1, sizeof *sums, true);
+    if (sums == NULL) return TY_ERROR_MEMORY;
+    const unsigned state = ty_flush_denormals();
+    follow_near_rays(lamp, sums);
+    add_near(lamp, sums);
+    ty_restore_denormals(state);
+    ty_free_array(lamp->medium->context, sums, 1, sizeof *sums);
+    return TY_OK;
+}
+
+ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
+                      const ty_source* source, const ty_lamp_out* out) {
+    lamp_job lamp = {.scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
+    lamp.light = &scene->lights.lights[source->light];
+    const double position[3] = {(double)source->position.x, (double)source->position.y, (double)source->position.z};
+    double least = INFINITY;
+    for (int a = 0; a < 3; ++a) {
+        lamp.lower[a] = medium->box.lower[a] - position[a];
+        lamp.upper[a] = medium->box.upper[a] - position[a];
+        lamp.home[a] = (int32_t)fmin(fmax(floor(-lamp.lower[a] / medium->cell[a]), -1e6), 1e6);
+        least = fmin(least, medium->cell[a]);
+    }
+    if (source->alone == 0) lamp.lift = (float)(1e-3 * least);
+    ty_result result = TY_OK;
+    for (int32_t w = 0; w < 3 && result == TY_OK; ++w) {
+        result = light_pyramid(&lamp, w, false);
+        if (result == TY_OK) result = light_pyramid(&lamp, w, true);
+    }
+    if (result == TY_OK && out->transmittance == NULL && is_beside_box(&lamp)) result = light_near(&lamp);
+    return result;
+}

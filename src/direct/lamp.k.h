@@ -1,0 +1,39 @@
+/* Light from a point on cells: what a cell gets on the mean, and how far a lamp's light is dimmed on a lattice of rays.
+ */
+#ifndef TY_DIRECT_LAMP_K_H
+#define TY_DIRECT_LAMP_K_H
+
+#include "direct/beam.k.h"
+#include "scene/light.k.h"
+
+/* ln(sinh x / x) for x >= 0: what an exponential's mean over [-x, x] is above its middle. */
+TY_FN float ty_log_sinhc(float x) {
+    const float square = x * x;
+    if (x < 0.3f) return square * (1.0f / 6.0f - square * (1.0f / 180.0f));
+    return x + ty_logf((1.0f - ty_decay(2.0f * x)) / (2.0f * x));
+}
+
+/* The mean of e^-(optical depth) / r^2 over a cell, relative to 1 / r^2 in its middle: exact where the depth is linear
+ * in the cell, and to second order in the cell's size over r. depth: in its middle; to: unit, from the lamp. */
+TY_FN float ty_lamp_mean(float depth, float extinction, ty_vec to, float distance, const float cell[3]) {
+    const float way[3] = {to.x, to.y, to.z};
+    const float inverse = 1.0f / distance;
+    float log_mean = -depth, spread = 1.0f;
+    for (int32_t a = 0; a < 3; ++a) {
+        const float square = way[a] * way[a];
+        log_mean += ty_log_sinhc(0.5f * extinction * fabsf(way[a]) * cell[a]);
+        spread += cell[a] * cell[a] * (1.0f / 24.0f) * inverse *
+                  ((8.0f * square - 2.0f) * inverse + 4.0f * extinction * square);
+    }
+    return ty_decay(ty_maxf(0.0f, -log_mean)) * spread;
+}
+
+/* The same of the transmittance alone. */
+TY_FN float ty_lamp_mean_transmittance(float depth, float extinction, ty_vec to, const float cell[3]) {
+    const float way[3] = {to.x, to.y, to.z};
+    float log_mean = -depth;
+    for (int32_t a = 0; a < 3; ++a) log_mean += ty_log_sinhc(0.5f * extinction * fabsf(way[a]) * cell[a]);
+    return ty_decay(ty_maxf(0.0f, -log_mean));
+}
+
+#endif
