@@ -5,7 +5,7 @@
 #include "base/float_mode.h"
 #include "base/isa.h"
 
-enum { BLOCK_ROWS = 8, BLOCK_SIDE = 16 };
+enum { BLOCK_ROWS = 16, BLOCK_SIDE = 16 };
 
 static const ty_beam_kernels* choose_kernels(void) {
 #if TY_ISA_X86
@@ -39,18 +39,33 @@ static void choose_axes(const ty_grid_medium* medium, const double way[3], ty_be
     beam->stride[2] = w == 1 ? row : row * (size_t)beam->size[1];
 }
 
+/* The integral up to x of 1 - |x|, which is what a tube and a cell of width 1 at a distance x overlap. */
+static double overlap_integral(double x) {
+    if (x <= -1) return 0;
+    if (x >= 1) return 1;
+    return x < 0 ? 0.5 * (1 + x) * (1 + x) : 1 - 0.5 * (1 - x) * (1 - x);
+}
+
+/* What cell `at` has of a tube that moves from `from` to `to`, on the mean over the way. */
+static double mean_overlap(double at, double from, double to) {
+    if (fabs(to - from) < 1e-6) return fmax(0, 1 - fabs(at - 0.5 * (from + to)));
+    return (overlap_integral(at - from) - overlap_integral(at - to)) / (to - from);
+}
+
 /* Where tubes are in each slab along u (0) or v (1): slope is how many cells they move from one to the next. */
 static void place_tubes(ty_beam* beam, int32_t i, double slope) {
     int32_t low = INT32_MAX, high = INT32_MIN;
     for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
-        const double moved = slope * (slab + 0.5), whole = floor(moved);
+        const double from = slope * slab, to = slope * (slab + 1), whole = floor(fmin(from, to));
+        float* weight = beam->weight[i][slab];
         beam->shift[i][slab] = (int32_t)whole;
-        beam->share[i][slab] = (float)(moved - whole);
+        for (int cell = 0; cell < 3; ++cell) weight[cell] = (float)mean_overlap(whole + cell, from, to);
+        weight[1] = 1 - weight[0] - weight[2];
         low = beam->shift[i][slab] < low ? beam->shift[i][slab] : low;
         high = beam->shift[i][slab] > high ? beam->shift[i][slab] : high;
     }
-    beam->first[i] = -high - 1;
-    beam->tubes[i] = beam->size[i] + high - low + 1;
+    beam->first[i] = -high - 2;
+    beam->tubes[i] = beam->size[i] + high - low + 2;
 }
 
 /* ---- shadows of surfaces ---- */
@@ -122,8 +137,8 @@ static ty_result take_tables(ty_beam* beam) {
     const size_t slabs = (size_t)beam->size[2];
     for (int i = 0; i < 2; ++i) {
         beam->shift[i] = ty_alloc_array(beam->context, slabs, sizeof *beam->shift[i], false);
-        beam->share[i] = ty_alloc_array(beam->context, slabs, sizeof *beam->share[i], false);
-        if (beam->shift[i] == NULL || beam->share[i] == NULL) return TY_ERROR_MEMORY;
+        beam->weight[i] = ty_alloc_array(beam->context, slabs, sizeof *beam->weight[i], false);
+        if (beam->shift[i] == NULL || beam->weight[i] == NULL) return TY_ERROR_MEMORY;
     }
     return TY_OK;
 }
@@ -133,9 +148,8 @@ static ty_result take_tubes(ty_beam* beam, bool shadows) {
         beam->along[i] = ty_alloc_array(beam->context, tube_count(beam), sizeof *beam->along[i], false);
         if (beam->along[i] == NULL) return TY_ERROR_MEMORY;
     }
-    /* A row without matter, a row between two, and two rows of tubes. */
-    const size_t row = (size_t)beam->size[0] + 2;
-    beam->scratch_size = 4 * row + (size_t)beam->tubes[0];
+    /* A row without matter, one of means of rows, and three rows of tubes; the last is for what goes nowhere. */
+    beam->scratch_size = 5 * ((size_t)beam->size[0] + 4) + (size_t)beam->tubes[0];
     const size_t size = beam->scratch_size * (size_t)ty_context_threads(beam->context);
     beam->scratch = ty_alloc_array(beam->context, size, sizeof *beam->scratch, true);
     if (beam->scratch == NULL) return TY_ERROR_MEMORY;
@@ -148,7 +162,7 @@ void ty_beam_end(ty_beam* beam) {
     const size_t slabs = (size_t)beam->size[2];
     for (int i = 0; i < 2; ++i) {
         ty_free_array(beam->context, beam->shift[i], slabs, sizeof *beam->shift[i]);
-        ty_free_array(beam->context, beam->share[i], slabs, sizeof *beam->share[i]);
+        ty_free_array(beam->context, beam->weight[i], slabs, sizeof *beam->weight[i]);
         ty_free_array(beam->context, beam->along[i], tube_count(beam), sizeof *beam->along[i]);
     }
     ty_free_array(beam->context, beam->hit, tube_count(beam), sizeof *beam->hit);
@@ -194,29 +208,32 @@ static size_t slab_offset(const ty_beam* beam, int32_t slab) {
     return beam->stride[2] * (size_t)(beam->backwards ? beam->size[2] - 1 - slab : slab);
 }
 
-/* Row v - 1 + shift of tubes, of which rows v - 1 and v of cells are the first and the second, v in 0..size. kept:
- * whether its transmittance goes on, which only one block of rows may see to. */
+/* Extinction of row v of a slab; that of a row outside is `empty`. */
+static const float* cell_row(const ty_beam* beam, const float* slab, int32_t v, const float* empty) {
+    return v >= 0 && v < beam->size[1] ? slab + beam->stride[1] * (size_t)v : empty;
+}
+
+/* The row of tubes that has rows v, v + 1 and v + 2 of cells, v from -2 on. kept: whether its transmittance goes on,
+ * which only one block of rows may see to. */
 static void pass_tubes(const pass_job* job, int32_t v, bool kept, float* scratch, float* mean) {
     ty_beam* beam = job->beam;
-    const int32_t slab = job->slab, count = beam->size[0];
+    const int32_t slab = job->slab, width = beam->size[0] + 4;
     const float* cells = job->extinction + slab_offset(beam, slab);
-    const float* empty = scratch;
-    const int32_t row = v - 1 - beam->shift[1][slab] - beam->first[1];
-    const int32_t column = -1 - beam->shift[0][slab] - beam->first[0];
+    const int32_t row = v - beam->shift[1][slab] - beam->first[1];
+    const int32_t column = -2 - beam->shift[0][slab] - beam->first[0];
     const size_t at = (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
-    const ty_beam_row tubes = {
-        .count = count,
-        .share = {beam->share[0][slab], beam->share[1][slab]},
+    ty_beam_row tubes = {
+        .count = beam->size[0],
         .length = beam->length,
         .start = beam->length * (float)slab,
-        .first = v > 0 ? cells + beam->stride[1] * (size_t)(v - 1) : empty,
-        .second = v < beam->size[1] ? cells + beam->stride[1] * (size_t)v : empty,
         .hit = beam->hit != NULL ? beam->hit + at : NULL,
         .in = beam->along[slab % 2] + at,
-        .out = kept ? beam->along[(slab + 1) % 2] + at : scratch + 4 * (count + 2),
+        .out = kept ? beam->along[(slab + 1) % 2] + at : scratch + 5 * width,
         .mean = mean,
-        .blend = scratch + (count + 2),
+        .blend = scratch + width,
     };
+    for (int32_t i = 0; i < 3; ++i) tubes.cells[i] = cell_row(beam, cells, v + i, scratch);
+    for (int32_t i = 0; i < 2; ++i) memcpy(tubes.weight[i], beam->weight[i][slab], sizeof tubes.weight[i]);
     beam->kernels->tubes(&tubes);
 }
 
@@ -226,18 +243,18 @@ static void pass_block(void* user, int64_t index, int32_t worker) {
     const int32_t begin = (int32_t)index * BLOCK_ROWS, rows = beam->size[1];
     const int32_t end = rows - begin < BLOCK_ROWS ? rows : begin + BLOCK_ROWS;
     float* scratch = beam->scratch + beam->scratch_size * (size_t)worker;
-    float* mean[2] = {scratch + 2 * (beam->size[0] + 2), scratch + 3 * (beam->size[0] + 2)};
     const unsigned state = ty_flush_denormals();
-    pass_tubes(job, begin, begin == 0, scratch, mean[begin % 2]);
-    for (int32_t v = begin; v < end; ++v) {
-        pass_tubes(job, v + 1, true, scratch, mean[(v + 1) % 2]);
-        const ty_beam_cells cells = {
+    for (int32_t v = begin - 2; v < end; ++v) {
+        float* mean[3];
+        for (int32_t i = 0; i < 3; ++i) mean[i] = scratch + (2 + (v + 6 - i) % 3) * (beam->size[0] + 4);
+        pass_tubes(job, v, v >= begin || begin == 0, scratch, mean[0]);
+        if (v < begin) continue;
+        ty_beam_cells cells = {
             .count = beam->size[0],
-            .share = {beam->share[0][job->slab], beam->share[1][job->slab]},
-            .first = mean[(v + 1) % 2],
-            .second = mean[v % 2],
+            .mean = {mean[0], mean[1], mean[2]},
             .lit = job->lit + slab_offset(beam, job->slab) + beam->stride[1] * (size_t)v,
         };
+        for (int32_t i = 0; i < 2; ++i) memcpy(cells.weight[i], beam->weight[i][job->slab], sizeof cells.weight[i]);
         beam->kernels->cells(&cells);
     }
     ty_restore_denormals(state);
@@ -248,7 +265,7 @@ static int32_t last_slab(const ty_beam* beam, int32_t i, int32_t tube) {
     int32_t last = -1;
     for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
         const int32_t cell = tube + beam->first[i] + beam->shift[i][slab];
-        if (cell >= -1 && cell < beam->size[i]) last = slab;
+        if (cell >= -2 && cell < beam->size[i]) last = slab;
     }
     return last;
 }

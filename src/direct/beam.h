@@ -12,20 +12,20 @@
 typedef struct ty_beam {
     ty_context* context;
     const ty_beam_kernels* kernels;
-    int32_t axis[3];     /* of the world */
-    int32_t size[3];     /* cells */
-    size_t stride[3];    /* floats from cell to cell */
-    bool backwards;      /* along w */
-    float length;        /* of a tube within a slab, m */
-    double section;      /* of a tube, m^2 */
-    int32_t* shift[2];   /* per slab along u and v: tube t covers cells t - 1 + shift and the next one */
-    float* share[2];     /* of that next one */
-    int32_t first[2];    /* number of the tubes' first column and row */
-    int32_t tubes[2];    /* columns and rows of tubes */
-    float* hit;          /* per tube: how far a surface is, m; NULL: there are none */
-    float* along[2];     /* per tube: transmittance so far, by turns */
-    float* scratch;      /* of the workers */
-    size_t scratch_size; /* of each */
+    int32_t axis[3];       /* of the world */
+    int32_t size[3];       /* cells */
+    size_t stride[3];      /* floats from cell to cell */
+    bool backwards;        /* along w */
+    float length;          /* of a tube within a slab, m */
+    double section;        /* of a tube, m^2 */
+    int32_t* shift[2];     /* per slab along u and v: tube t covers cells t + shift and the next two */
+    float (*weight[2])[3]; /* of the three, on the mean over the slab */
+    int32_t first[2];      /* number of the tubes' first column and row */
+    int32_t tubes[2];      /* columns and rows of tubes */
+    float* hit;            /* per tube: how far a surface is, m; NULL: there are none */
+    float* along[2];       /* per tube: transmittance so far, by turns */
+    float* scratch;        /* of the workers */
+    size_t scratch_size;   /* of each */
 } ty_beam;
 
 /* Whatever becomes of it, ty_beam_end may follow. Errors: TY_ERROR_MEMORY. */

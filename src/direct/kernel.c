@@ -4,24 +4,25 @@
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
 
-/* Extinction between the two rows that tubes overlap, with an empty cell at either end. */
+/* Mean extinction of the three rows that tubes overlap, with two empty cells at either end. */
 static void blend_rows(const ty_beam_row* row) {
     const int32_t count = row->count;
-    const float share = row->share[1];
-    const float *first = row->first, *second = row->second;
+    const float *a = row->cells[0], *b = row->cells[1], *c = row->cells[2];
+    const float* weight = row->weight[1];
     float* blend = row->blend;
-    blend[0] = blend[count + 1] = 0.0f;
+    blend[0] = blend[1] = blend[count + 2] = blend[count + 3] = 0.0f;
 #pragma omp simd
-    for (int32_t i = 0; i < count; ++i) blend[i + 1] = ty_share_between(first[i], second[i], share);
+    for (int32_t i = 0; i < count; ++i) blend[i + 2] = ty_share_three(a[i], b[i], c[i], weight);
 }
 
 static void pass_open(const ty_beam_row* row) {
     const float *blend = row->blend, *in = row->in;
     float *out = row->out, *mean = row->mean;
-    const float share = row->share[0], length = row->length;
+    const float* weight = row->weight[0];
+    const float length = row->length;
 #pragma omp simd
-    for (int32_t t = 0; t <= row->count; ++t) {
-        const float depth = ty_share_between(blend[t], blend[t + 1], share) * length;
+    for (int32_t t = 0; t < row->count + 2; ++t) {
+        const float depth = ty_share_three(blend[t], blend[t + 1], blend[t + 2], weight) * length;
         const float decay = ty_decay(depth);
         mean[t] = in[t] * ty_mean_decay(depth, decay);
         out[t] = in[t] * decay;
@@ -32,12 +33,12 @@ static void pass_open(const ty_beam_row* row) {
 static void pass_shadowed(const ty_beam_row* row) {
     const float *blend = row->blend, *in = row->in, *hit = row->hit;
     float *out = row->out, *mean = row->mean;
-    const float share = row->share[0], length = row->length, start = row->start;
-    const float per_length = 1.0f / length;
+    const float* weight = row->weight[0];
+    const float length = row->length, start = row->start, per_length = 1.0f / row->length;
 #pragma omp simd
-    for (int32_t t = 0; t <= row->count; ++t) {
+    for (int32_t t = 0; t < row->count + 2; ++t) {
         const float open = ty_clampf((hit[t] - start) * per_length, 0.0f, 1.0f);
-        const float depth = ty_share_between(blend[t], blend[t + 1], share) * length * open;
+        const float depth = ty_share_three(blend[t], blend[t + 1], blend[t + 2], weight) * length * open;
         const float decay = ty_decay(depth);
         mean[t] = in[t] * ty_mean_decay(depth, decay) * open;
         out[t] = in[t] * decay;
@@ -53,13 +54,14 @@ static void tubes(const ty_beam_row* row) {
 }
 
 static void cells(const ty_beam_cells* c) {
-    const float *first = c->first, *second = c->second;
+    const float *first = c->mean[0], *second = c->mean[1], *third = c->mean[2];
+    const float *u = c->weight[0], *v = c->weight[1];
     float* lit = c->lit;
-    const float u = c->share[0], v = c->share[1];
 #pragma omp simd
     for (int32_t i = 0; i < c->count; ++i)
-        lit[i] = ty_share_between(ty_share_between(first[i + 1], first[i], u),
-                                  ty_share_between(second[i + 1], second[i], u), v);
+        lit[i] = ty_share_three(ty_share_three(first[i + 2], first[i + 1], first[i], u),
+                                ty_share_three(second[i + 2], second[i + 1], second[i], u),
+                                ty_share_three(third[i + 2], third[i + 1], third[i], u), v);
 }
 
 const ty_beam_kernels TY_JOIN(ty_beam_kernels_, TY_ISA) = {.tubes = tubes, .cells = cells};

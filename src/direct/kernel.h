@@ -4,28 +4,26 @@
 
 #include "direct/beam.k.h"
 
-/* Tubes through a slab. */
+/* Tubes through a slab: tube t of a row overlaps its cells t - 2, t - 1 and t. */
 typedef struct ty_beam_row {
-    int32_t count;       /* cells in a row; tubes are one more */
-    float share[2];      /* of each tube that is in its second cell, and its second row */
-    float length;        /* of a tube within the slab, m */
-    float start;         /* how far the slab's near side is along the tubes, m */
-    const float* first;  /* extinction of the rows of cells that the tubes overlap, 1/m */
-    const float* second; /* the other */
-    const float* hit;    /* how far along each tube a surface is, m; NULL: there is none */
-    const float* in;     /* transmittance of each tube up to the slab, or to the surface */
-    float* out;          /* and up to its far side */
-    float* mean;         /* transmittance over the slab, 0 behind surfaces */
-    float* blend;        /* scratch, count + 2 */
+    int32_t count;         /* cells in a row; tubes are two more */
+    float weight[2][3];    /* of each tube's three cells, and three rows */
+    float length;          /* of a tube within the slab, m */
+    float start;           /* how far the slab's near side is along the tubes, m */
+    const float* cells[3]; /* extinction of the three rows, 1/m */
+    const float* hit;      /* how far along each tube a surface is, m; NULL: there is none */
+    const float* in;       /* transmittance of each tube up to the slab, or to the surface */
+    float* out;            /* and up to its far side */
+    float* mean;           /* transmittance over the slab, 0 behind surfaces */
+    float* blend;          /* scratch, count + 4 */
 } ty_beam_row;
 
 /* Cells of a slab. */
 typedef struct ty_beam_cells {
     int32_t count;
-    float share[2];
-    const float* first;  /* mean transmittance of the row of tubes that has these cells as its first row */
-    const float* second; /* and as its second */
-    float* lit;          /* mean transmittance of cells */
+    float weight[2][3];
+    const float* mean[3]; /* of the rows of tubes that have these cells as their first, second and third row */
+    float* lit;           /* mean transmittance of cells */
 } ty_beam_cells;
 
 typedef struct ty_beam_kernels {

@@ -1,5 +1,6 @@
 /* Lamps: six pyramids about the lamp, one for each way along an axis, each cut into lengths within which the distance
- * doubles. Within such a length optical depths are kept on a lattice of rays about a cell apart at its far end. */
+ * doubles. Within such a length a lattice of rays, about a cell apart at its far end, keeps the mean extinction from
+ * where each enters the box: unlike the optical depth it is even between rays, however they enter. */
 #include "direct/lamp.h"
 
 #include "base/context.h"
@@ -31,32 +32,33 @@ typedef struct lattice {
     double near, far;       /* m along w from the lamp */
     double low[2], step[2]; /* of p and q */
     int32_t count[2];
-    float* depth[3]; /* up to the near side of each slab, and the far side of the last: (slabs + 1) x count */
-    float* hit;      /* per ray: how far along w a surface is, m; NULL: there are none */
+    double entry;   /* m along w: where the box begins */
+    float* mean[3]; /* extinction up to the near side of each slab, and the far side of the last: (slabs + 1) x count */
+    float* hit;     /* per ray: how far along w a surface is, m; NULL: there are none */
 } lattice;
 
 static size_t ray_count(const lattice* l) {
     return (size_t)l->count[0] * (size_t)l->count[1];
 }
 
-static size_t depth_count(const lattice* l) {
+static size_t value_count(const lattice* l) {
     return ray_count(l) * (size_t)(l->slabs + 1);
 }
 
 static void end_lattice(lattice* l) {
     ty_context* context = l->of->medium->context;
     for (int32_t c = 0; c < l->of->medium->planes; ++c)
-        ty_free_array(context, l->depth[c], depth_count(l), sizeof *l->depth[c]);
+        ty_free_array(context, l->mean[c], value_count(l), sizeof *l->mean[c]);
     ty_free_array(context, l->hit, ray_count(l), sizeof *l->hit);
     l->slabs = 0;
-    l->hit = l->depth[0] = l->depth[1] = l->depth[2] = NULL;
+    l->hit = l->mean[0] = l->mean[1] = l->mean[2] = NULL;
 }
 
 static ty_result take_lattice(lattice* l) {
     const ty_grid_medium* medium = l->of->medium;
     for (int32_t c = 0; c < medium->planes; ++c) {
-        l->depth[c] = ty_alloc_array(medium->context, depth_count(l), sizeof *l->depth[c], false);
-        if (l->depth[c] == NULL) return TY_ERROR_MEMORY;
+        l->mean[c] = ty_alloc_array(medium->context, value_count(l), sizeof *l->mean[c], false);
+        if (l->mean[c] == NULL) return TY_ERROR_MEMORY;
     }
     if (l->of->scene->mesh == NULL) return TY_OK;
     l->hit = ty_alloc_array(medium->context, ray_count(l), sizeof *l->hit, false);
@@ -91,14 +93,20 @@ static int32_t slab_cell(const lattice* l, int32_t slab) {
     return l->backwards ? l->of->medium->box.size[l->axis[2]] - 1 - at : at;
 }
 
-/* Cuts [*near, *far] to where p times it is within [low, high]. */
-static void cut(double p, double low, double high, double* near, double* far) {
-    if (p == 0) {
-        if (low > 0 || high < 0) *far = *near;
-        return;
-    }
-    *near = fmax(*near, fmin(low / p, high / p));
-    *far = fmin(*far, fmax(low / p, high / p));
+/* Where along w a ray comes to be within [low, high], m; INFINITY: nowhere. */
+static double entry_of(double p, double low, double high) {
+    if (low <= 0 && high >= 0) return 0;
+    const double at = p != 0 ? (low > 0 ? low : high) / p : -1;
+    return at > 0 ? at : INFINITY;
+}
+
+/* Where along w a ray enters the box, m. It is not said to leave it again: at the box's sides, rays go on as if the
+ * outer cells did. Nothing there is lit, and between a ray there and one inside values stay right. */
+static double enters_at(const lattice* l, double p, double q) {
+    const lamp_job* lamp = l->of;
+    const double u = entry_of(p, lamp->lower[l->axis[0]], lamp->upper[l->axis[0]]);
+    const double v = entry_of(q, lamp->lower[l->axis[1]], lamp->upper[l->axis[1]]);
+    return fmax(l->entry, fmax(u, v));
 }
 
 /* Cells around a coordinate that is in cells from the box's lower side, and the share of the upper one. */
@@ -109,30 +117,27 @@ static void neighbours(double at, int32_t size, int32_t cells[2], float* share) 
     *share = (float)(from - cells[0]);
 }
 
-/* Adds what a ray passes in one slab to depth[3]. */
-static void pass_slab(const lattice* l, int32_t slab, double p, double q, float depth[3]) {
+/* Extinction that a ray meets in a slab, `along` m along w; beyond the box's sides as in the outer cells. */
+static void slab_extinction(const lattice* l, int32_t slab, double p, double q, double along, float sigma[3]) {
     const lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
-    double near = plane_at(l, slab), far = fmin(l->far, plane_at(l, slab + 1));
-    cut(p, lamp->lower[l->axis[0]], lamp->upper[l->axis[0]], &near, &far);
-    cut(q, lamp->lower[l->axis[1]], lamp->upper[l->axis[1]], &near, &far);
-    if (!(far > near)) return;
-    const double tangent[2] = {p, q}, middle = 0.5 * (near + far);
+    const double tangent[2] = {p, q};
+    const size_t row_size = (size_t)medium->box.size[0];
+    const size_t stride[3] = {1, row_size, row_size * (size_t)medium->box.size[1]};
     int32_t cells[2][2];
     float share[2];
-    size_t stride[3] = {1, (size_t)medium->box.size[0], (size_t)medium->box.size[0] * (size_t)medium->box.size[1]};
     for (int i = 0; i < 2; ++i) {
         const int32_t a = l->axis[i];
-        neighbours((tangent[i] * middle - lamp->lower[a]) / medium->cell[a], medium->box.size[a], cells[i], &share[i]);
+        neighbours((tangent[i] * along - lamp->lower[a]) / medium->cell[a], medium->box.size[a], cells[i], &share[i]);
     }
-    const size_t base = stride[l->axis[2]] * (size_t)slab_cell(l, slab), u = stride[l->axis[0]], v = stride[l->axis[1]];
-    const float length = (float)((far - near) * sqrt(1 + p * p + q * q));
+    const size_t base = stride[l->axis[2]] * (size_t)slab_cell(l, slab);
+    const size_t u = stride[l->axis[0]], v = stride[l->axis[1]];
     for (int32_t c = 0; c < medium->planes; ++c) {
         const float* plane = lamp->extinction[c] + base;
         const float* row[2] = {plane + v * (size_t)cells[1][0], plane + v * (size_t)cells[1][1]};
         const size_t i = u * (size_t)cells[0][0], j = u * (size_t)cells[0][1];
-        depth[c] += length * ty_share_between(ty_share_between(row[0][i], row[0][j], share[0]),
-                                              ty_share_between(row[1][i], row[1][j], share[0]), share[1]);
+        sigma[c] = ty_share_between(ty_share_between(row[0][i], row[0][j], share[0]),
+                                    ty_share_between(row[1][i], row[1][j], share[0]), share[1]);
     }
 }
 
@@ -155,29 +160,48 @@ typedef struct trace_job {
     const lattice* before; /* the length nearer to the lamp; slabs 0: there is none */
 } trace_job;
 
-static void trace_ray(const trace_job* job, int32_t column, int32_t row) {
-    lattice* l = job->l;
-    const lattice* before = job->before;
-    const double p = l->low[0] + l->step[0] * column, q = l->low[1] + l->step[1] * row;
-    const size_t rays = ray_count(l), at = (size_t)row * (size_t)l->count[0] + (size_t)column;
-    float depth[3] = {0, 0, 0};
-    if (before->slabs > 0) {
-        int32_t i[2];
-        const float share[2] = {locate(before, 0, p, &i[0]), locate(before, 1, q, &i[1])};
-        for (int32_t c = 0; c < l->of->medium->planes; ++c)
-            depth[c] = between_rays(before, before->depth[c] + ray_count(before) * (size_t)before->slabs, i, share);
-    }
-    for (int32_t slab = 0; slab <= l->slabs; ++slab) {
-        for (int32_t c = 0; c < l->of->medium->planes; ++c) l->depth[c][rays * (size_t)slab + at] = depth[c];
-        if (slab < l->slabs) pass_slab(l, slab, p, q, depth);
-    }
-    if (l->hit == NULL) return;
-    float way[3];
+/* The mean extinction up to the near side of a lattice, from that before it. */
+static void begin_mean(const lattice* before, double p, double q, float mean[3]) {
+    int32_t i[2];
+    const float share[2] = {locate(before, 0, p, &i[0]), locate(before, 1, q, &i[1])};
+    const size_t last = ray_count(before) * (size_t)before->slabs;
+    for (int32_t c = 0; c < before->of->medium->planes; ++c)
+        mean[c] = between_rays(before, before->mean[c] + last, i, share);
+}
+
+/* How far along a ray a surface is, as a distance along w. */
+static float hit_along(const lattice* l, double p, double q) {
     const double length = sqrt(1 + p * p + q * q);
+    float way[3];
     way[l->axis[0]] = (float)(p / length);
     way[l->axis[1]] = (float)(q / length);
     way[l->axis[2]] = (float)((l->backwards ? -1 : 1) / length);
-    l->hit[at] = reach(l->of, ty_vec_load(way), TY_FLOAT_MAX) / (float)length;
+    return reach(l->of, ty_vec_load(way), TY_FLOAT_MAX) / (float)length;
+}
+
+static void trace_ray(const trace_job* job, int32_t column, int32_t row) {
+    lattice* l = job->l;
+    const double p = l->low[0] + l->step[0] * column, q = l->low[1] + l->step[1] * row;
+    const double entry = enters_at(l, p, q);
+    const size_t rays = ray_count(l), at = (size_t)row * (size_t)l->count[0] + (size_t)column;
+    double depth[3] = {0, 0, 0}; /* as if lengths were taken along w */
+    float value[3] = {0, 0, 0};
+    if (job->before->slabs > 0 && l->near > entry) {
+        begin_mean(job->before, p, q, value);
+        for (int c = 0; c < 3; ++c) depth[c] = (double)value[c] * (l->near - entry);
+    }
+    for (int32_t slab = 0; slab <= l->slabs; ++slab) {
+        const double near = plane_at(l, slab), far = slab < l->slabs ? fmin(l->far, plane_at(l, slab + 1)) : near;
+        const double from = fmin(far, fmax(near, entry));
+        float sigma[3] = {0, 0, 0};
+        slab_extinction(l, slab < l->slabs ? slab : l->slabs - 1, p, q, 0.5 * (from + far), sigma);
+        for (int32_t c = 0; c < l->of->medium->planes; ++c) {
+            const double passed = near - entry;
+            l->mean[c][rays * (size_t)slab + at] = passed > 0 ? (float)(depth[c] / passed) : sigma[c];
+            depth[c] += (double)sigma[c] * (far - from);
+        }
+    }
+    if (l->hit != NULL) l->hit[at] = hit_along(l, p, q);
 }
 
 static void trace_row(void* user, int64_t row, int32_t worker) {
@@ -232,8 +256,9 @@ static void light_cell(const lattice* l, int32_t slab, size_t cell_at, const dou
     const double along = fabs(off[l->axis[2]]);
     const double near = plane_at(l, slab), far = fmin(l->far, plane_at(l, slab + 1));
     int32_t at[2];
-    const float share[2] = {locate(l, 0, off[l->axis[0]] / along, &at[0]),
-                            locate(l, 1, off[l->axis[1]] / along, &at[1])};
+    const double p = off[l->axis[0]] / along, q = off[l->axis[1]] / along;
+    const float share[2] = {locate(l, 0, p, &at[0]), locate(l, 1, q, &at[1])};
+    const float length = (float)((along - enters_at(l, p, q)) * sqrt(1 + p * p + q * q));
     const float open = open_share(l, at, share, along);
     const float passed = (float)fmin(fmax((along - near) / (far - near), 0), 1);
     const double distance = sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]);
@@ -242,9 +267,9 @@ static void light_cell(const lattice* l, int32_t slab, size_t cell_at, const dou
     const size_t rays = ray_count(l);
     float mean[3] = {0, 0, 0};
     for (int32_t c = 0; c < medium->planes && open > 0; ++c) {
-        const float* plane = l->depth[c] + rays * (size_t)slab;
-        const float depth =
-            ty_share_between(between_rays(l, plane, at, share), between_rays(l, plane + rays, at, share), passed);
+        const float* plane = l->mean[c] + rays * (size_t)slab;
+        const float depth = length * ty_share_between(between_rays(l, plane, at, share),
+                                                      between_rays(l, plane + rays, at, share), passed);
         const float extinction = lamp->extinction[c][cell_at];
         mean[c] = open * (lamp->out.transmittance != NULL ? ty_lamp_mean_transmittance(depth, extinction, to, size)
                                                           : ty_lamp_mean(depth, extinction, to, (float)distance, size));
@@ -322,6 +347,7 @@ static ty_result light_pyramid(const lamp_job* lamp, int32_t w, bool backwards) 
     const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
     lattice before = {.of = lamp},
             l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+    l.entry = fmax(0, from);
     ty_result result = TY_OK;
     int32_t begin = (int32_t)fmin(medium->box.size[w], fmax(0, floor(-from / medium->cell[w])));
     for (; begin < medium->box.size[w] && result == TY_OK; begin += l.slabs) {
@@ -331,7 +357,7 @@ static ty_result light_pyramid(const lamp_job* lamp, int32_t w, bool backwards) 
         const lattice done = l;
         end_lattice(&before);
         before = done;
-        l.hit = l.depth[0] = l.depth[1] = l.depth[2] = NULL;
+        l.hit = l.mean[0] = l.mean[1] = l.mean[2] = NULL;
     }
     end_lattice(&before);
     return result;
