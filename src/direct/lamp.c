@@ -100,13 +100,24 @@ static double entry_of(double p, double low, double high) {
     return at > 0 ? at : INFINITY;
 }
 
-/* Where along w a ray enters the box, m. It is not said to leave it again: at the box's sides, rays go on as if the
- * outer cells did. Nothing there is lit, and between a ray there and one inside values stay right. */
-static double enters_at(const lattice* l, double p, double q) {
+/* Where along w a ray enters the box, m, and through a side across which of u, v, w. It is not said to leave it again:
+ * at the box's sides, rays go on as if the outer cells did. Nothing there is lit, and between a ray there and one
+ * inside values stay right. */
+static double enters_at(const lattice* l, double p, double q, int32_t* across) {
     const lamp_job* lamp = l->of;
     const double u = entry_of(p, lamp->lower[l->axis[0]], lamp->upper[l->axis[0]]);
     const double v = entry_of(q, lamp->lower[l->axis[1]], lamp->upper[l->axis[1]]);
+    *across = l->entry >= u && l->entry >= v ? 2 : u >= v ? 0 : 1;
     return fmax(l->entry, fmax(u, v));
+}
+
+/* The gradient of the length from the box's side to a point. to: unit, from the lamp; outside: the share of the way
+ * before that side. */
+static ty_vec length_gradient(const double to[3], double outside, int32_t across) {
+    double slope[3];
+    for (int a = 0; a < 3; ++a) slope[a] = to[a] * (1 - outside);
+    slope[across] += outside / to[across];
+    return ty_vec_make((float)slope[0], (float)slope[1], (float)slope[2]);
 }
 
 /* Cells around a coordinate that is in cells from the box's lower side, and the share of the upper one. */
@@ -182,7 +193,8 @@ static float hit_along(const lattice* l, double p, double q) {
 static void trace_ray(const trace_job* job, int32_t column, int32_t row) {
     lattice* l = job->l;
     const double p = l->low[0] + l->step[0] * column, q = l->low[1] + l->step[1] * row;
-    const double entry = enters_at(l, p, q);
+    int32_t across;
+    const double entry = enters_at(l, p, q, &across);
     const size_t rays = ray_count(l), at = (size_t)row * (size_t)l->count[0] + (size_t)column;
     double depth[3] = {0, 0, 0}; /* as if lengths were taken along w */
     float value[3] = {0, 0, 0};
@@ -250,34 +262,50 @@ static float open_share(const lattice* l, const int32_t at[2], const float share
                             ty_share_between(next[0] > w ? 1 : 0, next[1] > w ? 1 : 0, share[0]), share[1]);
 }
 
+/* Optical depths of a cell's middle, off[3] m from the lamp. */
+static void find_depths(const lattice* l, int32_t slab, size_t cell_at, const double off[3], const int32_t at[2],
+                        const float share[2], ty_lamp_depth depths[3]) {
+    const double along = fabs(off[l->axis[2]]);
+    const double p = off[l->axis[0]] / along, q = off[l->axis[1]] / along;
+    const double distance = along * sqrt(1 + p * p + q * q);
+    const double to[3] = {off[0] / distance, off[1] / distance, off[2] / distance};
+    const double near = plane_at(l, slab), far = fmin(l->far, plane_at(l, slab + 1));
+    const float passed = (float)fmin(fmax((along - near) / (far - near), 0), 1);
+    int32_t across;
+    const double outside = fmin(1, enters_at(l, p, q, &across) / along);
+    const ty_vec slope = length_gradient(to, outside, l->axis[across]);
+    const size_t rays = ray_count(l);
+    for (int32_t c = 0; c < l->of->medium->planes; ++c) {
+        const float* plane = l->mean[c] + rays * (size_t)slab;
+        const float mean =
+            ty_share_between(between_rays(l, plane, at, share), between_rays(l, plane + rays, at, share), passed);
+        depths[c] = (ty_lamp_depth){.depth = mean * (float)((1 - outside) * distance),
+                                    .extinction = l->of->extinction[c][cell_at],
+                                    .slope = slope};
+    }
+}
+
 static void light_cell(const lattice* l, int32_t slab, size_t cell_at, const double off[3]) {
     const lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const double along = fabs(off[l->axis[2]]);
-    const double near = plane_at(l, slab), far = fmin(l->far, plane_at(l, slab + 1));
-    int32_t at[2];
-    const double p = off[l->axis[0]] / along, q = off[l->axis[1]] / along;
-    const float share[2] = {locate(l, 0, p, &at[0]), locate(l, 1, q, &at[1])};
-    const float length = (float)((along - enters_at(l, p, q)) * sqrt(1 + p * p + q * q));
-    const float open = open_share(l, at, share, along);
-    const float passed = (float)fmin(fmax((along - near) / (far - near), 0), 1);
     const double distance = sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]);
     const ty_vec to = ty_vec_make((float)(off[0] / distance), (float)(off[1] / distance), (float)(off[2] / distance));
     const float size[3] = {(float)medium->cell[0], (float)medium->cell[1], (float)medium->cell[2]};
-    const size_t rays = ray_count(l);
+    int32_t at[2];
+    const float share[2] = {locate(l, 0, off[l->axis[0]] / along, &at[0]),
+                            locate(l, 1, off[l->axis[1]] / along, &at[1])};
+    const float open = open_share(l, at, share, along);
+    float* const* transmittance = lamp->out.transmittance;
+    ty_lamp_depth depths[3];
     float mean[3] = {0, 0, 0};
-    for (int32_t c = 0; c < medium->planes && open > 0; ++c) {
-        const float* plane = l->mean[c] + rays * (size_t)slab;
-        const float depth = length * ty_share_between(between_rays(l, plane, at, share),
-                                                      between_rays(l, plane + rays, at, share), passed);
-        const float extinction = lamp->extinction[c][cell_at];
-        mean[c] = open * (lamp->out.transmittance != NULL ? ty_lamp_mean_transmittance(depth, extinction, to, size)
-                                                          : ty_lamp_mean(depth, extinction, to, (float)distance, size));
-    }
+    if (open > 0) find_depths(l, slab, cell_at, off, at, share, depths);
+    for (int32_t c = 0; c < medium->planes && open > 0; ++c)
+        mean[c] = open * (transmittance != NULL ? ty_lamp_mean_transmittance(depths[c], size)
+                                                : ty_lamp_mean(depths[c], to, (float)distance, size));
     for (int32_t c = medium->planes; c < 3; ++c) mean[c] = mean[0];
-    for (int32_t c = 0; c < medium->planes && lamp->out.transmittance != NULL; ++c)
-        lamp->out.transmittance[c][cell_at] = mean[c];
-    if (lamp->out.transmittance == NULL) add_light(lamp, cell_at, to, (float)distance, mean);
+    for (int32_t c = 0; c < medium->planes && transmittance != NULL; ++c) transmittance[c][cell_at] = mean[c];
+    if (transmittance == NULL) add_light(lamp, cell_at, to, (float)distance, mean);
 }
 
 /* One row of cells of a slab. */

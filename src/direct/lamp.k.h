@@ -13,27 +13,33 @@ TY_FN float ty_log_sinhc(float x) {
     return x + ty_logf((1.0f - ty_decay(2.0f * x)) / (2.0f * x));
 }
 
-/* The mean of e^-(optical depth) / r^2 over a cell, relative to 1 / r^2 in its middle: exact where the depth is linear
- * in the cell, and to second order in the cell's size over r. depth: in its middle; to: unit, from the lamp. */
-TY_FN float ty_lamp_mean(float depth, float extinction, ty_vec to, float distance, const float cell[3]) {
-    const float way[3] = {to.x, to.y, to.z};
-    const float inverse = 1.0f / distance;
-    float log_mean = -depth, spread = 1.0f;
-    for (int32_t a = 0; a < 3; ++a) {
-        const float square = way[a] * way[a];
-        log_mean += ty_log_sinhc(0.5f * extinction * fabsf(way[a]) * cell[a]);
-        spread += cell[a] * cell[a] * (1.0f / 24.0f) * inverse *
-                  ((8.0f * square - 2.0f) * inverse + 4.0f * extinction * square);
-    }
-    return ty_decay(ty_maxf(0.0f, -log_mean)) * spread;
+/* The optical depth around a cell's middle. */
+typedef struct ty_lamp_depth {
+    float depth;      /* in the middle */
+    float extinction; /* of the cell, 1/m */
+    ty_vec slope;     /* gradient of the depth over extinction */
+} ty_lamp_depth;
+
+/* The mean of the transmittance over a cell: exact where the depth is linear. */
+TY_FN float ty_lamp_mean_transmittance(ty_lamp_depth d, const float cell[3]) {
+    const float slope[3] = {d.slope.x, d.slope.y, d.slope.z};
+    float log_mean = -d.depth;
+    for (int32_t a = 0; a < 3; ++a) log_mean += ty_log_sinhc(0.5f * d.extinction * fabsf(slope[a]) * cell[a]);
+    return ty_decay(ty_maxf(0.0f, -log_mean));
 }
 
-/* The same of the transmittance alone. */
-TY_FN float ty_lamp_mean_transmittance(float depth, float extinction, ty_vec to, const float cell[3]) {
-    const float way[3] = {to.x, to.y, to.z};
-    float log_mean = -depth;
-    for (int32_t a = 0; a < 3; ++a) log_mean += ty_log_sinhc(0.5f * extinction * fabsf(way[a]) * cell[a]);
-    return ty_decay(ty_maxf(0.0f, -log_mean));
+/* The mean of transmittance / r^2 over a cell, relative to 1 / r^2 in its middle, to second order in the cell's size
+ * over r. to: unit, from the lamp. */
+TY_FN float ty_lamp_mean(ty_lamp_depth d, ty_vec to, float distance, const float cell[3]) {
+    const float way[3] = {to.x, to.y, to.z}, slope[3] = {d.slope.x, d.slope.y, d.slope.z};
+    const float inverse = 1.0f / distance;
+    float spread = 1.0f;
+    for (int32_t a = 0; a < 3; ++a) {
+        const float square = way[a] * way[a];
+        const float bent = d.extinction * (4.0f * way[a] * slope[a] - (1.0f - square));
+        spread += cell[a] * cell[a] * (1.0f / 24.0f) * inverse * ((8.0f * square - 2.0f) * inverse + bent);
+    }
+    return ty_lamp_mean_transmittance(d, cell) * spread;
 }
 
 #endif
