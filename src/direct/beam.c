@@ -78,11 +78,11 @@ typedef struct hit_job {
     double back; /* m from where tubes begin to where rays do, before everything */
 } hit_job;
 
-/* The middle of a tube where it meets the first slab's near side. */
-static void tube_begin(const hit_job* job, int32_t column, int32_t row, double at[3]) {
+/* Where one of a tube's rays, two by two, meets the first slab's near side. */
+static void ray_begin(const hit_job* job, int32_t column, int32_t row, int32_t ray, double at[3]) {
     const ty_beam* beam = job->beam;
-    const double cells[3] = {column + beam->first[0] + 0.5, row + beam->first[1] + 0.5,
-                             beam->backwards ? beam->size[2] : 0};
+    const double cells[3] = {column + beam->first[0] + 0.25 + 0.5 * (ray % 2),
+                             row + beam->first[1] + 0.25 + 0.5 * (ray / 2), beam->backwards ? beam->size[2] : 0};
     for (int i = 0; i < 3; ++i) {
         const int32_t a = beam->axis[i];
         at[a] = job->medium->box.lower[a] + cells[i] * job->medium->cell[a];
@@ -96,28 +96,33 @@ static float hit_along(const hit_job* job, const ty_hit* hit, const double begin
                    ((double)hit->position.z - begin[2]) * job->way[2]);
 }
 
+/* At most a packet of tubes' rays, one of each tube. */
+static void find_packet(const hit_job* job, int32_t column, int32_t count, int32_t row, int32_t ray) {
+    const ty_beam* beam = job->beam;
+    double begin[TY_PACKET][3];
+    ty_ray rays[TY_PACKET];
+    ty_hit hits[TY_PACKET];
+    for (int32_t i = 0; i < count; ++i) {
+        ray_begin(job, column + i, row, ray, begin[i]);
+        rays[i].far = TY_FLOAT_MAX;
+        for (int a = 0; a < 3; ++a) {
+            rays[i].origin[a] = (float)(begin[i][a] - job->back * job->way[a]);
+            rays[i].direction[a] = (float)job->way[a];
+        }
+    }
+    ty_mesh_intersect_packet(job->mesh, rays, count, hits);
+    float* out = beam->hit + tube_count(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
+    for (int32_t i = 0; i < count; ++i) out[i] = hit_along(job, &hits[i], begin[i]);
+}
+
 static void find_hits(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const hit_job* job = user;
-    const ty_beam* beam = job->beam;
+    const int32_t tubes = job->beam->tubes[0];
     const unsigned state = ty_flush_denormals();
-    for (int32_t column = 0; column < beam->tubes[0]; column += TY_PACKET) {
-        const int32_t left = beam->tubes[0] - column, count = left < TY_PACKET ? left : TY_PACKET;
-        double begin[TY_PACKET][3];
-        ty_ray rays[TY_PACKET];
-        ty_hit hits[TY_PACKET];
-        for (int32_t i = 0; i < count; ++i) {
-            tube_begin(job, column + i, (int32_t)row, begin[i]);
-            rays[i].far = TY_FLOAT_MAX;
-            for (int a = 0; a < 3; ++a) {
-                rays[i].origin[a] = (float)(begin[i][a] - job->back * job->way[a]);
-                rays[i].direction[a] = (float)job->way[a];
-            }
-        }
-        ty_mesh_intersect_packet(job->mesh, rays, count, hits);
-        float* out = beam->hit + row * beam->tubes[0] + column;
-        for (int32_t i = 0; i < count; ++i) out[i] = hit_along(job, &hits[i], begin[i]);
-    }
+    for (int32_t ray = 0; ray < TY_BEAM_RAYS; ++ray)
+        for (int32_t column = 0; column < tubes; column += TY_PACKET)
+            find_packet(job, column, tubes - column < TY_PACKET ? tubes - column : TY_PACKET, (int32_t)row, ray);
     ty_restore_denormals(state);
 }
 
@@ -154,7 +159,7 @@ static ty_result take_tubes(ty_beam* beam, bool shadows) {
     beam->scratch = ty_alloc_array(beam->context, size, sizeof *beam->scratch, true);
     if (beam->scratch == NULL) return TY_ERROR_MEMORY;
     if (!shadows) return TY_OK;
-    beam->hit = ty_alloc_array(beam->context, tube_count(beam), sizeof *beam->hit, false);
+    beam->hit = ty_alloc_array(beam->context, TY_BEAM_RAYS * tube_count(beam), sizeof *beam->hit, false);
     return beam->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
@@ -165,7 +170,7 @@ void ty_beam_end(ty_beam* beam) {
         ty_free_array(beam->context, beam->weight[i], slabs, sizeof *beam->weight[i]);
         ty_free_array(beam->context, beam->along[i], tube_count(beam), sizeof *beam->along[i]);
     }
-    ty_free_array(beam->context, beam->hit, tube_count(beam), sizeof *beam->hit);
+    ty_free_array(beam->context, beam->hit, TY_BEAM_RAYS * tube_count(beam), sizeof *beam->hit);
     ty_free_array(beam->context, beam->scratch, beam->scratch_size * (size_t)ty_context_threads(beam->context),
                   sizeof *beam->scratch);
 }
@@ -226,7 +231,6 @@ static void pass_tubes(const pass_job* job, int32_t v, bool kept, float* scratch
         .count = beam->size[0],
         .length = beam->length,
         .start = beam->length * (float)slab,
-        .hit = beam->hit != NULL ? beam->hit + at : NULL,
         .in = beam->along[slab % 2] + at,
         .out = kept ? beam->along[(slab + 1) % 2] + at : scratch + 5 * width,
         .mean = mean,
@@ -234,6 +238,8 @@ static void pass_tubes(const pass_job* job, int32_t v, bool kept, float* scratch
     };
     for (int32_t i = 0; i < 3; ++i) tubes.cells[i] = cell_row(beam, cells, v + i, scratch);
     for (int32_t i = 0; i < 2; ++i) memcpy(tubes.weight[i], beam->weight[i][slab], sizeof tubes.weight[i]);
+    for (int32_t i = 0; i < TY_BEAM_RAYS && beam->hit != NULL; ++i)
+        tubes.hit[i] = beam->hit + tube_count(beam) * (size_t)i + at;
     beam->kernels->tubes(&tubes);
 }
 
@@ -270,7 +276,7 @@ static int32_t last_slab(const ty_beam* beam, int32_t i, int32_t tube) {
     return last;
 }
 
-/* Tubes begin with 1 and keep what they had in the last slab that they were in. */
+/* Tubes begin with 1 and keep what they had in the last slab that they were in; surfaces do not count. */
 static ty_result add_power(const ty_beam* beam, double power[2]) {
     int32_t* last = ty_alloc_array(beam->context, (size_t)beam->tubes[0], sizeof *last, false);
     if (last == NULL) return TY_ERROR_MEMORY;

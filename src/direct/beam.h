@@ -22,7 +22,7 @@ typedef struct ty_beam {
     float (*weight[2])[3]; /* of the three, on the mean over the slab */
     int32_t first[2];      /* number of the tubes' first column and row */
     int32_t tubes[2];      /* columns and rows of tubes */
-    float* hit;            /* per tube: how far a surface is, m; NULL: there are none */
+    float* hit;            /* TY_BEAM_RAYS times per tube: how far a surface is, m; NULL: there are none */
     float* along[2];       /* per tube: transmittance so far, by turns */
     float* scratch;        /* of the workers */
     size_t scratch_size;   /* of each */
@@ -32,8 +32,8 @@ typedef struct ty_beam {
 ty_result ty_beam_begin(const ty_scene_view* scene, const ty_grid_medium* medium, const double outside[2][3],
                         ty_vec direction, ty_beam* beam);
 void ty_beam_end(ty_beam* beam);
-/* Mean transmittance of every cell to `lit`, power per irradiance entering and leaving to `power`; extinction and lit
- * are in the medium's order of cells. Errors: TY_ERROR_MEMORY. */
+/* Mean transmittance of every cell to `lit`, power per irradiance entering and leaving to `power` unless that is NULL;
+ * extinction and lit are in the medium's order of cells. Errors: TY_ERROR_MEMORY. */
 ty_result ty_beam_pass(ty_beam* beam, const ty_grid_medium* medium, const float* extinction, float* lit,
                        double power[2]);
 

@@ -139,6 +139,7 @@ typedef struct sample_job {
     const ty_medium_view* medium;
     const ty_grid* coverage; /* NULL: all of each cell */
     int32_t samples[3];      /* along a cell's sides */
+    bool even;               /* only_density_varies */
 } sample_job;
 
 /* Coefficients at a point, weighted by density and by g where they are for the mean cosine. */
@@ -158,31 +159,43 @@ static float density_at(const ty_medium_view* medium, ty_vec point) {
         0.0f, medium->transfer == NULL ? value : ty_transfer_density(medium->transfer, medium->transfer_count, value));
 }
 
-static void add_sample(const ty_medium_view* medium, ty_vec point, cell_sums* sums) {
-    const float density = density_at(medium, point);
-    if (!(density > 0.0f)) return;
+static void add_density(const ty_medium_view* medium, ty_vec point, double density, cell_sums* sums) {
     float sigma_s[3], g[3], glow[3] = {0, 0, 0};
     ty_medium_sigma_s(medium, point, sigma_s);
     ty_medium_g(medium, point, g);
     if (medium->emits != 0) ty_medium_glow(medium, point, glow);
     for (int c = 0; c < 3; ++c) {
-        sums->extinction[c] += (double)(density * medium->sigma_t[c]);
-        sums->scattering[c] += (double)(density * sigma_s[c]);
-        sums->turned[c] += (double)(density * sigma_s[c] * g[c]);
-        sums->glow[c] += (double)(density * glow[c]);
+        sums->extinction[c] += density * (double)medium->sigma_t[c];
+        sums->scattering[c] += density * (double)sigma_s[c];
+        sums->turned[c] += density * (double)(sigma_s[c] * g[c]);
+        sums->glow[c] += density * (double)glow[c];
     }
+}
+
+/* Whether coefficients at density 1 are the same everywhere. */
+static bool only_density_varies(const ty_medium_view* medium) {
+    return medium->albedo_fields == 0 && medium->transfer_albedo == 0 && medium->has_g_field == 0 &&
+           medium->has_temperature == 0;
 }
 
 static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
     const ty_grid_medium* out = job->out;
     const int32_t* samples = job->samples;
     cell_sums sums = {0};
+    double density = 0;
+    ty_vec point = ty_vec_make(0, 0, 0);
     for (int32_t s = 0; s < samples[0] * samples[1] * samples[2]; ++s) {
         const int32_t sub[3] = {s % samples[0], s / samples[0] % samples[1], s / (samples[0] * samples[1])};
-        double p[3];
-        for (int a = 0; a < 3; ++a) p[a] = out->box.lower[a] + out->cell[a] * (cell[a] + (sub[a] + 0.5) / samples[a]);
-        add_sample(job->medium, ty_vec_make((float)p[0], (float)p[1], (float)p[2]), &sums);
+        float p[3];
+        for (int a = 0; a < 3; ++a)
+            p[a] = (float)(out->box.lower[a] + out->cell[a] * (cell[a] + (sub[a] + 0.5) / samples[a]));
+        point = ty_vec_load(p);
+        density += (double)density_at(job->medium, point);
+        if (job->even || !(density > 0)) continue;
+        add_density(job->medium, point, density, &sums);
+        density = 0;
     }
+    if (density > 0) add_density(job->medium, point, density, &sums);
     return sums;
 }
 
@@ -214,7 +227,7 @@ static void sample_row(void* user, int64_t index, int32_t worker) {
 
 static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium* out) {
     const ty_medium_view* medium = &ty_scene_get_view(scene)->media[index];
-    sample_job job = {.out = out, .medium = medium};
+    sample_job job = {.out = out, .medium = medium, .even = only_density_varies(medium)};
     double density[3];
     ty_grid* coverage = NULL;
     if (medium->bounds != TY_BOUNDED_NOT) {

@@ -15,7 +15,7 @@ static void blend_rows(const ty_beam_row* row) {
     for (int32_t i = 0; i < count; ++i) blend[i + 2] = ty_share_three(a[i], b[i], c[i], weight);
 }
 
-static void pass_open(const ty_beam_row* row) {
+static void pass(const ty_beam_row* row) {
     const float *blend = row->blend, *in = row->in;
     float *out = row->out, *mean = row->mean;
     const float* weight = row->weight[0];
@@ -29,28 +29,26 @@ static void pass_open(const ty_beam_row* row) {
     }
 }
 
-/* The same where surfaces end tubes. */
-static void pass_shadowed(const ty_beam_row* row) {
-    const float *blend = row->blend, *in = row->in, *hit = row->hit;
-    float *out = row->out, *mean = row->mean;
-    const float* weight = row->weight[0];
-    const float length = row->length, start = row->start, per_length = 1.0f / row->length;
+/* The share of a slab that a ray is in before it meets a surface. */
+TY_FN float open_share(float hit, float start, float per_length) {
+    return ty_clampf((hit - start) * per_length, 0.0f, 1.0f);
+}
+
+/* Takes away what surfaces shade of each tube. */
+static void shade(const ty_beam_row* row) {
+    const float *a = row->hit[0], *b = row->hit[1], *c = row->hit[2], *d = row->hit[3];
+    const float start = row->start, per_length = 1.0f / row->length;
+    float* mean = row->mean;
 #pragma omp simd
-    for (int32_t t = 0; t < row->count + 2; ++t) {
-        const float open = ty_clampf((hit[t] - start) * per_length, 0.0f, 1.0f);
-        const float depth = ty_share_three(blend[t], blend[t + 1], blend[t + 2], weight) * length * open;
-        const float decay = ty_decay(depth);
-        mean[t] = in[t] * ty_mean_decay(depth, decay) * open;
-        out[t] = in[t] * decay;
-    }
+    for (int32_t t = 0; t < row->count + 2; ++t)
+        mean[t] *= 0.25f * (open_share(a[t], start, per_length) + open_share(b[t], start, per_length) +
+                            open_share(c[t], start, per_length) + open_share(d[t], start, per_length));
 }
 
 static void tubes(const ty_beam_row* row) {
     blend_rows(row);
-    if (row->hit != NULL)
-        pass_shadowed(row);
-    else
-        pass_open(row);
+    pass(row);
+    if (row->hit[0] != NULL) shade(row);
 }
 
 static void cells(const ty_beam_cells* c) {

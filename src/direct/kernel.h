@@ -4,18 +4,21 @@
 
 #include "direct/beam.k.h"
 
+/* Rays along each tube that find where surfaces are. */
+enum { TY_BEAM_RAYS = 4 };
+
 /* Tubes through a slab: tube t of a row overlaps its cells t - 2, t - 1 and t. */
 typedef struct ty_beam_row {
-    int32_t count;         /* cells in a row; tubes are two more */
-    float weight[2][3];    /* of each tube's three cells, and three rows */
-    float length;          /* of a tube within the slab, m */
-    float start;           /* how far the slab's near side is along the tubes, m */
-    const float* cells[3]; /* extinction of the three rows, 1/m */
-    const float* hit;      /* how far along each tube a surface is, m; NULL: there is none */
-    const float* in;       /* transmittance of each tube up to the slab, or to the surface */
-    float* out;            /* and up to its far side */
-    float* mean;           /* transmittance over the slab, 0 behind surfaces */
-    float* blend;          /* scratch, count + 4 */
+    int32_t count;                  /* cells in a row; tubes are two more */
+    float weight[2][3];             /* of each tube's three cells, and three rows */
+    float length;                   /* of a tube within the slab, m */
+    float start;                    /* how far the slab's near side is along the tubes, m */
+    const float* cells[3];          /* extinction of the three rows, 1/m */
+    const float* hit[TY_BEAM_RAYS]; /* how far along each tube its rays meet a surface, m; NULL: there is none */
+    const float* in;                /* transmittance of each tube up to the slab, surfaces ignored */
+    float* out;                     /* and up to its far side */
+    float* mean;                    /* transmittance over the slab, times the share of it before surfaces */
+    float* blend;                   /* scratch, count + 4 */
 } ty_beam_row;
 
 /* Cells of a slab. */

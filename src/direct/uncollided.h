@@ -23,9 +23,10 @@ typedef struct ty_light_field {
 ty_result ty_light_field_create(const ty_grid_medium* medium, bool with_flux, ty_light_field** out);
 void ty_light_field_destroy(ty_light_field* field);
 
-/* What becomes of a beam, per channel, in watts per irradiance (that is, m^2). */
+/* What becomes of a beam, per channel, in watts per irradiance (that is, m^2), if there were no surfaces. Without them,
+ * the difference is what all cells absorb: the sum of extinction times mean transmittance times volume. */
 typedef struct ty_beam_power {
-    double entering[3], leaving[3]; /* leaving: the media; also what then falls on surfaces */
+    double entering[3], leaving[3];
 } ty_beam_power;
 
 /* Adds the light of `count` sources to a field; a caller that wants some of them apart gives them fields of their own.
