@@ -308,25 +308,36 @@ static void light_cell(const lattice* l, int32_t slab, size_t cell_at, const dou
     if (transmittance == NULL) add_light(lamp, cell_at, to, (float)distance, mean);
 }
 
-/* One row of cells of a slab. */
+/* A cell's middle along an axis, m from the lamp. */
+static double middle_of(const lamp_job* lamp, int32_t axis, int32_t cell) {
+    return lamp->lower[axis] + lamp->medium->cell[axis] * (cell + 0.5);
+}
+
+/* One row of cells of a slab, as far as it is in the pyramid. */
 static void light_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const lattice* l = user;
     const lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
-    const int32_t rows = medium->box.size[l->axis[1]], slab = (int32_t)(index / rows);
+    const int32_t *axis = l->axis, *size = medium->box.size;
+    const int32_t rows = size[axis[1]], slab = (int32_t)(index / rows);
     int32_t cell[3];
-    cell[l->axis[1]] = (int32_t)(index % rows);
-    cell[l->axis[2]] = slab_cell(l, slab);
+    cell[axis[1]] = (int32_t)(index % rows);
+    cell[axis[2]] = slab_cell(l, slab);
+    double off[3];
+    for (int i = 1; i < 3; ++i) off[axis[i]] = middle_of(lamp, axis[i], cell[axis[i]]);
+    const double wide = fabs(off[axis[2]]);
+    if (fabs(off[axis[1]]) > wide) return;
+    const double low = lamp->lower[axis[0]], per_cell = 1 / medium->cell[axis[0]];
+    const int32_t begin = (int32_t)fmax(0, fmin(size[axis[0]], floor((-wide - low) * per_cell) - 1));
+    const int32_t end = (int32_t)fmax(0, fmin(size[axis[0]], ceil((wide - low) * per_cell) + 1));
     const unsigned state = ty_flush_denormals();
-    for (int32_t u = 0; u < medium->box.size[l->axis[0]]; ++u) {
-        double off[3];
-        cell[l->axis[0]] = u;
-        for (int a = 0; a < 3; ++a) off[a] = lamp->lower[a] + medium->cell[a] * (cell[a] + 0.5);
+    for (int32_t u = begin; u < end; ++u) {
+        cell[axis[0]] = u;
+        off[axis[0]] = middle_of(lamp, axis[0], u);
         if (!is_owned(l, off) || (lamp->out.transmittance == NULL && is_near(lamp, cell))) continue;
-        const size_t at = (size_t)cell[0] + (size_t)medium->box.size[0] *
-                                                ((size_t)cell[1] + (size_t)medium->box.size[1] * (size_t)cell[2]);
-        light_cell(l, slab, at, off);
+        light_cell(l, slab, (size_t)cell[0] + (size_t)size[0] * ((size_t)cell[1] + (size_t)size[1] * (size_t)cell[2]),
+                   off);
     }
     ty_restore_denormals(state);
 }
