@@ -107,6 +107,32 @@ static void media_add_up(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* A grid turned over is sampled point by point, and its cells are those of the other, turned over. */
+static void turned_grids_are_the_same(void** state) {
+    const double lower[3] = {-2, -2, -2}, upper[3] = {2, 2, 2}, none[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    const double turn[3] = {0, 0, 90};
+    ty_grid_medium* media[2];
+    ty_grid* grid = direct_noise(*state, 8, 8, 8, 5);
+    for (int i = 0; i < 2; ++i) {
+        ty_scene* scene = make_scene(*state);
+        ty_medium_def medium = box_medium(lower, upper, 2, 1);
+        medium.density_grid = grid;
+        if (i == 1) medium.transform = ty_affine_compose(none, turn, one);
+        check_result(*state, ty_scene_add_medium(scene, &medium));
+        check_result(*state, ty_scene_commit(scene));
+        const ty_grid_box box = {.lower = {-2, -2, -2}, .upper = {2, 2, 2}, .size = {4, 4, 3}};
+        check_result(*state, ty_grid_medium_create(scene, &box, &media[i]));
+        ty_scene_destroy(scene);
+    }
+    for (int k = 0; k < 3; ++k)
+        for (int j = 0; j < 4; ++j)
+            for (int i = 0; i < 4; ++i) /* x to y, y to -x */
+                assert_close(media[0]->extinction[0][i + 4 * (j + 4 * k)],
+                             media[1]->extinction[0][3 - j + 4 * (i + 4 * k)], 2e-4);
+    for (int i = 0; i < 2; ++i) ty_grid_medium_destroy(media[i]);
+    ty_grid_destroy(grid);
+}
+
 static void reduced_extinction(void** state) {
     ty_grid* grid;
     ty_scene* scene = voxel_scene(*state, &grid);
@@ -195,6 +221,7 @@ int main(void) {
         cmocka_unit_test(voxels_are_met_exactly),
         cmocka_unit_test(nothing_is_lost_in_other_cells),
         cmocka_unit_test(media_add_up),
+        cmocka_unit_test(turned_grids_are_the_same),
         cmocka_unit_test(reduced_extinction),
         cmocka_unit_test(sources_carry_all_the_light),
         cmocka_unit_test(wrong_arguments_are_refused),

@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/float_mode.h"
+#include "direct/aligned.h"
 #include "grid/grid.h"
 #include "scene/check.h"
 #include "scene/medium.h"
@@ -140,6 +141,7 @@ typedef struct sample_job {
     const ty_grid* coverage; /* NULL: all of each cell */
     int32_t samples[3];      /* along a cell's sides */
     bool even;               /* only_density_varies */
+    ty_aligned aligned;      /* where the density's means are had more quickly */
 } sample_job;
 
 /* Coefficients at a point, weighted by density and by g where they are for the mean cosine. */
@@ -178,6 +180,7 @@ static bool only_density_varies(const ty_medium_view* medium) {
            medium->has_temperature == 0;
 }
 
+/* Sums over a cell's points. */
 static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
     const ty_grid_medium* out = job->out;
     const int32_t* samples = job->samples;
@@ -199,6 +202,14 @@ static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
     return sums;
 }
 
+/* The means of the same. */
+static cell_sums mean_cell(const sample_job* job, const int32_t cell[3]) {
+    cell_sums sums = {0};
+    const double density = ty_aligned_density(&job->aligned, job->medium, cell);
+    if (density > 0) add_density(job->medium, ty_vec_make(0, 0, 0), density, &sums);
+    return sums;
+}
+
 /* Adds a medium to one row of cells; g holds scattering times g until the end. */
 static void sample_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
@@ -212,8 +223,8 @@ static void sample_row(void* user, int64_t index, int32_t worker) {
         const size_t at = (size_t)index * (size_t)size[0] + (size_t)cell[0];
         const float covered = job->coverage == NULL ? 1.0f : ty_grid_voxel(job->coverage, cell[0], cell[1], cell[2]);
         if (!(covered > 0.0f)) continue;
-        const cell_sums sums = sample_cell(job, cell);
-        const double weight = each * (double)covered;
+        const cell_sums sums = job->aligned.cells[0] != NULL ? mean_cell(job, cell) : sample_cell(job, cell);
+        const double weight = (double)covered * (job->aligned.cells[0] != NULL ? 1 : each);
         for (int32_t c = 0; c < out->planes; ++c) {
             out->extinction[c][at] += (float)(weight * sums.extinction[c]);
             out->scattering[c][at] += (float)(weight * sums.scattering[c]);
@@ -231,17 +242,19 @@ static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium
     double density[3];
     ty_grid* coverage = NULL;
     if (medium->bounds != TY_BOUNDED_NOT) {
-        const ty_result result = ty_medium_coverage(scene, index, out->box.lower, out->box.upper, out->box.size,
-                                                    COVERAGE_SAMPLES, &coverage);
-        if (result != TY_OK) return result;
+        const ty_result covered = ty_medium_coverage(scene, index, out->box.lower, out->box.upper, out->box.size,
+                                                     COVERAGE_SAMPLES, &coverage);
+        if (covered != TY_OK) return covered;
     }
     job.coverage = coverage;
     voxel_density(medium, density);
     for (int a = 0; a < 3; ++a)
         job.samples[a] = (int32_t)fmin(SAMPLES_MAX, fmax(1, ceil(2 * density[a] * out->cell[a] * (1 - 1e-5))));
-    ty_parallel_for(out->context, (int64_t)out->box.size[1] * out->box.size[2], sample_row, &job);
+    const ty_result result = job.even ? ty_aligned_create(out, medium, job.samples, &job.aligned) : TY_OK;
+    if (result == TY_OK) ty_parallel_for(out->context, (int64_t)out->box.size[1] * out->box.size[2], sample_row, &job);
+    ty_aligned_destroy(out, &job.aligned);
     ty_grid_destroy(coverage);
-    return TY_OK;
+    return result;
 }
 
 /* From scattering times g to g. */
