@@ -6,26 +6,13 @@
 #include "base/context.h"
 #include "base/float_mode.h"
 #include "direct/lamp.k.h"
+#include "direct/lamp_near.h"
 
-/* Cells within NEAR of the lamp's own are lit by following rays, NEAR_RAYS^2 for each of the six ways. */
-enum { NEAR = 2, NEAR_SIDE = 2 * NEAR + 1, NEAR_CELLS = NEAR_SIDE * NEAR_SIDE * NEAR_SIDE };
-enum { NEAR_RAYS = 48, NEAR_RAYS_ONE_OF_MANY = 16, FIRST_SLABS = 4 };
-
-typedef struct lamp_job {
-    const ty_scene_view* scene;
-    const ty_grid_medium* medium;
-    const ty_source* source;
-    const ty_light_view* light;
-    float* const* extinction;
-    ty_lamp_out out;
-    double lower[3], upper[3]; /* of the box, m from the lamp */
-    int32_t home[3];           /* the lamp's cell; it may be outside the box */
-    float lift;                /* m off the lamp's own surface, where shadow rays start */
-} lamp_job;
+enum { FIRST_SLABS = 4 };
 
 /* The lattice of one length of one pyramid. p and q: tangents along the axes u and v. */
 typedef struct lattice {
-    const lamp_job* of;
+    const ty_lamp_job* of;
     int32_t axis[3];        /* u, v, w */
     bool backwards;         /* along w */
     int32_t slabs, begin;   /* of the length; the first, counted along w */
@@ -65,18 +52,6 @@ static ty_result take_lattice(lattice* l) {
     return l->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
-/* ---- shadows of surfaces ---- */
-
-/* How far a ray from the lamp goes before it meets a surface, m, at most `far`. */
-static float reach(const lamp_job* lamp, ty_vec direction, float far) {
-    if (lamp->scene->mesh == NULL) return far;
-    ty_hit hit;
-    ty_vec origin = lamp->source->position;
-    const float side = ty_dot(lamp->source->direction, direction) < 0 ? -lamp->lift : lamp->lift;
-    if (lamp->lift > 0) origin = ty_mad(origin, lamp->source->direction, side);
-    return ty_mesh_intersect(lamp->scene->mesh, origin, direction, far, &hit) ? hit.distance : far;
-}
-
 /* ---- rays of a lattice ---- */
 
 /* The near side of a slab of the lattice, m along w from the lamp. */
@@ -104,7 +79,7 @@ static double entry_of(double p, double low, double high) {
  * at the box's sides, rays go on as if the outer cells did. Nothing there is lit, and between a ray there and one
  * inside values stay right. */
 static double enters_at(const lattice* l, double p, double q, int32_t* across) {
-    const lamp_job* lamp = l->of;
+    const ty_lamp_job* lamp = l->of;
     const double u = entry_of(p, lamp->lower[l->axis[0]], lamp->upper[l->axis[0]]);
     const double v = entry_of(q, lamp->lower[l->axis[1]], lamp->upper[l->axis[1]]);
     *across = l->entry >= u && l->entry >= v ? 2 : u >= v ? 0 : 1;
@@ -130,7 +105,7 @@ static void neighbours(double at, int32_t size, int32_t cells[2], float* share) 
 
 /* Extinction that a ray meets in a slab, `along` m along w; beyond the box's sides as in the outer cells. */
 static void slab_extinction(const lattice* l, int32_t slab, double p, double q, double along, float sigma[3]) {
-    const lamp_job* lamp = l->of;
+    const ty_lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const double tangent[2] = {p, q};
     const size_t row_size = (size_t)medium->box.size[0];
@@ -187,7 +162,7 @@ static float hit_along(const lattice* l, double p, double q) {
     way[l->axis[0]] = (float)(p / length);
     way[l->axis[1]] = (float)(q / length);
     way[l->axis[2]] = (float)((l->backwards ? -1 : 1) / length);
-    return reach(l->of, ty_vec_load(way), TY_FLOAT_MAX) / (float)length;
+    return ty_lamp_reach(l->of, ty_vec_load(way), TY_FLOAT_MAX) / (float)length;
 }
 
 static void trace_ray(const trace_job* job, int32_t column, int32_t row) {
@@ -226,7 +201,7 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
 
 /* ---- cells ---- */
 
-static void add_light(const lamp_job* lamp, size_t at, ty_vec to, float distance, const float mean[3]) {
+static void add_light(const ty_lamp_job* lamp, size_t at, ty_vec to, float distance, const float mean[3]) {
     const ty_lamp_out* out = &lamp->out;
     const float falloff = ty_source_profile(lamp->light, ty_dot(to, lamp->source->direction)) / (distance * distance);
     for (int32_t c = 0; c < 3; ++c) {
@@ -237,12 +212,6 @@ static void add_light(const lamp_job* lamp, size_t at, ty_vec to, float distance
         out->flux[c][1][at] += fluence * to.y;
         out->flux[c][2][at] += fluence * to.z;
     }
-}
-
-static bool is_near(const lamp_job* lamp, const int32_t cell[3]) {
-    for (int a = 0; a < 3; ++a)
-        if (abs(cell[a] - lamp->home[a]) > NEAR) return false;
-    return true;
 }
 
 /* Whether the way to a cell's middle is along this lattice's pyramid: exactly one of the six has it. */
@@ -286,7 +255,7 @@ static void find_depths(const lattice* l, int32_t slab, size_t cell_at, const do
 }
 
 static void light_cell(const lattice* l, int32_t slab, size_t cell_at, const double off[3]) {
-    const lamp_job* lamp = l->of;
+    const ty_lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const double along = fabs(off[l->axis[2]]);
     const double distance = sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]);
@@ -309,7 +278,7 @@ static void light_cell(const lattice* l, int32_t slab, size_t cell_at, const dou
 }
 
 /* A cell's middle along an axis, m from the lamp. */
-static double middle_of(const lamp_job* lamp, int32_t axis, int32_t cell) {
+static double middle_of(const ty_lamp_job* lamp, int32_t axis, int32_t cell) {
     return lamp->lower[axis] + lamp->medium->cell[axis] * (cell + 0.5);
 }
 
@@ -317,7 +286,7 @@ static double middle_of(const lamp_job* lamp, int32_t axis, int32_t cell) {
 static void light_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const lattice* l = user;
-    const lamp_job* lamp = l->of;
+    const ty_lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const int32_t *axis = l->axis, *size = medium->box.size;
     const int32_t rows = size[axis[1]], slab = (int32_t)(index / rows);
@@ -335,7 +304,7 @@ static void light_row(void* user, int64_t index, int32_t worker) {
     for (int32_t u = begin; u < end; ++u) {
         cell[axis[0]] = u;
         off[axis[0]] = middle_of(lamp, axis[0], u);
-        if (!is_owned(l, off) || (lamp->out.transmittance == NULL && is_near(lamp, cell))) continue;
+        if (!is_owned(l, off) || (lamp->out.transmittance == NULL && ty_lamp_is_near(lamp, cell))) continue;
         light_cell(l, slab, (size_t)cell[0] + (size_t)size[0] * ((size_t)cell[1] + (size_t)size[1] * (size_t)cell[2]),
                    off);
     }
@@ -372,7 +341,7 @@ static void place_slabs(lattice* l, int32_t begin) {
     l->far = plane_at(l, l->slabs);
 }
 
-static ty_result light_length(const lamp_job* lamp, lattice* l, const lattice* before) {
+static ty_result light_length(const ty_lamp_job* lamp, lattice* l, const lattice* before) {
     const ty_result result = take_lattice(l);
     if (result != TY_OK) return result;
     trace_job job = {.l = l, .before = before};
@@ -381,7 +350,7 @@ static ty_result light_length(const lamp_job* lamp, lattice* l, const lattice* b
     return TY_OK;
 }
 
-static ty_result light_pyramid(const lamp_job* lamp, int32_t w, bool backwards) {
+static ty_result light_pyramid(const ty_lamp_job* lamp, int32_t w, bool backwards) {
     const ty_grid_medium* medium = lamp->medium;
     const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
     lattice before = {.of = lamp},
@@ -402,122 +371,9 @@ static ty_result light_pyramid(const lamp_job* lamp, int32_t w, bool backwards) 
     return result;
 }
 
-/* ---- near the lamp ---- */
-
-typedef struct near_sums {
-    double light[NEAR_CELLS][3][4]; /* per channel: fluence and flux, times the cell's volume over intensity */
-} near_sums;
-
-/* A ray from cell to cell, in the lamp's own and those around it. */
-typedef struct near_ray {
-    int32_t cell[3], step[3]; /* from home */
-    double next[3], per_cell[3];
-    double at; /* m */
-} near_ray;
-
-static void begin_near_ray(const lamp_job* lamp, const double way[3], near_ray* ray) {
-    ray->at = 0;
-    for (int a = 0; a < 3; ++a) {
-        const double cell = lamp->medium->cell[a], low = lamp->lower[a] + cell * lamp->home[a];
-        ray->cell[a] = 0;
-        ray->step[a] = way[a] > 0 ? 1 : -1;
-        ray->next[a] = way[a] > 0 ? (low + cell) / way[a] : way[a] < 0 ? low / way[a] : INFINITY;
-        ray->per_cell[a] = way[a] != 0 ? cell / fabs(way[a]) : INFINITY;
-    }
-}
-
-/* Moves to the next cell; false past the last of interest. */
-static bool step_near_ray(near_ray* ray) {
-    const int xy = ray->next[0] < ray->next[1] ? 0 : 1;
-    const int a = ray->next[xy] < ray->next[2] ? xy : 2;
-    ray->at = ray->next[a];
-    ray->next[a] += ray->per_cell[a];
-    ray->cell[a] += ray->step[a];
-    return abs(ray->cell[a]) <= NEAR;
-}
-
-static void follow_near_ray(const lamp_job* lamp, const double way[3], double weight, near_sums* sums) {
-    const int32_t* size = lamp->medium->box.size;
-    float depth[3] = {0, 0, 0};
-    near_ray ray;
-    const ty_vec direction = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
-    const double end = (double)reach(lamp, direction, TY_FLOAT_MAX);
-    weight *= (double)ty_source_profile(lamp->light, ty_dot(direction, lamp->source->direction));
-    if (!(weight > 0)) return;
-    begin_near_ray(lamp, way, &ray);
-    do {
-        const double leave = fmin(end, fmin(ray.next[0], fmin(ray.next[1], ray.next[2])));
-        const int32_t x = lamp->home[0] + ray.cell[0], y = lamp->home[1] + ray.cell[1], z = lamp->home[2] + ray.cell[2];
-        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
-        if (!(leave > ray.at)) continue;
-        const size_t at = (size_t)x + (size_t)size[0] * ((size_t)y + (size_t)size[1] * (size_t)z);
-        const int32_t slot = ray.cell[0] + NEAR + NEAR_SIDE * (ray.cell[1] + NEAR + NEAR_SIDE * (ray.cell[2] + NEAR));
-        for (int32_t c = 0; c < lamp->medium->planes; ++c) {
-            const float through = lamp->extinction[c][at] * (float)(leave - ray.at), decay = ty_decay(through);
-            const double light =
-                weight * (leave - ray.at) * (double)(ty_decay(depth[c]) * ty_mean_decay(through, decay));
-            depth[c] += through;
-            sums->light[slot][c][0] += light;
-            for (int a = 0; a < 3; ++a) sums->light[slot][c][1 + a] += light * way[a];
-        }
-    } while (ray.at < end && step_near_ray(&ray));
-}
-
-/* Rays at equal steps of the tangents, each for its share of the sphere. */
-static void follow_near_rays(const lamp_job* lamp, near_sums* sums) {
-    const int32_t side = lamp->source->alone != 0 ? NEAR_RAYS : NEAR_RAYS_ONE_OF_MANY;
-    for (int32_t i = 0; i < 6 * side * side; ++i) {
-        const int32_t face = i / (side * side), w = face / 2;
-        const double p = 2 * (i % side + 0.5) / side - 1, q = 2 * (i / side % side + 0.5) / side - 1;
-        const double length = sqrt(1 + p * p + q * q);
-        double way[3];
-        way[w] = (face % 2 == 0 ? 1 : -1) / length;
-        way[(w + 1) % 3] = p / length;
-        way[(w + 2) % 3] = q / length;
-        follow_near_ray(lamp, way, 4.0 / (side * side) / (length * length * length), sums);
-    }
-}
-
-static void add_near(const lamp_job* lamp, const near_sums* sums) {
-    const ty_grid_medium* medium = lamp->medium;
-    const int32_t* size = medium->box.size;
-    const double volume = medium->cell[0] * medium->cell[1] * medium->cell[2];
-    for (int32_t slot = 0; slot < NEAR_CELLS; ++slot) {
-        const int32_t x = lamp->home[0] + slot % NEAR_SIDE - NEAR;
-        const int32_t y = lamp->home[1] + slot / NEAR_SIDE % NEAR_SIDE - NEAR;
-        const int32_t z = lamp->home[2] + slot / (NEAR_SIDE * NEAR_SIDE) - NEAR;
-        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
-        const size_t at = (size_t)x + (size_t)size[0] * ((size_t)y + (size_t)size[1] * (size_t)z);
-        for (int32_t c = 0; c < 3; ++c) {
-            const double* light = sums->light[slot][c < medium->planes ? c : 0];
-            const double intensity = (double)lamp->source->color[c] / volume;
-            lamp->out.fluence[c][at] += (float)(intensity * light[0]);
-            for (int a = 0; a < 3 && lamp->out.flux != NULL; ++a)
-                lamp->out.flux[c][a][at] += (float)(intensity * light[1 + a]);
-        }
-    }
-}
-
-static bool is_beside_box(const lamp_job* lamp) {
-    for (int a = 0; a < 3; ++a)
-        if (lamp->home[a] < -NEAR || lamp->home[a] >= lamp->medium->box.size[a] + NEAR) return false;
-    return true;
-}
-
-static ty_result light_near(const lamp_job* lamp) {
-    near_sums* sums = ty_alloc_array(lamp->medium->context, 1, sizeof *sums, true);
-    if (sums == NULL) return TY_ERROR_MEMORY;
-    const unsigned state = ty_flush_denormals();
-    follow_near_rays(lamp, sums);
-    add_near(lamp, sums);
-    ty_restore_denormals(state);
-    ty_free_array(lamp->medium->context, sums, 1, sizeof *sums);
-    return TY_OK;
-}
-
 ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
                       const ty_source* source, const ty_lamp_out* out) {
-    lamp_job lamp = {.scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
+    ty_lamp_job lamp = {.scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
     lamp.light = &scene->lights.lights[source->light];
     const double position[3] = {(double)source->position.x, (double)source->position.y, (double)source->position.z};
     double least = INFINITY;
@@ -533,6 +389,6 @@ ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, 
         result = light_pyramid(&lamp, w, false);
         if (result == TY_OK) result = light_pyramid(&lamp, w, true);
     }
-    if (result == TY_OK && out->transmittance == NULL && is_beside_box(&lamp)) result = light_near(&lamp);
+    if (result == TY_OK && out->transmittance == NULL) result = ty_lamp_add_near(&lamp);
     return result;
 }
