@@ -1,0 +1,21 @@
+/* One lamp's light on a grid. */
+#ifndef TY_DIRECT_LAMP_H
+#define TY_DIRECT_LAMP_H
+
+#include "direct/grid_medium.h"
+#include "direct/source.h"
+#include "scene/scene.h"
+
+/* What a lamp's light is added to. Where `transmittance` is set, its planes (as many as the medium has) take each
+ * cell's mean transmittance; else fluence and, unless NULL, flux are added to. */
+typedef struct ty_lamp_out {
+    float* const* transmittance;
+    float* const* fluence;
+    float* const (*flux)[3];
+} ty_lamp_out;
+
+/* extinction: as many planes as the medium has. Errors: TY_ERROR_MEMORY. */
+ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
+                      const ty_source* source, const ty_lamp_out* out);
+
+#endif

@@ -1,0 +1,44 @@
+/* Light that has not scattered yet, on the cells of a grid: means over each cell of fluence (W m^-2) and flux vector
+ * (W m^-2), with the shadows of all surfaces. What media give off by themselves is not part of it: that is
+ * ty_grid_medium.emission.
+ *
+ * Beams go through the grid in tubes one cell wide, so that a medium of even density is met exactly, what all cells
+ * absorb and what leaves is what entered (to rounding), and shadows stay within a cell however far they fall. Lamps
+ * keep optical depths on a lattice of rays that widens with distance; within two cells of the lamp, rays are followed
+ * from cell to cell. Both take time in proportion to the number of cells. */
+#ifndef TY_DIRECT_UNCOLLIDED_H
+#define TY_DIRECT_UNCOLLIDED_H
+
+#include "direct/grid_medium.h"
+#include "direct/source.h"
+
+typedef struct ty_light_field {
+    ty_context* context;
+    size_t cells;
+    float* fluence[3]; /* per channel */
+    float* flux[3][3]; /* per channel along x, y, z; NULL where not asked for */
+} ty_light_field;
+
+/* Dark. */
+ty_result ty_light_field_create(const ty_grid_medium* medium, bool with_flux, ty_light_field** out);
+void ty_light_field_destroy(ty_light_field* field);
+
+/* What becomes of a beam, per channel, in watts per irradiance (that is, m^2), if there were no surfaces. Without them,
+ * the difference is what all cells absorb: the sum of extinction times mean transmittance times volume. */
+typedef struct ty_beam_power {
+    double entering[3], leaving[3];
+} ty_beam_power;
+
+/* Adds the light of `count` sources to a field; a caller that wants some of them apart gives them fields of their own.
+ * extinction: as many planes as the medium has, in place of the medium's own (reduced, say); NULL: its own.
+ * Errors: TY_ERROR_MEMORY. */
+ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                            const ty_source* sources, int32_t count, ty_light_field* field);
+
+/* Means over cells of the transmittance from one source, 0 in the shadow of surfaces: times color (for lamps, over
+ * distance squared) it is the fluence, with shadows as sharp as the medium's cells. planes: as many as the medium has.
+ * power: of beams, may be NULL. Errors: TY_ERROR_MEMORY. */
+ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                      const ty_source* source, float* const planes[3], ty_beam_power* power);
+
+#endif

@@ -1,0 +1,287 @@
+/* Uncollided light on a grid against path tracing: every kind of light in an uneven medium with things that cast
+ * shadows. */
+#include "direct/single.k.h"
+#include "direct/uncollided.h"
+#include "truth.h"
+#include "triangle_maker.h"
+
+enum { COARSE = 8, FINE = 32, FINER = 64, BRIGHT = 60 };
+
+typedef enum surroundings { BARE, SHADOWED } surroundings;
+
+/* A cube of noise about the origin, half side 1; where shadowed, a ball inside and a board above half of it. */
+static ty_scene* noise_scene(ty_context* context, surroundings around, double density) {
+    ty_scene* scene = new_scene(context);
+    ty_medium_def cloud = medium_cube(1, density, 0.2 * density, 0.4);
+    rgb(cloud.sigma_s, 0.5 * density, density, 2 * density);
+    ty_noise_def noise = ty_default_noise_def();
+    noise.kind = TY_NOISE_FBM;
+    noise.size[0] = noise.size[1] = noise.size[2] = FINE;
+    noise.octaves = 3;
+    must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
+    add_medium(scene, &cloud);
+    ty_grid_destroy(cloud.density_grid);
+    if (around == BARE) return scene;
+    static const double center[3] = {0.8, 1.4, 0}, u[3] = {0, 0, 1}, v[3] = {1, 0, 0};
+    const ty_shape_def ball = sphere_shape(-0.3, 0.1, 0.2, 0.35, 0, 0), board = square_shape(center, u, v, 0.8, 0);
+    add_shape(scene, &ball);
+    add_shape(scene, &board);
+    return scene;
+}
+
+/* All sources of a scene on the medium's cells, and their means over coarser ones. */
+static void light_grid(const ty_scene* scene, int32_t longest, float* fluence[3]) {
+    static const int32_t coarse[3] = {COARSE, COARSE, COARSE};
+    ty_context* context = ty_scene_context(scene);
+    ty_grid_box box;
+    ty_grid_medium* medium = NULL;
+    ty_light_field* field = NULL;
+    ty_source* sources = NULL;
+    ty_source_def def = ty_default_source_def();
+    def.environment = 128;
+    def.surface = 256;
+    int32_t count = 0;
+    must(context, ty_grid_box_fit(scene, longest, &box));
+    for (int a = 0; a < 3; ++a) box.size[a] = longest; /* finer than voxels, even */
+    must(context, ty_grid_medium_create(scene, &box, &medium));
+    must(context, ty_light_field_create(medium, true, &field));
+    must(context, ty_sources_create(scene, &def, &sources, &count));
+    must(context, ty_uncollided_add(scene, medium, NULL, sources, count, field));
+    for (int c = 0; c < 3; ++c) ty_grid_average(context, field->fluence[c], box.size, coarse, fluence[c]);
+    for (int c = 0; c < 3; ++c)
+        for (size_t i = 0; i < medium->cells; ++i) {
+            const double x = (double)field->flux[c][0][i], y = (double)field->flux[c][1][i];
+            const double z = (double)field->flux[c][2][i];
+            if (!(sqrt(x * x + y * y + z * z) <= (double)field->fluence[c][i] * (1 + 1e-4)))
+                fail_msg("cell %zu has more flux than fluence", i);
+        }
+    ty_sources_destroy(context, sources, count);
+    ty_light_field_destroy(field);
+    ty_grid_medium_destroy(medium);
+}
+
+/* Means of cells against those of path tracing, whose noise is known from two runs. The cells next to a point light are
+ * left out: few samples carry most of what path tracing finds there. Returns the largest relative RMSE. */
+static double compare(const char* name, ty_scene* scene, int32_t longest, int32_t spp, double mean_bound,
+                      double rmse_bound) {
+    static const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
+    static const int32_t size[3] = {COARSE, COARSE, COARSE};
+    enum { CELLS = COARSE * COARSE * COARSE };
+    ty_context* context = ty_scene_context(scene);
+    double* all = new_numbers(3 * CELLS);
+    double* truth[2] = {new_numbers(3 * CELLS), new_numbers(3 * CELLS)};
+    float* fluence[3];
+    for (int c = 0; c < 3; ++c) fluence[c] = calloc(CELLS, sizeof(float));
+    double worst = 0;
+    commit(scene);
+    light_grid(scene, longest, fluence);
+    for (int run = 0; run < 2; ++run) {
+        ty_path_def def = ty_default_path_def();
+        def.spp = spp;
+        def.max_depth = 1;
+        def.seed = (uint64_t)run;
+        must(context, ty_path_fluence(scene, &def, lower, upper, size, all, truth[run], NULL));
+    }
+    for (int c = 0; c < 3; ++c) {
+        double sum = 0, expected = 0, square = 0, noise = 0;
+        for (int i = 0; i < CELLS; ++i) {
+            const double a = truth[0][3 * i + c], b = truth[1][3 * i + c], value = (double)fluence[c][i];
+            if (value > BRIGHT) continue;
+            sum += value;
+            expected += 0.5 * (a + b);
+            square += pow(value - 0.5 * (a + b), 2);
+            noise += 0.25 * (a - b) * (a - b);
+        }
+        const double ratio = sum / expected, scale = sqrt(CELLS) / expected;
+        const double rmse = sqrt(fmax(0, square - noise)) * scale;
+        printf("%-28s %c: mean ratio %.4f of %.3f, relative RMSE %.4f of %.3f (noise %.4f removed)\n", name, "RGB"[c],
+               ratio, mean_bound, rmse, rmse_bound, sqrt(noise) * scale);
+        if (!(fabs(ratio - 1) <= mean_bound)) fail_msg("%s: mean ratio %g", name, ratio);
+        if (!(rmse <= rmse_bound)) fail_msg("%s: relative RMSE %g", name, rmse);
+        worst = fmax(worst, rmse);
+    }
+    for (int c = 0; c < 3; ++c) free(fluence[c]);
+    free(truth[0]);
+    free(truth[1]);
+    free(all);
+    ty_scene_destroy(scene);
+    return worst;
+}
+
+static void test_directional(void** state) {
+    static const double ways[3][3] = {{0, -1, 0}, {0.3, -1, 0.5}, {-1, -0.2, 0.1}};
+    for (int shadowed = 0; shadowed < 2; ++shadowed)
+        for (int i = 0; i < 3; ++i) {
+            ty_scene* scene = noise_scene(*state, shadowed ? SHADOWED : BARE, 2);
+            ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 3);
+            memcpy(sun.direction, ways[i], sizeof sun.direction);
+            add_light(scene, &sun);
+            compare(shadowed ? "directional, shadows" : "directional", scene, FINE, 1024, 0.025, 0.06);
+        }
+}
+
+/* Twice as fine cells, at least half as far off. */
+static void test_finer(void** state) {
+    double rmse[2];
+    for (int i = 0; i < 2; ++i) {
+        ty_scene* scene = noise_scene(*state, BARE, 2);
+        ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 3);
+        set3(sun.direction, 0.3, -1, 0.5);
+        add_light(scene, &sun);
+        rmse[i] = compare(i ? "directional, 64^3" : "directional, 32^3", scene, i ? FINER : FINE, 4096, 0.02, 0.04);
+    }
+    assert_true(rmse[1] < 0.6 * rmse[0]);
+}
+
+static void test_point(void** state) {
+    static const double places[3][3] = {{0.31, 0.4, -0.2}, {0.2, 1.2, 0.3}, {-3, 2, 4}};
+    for (int i = 0; i < 3; ++i) {
+        ty_scene* scene = noise_scene(*state, SHADOWED, 2);
+        ty_light_def lamp = light_of(TY_LIGHT_POINT, 3);
+        memcpy(lamp.position, places[i], sizeof lamp.position);
+        add_light(scene, &lamp);
+        compare("point", scene, FINE, 1024, 0.025, 0.08);
+    }
+}
+
+static void test_spot(void** state) {
+    ty_scene* scene = noise_scene(*state, SHADOWED, 2);
+    ty_light_def lamp = light_of(TY_LIGHT_SPOT, 3);
+    set3(lamp.position, -0.5, 1.5, 0.5);
+    set3(lamp.direction, 0.2, -1, -0.1);
+    lamp.cone = 60;
+    add_light(scene, &lamp);
+    compare("spot", scene, FINE, 1024, 0.035, 0.1);
+}
+
+static void test_area(void** state) {
+    ty_scene* scene = noise_scene(*state, SHADOWED, 2);
+    ty_light_def light = light_of(TY_LIGHT_AREA, 3);
+    set3(light.position, -1.2, 1.3, -0.5);
+    set3(light.u, 1, 0, 0);
+    set3(light.v, 0, 0, 1);
+    add_light(scene, &light);
+    compare("area", scene, FINE, 1024, 0.03, 0.05);
+}
+
+static void test_glowing_shapes(void** state) {
+    ty_scene* scene = noise_scene(*state, SHADOWED, 2);
+    const ty_shape_def ball = sphere_shape(0.6, -0.5, 0.5, 0.2, 0, 4);
+    add_shape(scene, &ball);
+    compare("glowing ball", scene, FINE, 1024, 0.03, 0.12);
+}
+
+static void test_glowing_mesh(void** state) {
+    static const double low[3] = {0.3, 0.3, -0.6}, high[3] = {0.6, 0.5, -0.2};
+    ty_scene* scene = noise_scene(*state, SHADOWED, 2);
+    made_mesh mesh = made_nothing();
+    made_add_box(&mesh, low, high);
+    ty_mesh_def def = made_def(&mesh);
+    gray(def.material.emission, 2);
+    must(*state, ty_scene_add_mesh(scene, &def));
+    made_free(&mesh);
+    compare("glowing mesh", scene, FINE, 1024, 0.03, 0.12);
+}
+
+static void test_environment(void** state) {
+    for (int map = 0; map < 2; ++map) {
+        ty_scene* scene = noise_scene(*state, SHADOWED, 2);
+        ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 0.7);
+        ty_image* image = NULL;
+        if (map) {
+            must(*state, ty_image_create_rgb(*state, 32, 16, &image));
+            for (int c = 0; c < 3; ++c)
+                for (int i = 0; i < 32 * 16; ++i)
+                    ty_image_plane(image, c)[i] = (float)(0.2 + (i / 32 < 5 ? 2 + c : 0) * (i % 32 < 10 ? 2 : 0.1));
+            light.image = image;
+        }
+        add_light(scene, &light);
+        ty_image_destroy(image);
+        compare(map ? "environment, map" : "environment", scene, FINE, 1024, 0.03, 0.05);
+    }
+}
+
+static void test_many_together(void** state) {
+    ty_scene* scene = noise_scene(*state, SHADOWED, 2);
+    ty_medium_def ball = medium_sphere(0.5, 3, 1, 0);
+    add_medium(scene, &ball);
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 3), lamp = light_of(TY_LIGHT_POINT, 1);
+    set3(sun.direction, 0.3, -1, 0.5);
+    set3(lamp.position, 0.2, 1.2, 0.3);
+    add_light(scene, &sun);
+    add_light(scene, &lamp);
+    compare("sun and lamp, a ball of fog", scene, FINE, 1024, 0.025, 0.08);
+}
+
+/* Light of a slanting sun that scatters once towards rays from all around, with the phase function as it is. */
+static void test_single(void** state) {
+    enum { RAYS = 64 };
+    double rays[6 * RAYS], truth[3 * RAYS], variance[3 * RAYS];
+    ty_scene* scene = noise_scene(*state, BARE, 2);
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 3);
+    set3(sun.direction, 0.3, -1, 0.5);
+    add_light(scene, &sun);
+    commit(scene);
+    ty_grid_box box;
+    ty_grid_medium* medium = NULL;
+    ty_light_field* field = NULL;
+    ty_source* sources = NULL;
+    ty_source_def def = ty_default_source_def();
+    int32_t count = 0;
+    must(*state, ty_grid_box_fit(scene, FINER, &box));
+    for (int a = 0; a < 3; ++a) box.size[a] = FINER; /* two cells a voxel: rays see single ones */
+    must(*state, ty_grid_medium_create(scene, &box, &medium));
+    must(*state, ty_light_field_create(medium, false, &field));
+    must(*state, ty_sources_create(scene, &def, &sources, &count));
+    must(*state, ty_uncollided_add(scene, medium, NULL, sources, count, field));
+    ty_single_light light = {.kind = TY_SINGLE_BEAM, .toward = sources[0].direction};
+    ty_single_view view = {.lower = ty_vec_make(-1, -1, -1), .lights = &light, .light_count = 1};
+    const float per_cell = (float)(1 / medium->cell[0]);
+    view.per_cell = ty_vec_make(per_cell, per_cell, per_cell);
+    for (int c = 0; c < 3; ++c) {
+        view.size[c] = box.size[c];
+        view.extinction[c] = medium->extinction[c];
+        view.scattering[c] = medium->scattering[c];
+        view.g[c] = medium->g[c];
+        light.fluence[c] = field->fluence[c];
+    }
+    for (int i = 0; i < RAYS; ++i) {
+        double x[4];
+        even_point(i, x);
+        const double z = 2 * x[0] - 1, across = sqrt(1 - z * z), turn = 2 * pi * x[1];
+        set3(rays + 6 * i, 4 * across * cos(turn), 4 * z, 4 * across * sin(turn));
+        for (int a = 0; a < 3; ++a) rays[6 * i + 3 + a] = (x[2] - 0.5 + 0.3 * (a - 1)) * 0.8 - rays[6 * i + a];
+        normalize3(rays + 6 * i + 3);
+    }
+    radiance_along(scene, RAYS, rays, 1 << 14, 1, truth, variance);
+    double sum = 0, expected = 0, square = 0, noise = 0;
+    for (int i = 0; i < RAYS; ++i) {
+        float radiance[3] = {0, 0, 0}, through[3] = {1, 1, 1}, ray[6];
+        for (int a = 0; a < 6; ++a) ray[a] = (float)rays[6 * i + a];
+        ty_single_scattering(&view, ty_vec_load(ray), ty_vec_load(ray + 3), 0, 100, radiance, through);
+        for (int c = 0; c < 3; ++c) {
+            sum += (double)radiance[c];
+            expected += truth[3 * i + c];
+            square += pow((double)radiance[c] - truth[3 * i + c], 2);
+            noise += variance[3 * i + c];
+        }
+    }
+    const double rmse = sqrt(fmax(0, square - noise) * 3 * RAYS) / expected;
+    printf("single scattering: mean ratio %.4f, relative RMSE %.4f (noise %.4f removed)\n", sum / expected, rmse,
+           sqrt(noise * 3 * RAYS) / expected);
+    assert_true(fabs(sum / expected - 1) < 0.02 && rmse < 0.03);
+    ty_sources_destroy(*state, sources, count);
+    ty_light_field_destroy(field);
+    ty_grid_medium_destroy(medium);
+    ty_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_directional),   cmocka_unit_test(test_finer),       cmocka_unit_test(test_point),
+        cmocka_unit_test(test_spot),          cmocka_unit_test(test_area),        cmocka_unit_test(test_glowing_shapes),
+        cmocka_unit_test(test_glowing_mesh),  cmocka_unit_test(test_environment), cmocka_unit_test(test_single),
+        cmocka_unit_test(test_many_together),
+    };
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}
