@@ -40,6 +40,8 @@ typedef struct ty_path_def {
     uint64_t seed;         /* any; images of different seeds are independent; default 0 */
     int32_t max_depth;     /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
     bool ignore_media;     /* everything as if the scene had no media, bit for bit; default false */
+    bool unscattered;      /* only light that no medium scattered or sent: surfaces, lamps and the sky, which reflect
+                              each other's light, all behind the media's extinction; default false */
     double seconds;        /* stop after this time, > 0; 0 (default): no bound */
     double error;          /* stop when the estimated relative error (standard error of the pixels, root mean
                               square, over the mean) is below this, > 0; 0 (default): no bound */

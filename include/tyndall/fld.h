@@ -1,0 +1,129 @@
+/* Tyndall: flux-limited diffusion, multiple scattering in any volume, vacuum included. Apache-2.0.
+ *
+ * After Koerner, Portsmouth, Sadlo, Ertl, Eberhardt: Flux-Limited Diffusion for Multiple Scattering in Participating
+ * Media (2014); equation numbers are the paper's. docs/method/fld.md explains what is computed, how far it holds, and
+ * where it departs. The result does not depend on the number of threads. */
+#ifndef TYNDALL_FLD_H
+#define TYNDALL_FLD_H
+
+#include <tyndall/base.h>
+#include <tyndall/image.h>
+#include <tyndall/path.h>
+#include <tyndall/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* F(R) of Table 2. */
+typedef enum ty_fld_limiter {
+    TY_FLD_LIMITER_NONE = 0, /* 1/3: classical diffusion (CDA) */
+    TY_FLD_LIMITER_SUM = 1,
+    TY_FLD_LIMITER_MAX = 2,
+    TY_FLD_LIMITER_KERSHAW = 3,
+    TY_FLD_LIMITER_LARSEN = 4, /* with larsen_power */
+    TY_FLD_LIMITER_LEVERMORE_POMRANING = 5
+} ty_fld_limiter;
+
+/* What the six faces of the box around all media do. */
+typedef enum ty_fld_boundary {
+    TY_FLD_BOUNDARY_MARSHAK = 0,  /* vacuum outside: half of the fluence leaves as flux, nothing comes in */
+    TY_FLD_BOUNDARY_DIRICHLET = 1 /* the paper's: no fluence on the faces */
+} ty_fld_boundary;
+
+typedef enum ty_fld_solver {
+    TY_FLD_SOLVER_MULTIGRID = 0, /* ours */
+    TY_FLD_SOLVER_SOR = 1,       /* Algorithm 1, in double precision */
+    TY_FLD_SOLVER_SOR_FLOAT = 2  /* the same in single precision */
+} ty_fld_solver;
+
+/* Which of the light counts as uncollided. */
+typedef enum ty_fld_beam {
+    TY_FLD_BEAM_REDUCED = 0,  /* all that scattering sends nearly straight on stays with the beam: sigma_s (1 - g)
+                                 scatters it, and what it scatters does so equally in all directions */
+    TY_FLD_BEAM_PUBLISHED = 1 /* sigma_s scatters it, and media are taken as isotropic (the paper) */
+} ty_fld_beam;
+
+enum { TY_FLD_CELLS_MAX = 1024 };
+
+typedef struct ty_fld_def {
+    uint32_t cookie; /* set by ty_default_fld_def; checked */
+
+    int32_t resolution; /* cells of direct light along the longest side of the box around all media, 4..1024; 0
+                           (default): as the finest voxels, but 256 at most; 64 where media have no voxels */
+    double ratio;       /* cells of direct light per cell of diffusion, along each side, 1..64; default 4 for media with
+                           voxels; 0 (default): 4, but 2 where that leaves less than 24 cells along the longest side */
+    ty_fld_beam beam;   /* default TY_FLD_BEAM_REDUCED */
+
+    ty_fld_limiter limiter;   /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
+    double larsen_power;      /* n, 1..100; default 2 */
+    ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_MARSHAK */
+    double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
+    ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
+    double relaxation;        /* omega of SOR, (0, 2); default 1.85 */
+    double tolerance;         /* of rms(residual) / rms(source), (0, 1); default 1e-4 */
+    int32_t iterations;       /* at most; 0 (default): the solver's own bound */
+
+    int32_t environment_beams; /* per environment light, 1..65536; default 64 */
+    int32_t surface_points;    /* per area light and glowing sphere, 1..65536; default 16 */
+    uint64_t seed;             /* of where these lie; default 0 */
+
+    /* Images. */
+    int32_t width, height;       /* 0 (default): the camera's resolution. Both or neither */
+    int32_t spp;                 /* rays per pixel, 1..64; default 1, through its middle */
+    double step;                 /* of the march, in voxels, 0.05..8; default 1 */
+    uint32_t aovs;               /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0 */
+    const ty_image* unscattered; /* what surfaces send through the media, as ty_path_render with ty_path_def.unscattered
+                                    makes it, in pixels of the same size; NULL (default): surfaces are black but for
+                                    what scattered light they reflect */
+
+    ty_progress_fn progress; /* default NULL */
+    void* progress_user;
+} ty_fld_def;
+
+TY_API ty_fld_def ty_default_fld_def(void);
+
+/* What a solve, and a view after it, did. Per channel where there are three. */
+typedef struct ty_fld_stats {
+    int32_t direct_size[3], diffusion_size[3]; /* cells */
+    int32_t planes;                            /* 1: coefficients alike in all channels; 3 */
+    bool converged;                            /* all channels */
+    int32_t iterations[3];                     /* Picard iterations, or sweeps of SOR */
+    int32_t cycles[3];                         /* of multigrid */
+    double residual[3];                        /* rms(residual) / rms(source) at the end */
+    double work[3];                            /* passes over all cells */
+    /* W: light that scattered for the first time and emission, what the medium absorbed of it, what left. */
+    double emitted[3], absorbed[3], leaving[3];
+    double seconds, medium_seconds, direct_seconds, solve_seconds, march_seconds;
+    double bytes; /* of arrays, at most, of the diffusion grid and its solver */
+    const char* isa;
+} ty_fld_stats;
+
+/* Light in a scene's media: solved once, seen from anywhere. It keeps nothing of the scene. */
+typedef struct ty_fld ty_fld;
+
+/* Samples the media of a committed scene, finds the uncollided light of all its lights and solves for the rest.
+ * stats may be NULL. *out is freed with ty_fld_destroy. A solve that runs out of iterations is TY_OK with
+ * stats->converged false. Errors: TY_ERROR_ARGUMENT (def, a scene without media), TY_ERROR_MEMORY; TY_CANCELLED. */
+TY_API ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats);
+TY_API void ty_fld_destroy(ty_fld* light);
+
+/* Radiance through the pixels of the scene's camera: R, G, B and def->aovs. The scene is the one that was solved, but
+ * for its camera. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; on TY_CANCELLED *out is NULL. */
+TY_API ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_image** out,
+                             ty_fld_stats* stats);
+
+/* ty_fld_solve and ty_fld_view. */
+TY_API ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image** out, ty_fld_stats* stats);
+
+/* Fluence as ty_path_fluence gives it (integral of radiance over all directions, W m^-2), means over the cells of a
+ * box; outside of the box around the media it is 0. uncollided: what of it has not scattered; may be NULL. flux: the
+ * net flux vector of all light, x, y and z per cell and channel, W m^-2; may be NULL. fluence, uncollided: cells x 3,
+ * flux: cells x 3 channels x 3 axes. Errors: TY_ERROR_ARGUMENT. */
+TY_API ty_result ty_fld_fluence(const ty_fld* light, const double lower[3], const double upper[3],
+                                const int32_t size[3], double* fluence, double* uncollided, double* flux);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

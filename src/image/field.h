@@ -1,0 +1,20 @@
+/* Source fields: what every volume method hands to the marcher. */
+#ifndef TY_IMAGE_FIELD_H
+#define TY_IMAGE_FIELD_H
+
+#include "direct/grid_medium.h"
+
+enum { TY_FIELD_TERMS = 4 };
+
+/* Multiply scattered light on a box of cells, as means over cells: the radiance (W m^-2 sr^-1) that a medium sends
+ * along a unit vector `way` per metre and per scattering coefficient is terms[c][0] + (terms[c][1], terms[c][2],
+ * terms[c][3]) . way, not below 0. Arrays belong to whoever made the field. */
+typedef struct ty_source_field {
+    ty_grid_box box;
+    int32_t term_count;                    /* 1: alike in all directions; 4 */
+    const float* terms[3][TY_FIELD_TERMS]; /* per channel, x fastest */
+    const float*
+        guide; /* mean extinction of the cells, 1/m, which upsampling is guided by; NULL: plain interpolation */
+} ty_source_field;
+
+#endif
