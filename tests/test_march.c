@@ -183,7 +183,7 @@ static void depths_are_exact(void** state) {
 }
 
 static void depths_of_transfer_functions(void** state) {
-    check_depths(*state, true, 2e-3);
+    check_depths(*state, true, 5e-4);
 }
 
 /* Random voxels with a field of random cells: what steps cost falls with their square. */
@@ -225,7 +225,7 @@ static void steps_converge(void** state) {
         error[1] += pow(lit_noise(*state, 0.25, seed) / truth - 1, 2) / 16;
     }
     print_message("errors %g %g\n", sqrt(error[0]), sqrt(error[1]));
-    assert_true(sqrt(error[0]) < 0.01);
+    assert_true(sqrt(error[0]) < 0.02);
     assert_true(sqrt(error[1]) < sqrt(error[0]) / 4);
 }
 

@@ -4,6 +4,9 @@
 
 #include "scene/spans.k.h"
 
+/* Parts of a piece in which a transfer function has a point. */
+enum { TY_TRACK_PARTS = 4 };
+
 /* A medium on a stretch of the ray. */
 typedef struct ty_track {
     TY_GLOBAL const ty_medium_view* medium;
@@ -16,6 +19,7 @@ typedef struct ty_track {
     float inverse[3];
     float cell_leave;
     float corner[8];
+    int32_t parts;        /* that pieces are cut into: their density may have a kink */
     float step;           /* how far apart light is looked up, m */
     float live;           /* extinction at density 1 of the channel that counts most, 1/m */
     float mean;           /* of the channels */
@@ -132,9 +136,28 @@ TY_FN float ty_track_density(const ty_track* track, float t) {
     return ty_maxf(0.0f, value);
 }
 
+/* Whether the transfer function has a point within the range of the eight voxels. */
+TY_FN bool ty_track_bends(const ty_track* track) {
+    TY_GLOBAL const ty_medium_view* medium = track->medium;
+    float low = track->corner[0], high = track->corner[0];
+    for (int i = 1; i < 8; ++i) {
+        low = ty_minf(low, track->corner[i]);
+        high = ty_maxf(high, track->corner[i]);
+    }
+    for (int32_t i = 0; i < medium->transfer_count; ++i)
+        if (medium->transfer[i].value > low && medium->transfer[i].value < high) return true;
+    return false;
+}
+
+TY_FN void ty_track_enter_cell(ty_track* track) {
+    ty_track_fetch(track);
+    track->parts = track->medium->transfer != NULL && ty_track_bends(track) ? TY_TRACK_PARTS : 1;
+}
+
 /* At the start of a stretch. */
 TY_FN void ty_track_find(ty_track* track, float t) {
     track->density = 1.0f;
+    track->parts = 1;
     track->cell_leave = TY_FLOAT_MAX;
     if (track->medium->has_grid == 0) return;
     const ty_bricks* b = &track->bricks;
@@ -142,7 +165,7 @@ TY_FN void ty_track_find(ty_track* track, float t) {
     ty_track_find_axis(track, 1, b->origin.y, b->direction.y, t);
     ty_track_find_axis(track, 2, b->origin.z, b->direction.z, t);
     ty_track_leave(track);
-    ty_track_fetch(track);
+    ty_track_enter_cell(track);
     track->density = ty_track_density(track, t);
 }
 
@@ -158,17 +181,27 @@ TY_FN void ty_track_advance(ty_track* track, float t) {
         ty_track_face(track, axis, origin[axis], direction[axis]);
         ty_track_leave(track);
     }
-    ty_track_fetch(track);
+    ty_track_enter_cell(track);
 }
 
 /* ---- pieces ---- */
 
 /* Looks at the piece from t to `end`, between whose ends no voxels are left; returns the integral of its density. Along
- * a ray a trilinear density is a cubic, for which Simpson's rule is exact. */
+ * a ray a trilinear density is a cubic, for which Simpson's rule is exact; where a transfer function bends it, the rule
+ * is applied part by part. */
 TY_FN float ty_track_look(ty_track* track, float t, float end) {
-    track->middle = ty_track_density(track, 0.5f * (t + end));
+    const float length = end - t;
+    track->middle = ty_track_density(track, t + 0.5f * length);
     track->last = ty_track_density(track, end);
-    return (track->density + 4.0f * track->middle + track->last) * (end - t) * (1.0f / 6.0f);
+    if (track->parts > 1) {
+        const float part = length * (1.0f / TY_TRACK_PARTS);
+        float ends = 0.0f, middles = 0.0f;
+        for (int i = 1; i < TY_TRACK_PARTS; ++i) ends += ty_track_density(track, t + part * (float)i);
+        for (int i = 0; i < TY_TRACK_PARTS; ++i) middles += ty_track_density(track, t + part * ((float)i + 0.5f));
+        const float sum = (track->density + track->last + 2.0f * ends + 4.0f * middles) * (1.0f / TY_TRACK_PARTS);
+        track->middle = 0.25f * (sum - track->density - track->last);
+    }
+    return (track->density + 4.0f * track->middle + track->last) * length * (1.0f / 6.0f);
 }
 
 /* Takes that piece into the step that began at `begin`. */
