@@ -292,7 +292,7 @@ static ty_result bench_images(const bench_session* bench) {
     if (bench->json != NULL) json_open_object(bench->json, "images");
     for (size_t i = 0; i < sizeof names / sizeof *names && result == TY_OK; ++i) {
         char path[64];
-        timed t;
+        timed t = {.path = 0};
         ty_scene* scene = NULL;
         snprintf(path, sizeof path, "builtin:%s", names[i]);
         result = ty_scene_load(bench->session->context, path, NULL, 0, &scene);

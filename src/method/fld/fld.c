@@ -84,9 +84,11 @@ ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** ou
 void ty_fld_destroy(ty_fld* light) {
     if (light == NULL) return;
     for (int i = 0; i <= TY_FLD_OWN_MAX; ++i) ty_light_field_destroy(light->beam[i]);
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, light->terms[c][t], light->cells, sizeof(float));
+        for (int a = 0; a < 3; ++a) ty_free_array(light->context, light->flux[c][a], light->cells, sizeof(float));
+    }
     ty_free_array(light->context, light->guide, light->cells, sizeof(float));
     ty_free_array(light->context, light, 1, sizeof *light);
 }
@@ -96,9 +98,11 @@ void ty_fld_destroy(ty_fld* light) {
 static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_fld_progress progress,
                       ty_image** out, ty_fld_stats* stats) {
     const ty_camera_def camera = ty_scene_camera(scene);
-    ty_source_field field = {.box = light->box, .term_count = TY_FIELD_TERMS, .guide = light->guide};
-    for (int c = 0; c < 3; ++c)
+    ty_source_field field = {.box = light->box, .term_count = light->term_count, .guide = light->guide};
+    for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];
+        for (int a = 0; a < 3; ++a) field.flux[c][a] = light->flux[c][a];
+    }
     ty_march_def march = ty_default_march_def();
     march.width = def->width > 0 ? def->width : camera.resolution[0];
     march.height = def->width > 0 ? def->height : camera.resolution[1];

@@ -95,15 +95,14 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
         cover axes[3];
         cover_cell(job, &light->box, cell, axes);
         for (int c = 0; c < 3; ++c) {
-            double beam = 0, flux[3] = {0, 0, 0}, terms[TY_FIELD_TERMS] = {0};
-            const float* planes[TY_FIELD_TERMS];
-            for (int t = 0; t < TY_FIELD_TERMS; ++t) planes[t] = light->terms[c][t];
-            add_means(&light->box, axes, planes, TY_FIELD_TERMS, four_pi, terms);
+            double beam = 0, diffuse = 0, flux[3] = {0, 0, 0};
+            const float* const* radiance = (const float* const*)light->terms[c];
+            add_means(&light->box, axes, radiance, 1, four_pi, &diffuse);
+            add_means(&light->box, axes, (const float* const*)light->flux[c], 3, 1, flux);
             add_beams(job, cell, c, &beam, flux);
-            job->fluence[3 * at + (size_t)c] = terms[0] + beam;
+            job->fluence[3 * at + (size_t)c] = diffuse + beam;
             if (job->beam != NULL) job->beam[3 * at + (size_t)c] = beam;
-            for (int a = 0; a < 3 && job->flux != NULL; ++a)
-                job->flux[9 * at + 3 * (size_t)c + (size_t)a] = flux[a] + terms[1 + a] / 3;
+            for (int a = 0; a < 3 && job->flux != NULL; ++a) job->flux[9 * at + 3 * (size_t)c + (size_t)a] = flux[a];
         }
     }
 }

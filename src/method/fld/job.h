@@ -18,7 +18,9 @@ struct ty_fld {
     ty_single_light lights[TY_FLD_OWN_MAX + 1];
     int32_t light_count;
     size_t cells;                    /* of diffusion */
-    float* terms[3][TY_FIELD_TERMS]; /* of the diffuse radiance, as in ty_source_field */
+    int32_t term_count;
+    float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field */
+    float* flux[3][3];               /* of diffuse light per channel, W m^-2 */
     float* guide;
 };
 
