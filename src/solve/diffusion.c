@@ -15,8 +15,11 @@ enum { CELLS_FOR_THREADS = 1 << 14 };
 static const double REPORT_SECONDS = 0.1;
 
 ty_diffusion_def ty_default_diffusion_def(void) {
-    return (ty_diffusion_def){
-        .limiter = TY_LIMITER_LEVERMORE_POMRANING, .larsen_power = 2, .relaxation = 1.85, .tolerance = 1e-6};
+    return (ty_diffusion_def){.limiter = TY_LIMITER_LEVERMORE_POMRANING,
+                              .larsen_power = 2,
+                              .streaming = 1,
+                              .relaxation = 1.85,
+                              .tolerance = 1e-6};
 }
 
 /* ---- memory ---- */
@@ -107,6 +110,8 @@ static ty_result check(ty_context* context, const ty_diffusion_def* def, const t
     if (!(def->larsen_power >= 1 && def->larsen_power <= 100))
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: larsen_power: %g is outside [1, 100]",
                        def->larsen_power);
+    if (!(def->streaming > 0 && def->streaming <= 1))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: streaming: %g is outside (0, 1]", def->streaming);
     if (!(def->relaxation > 0 && def->relaxation < 2))
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: relaxation: %g is outside (0, 2)", def->relaxation);
     if (!(def->tolerance > 0 && def->tolerance < 1))
@@ -177,7 +182,7 @@ static void set_cells(ty_diffusion_job* job, double rms) {
     ty_cells* cells = &job->cells;
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        cells->half_inverse[axis] = (float)(0.5 / def->cell[axis]);
+        cells->half_inverse[axis] = (float)(0.5 / (def->streaming * def->cell[axis]));
         cells->coupling[axis] = (float)(0.5 / (def->cell[axis] * def->cell[axis]));
         longest = fmax(longest, def->cell[axis] * def->size[axis]);
     }

@@ -15,7 +15,7 @@ typedef struct ty_side {
 /* The problem as the kernels take it: sources have an rms of about 1, and fluences are multiplied by the same scale. */
 typedef struct ty_cells {
     ty_box box;
-    float half_inverse[3];   /* 1 / (2 cell), 1/m */
+    float half_inverse[3];   /* 1 / (2 cell), over the def's streaming, 1/m: for R alone */
     float coupling[3];       /* 1 / (2 cell^2), 1/m^2: times the sum of two D */
     const float* extinction; /* as given */
     const float* absorption; /* as given; may be NULL */
