@@ -34,7 +34,7 @@ typedef struct march_job {
 } march_job;
 
 ty_march_def ty_default_march_def(void) {
-    return (ty_march_def){.spp = 1, .step = 1};
+    return (ty_march_def){.spp = 1, .step = 1, .guided = 0.25};
 }
 
 /* ---- options ---- */
@@ -56,8 +56,6 @@ static ty_result check_field(ty_context* context, const ty_march_def* def) {
         for (int t = 0; t < field->term_count; ++t)
             if (field->terms[c][t] == NULL)
                 return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: terms[%d][%d] is NULL", c, t);
-    if (def->guided > 0 && field->guide == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "march.guided is %g, and the field has no guide", def->guided);
     return check_box(context, "field", &field->box);
 }
 
@@ -139,7 +137,7 @@ static ty_result pack_field(march_job* job) {
     view->place = place_cells(&field->box);
     view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN : TY_UPSAMPLE_DIRECTED;
     const double guided = job->def->guided;
-    view->sharpness = guided > 0 ? (float)(1 / (2 * guided * guided)) : 0;
+    view->sharpness = guided > 0 && field->guide != NULL ? (float)(1 / (2 * guided * guided)) : 0;
     for (int c = 0; c < 3; ++c)
         for (int a = 0; a < 3; ++a) view->flux[c][a] = field->flux[c][a];
     job->cell_floats = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
