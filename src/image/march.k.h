@@ -7,9 +7,9 @@
 
 /* Transmittance below which a ray ends: nothing behind can be seen any more. */
 #define TY_MARCH_BLACK 1e-5f
-/* Optical depth of a step at most, and what of it is enough to end it. */
-#define TY_MARCH_STEP_MOST 0.8f
-#define TY_MARCH_STEP_LEAST 0.6f
+/* Optical depth of pieces that light is looked up in at most, and of steps before they end. */
+#define TY_MARCH_PIECE 0.7f
+#define TY_MARCH_STEP 0.5f
 
 /* What a ray brings. */
 typedef struct ty_march_light {
@@ -21,13 +21,12 @@ typedef struct ty_march_ray {
     ty_vec origin, direction;
     int32_t count, active_count;
     int32_t active[TY_SPANS_MAX];
-    float begin, until;              /* the step, m along the ray */
-    float offset;                    /* where the first step of a stretch ends, of a step */
-    float longer;                    /* times which steps are longer than the request's */
-    float depth;                     /* of the step so far, in the channel that counts most */
-    float most;                      /* optical depth of a step */
-    float time[TY_TRACK_PIECES + 1]; /* pieces looked at side by side, m along the ray */
-    int32_t looks;                   /* whether there is any light to look up */
+    float begin;   /* of the step, m along the ray */
+    float offset;  /* where the first step of a stretch ends, of a step */
+    float longer;  /* times which steps are longer than the request's */
+    float depth;   /* of the step so far, in the channel that counts most */
+    float piece;   /* optical depth of a piece at most */
+    int32_t looks; /* whether there is any light to look up */
     uint32_t steps;
     ty_march_light light;
     ty_track tracks[TY_SPANS_MAX];
@@ -42,13 +41,13 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     TY_GLOBAL const ty_march_request* request = ray->request;
     float sigma_s[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
-    for (int32_t c = 0; c < 3; ++c) scattering[c] += sigma_s[c] * track->taken_amount;
+    for (int32_t c = 0; c < 3; ++c) scattering[c] += sigma_s[c] * track->amount;
     if (track->medium->emits != 0) {
         float glow[3];
         ty_medium_emission(track->medium, point, glow);
         for (int32_t c = 0; c < 3; ++c)
             ray->light.glow[c] +=
-                reach[c] * track->taken_amount * glow[c] * ty_maxf(0.0f, track->medium->sigma_t[c] - sigma_s[c]);
+                reach[c] * track->amount * glow[c] * ty_maxf(0.0f, track->medium->sigma_t[c] - sigma_s[c]);
     }
     if (request->light_count == 0) return;
     const ty_vec way = ty_scale(ray->direction, -1.0f);
@@ -56,7 +55,7 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     ty_medium_g(track->medium, point, g);
     for (int32_t i = 0; i < request->light_count; ++i)
         ty_single_scattered(&request->lights[i], point, at, way, g, scattered);
-    for (int32_t c = 0; c < 3; ++c) ray->light.single[c] += reach[c] * track->taken_amount * sigma_s[c] * scattered[c];
+    for (int32_t c = 0; c < 3; ++c) ray->light.single[c] += reach[c] * track->amount * sigma_s[c] * scattered[c];
 }
 
 /* What the step's optical depths are, and where in it light is looked up: where its matter is in the mean, moved by how
@@ -66,9 +65,9 @@ TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], fl
     for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
-        for (int c = 0; c < 3; ++c) depth[c] += track->medium->sigma_t[c] * track->taken_amount;
-        mean += track->mean * track->taken_amount;
-        moment += track->mean * track->taken_moment;
+        for (int c = 0; c < 3; ++c) depth[c] += track->medium->sigma_t[c] * track->amount;
+        mean += track->mean * track->amount;
+        moment += track->mean * track->moment;
     }
     *mean_depth = mean;
     if (!(mean > 0.0f)) return false;
@@ -110,7 +109,7 @@ TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
                 place = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
             for (int32_t i = 0; i < ray->active_count; ++i) {
                 const ty_track* track = &ray->tracks[ray->active[i]];
-                if (track->taken_amount > 0.0f) ty_march_shine(ray, track, point, &place, reach, scattering);
+                if (track->amount > 0.0f) ty_march_shine(ray, track, point, &place, reach, scattering);
             }
             if (request->has_field != 0) {
                 float sent[3];
@@ -123,7 +122,7 @@ TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
     }
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
-        track->taken_amount = track->taken_moment = 0.0f;
+        track->amount = track->moment = 0.0f;
     }
     ray->begin = end;
     ray->depth = 0.0f;
@@ -132,84 +131,60 @@ TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
 
 /* ---- stretches ---- */
 
-/* The next pieces from t on, which end where any medium's voxels do; returns how many. */
-TY_FN int32_t ty_march_lay_out(ty_march_ray* ray, float t, float end) {
-    int32_t count = 0;
-    ray->time[0] = t;
-    while (t < end && count < TY_TRACK_PIECES) {
-        t = end;
-        for (int32_t i = 0; i < ray->active_count; ++i) {
-            ty_track* track = &ray->tracks[ray->active[i]];
-            if (track->medium->has_grid == 0) continue;
-            if (track->cell_leave <= ray->time[count]) ty_track_advance(track, ray->time[count]);
-            ty_track_note(track, count);
-            t = ty_minf(t, track->cell_leave);
+/* Looks at the piece from t to end in all media; returns its optical depth. */
+TY_FN float ty_march_look(ty_march_ray* ray, float t, float end) {
+    float depth = 0.0f;
+    for (int32_t i = 0; i < ray->active_count; ++i) {
+        ty_track* track = &ray->tracks[ray->active[i]];
+        depth += track->live * ty_track_look(track, t, end);
+    }
+    return depth;
+}
+
+/* The next piece begins at t; returns where it ends: where any medium's voxels do, at `most` if not before. */
+TY_FN float ty_march_piece(ty_march_ray* ray, float t, float most) {
+    float end = most;
+    for (int32_t i = 0; i < ray->active_count; ++i) {
+        ty_track* track = &ray->tracks[ray->active[i]];
+        if (track->cell_leave <= t) ty_track_advance(track, t);
+        end = ty_minf(end, track->cell_leave);
+    }
+    float depth = ty_march_look(ray, t, end);
+    if (depth > ray->piece) {
+        const float shorter = t + (end - t) * ray->piece / depth;
+        if (shorter > t) {
+            end = shorter;
+            depth = ty_march_look(ray, t, end);
         }
-        ray->time[++count] = t;
     }
-    for (int32_t i = count + 1; i <= TY_TRACK_PIECES; ++i) ray->time[i] = t;
-    return count;
-}
-
-/* Takes the part of piece i between shares u and v of it into the step. */
-TY_FN void ty_march_take_part(ty_march_ray* ray, int32_t i, float u, float v) {
-    const float length = ray->time[i + 1] - ray->time[i], before = ray->time[i] - ray->begin;
-    for (int32_t k = 0; k < ray->active_count; ++k) {
-        ty_track* track = &ray->tracks[ray->active[k]];
-        float amount, moment;
-        ty_track_part(track, i, length, u, v, &amount, &moment);
-        track->taken_amount += amount;
-        track->taken_moment += moment + amount * before;
-        ray->depth += track->live * amount;
-    }
-}
-
-/* Takes piece i, ending steps where they are long or deep enough; false when nothing behind it is seen. */
-TY_FN bool ty_march_take(ty_march_ray* ray, int32_t i, float step) {
-    const float start = ray->time[i], end = ray->time[i + 1];
-    float depth = 0.0f, u = 0.0f;
-    for (int32_t k = 0; k < ray->active_count; ++k) {
-        const ty_track* track = &ray->tracks[ray->active[k]];
-        depth += track->live * track->amount[i];
-    }
-    while (u < 1.0f) {
-        const float room = ray->most - ray->depth;
-        float v = 1.0f;
-        if (end > ray->until) v = ty_minf(v, (ray->until - start) / (end - start));
-        if (depth * (v - u) > room) v = ty_minf(v, u + room / depth);
-        v = ty_clampf(v, u + 1e-6f, 1.0f);
-        ty_march_take_part(ray, i, u, v);
-        u = v;
-        const float t = v >= 1.0f ? end : start + v * (end - start);
-        if (v >= 1.0f && t < ray->until && ray->depth < TY_MARCH_STEP_LEAST / TY_MARCH_STEP_MOST * ray->most) break;
-        if (!ty_march_end_step(ray, t)) return false;
-        ray->until = t + step;
-    }
-    return true;
+    for (int32_t i = 0; i < ray->active_count; ++i) ty_track_take(&ray->tracks[ray->active[i]], ray->begin, t, end);
+    ray->depth += depth;
+    return end;
 }
 
 /* Goes from t to end, within which the same media are there; false when nothing behind is seen. */
 TY_FN bool ty_march_stretch(ty_march_ray* ray, float t, float end) {
-    float step = TY_FLOAT_MAX;
+    float step = TY_FLOAT_MAX, slack = 0.0f;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
         ty_track_find(track, t);
         step = ty_minf(step, track->step);
+        if (track->medium->has_grid != 0) slack = 0.5f;
     }
-    /* Where light is alike everywhere, one step does. */
     const bool even = step >= TY_FLOAT_MAX;
-    if (!even) step *= ray->request->step * ray->longer;
+    step = even ? step : step * ray->request->step * ray->longer;
+    /* Steps end where voxels do, if that is near: a piece less. */
+    slack = even ? 0.0f : slack * step;
+    float until = even ? step : t + step * ray->offset;
     ray->begin = t;
-    ray->until = even ? TY_FLOAT_MAX : t + step * ray->offset;
-    ray->most = even ? TY_FLOAT_MAX : TY_MARCH_STEP_MOST;
+    ray->piece = even ? TY_FLOAT_MAX : TY_MARCH_PIECE;
     while (t < end) {
-        const int32_t count = ty_march_lay_out(ray, t, end);
-        for (int32_t i = 0; i < ray->active_count; ++i) ty_track_look(&ray->tracks[ray->active[i]], ray->time, count);
-        for (int32_t i = 0; i < count; ++i)
-            if (!ty_march_take(ray, i, step)) return false;
-        t = ray->time[count];
+        t = ty_march_piece(ray, t, ty_minf(end, until + slack));
+        if (t < until && ray->depth < TY_MARCH_STEP && t < end) continue;
+        if (!ty_march_end_step(ray, t)) return false;
+        if (!even) until = t + step;
     }
-    return ty_march_end_step(ray, end);
+    return true;
 }
 
 /* The media that are at t, and up to where no other comes and none of them ends. */

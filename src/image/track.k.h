@@ -4,8 +4,8 @@
 
 #include "scene/spans.k.h"
 
-/* Pieces of a ray that are looked at side by side, and parts of those in which a transfer function has a point. */
-enum { TY_TRACK_PIECES = 16, TY_TRACK_PARTS = 4 };
+/* Parts of a piece in which a transfer function has a point. */
+enum { TY_TRACK_PARTS = 4 };
 
 /* A medium on a stretch of the ray. */
 typedef struct ty_track {
@@ -13,24 +13,19 @@ typedef struct ty_track {
     ty_bricks bricks;   /* also the ray in the grid's index space */
     float enter, leave; /* matter without a gap, m along the ray: where the ray is, or what it comes to next */
     float ahead_enter, ahead_leave;
-    int32_t ahead; /* whether there is more behind a gap */
-    float step;    /* how far apart light is looked up, m */
-    float live;    /* extinction at density 1 of the channel that counts most, 1/m */
-    float mean;    /* of the channels */
-    float taken_amount,
-        taken_moment; /* integrals over the step of the density, and of it times the way from its start */
-
+    int32_t ahead;   /* whether there is more behind a gap */
     int32_t cell[3]; /* the lowest of the eight voxels around the ray */
     float next[3];   /* where the ray leaves them along each axis */
     float inverse[3];
     float cell_leave;
-    int32_t apart; /* whether pieces need care: voxels outside the grid, or not floats */
-
-    /* Piece by piece. */
-    float low[3][TY_TRACK_PIECES];     /* cell */
-    int32_t at[TY_TRACK_PIECES];       /* the same in memory, from the first piece's on */
-    float density[3][TY_TRACK_PIECES]; /* at the start, at the end, and a middle for which Simpson's rule is exact */
-    float amount[TY_TRACK_PIECES], moment[TY_TRACK_PIECES]; /* integrals, the way being from the piece's start */
+    float corner[8];
+    int32_t parts;        /* that pieces are cut into: their density may have a kink */
+    float step;           /* how far apart light is looked up, m */
+    float live;           /* extinction at density 1 of the channel that counts most, 1/m */
+    float mean;           /* of the channels */
+    float density;        /* where the ray is */
+    float middle, last;   /* in the middle of the piece that is looked at, and at its end */
+    float amount, moment; /* integrals over the step of the density, and of it times the way from the step's start */
 } ty_track;
 
 /* ---- stretches ---- */
@@ -80,7 +75,7 @@ TY_FN void ty_track_begin(ty_track* track, TY_GLOBAL const ty_medium_view* mediu
     track->medium = medium;
     track->live = medium->sigma_t_max;
     track->mean = (medium->sigma_t[0] + medium->sigma_t[1] + medium->sigma_t[2]) * (1.0f / 3.0f);
-    track->taken_amount = track->taken_moment = 0.0f;
+    track->amount = track->moment = 0.0f;
     ty_bricks_begin(&track->bricks, medium, origin, direction, enter, leave);
     track->ahead = ty_bricks_next(&track->bricks) ? 1 : 0;
     track->ahead_enter = track->bricks.enter;
@@ -90,8 +85,25 @@ TY_FN void ty_track_begin(ty_track* track, TY_GLOBAL const ty_medium_view* mediu
 
 /* ---- voxels ---- */
 
-/* Voxels that one memory address tells apart from the first piece's. */
-enum { TY_TRACK_PLANE_MAX = 1 << 26 };
+TY_FN float ty_track_voxel(TY_GLOBAL const ty_grid_view* grid, size_t at) {
+    return grid->floats != NULL ? grid->floats[at] : ty_half_to_float(grid->halves[at]);
+}
+
+TY_FN void ty_track_fetch(ty_track* track) {
+    TY_GLOBAL const ty_grid_view* grid = &track->medium->grid;
+    const int32_t *cell = track->cell, *size = grid->size;
+    if ((uint32_t)cell[0] < (uint32_t)(size[0] - 1) && (uint32_t)cell[1] < (uint32_t)(size[1] - 1) &&
+        (uint32_t)cell[2] < (uint32_t)(size[2] - 1)) {
+        const size_t row = (size_t)size[0], plane = row * (size_t)size[1];
+        const size_t base = (size_t)cell[0] + row * (size_t)cell[1] + plane * (size_t)cell[2];
+        for (int i = 0; i < 8; ++i)
+            track->corner[i] =
+                ty_track_voxel(grid, base + (size_t)(i & 1) + ((i & 2) != 0 ? row : 0) + ((i & 4) != 0 ? plane : 0));
+        return;
+    }
+    for (int i = 0; i < 8; ++i)
+        track->corner[i] = ty_grid_fetch(grid, cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2));
+}
 
 TY_FN void ty_track_face(ty_track* track, int32_t axis, float origin, float direction) {
     const int32_t face = track->cell[axis] + (direction > 0.0f ? 1 : 0);
@@ -108,8 +120,44 @@ TY_FN void ty_track_leave(ty_track* track) {
     track->cell_leave = ty_minf(track->next[0], ty_minf(track->next[1], track->next[2]));
 }
 
+/* The density where the ray is t metres along, which is between the eight voxels. */
+TY_FN float ty_track_density(const ty_track* track, float t) {
+    TY_GLOBAL const ty_medium_view* medium = track->medium;
+    if (medium->has_grid == 0) return 1.0f;
+    const ty_bricks* b = &track->bricks;
+    const float* v = track->corner;
+    const float x = b->origin.x + b->direction.x * t - (float)track->cell[0];
+    const float y = b->origin.y + b->direction.y * t - (float)track->cell[1];
+    const float z = b->origin.z + b->direction.z * t - (float)track->cell[2];
+    const float low = ty_lerpf(ty_lerpf(v[0], v[1], x), ty_lerpf(v[2], v[3], x), y);
+    const float high = ty_lerpf(ty_lerpf(v[4], v[5], x), ty_lerpf(v[6], v[7], x), y);
+    const float value = ty_lerpf(low, high, z);
+    if (medium->transfer != NULL) return ty_transfer_density(medium->transfer, medium->transfer_count, value);
+    return ty_maxf(0.0f, value);
+}
+
+/* Whether the transfer function has a point within the range of the eight voxels. */
+TY_FN bool ty_track_bends(const ty_track* track) {
+    TY_GLOBAL const ty_medium_view* medium = track->medium;
+    float low = track->corner[0], high = track->corner[0];
+    for (int i = 1; i < 8; ++i) {
+        low = ty_minf(low, track->corner[i]);
+        high = ty_maxf(high, track->corner[i]);
+    }
+    for (int32_t i = 0; i < medium->transfer_count; ++i)
+        if (medium->transfer[i].value > low && medium->transfer[i].value < high) return true;
+    return false;
+}
+
+TY_FN void ty_track_enter_cell(ty_track* track) {
+    ty_track_fetch(track);
+    track->parts = track->medium->transfer != NULL && ty_track_bends(track) ? TY_TRACK_PARTS : 1;
+}
+
 /* At the start of a stretch. */
 TY_FN void ty_track_find(ty_track* track, float t) {
+    track->density = 1.0f;
+    track->parts = 1;
     track->cell_leave = TY_FLOAT_MAX;
     if (track->medium->has_grid == 0) return;
     const ty_bricks* b = &track->bricks;
@@ -117,6 +165,8 @@ TY_FN void ty_track_find(ty_track* track, float t) {
     ty_track_find_axis(track, 1, b->origin.y, b->direction.y, t);
     ty_track_find_axis(track, 2, b->origin.z, b->direction.z, t);
     ty_track_leave(track);
+    ty_track_enter_cell(track);
+    track->density = ty_track_density(track, t);
 }
 
 /* On to the voxels around t, where the ray has left those that it was between. */
@@ -131,145 +181,37 @@ TY_FN void ty_track_advance(ty_track* track, float t) {
         ty_track_face(track, axis, origin[axis], direction[axis]);
         ty_track_leave(track);
     }
-}
-
-/* Notes the voxels of piece i. */
-TY_FN void ty_track_note(ty_track* track, int32_t i) {
-    TY_GLOBAL const ty_grid_view* grid = &track->medium->grid;
-    const int32_t *cell = track->cell, *size = grid->size;
-    if (i == 0) track->apart = grid->floats == NULL || (int64_t)size[0] * size[1] > TY_TRACK_PLANE_MAX;
-    const bool inside = (uint32_t)cell[0] < (uint32_t)(size[0] - 1) && (uint32_t)cell[1] < (uint32_t)(size[1] - 1) &&
-                        (uint32_t)cell[2] < (uint32_t)(size[2] - 1);
-    track->apart |= inside ? 0 : 1;
-    for (int a = 0; a < 3; ++a) track->low[a][i] = (float)cell[a];
+    ty_track_enter_cell(track);
 }
 
 /* ---- pieces ---- */
 
-/* The eight voxels of every piece, x fastest. */
-TY_FN void ty_track_fetch(ty_track* track, int32_t count, float corner[8][TY_TRACK_PIECES]) {
-    TY_GLOBAL const ty_grid_view* grid = &track->medium->grid;
-    if (track->apart != 0) {
-        for (int32_t i = 0; i < count; ++i)
-            for (int k = 0; k < 8; ++k)
-                corner[k][i] =
-                    ty_grid_fetch(grid, (int32_t)track->low[0][i] + (k & 1), (int32_t)track->low[1][i] + (k >> 1 & 1),
-                                  (int32_t)track->low[2][i] + (k >> 2));
-        return;
+/* Looks at the piece from t to `end`, between whose ends no voxels are left; returns the integral of its density. Along
+ * a ray a trilinear density is a cubic, for which Simpson's rule is exact; where a transfer function bends it, the rule
+ * is applied part by part. */
+TY_FN float ty_track_look(ty_track* track, float t, float end) {
+    const float length = end - t;
+    track->middle = ty_track_density(track, t + 0.5f * length);
+    track->last = ty_track_density(track, end);
+    if (track->parts > 1) {
+        const float part = length * (1.0f / TY_TRACK_PARTS);
+        float ends = 0.0f, middles = 0.0f;
+        for (int i = 1; i < TY_TRACK_PARTS; ++i) ends += ty_track_density(track, t + part * (float)i);
+        for (int i = 0; i < TY_TRACK_PARTS; ++i) middles += ty_track_density(track, t + part * ((float)i + 0.5f));
+        const float sum = (track->density + track->last + 2.0f * ends + 4.0f * middles) * (1.0f / TY_TRACK_PARTS);
+        track->middle = 0.25f * (sum - track->density - track->last);
     }
-    const int32_t row = grid->size[0], plane = row * grid->size[1];
-    const float first[3] = {track->low[0][0], track->low[1][0], track->low[2][0]};
-    TY_GLOBAL const float* base =
-        grid->floats + ((size_t)first[0] + (size_t)row * (size_t)first[1] + (size_t)plane * (size_t)first[2]);
-    for (int32_t i = 0; i < TY_TRACK_PIECES; ++i)
-        track->at[i] = (int32_t)(track->low[0][i] - first[0]) + row * (int32_t)(track->low[1][i] - first[1]) +
-                       plane * (int32_t)(track->low[2][i] - first[2]);
-    for (int k = 0; k < 8; ++k) {
-        TY_GLOBAL const float* from = base + ((k & 1) + (k >> 1 & 1) * row) + (size_t)(k >> 2) * (size_t)plane;
-        float* to = corner[k];
-#pragma omp simd
-        for (int32_t i = 0; i < TY_TRACK_PIECES; ++i) to[i] = from[track->at[i]];
-    }
+    return (track->density + 4.0f * track->middle + track->last) * length * (1.0f / 6.0f);
 }
 
-/* The grid's value at a place within every piece: 0 its start, 1 its end. */
-TY_FN void ty_track_values(const ty_track* track, const float* time, float place, float corner[8][TY_TRACK_PIECES],
-                           float* values) {
-    const ty_vec o = track->bricks.origin, d = track->bricks.direction;
-#pragma omp simd
-    for (int32_t i = 0; i < TY_TRACK_PIECES; ++i) {
-        const float t = time[i] + place * (time[i + 1] - time[i]);
-        const float x = o.x + d.x * t - track->low[0][i];
-        const float y = o.y + d.y * t - track->low[1][i];
-        const float z = o.z + d.z * t - track->low[2][i];
-        const float low = ty_lerpf(ty_lerpf(corner[0][i], corner[1][i], x), ty_lerpf(corner[2][i], corner[3][i], x), y);
-        const float high =
-            ty_lerpf(ty_lerpf(corner[4][i], corner[5][i], x), ty_lerpf(corner[6][i], corner[7][i], x), y);
-        values[i] = ty_lerpf(low, high, z);
-    }
-}
-
-/* Whether the transfer function has a point within the range of a piece's voxels. */
-TY_FN bool ty_track_bends(TY_GLOBAL const ty_medium_view* medium, float corner[8][TY_TRACK_PIECES], int32_t i) {
-    float low = corner[0][i], high = corner[0][i];
-    for (int k = 1; k < 8; ++k) {
-        low = ty_minf(low, corner[k][i]);
-        high = ty_maxf(high, corner[k][i]);
-    }
-    for (int32_t p = 0; p < medium->transfer_count; ++p)
-        if (medium->transfer[p].value > low && medium->transfer[p].value < high) return true;
-    return false;
-}
-
-/* Densities from values; pieces that the transfer function bends get Simpson's rule part by part, and a middle with
- * which one part gives the same. */
-TY_FN void ty_track_transfer(ty_track* track, const float* time, int32_t count, float corner[8][TY_TRACK_PIECES]) {
-    TY_GLOBAL const ty_medium_view* medium = track->medium;
-    float inner[2 * TY_TRACK_PARTS - 1][TY_TRACK_PIECES];
-    bool bends = false;
-    for (int32_t i = 0; i < count; ++i) bends = bends || ty_track_bends(medium, corner, i);
-    for (int n = 0; n < 3; ++n)
-        for (int32_t i = 0; i < count; ++i)
-            track->density[n][i] = ty_transfer_density(medium->transfer, medium->transfer_count, track->density[n][i]);
-    if (!bends) return;
-    for (int n = 0; n < 2 * TY_TRACK_PARTS - 1; ++n)
-        ty_track_values(track, time, (float)(n + 1) / (2 * TY_TRACK_PARTS), corner, inner[n]);
-    for (int32_t i = 0; i < count; ++i) {
-        float sum = 0.0f;
-        const float sides = track->density[0][i] + track->density[1][i];
-        for (int n = 0; n < 2 * TY_TRACK_PARTS - 1; ++n)
-            sum +=
-                (n % 2 == 0 ? 4.0f : 2.0f) * ty_transfer_density(medium->transfer, medium->transfer_count, inner[n][i]);
-        track->density[2][i] = 0.25f * ((sum + sides) * (1.0f / TY_TRACK_PARTS) - sides);
-    }
-}
-
-/* Looks at pieces time[0] to time[1] and so on, between whose ends no voxels are left. Along a ray a trilinear density
- * is a cubic, for which Simpson's rule is exact. Times past `count` are there, and whatever they are. */
-TY_FN void ty_track_look(ty_track* track, const float* time, int32_t count) {
-    float corner[8][TY_TRACK_PIECES];
-    float *first = track->density[0], *last = track->density[1], *middle = track->density[2];
-    if (track->medium->has_grid == 0) {
-        for (int32_t i = 0; i < count; ++i) first[i] = last[i] = middle[i] = 1.0f;
-    } else {
-        for (int a = 0; a < 3; ++a)
-            for (int32_t i = count; i < TY_TRACK_PIECES; ++i) track->low[a][i] = track->low[a][count - 1];
-        ty_track_fetch(track, count, corner);
-        ty_track_values(track, time, 0.0f, corner, first);
-        ty_track_values(track, time, 1.0f, corner, last);
-        ty_track_values(track, time, 0.5f, corner, middle);
-        if (track->medium->transfer != NULL) {
-            ty_track_transfer(track, time, count, corner);
-        } else {
-            for (int n = 0; n < 3; ++n)
-                for (int32_t i = 0; i < TY_TRACK_PIECES; ++i)
-                    track->density[n][i] = ty_maxf(0.0f, track->density[n][i]);
-        }
-    }
-#pragma omp simd
-    for (int32_t i = 0; i < TY_TRACK_PIECES; ++i) {
-        const float length = time[i + 1] - time[i];
-        track->amount[i] = (first[i] + 4.0f * middle[i] + last[i]) * length * (1.0f / 6.0f);
-        track->moment[i] = (2.0f * middle[i] + last[i]) * length * length * (1.0f / 6.0f);
-    }
-}
-
-/* The same of the part of piece i between shares u and v of it, taking its density as the parabola that Simpson's rule
- * takes it as: parts add up to the whole. */
-TY_FN void ty_track_part(const ty_track* track, int32_t i, float length, float u, float v, float* amount,
-                         float* moment) {
-    if (u <= 0.0f && v >= 1.0f) {
-        *amount = track->amount[i];
-        *moment = track->moment[i];
-        return;
-    }
-    const float first = track->density[0][i], last = track->density[1][i], middle = track->density[2][i];
-    const float slope = 4.0f * middle - 3.0f * first - last, bend = 2.0f * (first + last) - 4.0f * middle;
-    const float w = 0.5f * (u + v), part = (v - u) * length * (1.0f / 6.0f);
-    const float at_u = first + u * (slope + u * bend), at_v = first + v * (slope + v * bend);
-    const float at_w = first + w * (slope + w * bend);
-    *amount = (at_u + 4.0f * at_w + at_v) * part;
-    *moment = (at_u * u + 4.0f * at_w * w + at_v * v) * part * length;
+/* Takes that piece into the step that began at `begin`. */
+TY_FN void ty_track_take(ty_track* track, float begin, float t, float end) {
+    const float length = (end - t) * (1.0f / 6.0f);
+    const float sides = track->density + track->last, middle = 4.0f * track->middle;
+    track->amount += (sides + middle) * length;
+    track->moment +=
+        (track->density * (t - begin) + middle * (0.5f * (t + end) - begin) + track->last * (end - begin)) * length;
+    track->density = track->last;
 }
 
 #endif
