@@ -81,7 +81,12 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
         from = ty_scale(off, 1.0f / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f)));
     }
     const float mu = ty_dot(from, way);
-    for (int32_t c = 0; c < 3; ++c) scattered[c] += ty_hg(mu, g[c]) * ty_cell_value(light->fluence[c], at);
+    float phase = 0.0f, fluence = 0.0f;
+    for (int32_t c = 0; c < 3; ++c) {
+        if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);
+        if (c == 0 || light->fluence[c] != light->fluence[c - 1]) fluence = ty_cell_value(light->fluence[c], at);
+        scattered[c] += phase * fluence;
+    }
 }
 
 /* A stretch of the ray within one cell. */

@@ -20,7 +20,8 @@ typedef struct march_job {
     const ty_march_def* def;
     ty_march_request request;
     ty_march_kernel kernel;
-    float* cells; /* of the field, as ty_upsample_view has them */
+    ty_march_lamp* lamps; /* def->light_count */
+    float* cells;         /* of the field, as ty_upsample_view has them */
     size_t cell_floats;
     ty_image* image;
     const float* unscattered[3]; /* planes of def->unscattered; NULL: none */
@@ -34,7 +35,7 @@ typedef struct march_job {
 } march_job;
 
 ty_march_def ty_default_march_def(void) {
-    return (ty_march_def){.spp = 1, .step = 1};
+    return (ty_march_def){.spp = 1, .step = 1, .guided = 0.25};
 }
 
 /* ---- options ---- */
@@ -56,8 +57,6 @@ static ty_result check_field(ty_context* context, const ty_march_def* def) {
         for (int t = 0; t < field->term_count; ++t)
             if (field->terms[c][t] == NULL)
                 return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: terms[%d][%d] is NULL", c, t);
-    if (def->guided > 0 && field->guide == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "march.guided is %g, and the field has no guide", def->guided);
     return check_box(context, "field", &field->box);
 }
 
@@ -139,7 +138,7 @@ static ty_result pack_field(march_job* job) {
     view->place = place_cells(&field->box);
     view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN : TY_UPSAMPLE_DIRECTED;
     const double guided = job->def->guided;
-    view->sharpness = guided > 0 ? (float)(1 / (2 * guided * guided)) : 0;
+    view->sharpness = guided > 0 && field->guide != NULL ? (float)(1 / (2 * guided * guided)) : 0;
     for (int c = 0; c < 3; ++c)
         for (int a = 0; a < 3; ++a) view->flux[c][a] = field->flux[c][a];
     job->cell_floats = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
@@ -148,6 +147,48 @@ static ty_result pack_field(march_job* job) {
     view->cells = job->cells;
     job->request.has_field = 1;
     ty_parallel_for(job->context, size[2], pack_plane, job);
+    return TY_OK;
+}
+
+/* How often a plane of fluence is another; negative where it is something else. */
+static float find_scale(const float* plane, const float* other, size_t cells) {
+    size_t brightest = 0;
+    if (plane == other) return 1;
+    for (size_t i = 0; i < cells; ++i)
+        if (other[i] > other[brightest]) brightest = i;
+    if (!(other[brightest] > 0)) return -1;
+    const float scale = plane[brightest] / other[brightest];
+    float apart = 0;
+    for (size_t i = 0; i < cells; ++i) apart = ty_maxf(apart, fabsf(plane[i] - scale * other[i]) - 1e-5f * plane[i]);
+    return apart <= 0 ? scale : -1;
+}
+
+static void prepare_lamp(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const march_job* job = user;
+    const int32_t* size = job->def->light_box.size;
+    const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    const ty_single_light* light = &job->def->lights[index];
+    ty_march_lamp* lamp = &job->lamps[index];
+    *lamp = (ty_march_lamp){.light = *light, .scale = {1, 1, 1}};
+    if (light->kind == TY_SINGLE_MANY) return;
+    const float green = find_scale(light->fluence[1], light->fluence[0], cells);
+    const float blue = green >= 0 ? find_scale(light->fluence[2], light->fluence[0], cells) : -1;
+    if (blue < 0) return;
+    lamp->light.fluence[1] = lamp->light.fluence[2] = light->fluence[0];
+    lamp->scale[1] = green;
+    lamp->scale[2] = blue;
+}
+
+static ty_result take_lights(march_job* job) {
+    const ty_march_def* def = job->def;
+    if (def->light_count == 0) return TY_OK;
+    job->lamps = ty_alloc_array(job->context, (size_t)def->light_count, sizeof *job->lamps, false);
+    if (job->lamps == NULL) return TY_ERROR_MEMORY;
+    ty_parallel_for(job->context, def->light_count, prepare_lamp, job);
+    job->request.light = place_cells(&def->light_box);
+    job->request.lights = job->lamps;
+    job->request.light_count = def->light_count;
     return TY_OK;
 }
 
@@ -161,12 +202,10 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->spp = def->spp;
     request->first = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
     request->step = (float)def->step;
-    request->lights = def->lights;
-    request->light_count = def->light_count;
-    if (def->light_count > 0) request->light = place_cells(&def->light_box);
     request->has_background = def->unscattered == NULL;
     if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
-    return def->field != NULL ? pack_field(job) : TY_OK;
+    const ty_result result = take_lights(job);
+    return result == TY_OK && def->field != NULL ? pack_field(job) : result;
 }
 
 /* ---- pixels ---- */
@@ -281,6 +320,7 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     if (result == TY_OK) result = prepare(&job, scene);
     if (result == TY_OK) result = create_image(&job);
     if (result == TY_OK) result = march(&job);
+    ty_free_array(job.context, job.lamps, (size_t)def->light_count, sizeof *job.lamps);
     ty_free_array(job.context, job.cells, job.cell_floats, sizeof *job.cells);
     if (result != TY_OK) {
         ty_image_destroy(job.image);

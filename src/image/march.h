@@ -17,8 +17,9 @@ typedef struct ty_march_def {
                                       cells where those are larger and nothing but the density varies from voxel to
                                       voxel; 0.05..8; default 1. Optical depth is exact whatever it is.
                                       docs/marching.md: cost and bias */
-    double guided;                 /* width of what field->guide is compared with, see docs/marching.md; > 0; 0
-                                      (default): plain interpolation */
+    double guided;                 /* how like a cell's extinction must be to that of a place which takes light from
+                                      it, see docs/marching.md; default 0.25; 0, or a field without a guide: plain
+                                      interpolation */
     uint32_t aovs;                 /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0 */
     ty_grid_box light_box;         /* the cells that lights lie on; looked at if there are any */
     const ty_single_light* lights; /* uncollided light; default none */
