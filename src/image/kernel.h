@@ -7,12 +7,6 @@
 #include "scene/camera.h"
 #include "scene/scene.h"
 
-/* Where fluence has the same form in all channels, all of them look at one plane, and scale tells them apart. */
-typedef struct ty_march_lamp {
-    ty_single_light light;
-    float scale[3];
-} ty_march_lamp;
-
 typedef struct ty_march_request {
     const ty_scene_view* scene;
     ty_camera_view camera;
@@ -20,7 +14,7 @@ typedef struct ty_march_request {
     float first;         /* where in a step the first pixel's rays begin, of a step */
     float step;          /* voxels, or cells */
     ty_cell_place light; /* the cells that lights lie on */
-    const ty_march_lamp* lights;
+    const ty_single_light* lights;
     int32_t light_count;
     int32_t has_field;
     ty_upsample_view field;

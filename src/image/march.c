@@ -20,7 +20,6 @@ typedef struct march_job {
     const ty_march_def* def;
     ty_march_request request;
     ty_march_kernel kernel;
-    ty_march_lamp* lamps; /* def->light_count */
     float* cells;         /* of the field, as ty_upsample_view has them */
     size_t cell_floats;
     ty_image* image;
@@ -150,48 +149,6 @@ static ty_result pack_field(march_job* job) {
     return TY_OK;
 }
 
-/* How often a plane of fluence is another; negative where it is something else. */
-static float find_scale(const float* plane, const float* other, size_t cells) {
-    size_t brightest = 0;
-    if (plane == other) return 1;
-    for (size_t i = 0; i < cells; ++i)
-        if (other[i] > other[brightest]) brightest = i;
-    if (!(other[brightest] > 0)) return -1;
-    const float scale = plane[brightest] / other[brightest];
-    float apart = 0;
-    for (size_t i = 0; i < cells; ++i) apart = ty_maxf(apart, fabsf(plane[i] - scale * other[i]) - 1e-5f * plane[i]);
-    return apart <= 0 ? scale : -1;
-}
-
-static void prepare_lamp(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const march_job* job = user;
-    const int32_t* size = job->def->light_box.size;
-    const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    const ty_single_light* light = &job->def->lights[index];
-    ty_march_lamp* lamp = &job->lamps[index];
-    *lamp = (ty_march_lamp){.light = *light, .scale = {1, 1, 1}};
-    if (light->kind == TY_SINGLE_MANY) return;
-    const float green = find_scale(light->fluence[1], light->fluence[0], cells);
-    const float blue = green >= 0 ? find_scale(light->fluence[2], light->fluence[0], cells) : -1;
-    if (blue < 0) return;
-    lamp->light.fluence[1] = lamp->light.fluence[2] = light->fluence[0];
-    lamp->scale[1] = green;
-    lamp->scale[2] = blue;
-}
-
-static ty_result take_lights(march_job* job) {
-    const ty_march_def* def = job->def;
-    if (def->light_count == 0) return TY_OK;
-    job->lamps = ty_alloc_array(job->context, (size_t)def->light_count, sizeof *job->lamps, false);
-    if (job->lamps == NULL) return TY_ERROR_MEMORY;
-    ty_parallel_for(job->context, def->light_count, prepare_lamp, job);
-    job->request.light = place_cells(&def->light_box);
-    job->request.lights = job->lamps;
-    job->request.light_count = def->light_count;
-    return TY_OK;
-}
-
 static ty_result prepare(march_job* job, const ty_scene* scene) {
     const ty_march_def* def = job->def;
     const ty_camera_def camera = ty_scene_camera(scene);
@@ -204,8 +161,10 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->step = (float)def->step;
     request->has_background = def->unscattered == NULL;
     if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
-    const ty_result result = take_lights(job);
-    return result == TY_OK && def->field != NULL ? pack_field(job) : result;
+    request->light = place_cells(&def->light_box);
+    request->lights = def->lights;
+    request->light_count = def->light_count;
+    return def->field != NULL ? pack_field(job) : TY_OK;
 }
 
 /* ---- pixels ---- */
@@ -320,7 +279,6 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     if (result == TY_OK) result = prepare(&job, scene);
     if (result == TY_OK) result = create_image(&job);
     if (result == TY_OK) result = march(&job);
-    ty_free_array(job.context, job.lamps, (size_t)def->light_count, sizeof *job.lamps);
     ty_free_array(job.context, job.cells, job.cell_floats, sizeof *job.cells);
     if (result != TY_OK) {
         ty_image_destroy(job.image);

@@ -53,12 +53,8 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     const ty_vec way = ty_scale(ray->direction, -1.0f);
     float g[3], scattered[3] = {0.0f, 0.0f, 0.0f};
     ty_medium_g(track->medium, point, g);
-    for (int32_t i = 0; i < request->light_count; ++i) {
-        TY_GLOBAL const ty_march_lamp* lamp = &request->lights[i];
-        float of_lamp[3] = {0.0f, 0.0f, 0.0f};
-        ty_single_scattered(&lamp->light, point, at, way, g, of_lamp);
-        for (int32_t c = 0; c < 3; ++c) scattered[c] += lamp->scale[c] * of_lamp[c];
-    }
+    for (int32_t i = 0; i < request->light_count; ++i)
+        ty_single_scattered(&request->lights[i], point, at, way, g, scattered);
     for (int32_t c = 0; c < 3; ++c) ray->light.single[c] += reach[c] * track->amount * sigma_s[c] * scattered[c];
 }
 
