@@ -20,7 +20,7 @@ typedef struct march_job {
     const ty_march_def* def;
     ty_march_request request;
     ty_march_kernel kernel;
-    float* cells;         /* of the field, as ty_upsample_view has them */
+    float* cells; /* of the field, as ty_upsample_view has them */
     size_t cell_floats;
     ty_image* image;
     const float* unscattered[3]; /* planes of def->unscattered; NULL: none */
@@ -82,6 +82,8 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
                          "march.aovs: %u has channels other than transmittance, depth, "
                          "single and multiple",
                          (unsigned)def->aovs);
+    if (result == TY_OK)
+        result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
     if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);
     if (result == TY_OK && def->field != NULL) result = check_field(context, def);
     if (result == TY_OK && def->unscattered != NULL) result = check_unscattered(context, def);
@@ -164,6 +166,7 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->light = place_cells(&def->light_box);
     request->lights = def->lights;
     request->light_count = def->light_count;
+    request->reduced = def->reduced ? 1 : 0;
     return def->field != NULL ? pack_field(job) : TY_OK;
 }
 
