@@ -59,10 +59,10 @@ double ty_solve_sweep(ty_diffusion_job* job, double omega);
 void ty_stages_lay_out(ty_diffusion_job* job, ty_arena* arena);
 /* Cells of all stages from those of the finest. */
 void ty_stages_fill(ty_diffusion_job* job);
-/* A step of Picard's, from D of the stage's phi to the next phi; the problem is solved down to `reduction` of what was
- * left. Returns the sum of the squares of that. */
+/* A step of Picard's, from D of the stage's phi to the next phi; first the sum of the squares of what
+ * phi leaves; the problem is solved down to `reduction` of it, with so many cycles at most. */
 double ty_stage_linearise(ty_diffusion_job* job, int32_t stage);
-void ty_stage_advance(ty_diffusion_job* job, int32_t stage, double squares, double reduction);
+void ty_stage_advance(ty_diffusion_job* job, int32_t stage, double squares, double reduction, int32_t cycles);
 /* Corrects a stage's phi by what the coarser ones say; the stage is linearised. */
 void ty_stages_correct(ty_diffusion_job* job, int32_t stage);
 /* A phi of the finest stage to start from, by way of all the others. */
@@ -72,8 +72,8 @@ void ty_stages_start(ty_diffusion_job* job, double first);
 void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena);
 /* Couplings of the levels below one, from its D. */
 void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first);
-/* Solves the level's problem down to `target`, a sum of squares, from f, of which it is `squares`: the result is in
- * job->change. Leaves nothing of f, and the level without its D. */
-void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target);
+/* Solves a level's problem for f, whose sum of squares is `squares`, until it is `target`; the result is in
+ * job->change. f becomes what is left. */
+void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles);
 
 #endif

@@ -147,8 +147,6 @@ static void cycle(const ty_diffusion_job* job, int32_t i, bool fresh) {
 
 /* ---- conjugate gradients ---- */
 
-enum { GRADIENTS_MAX = 30 };
-
 static void dot_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const pass* p = user;
@@ -184,12 +182,12 @@ static void clear(const ty_box* box, float* items) {
     memset(items - ty_box_origin(box), 0, sizeof(float) * ty_box_items(box));
 }
 
-void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target) {
+void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles) {
     ty_level* level = &job->levels[first];
     pass p = {.job = job, .fine = level};
     clear(&level->box, job->change);
     double along = 0; /* f.e of the step before */
-    for (int i = 0; i < GRADIENTS_MAX && squares > target; ++i) {
+    for (int i = 0; i < cycles && squares > target; ++i) {
         cycle(job, first, true);
         ++job->stats->cycles;
         const double next = run(&p, dot_plane);

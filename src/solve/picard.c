@@ -5,32 +5,59 @@
 
 #include <math.h>
 
-/* What one iteration's linear solve reduces its residual to: more is lost on the next D, or on single precision. */
-static const double REDUCTION_LIMITED = 0.5, REDUCTION_LINEAR = 1e-7;
-/* What the last one aims at, of the tolerance. */
-static const double AIM = 0.5;
+/* What one linear solve reduces its residual to, of an iteration of a limited problem, where more is lost on the next
+ * D, and of a linear problem, where more is lost on single precision; and what the last one aims at, of the tolerance.
+ */
+static const double REDUCTION_LIMITED = 0.5, REDUCTION_LINEAR = 1e-7, AIM = 0.5;
+enum { CYCLES_LIMITED = 3, CYCLES_LINEAR = 30 };
+/* Of Algorithm 1. */
 enum { SWEEPS = 2 };
 static const double OMEGA = 1.3;
+/* An iteration that does not leave a share of the least residual so far gains nothing. After so many of them coarser
+ * stages are not asked until one does. */
+static const double GAIN = 0.9;
+enum { PATIENCE = 4 };
+
+typedef struct picard {
+    ty_diffusion_job* job;
+    bool limited;
+    double least;   /* residual so far */
+    int32_t futile; /* iterations since that gained */
+} picard;
+
+/* rms, of a linearised problem's f. */
+static double rms(const ty_diffusion_job* job, double squares) {
+    return sqrt(squares / (double)ty_box_cells(&job->cells.box));
+}
+
+static void iterate(picard* p, double squares) {
+    ty_diffusion_job* job = p->job;
+    const double least = AIM * job->def->tolerance;
+    if (!p->limited) {
+        ty_stage_advance(job, 0, squares, fmax(REDUCTION_LINEAR, least / rms(job, squares)), CYCLES_LINEAR);
+        return;
+    }
+    if (p->futile < PATIENCE && job->stage_count > 1) {
+        ty_stages_correct(job, 0);
+        squares = ty_stage_linearise(job, 0);
+    }
+    ty_stage_advance(job, 0, squares, fmax(REDUCTION_LIMITED, least / rms(job, squares)), CYCLES_LIMITED);
+    for (int sweep = 0; sweep < SWEEPS; ++sweep) ty_solve_sweep(job, OMEGA);
+}
 
 ty_result ty_solve_picard(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
-    const bool limited = def->limiter != TY_LIMITER_NONE;
+    picard p = {.job = job, .limited = def->limiter != TY_LIMITER_NONE, .least = INFINITY};
     const int32_t limit = def->iterations > 0 ? def->iterations : 500;
-    const double cells = (double)ty_box_cells(&job->cells.box);
-    const double reduction = limited ? REDUCTION_LIMITED : REDUCTION_LINEAR;
     ty_stages_fill(job);
     if (def->start == NULL) ty_stages_start(job, ((const double*)job->phi)[0]);
     for (int32_t i = 0;; ++i) {
-        double squares = ty_stage_linearise(job, 0);
-        const double residual = sqrt(squares / cells);
+        const double squares = ty_stage_linearise(job, 0), residual = rms(job, squares);
         const ty_result result = ty_solve_note(job, residual);
         if (job->stats->converged || result != TY_OK || i == limit) return result;
-        if (limited && job->stage_count > 1) {
-            ty_stages_correct(job, 0);
-            squares = ty_stage_linearise(job, 0);
-        }
-        ty_stage_advance(job, 0, squares, fmax(reduction, AIM * def->tolerance / sqrt(squares / cells)));
-        for (int sweep = 0; limited && sweep < SWEEPS; ++sweep) ty_solve_sweep(job, OMEGA);
+        p.futile = residual < GAIN * p.least ? 0 : p.futile + 1;
+        p.least = fmin(p.least, residual);
+        iterate(&p, squares);
         job->stats->iterations = i + 1;
     }
 }

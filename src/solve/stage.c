@@ -8,9 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-/* What is left of the residuals of a coarse stage after a step: one cycle, mostly. */
-static const double REDUCTION = 0.5;
-
 typedef struct work {
     const ty_diffusion_job* job;
     const ty_stage *fine, *coarse;
@@ -130,13 +127,13 @@ double ty_stage_linearise(ty_diffusion_job* job, int32_t i) {
     return ty_solve_sum(job, box->size[2]).a;
 }
 
-void ty_stage_advance(ty_diffusion_job* job, int32_t i, double squares, double reduction) {
+void ty_stage_advance(ty_diffusion_job* job, int32_t i, double squares, double reduction, int32_t cycles) {
     const ty_stage* stage = &job->stages[i];
     ty_level* level = &job->levels[i];
     level->diffusivity = stage->diffusivity;
     memcpy(level->coupling, stage->cells.coupling, sizeof level->coupling);
     ty_multigrid_coarsen(job, i);
-    ty_multigrid_solve(job, i, squares, squares * reduction * reduction);
+    ty_multigrid_solve(job, i, squares, squares * reduction * reduction, cycles);
     work w = {.job = job, .fine = stage};
     ty_solve_planes(job, &stage->cells.box, update_plane, &w);
     ty_solve_count(job, &stage->cells.box, 1);
@@ -176,15 +173,16 @@ static void hand_up(const ty_diffusion_job* job, int32_t i) {
     ty_solve_count(job, &w.fine->cells.box, 1);
 }
 
-/* Picard's steps before and after what coarser stages say. */
+/* Picard's steps before and after what coarser stages say, of one cycle each: with more, iterations may swing to and
+ * fro instead of converging. */
 static void visit(ty_diffusion_job* job, int32_t i) {
-    ty_stage_advance(job, i, ty_stage_linearise(job, i), REDUCTION);
+    ty_stage_advance(job, i, ty_stage_linearise(job, i), 0, 1);
     if (i + 1 == job->stage_count) return;
     if (job->def->limiter != TY_LIMITER_NONE) {
         ty_stage_linearise(job, i);
         ty_stages_correct(job, i);
     }
-    ty_stage_advance(job, i, ty_stage_linearise(job, i), REDUCTION);
+    ty_stage_advance(job, i, ty_stage_linearise(job, i), 0, 1);
 }
 
 void ty_stages_correct(ty_diffusion_job* job, int32_t i) {
