@@ -57,8 +57,9 @@ typedef struct ty_fld_def {
 
     ty_fld_limiter limiter; /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
     double larsen_power;    /* n, 1..100; default 2 */
-    double streaming; /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go. Default 0.5, as
-                         light leaves thick media for vacuum; 1: the paper's, true of light far from its source */
+    double streaming;       /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go. Default 0.577
+                                       (1 / sqrt(3)), which is what light has where it leaves thick media for vacuum
+                                       (Milne's problem); 1: the paper's, true of light far from its source */
     ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_MARSHAK */
     double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
