@@ -29,7 +29,6 @@ static void even_boxes(void** state) {
         commit(scene);
         even_field even;
         even_begin(&even, low, high, 3);
-        even.field.box.size[2] = 1;
         for (int s = 0; s < 3; ++s) {
             ty_march_def def = march_def(1, 1);
             def.step = steps[s];
@@ -224,7 +223,6 @@ static void steps_converge(void** state) {
         error[0] += pow(lit_noise(*state, 1, seed) / truth - 1, 2) / 16;
         error[1] += pow(lit_noise(*state, 0.25, seed) / truth - 1, 2) / 16;
     }
-    print_message("errors %g %g\n", sqrt(error[0]), sqrt(error[1]));
     assert_true(sqrt(error[0]) < 0.02);
     assert_true(sqrt(error[1]) < sqrt(error[0]) / 4);
 }
