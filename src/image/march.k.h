@@ -34,14 +34,23 @@ typedef struct ty_march_ray {
 
 /* ---- a step's light ---- */
 
+/* What all media scatter of a step: the integral of their scattering coefficients, and the same times mean cosines. */
+typedef struct ty_march_scattering {
+    float amount[3], forward[3];
+} ty_march_scattering;
+
 /* What one medium scatters and sends at a point, times how much of it is seen: reach is transmittance times the mean
  * decay over the step. Adds to scattering what the field's light is scattered by. */
 TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_cell_point* at,
-                          const float reach[3], float scattering[3]) {
+                          const float reach[3], ty_march_scattering* scattering) {
     TY_GLOBAL const ty_march_request* request = ray->request;
-    float sigma_s[3];
+    float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
-    for (int32_t c = 0; c < 3; ++c) scattering[c] += sigma_s[c] * track->amount;
+    ty_medium_g(track->medium, point, g);
+    for (int32_t c = 0; c < 3; ++c) {
+        scattering->amount[c] += sigma_s[c] * track->amount;
+        scattering->forward[c] += g[c] * sigma_s[c] * track->amount;
+    }
     if (track->medium->emits != 0) {
         float glow[3];
         ty_medium_emission(track->medium, point, glow);
@@ -51,8 +60,7 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     }
     if (request->light_count == 0) return;
     const ty_vec way = ty_scale(ray->direction, -1.0f);
-    float g[3], scattered[3] = {0.0f, 0.0f, 0.0f};
-    ty_medium_g(track->medium, point, g);
+    float scattered[3] = {0.0f, 0.0f, 0.0f};
     for (int32_t i = 0; i < request->light_count; ++i) {
         TY_GLOBAL const ty_march_lamp* lamp = &request->lights[i];
         float of_lamp[3] = {0.0f, 0.0f, 0.0f};
@@ -81,29 +89,33 @@ TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], fl
 
 /* The field's light at a point, that what is there scatters. Its extinction is that at the point itself: means over
  * steps differ from pixel to pixel, and show. */
-TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, const float reach[3], const float scattering[3]) {
+TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, const float reach[3],
+                              const ty_march_scattering* scattering) {
     const ty_upsample_view* field = &ray->request->field;
-    float extinction = 0.0f, sent[3];
+    float extinction = 0.0f, even[3], directed[3];
     for (int32_t i = 0; i < ray->active_count && field->sharpness > 0.0f; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
         if (track->amount > 0.0f) extinction += ty_track_extinction(track, point);
     }
-    ty_upsample(field, point, extinction, ty_scale(ray->direction, -1.0f), sent);
-    for (int c = 0; c < 3; ++c) ray->light.multiple[c] += reach[c] * scattering[c] * sent[c];
+    ty_upsample(field, point, extinction, ty_scale(ray->direction, -1.0f), even, directed);
+    for (int c = 0; c < 3; ++c) {
+        const float sent = scattering->amount[c] * even[c] + scattering->forward[c] * directed[c];
+        ray->light.multiple[c] += reach[c] * ty_maxf(0.0f, sent);
+    }
 }
 
 /* Looks up what reaches the eye from a step around a point. */
 TY_FN void ty_march_add(ty_march_ray* ray, ty_vec point, const float reach[3]) {
     TY_GLOBAL const ty_march_request* request = ray->request;
-    float scattering[3] = {0.0f, 0.0f, 0.0f};
+    ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     ty_cell_point place = {0};
     if (request->light_count > 0)
         place = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
-        if (track->amount > 0.0f) ty_march_shine(ray, track, point, &place, reach, scattering);
+        if (track->amount > 0.0f) ty_march_shine(ray, track, point, &place, reach, &scattering);
     }
-    if (request->has_field != 0) ty_march_add_field(ray, point, reach, scattering);
+    if (request->has_field != 0) ty_march_add_field(ray, point, reach, &scattering);
     ++ray->steps;
 }
 
