@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "image/march.h"
+#include "scene/scene.h"
 #include "solve/diffusion.h"
 
 #include <string.h>
@@ -87,7 +88,6 @@ void ty_fld_destroy(ty_fld* light) {
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, light->terms[c][t], light->cells, sizeof(float));
-        for (int a = 0; a < 3; ++a) ty_free_array(light->context, light->flux[c][a], light->cells, sizeof(float));
     }
     ty_free_array(light->context, light->guide, light->cells, sizeof(float));
     ty_free_array(light->context, light, 1, sizeof *light);
@@ -98,10 +98,10 @@ void ty_fld_destroy(ty_fld* light) {
 static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_fld_progress progress,
                       ty_image** out, ty_fld_stats* stats) {
     const ty_camera_def camera = ty_scene_camera(scene);
-    ty_source_field field = {.box = light->box, .term_count = light->term_count, .guide = light->guide};
+    const bool directed = !light->even || ty_scene_get_view(scene)->mesh != NULL;
+    ty_source_field field = {.box = light->box, .term_count = directed ? TY_FIELD_TERMS : 1, .guide = light->guide};
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];
-        for (int a = 0; a < 3; ++a) field.flux[c][a] = light->flux[c][a];
     }
     ty_march_def march = ty_default_march_def();
     march.width = def->width > 0 ? def->width : camera.resolution[0];

@@ -18,9 +18,8 @@ struct ty_fld {
     ty_single_light lights[TY_FLD_OWN_MAX + 1];
     int32_t light_count;
     size_t cells;                    /* of diffusion */
-    int32_t term_count;
+    bool even;                       /* whether media scatter alike in all directions */
     float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field */
-    float* flux[3][3];               /* of diffuse light per channel, W m^-2 */
     float* guide;
 };
 
