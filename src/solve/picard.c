@@ -8,7 +8,7 @@
 /* What one linear solve reduces its residual to, of an iteration of a limited problem, where more is lost on the next
  * D, and of a linear problem, where more is lost on single precision; and what the last one aims at, of the tolerance.
  */
-static const double REDUCTION_LIMITED = 0.5, REDUCTION_LINEAR = 1e-7, AIM = 0.5;
+static const double REDUCTION_LIMITED = 0.5, REDUCTION_LINEAR = 1e-7, AIM = 0.3;
 enum { CYCLES_LIMITED = 3, CYCLES_LINEAR = 30 };
 /* Of Algorithm 1. */
 enum { SWEEPS = 2 };
