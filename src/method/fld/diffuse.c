@@ -180,7 +180,8 @@ static ty_result solve_channels(ty_fld_job* job, solve_work* work) {
             solved = is_multiple(job, c, of, &factor);
             if (solved) scale_channel(job, c, of, factor);
         }
-        if (!solved) result = solve_channel(job, work, c);
+        if (!solved) result = ty_fld_show_progress(job, "fluence");
+        if (!solved && result == TY_OK) result = solve_channel(job, work, c);
     }
     return result;
 }

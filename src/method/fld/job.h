@@ -13,6 +13,7 @@ enum { TY_FLD_OWN_MAX = 8 };
 
 struct ty_fld {
     ty_context* context;
+    bool reduced;                             /* beams are TY_FLD_BEAM_REDUCED */
     ty_grid_box direct_box, box;              /* the same box, in cells of direct light and of diffusion */
     ty_light_field* beam[TY_FLD_OWN_MAX + 1]; /* the last is of many sources, with flux */
     ty_single_light lights[TY_FLD_OWN_MAX + 1];
@@ -28,6 +29,7 @@ typedef struct ty_fld_progress {
     ty_progress_fn function; /* the caller's; may be NULL */
     void* user;
     double begun;       /* s */
+    double reported;    /* s: when the caller was last told */
     double from, share; /* of the whole work */
 } ty_fld_progress;
 
@@ -48,8 +50,11 @@ typedef struct ty_fld_job {
 /* Fails with the first field that is out of its range. */
 ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
 
-/* Takes the caller's progress over for the next part of the work, up to the fraction `until`. */
-void ty_fld_next_part(ty_fld_job* job, double until);
+/* Takes the caller's progress over for the next part of the work, up to the fraction `until`, and tells the caller.
+ * Errors: TY_CANCELLED. */
+ty_result ty_fld_next_part(ty_fld_job* job, const char* stage, double until);
+/* Tells the caller where this part begins, unless it was told of anything just now. Errors: TY_CANCELLED. */
+ty_result ty_fld_show_progress(ty_fld_job* job, const char* stage);
 /* A ty_progress_fn whose user is a ty_fld_progress. */
 bool ty_fld_report(void* user, const ty_progress* progress);
 
