@@ -55,6 +55,8 @@ ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b
 extern const plot_scale figure_error_scale;
 
 /* The figures. */
+ty_result figure_fld_limiters(figure_run* run);
+ty_result figure_fld_point(figure_run* run);
 ty_result figure_screen_leaking(figure_run* run);
 ty_result figure_screen_thickness(figure_run* run);
 ty_result figure_screen_truth(figure_run* run);
