@@ -16,6 +16,7 @@ typedef struct figure_entry {
 static const figure_entry figures[] = {
     {"fld-limiters", "Flux-limited diffusion: flux limiters (Table 2)", figure_fld_limiters},
     {"fld-point", "Flux-limited diffusion: a point source, theory and solvers (Figs. 3, 5)", figure_fld_point},
+    {"fld-convergence", "Flux-limited diffusion: how fast solvers converge (Fig. 4)", figure_fld_convergence},
     {"screen-leaking", "Screen-space scattering: what keeps light from leaking (Fig. 6)", figure_screen_leaking},
     {"screen-thickness", "Screen-space scattering: optical thickness 2 to 8 (Fig. 7)", figure_screen_thickness},
     {"screen-truth", "Screen-space scattering: against path tracing (Fig. 8)", figure_screen_truth},

@@ -57,6 +57,7 @@ extern const plot_scale figure_error_scale;
 /* The figures. */
 ty_result figure_fld_limiters(figure_run* run);
 ty_result figure_fld_point(figure_run* run);
+ty_result figure_fld_convergence(figure_run* run);
 ty_result figure_screen_leaking(figure_run* run);
 ty_result figure_screen_thickness(figure_run* run);
 ty_result figure_screen_truth(figure_run* run);

@@ -2,96 +2,70 @@
 #include "cli/figures/fld_point_solve.h"
 
 #include "base/context.h"
+#include "cli/figures/fld_box.h"
 #include "cli/figures/point_transport.h"
 
 #include <math.h>
 
 static const int steps_along[POINT_DIRECTIONS][3] = {{1, 0, 0}, {1, 1, 0}, {1, 1, 1}};
 
-/* Arrays of a solve, and how large they are. */
-typedef struct point_arrays {
-    size_t cells, faces;
-    float *extinction, *absorption, *source, *fluence, *face;
-} point_arrays;
-
-static size_t cell_index(int32_t n, int32_t x, int32_t y, int32_t z) {
-    return ((size_t)z * (size_t)n + (size_t)y) * (size_t)n + (size_t)x;
-}
-
-static void free_arrays(ty_context* context, point_arrays* arrays) {
-    ty_free_array(context, arrays->extinction, arrays->cells, sizeof(float));
-    ty_free_array(context, arrays->absorption, arrays->cells, sizeof(float));
-    ty_free_array(context, arrays->source, arrays->cells, sizeof(float));
-    ty_free_array(context, arrays->fluence, arrays->cells, sizeof(float));
-    ty_free_array(context, arrays->face, arrays->faces, sizeof(float));
-}
-
-static ty_result make_arrays(ty_context* context, int32_t n, point_arrays* out) {
-    *out = (point_arrays){.cells = (size_t)n * (size_t)n * (size_t)n, .faces = (size_t)n * (size_t)n};
-    out->extinction = ty_alloc_array(context, out->cells, sizeof(float), false);
-    out->absorption = ty_alloc_array(context, out->cells, sizeof(float), false);
-    out->source = ty_alloc_array(context, out->cells, sizeof(float), true);
-    out->fluence = ty_alloc_array(context, out->cells, sizeof(float), false);
-    out->face = ty_alloc_array(context, out->faces, sizeof(float), false);
-    const bool complete = out->extinction != NULL && out->absorption != NULL && out->source != NULL &&
-                          out->fluence != NULL && out->face != NULL;
-    if (!complete) free_arrays(context, out);
-    return complete ? TY_OK : TY_ERROR_MEMORY;
-}
-
-static void fill_arrays(const point_case* which, const point_arrays* arrays) {
-    const int32_t n = which->cells, middle = n / 2;
-    const double cell = POINT_EXTENT / n;
-    for (size_t i = 0; i < arrays->cells; ++i) {
-        arrays->extinction[i] = 1;
-        arrays->absorption[i] = (float)(1 - which->albedo);
+static void fill_box(const point_case* which, fld_box* box) {
+    const double cell = box->def.cell[0];
+    const int32_t middle = box->edge / 2;
+    for (size_t i = 0; i < box->cells; ++i) {
+        box->extinction[i] = 1;
+        box->absorption[i] = (float)(1 - which->albedo);
     }
-    arrays->source[cell_index(n, middle, middle, middle)] = (float)(1 / (cell * cell * cell));
-    /* One face stands for all six: the problem looks alike from everywhere. */
+    box->source[fld_box_at(box, middle, middle, middle)] = (float)(1 / (cell * cell * cell));
+}
+
+/* Fluence of classical diffusion on a face of the cube; from the source all six look alike. */
+static void fill_face(const point_case* which, const fld_box* box, float* face) {
+    const int32_t n = box->edge, middle = n / 2;
+    const double cell = box->def.cell[0], dz = POINT_EXTENT / 2;
     for (int32_t y = 0; y < n; ++y)
         for (int32_t x = 0; x < n; ++x) {
-            const double dx = (x - middle) * cell, dy = (y - middle) * cell, dz = POINT_EXTENT / 2;
-            arrays->face[(size_t)y * (size_t)n + (size_t)x] =
+            const double dx = (x - middle) * cell, dy = (y - middle) * cell;
+            face[(size_t)y * (size_t)n + (size_t)x] =
                 (float)(transport_diffusion(which->albedo, sqrt(dx * dx + dy * dy + dz * dz)) / (4 * TRANSPORT_PI));
         }
 }
 
-static void take_samples(const point_case* which, const float* fluence, point_profile* out) {
-    const int32_t n = which->cells, middle = n / 2;
+static void take_samples(const fld_box* box, point_profile* out) {
+    const int32_t middle = box->edge / 2;
     out->count = 0;
     for (int d = 0; d < POINT_DIRECTIONS; ++d) {
         const int* step = steps_along[d];
-        const double length = POINT_EXTENT / n * sqrt(step[0] + step[1] + step[2]);
+        const double length = box->def.cell[0] * sqrt(step[0] + step[1] + step[2]);
         for (int32_t i = 1; i <= middle; ++i) {
-            const size_t at = cell_index(n, middle + i * step[0], middle + i * step[1], middle + i * step[2]);
-            out->samples[out->count++] = (point_sample){i * length, 4 * TRANSPORT_PI * (double)fluence[at]};
+            const size_t at = fld_box_at(box, middle + i * step[0], middle + i * step[1], middle + i * step[2]);
+            out->samples[out->count++] = (point_sample){i * length, 4 * TRANSPORT_PI * (double)box->fluence[at]};
         }
     }
 }
 
 ty_result point_solve(ty_context* context, const point_case* which, ty_progress_fn progress, void* progress_user,
                       point_profile* out) {
-    point_arrays arrays;
-    ty_result result = make_arrays(context, which->cells, &arrays);
+    fld_box box;
+    ty_result result = fld_make_box(context, which->cells, POINT_EXTENT, &box);
     if (result != TY_OK) return result;
-    fill_arrays(which, &arrays);
-    ty_diffusion_def def = ty_default_diffusion_def();
-    for (int axis = 0; axis < 3; ++axis) {
-        def.size[axis] = which->cells;
-        def.cell[axis] = POINT_EXTENT / which->cells;
+    const size_t faces = (size_t)box.edge * (size_t)box.edge;
+    float* face = ty_alloc_array(context, faces, sizeof *face, false);
+    if (face == NULL) {
+        fld_free_box(context, &box);
+        return TY_ERROR_MEMORY;
     }
-    for (int side = 0; side < 6; ++side)
-        def.boundary[side] = (ty_boundary){TY_BOUNDARY_DIRICHLET, which->diffusive_faces ? arrays.face : NULL};
-    def.extinction = arrays.extinction;
-    def.absorption = arrays.absorption;
-    def.source = arrays.source;
-    def.limiter = which->limiter;
-    def.progress = progress;
-    def.progress_user = progress_user;
-    const ty_diffusion_out fields = {.fluence = arrays.fluence};
-    result = ty_diffusion_solve(context, &def, &fields, &out->stats);
-    if (result == TY_OK) take_samples(which, arrays.fluence, out);
-    free_arrays(context, &arrays);
+    fill_box(which, &box);
+    fill_face(which, &box, face);
+    for (int side = 0; side < 6 && which->diffusive_faces; ++side) box.def.boundary[side].value = face;
+    box.def.limiter = which->limiter;
+    box.def.progress = progress;
+    box.def.progress_user = progress_user;
+    const ty_diffusion_out fields = {.fluence = box.fluence};
+    result = ty_diffusion_solve(context, &box.def, &fields, &out->stats);
+    if (result == TY_OK) take_samples(&box, out);
+    ty_free_array(context, face, faces, sizeof *face);
+    fld_free_box(context, &box);
     return result;
 }
 
