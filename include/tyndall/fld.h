@@ -27,8 +27,10 @@ typedef enum ty_fld_limiter {
 
 /* What the six faces of the box around all media do. */
 typedef enum ty_fld_boundary {
-    TY_FLD_BOUNDARY_MARSHAK = 0,  /* vacuum outside: half of the fluence leaves as flux, nothing comes in */
-    TY_FLD_BOUNDARY_DIRICHLET = 1 /* the paper's: no fluence on the faces */
+    TY_FLD_BOUNDARY_VACUUM = 0, /* nothing comes in; thick media send out what transport theory says (Milne: 0.47 of the
+                                   fluence), and light that streams leaves freely */
+    TY_FLD_BOUNDARY_MARSHAK = 1,  /* half of the fluence leaves */
+    TY_FLD_BOUNDARY_DIRICHLET = 2 /* the paper's: no fluence on the faces */
 } ty_fld_boundary;
 
 typedef enum ty_fld_solver {
@@ -51,13 +53,13 @@ typedef struct ty_fld_def {
 
     int32_t resolution; /* cells of direct light along the longest side of the box around all media, 4..1024; 0
                            (default): as the finest voxels, but 256 at most; 64 where media have no voxels */
-    double ratio;       /* cells of direct light per cell of diffusion, along each side, 1..64; default 4 for media with
-                           voxels; 0 (default): 4, but 2 where that leaves less than 24 cells along the longest side */
-    ty_fld_beam beam;   /* default TY_FLD_BEAM_REDUCED */
+    double ratio; /* cells of direct light per cell of diffusion, along each side, 1..64; 0 (default): 4, but 2 where
+                     that leaves less than 24 cells along the longest side */
+    ty_fld_beam beam; /* default TY_FLD_BEAM_REDUCED */
 
     ty_fld_limiter limiter;   /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
     double larsen_power;      /* n, 1..100; default 2 */
-    ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_MARSHAK */
+    ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_VACUUM */
     double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
     double relaxation;        /* omega of SOR, (0, 2); default 1.85 */
@@ -117,11 +119,13 @@ TY_API ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const t
 TY_API ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image** out, ty_fld_stats* stats);
 
 /* Fluence as ty_path_fluence gives it (integral of radiance over all directions, W m^-2), means over the cells of a
- * box; outside of the box around the media it is 0. uncollided: what of it has not scattered; may be NULL. flux: the
- * net flux vector of all light, x, y and z per cell and channel, W m^-2; may be NULL. fluence, uncollided: cells x 3,
- * flux: cells x 3 channels x 3 axes. Errors: TY_ERROR_ARGUMENT. */
+ * box; outside of the box around the media it is 0. beam: what of it the diffusion did not have to find: uncollided
+ * light, with TY_FLD_BEAM_REDUCED also what scattering sent nearly straight on; may be NULL. flux: the net flux vector
+ * of all light, x, y and z per cell and channel, W m^-2; may be NULL. fluence, beam: cells x 3, flux: cells x 3
+ * channels x 3 axes. A box without extent along an axis gives that plane, line or point. Errors: TY_ERROR_ARGUMENT,
+ * TY_ERROR_MEMORY. */
 TY_API ty_result ty_fld_fluence(const ty_fld* light, const double lower[3], const double upper[3],
-                                const int32_t size[3], double* fluence, double* uncollided, double* flux);
+                                const int32_t size[3], double* fluence, double* beam, double* flux);
 
 #ifdef __cplusplus
 }

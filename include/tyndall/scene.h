@@ -292,13 +292,25 @@ typedef struct ty_screen_settings {
                              (ty_screen_balance), default, or in full; without "none" full is far too bright */
 } ty_screen_settings;
 
+/* ty_fld_def in words; 0 for what it calls its own choice. */
+typedef struct ty_fld_settings {
+    char limiter[24];  /* "levermore_pomraning" (default), "sum", "max", "kershaw", "larsen" or "none" */
+    char boundary[16]; /* "vacuum" (default), "marshak" or "dirichlet" (the paper's) */
+    char solver[16];   /* "multigrid" (default), "sor" (the paper's) or "sor_float" */
+    char beam[16];     /* "reduced" (default) or "published" */
+    double larsen_power, relaxation, tolerance, sigma_eps, ratio, step;
+    int32_t resolution, iterations, environment_beams, surface_points;
+    int32_t spp; /* rays per pixel */
+} ty_fld_settings;
+
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16]; /* "path" (default) or "screen" */
+    char method[16]; /* "path" (default), "screen", "fld" or "cda" (fld without limiter) */
     int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
     uint64_t seed;   /* default 0 */
     ty_path_settings path;
     ty_screen_settings screen;
+    ty_fld_settings fld;
 } ty_render_settings;
 
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);

@@ -24,6 +24,7 @@ int bench_machine(const bench_session* bench);
 int bench_path(const bench_session* bench);
 int bench_rays(const bench_session* bench);
 int bench_screen(const bench_session* bench);
+int bench_fld(const bench_session* bench);
 int bench_load(const bench_session* bench);
 
 /* The middle one of count values (the mean of the middle two); sorts them. */

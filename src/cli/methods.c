@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static const cli_method* const methods[] = {&cli_method_path, &cli_method_screen};
+static const cli_method* const methods[] = {&cli_method_path, &cli_method_screen, &cli_method_fld, &cli_method_cda};
 enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
 const cli_method* cli_find_method(const char* command, const char* name) {

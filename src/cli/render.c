@@ -33,11 +33,32 @@ static ty_result write_images(cli_session* session, const render_options* option
     return TY_OK;
 }
 
-static void print_closing_lines(const render_options* options, const cli_report* report) {
+static void print_fld_line(const cli_report* report) {
+    const ty_fld_stats* fld = &report->fld;
+    const int32_t* fine = fld->direct_size;
+    const int32_t* coarse = fld->diffusion_size;
+    printf("%s: %dx%d, %dx%dx%d cells of direct light, %dx%dx%d of diffusion%s, %.2f s (medium %.2f, direct %.2f, "
+           "solve %.2f, "
+           "march %.2f)\n",
+           report->method, report->width, report->height, fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2],
+           fld->converged ? "" : ", not converged", report->own_seconds, fld->medium_seconds, fld->direct_seconds,
+           fld->solve_seconds, fld->march_seconds);
+    if (report->path.seconds > report->own_seconds)
+        printf("surfaces: %.4g spp of path, %.2f s\n", report->path.spp, report->path.seconds - report->own_seconds);
+}
+
+static void print_path_line(const cli_report* report) {
     printf("%s: %dx%d, %.4g spp, relative error %.3g%%, %.1f s (%.3g Mpaths/s)%s%s\n", report->method, report->width,
            report->height, report->path.spp, 100 * report->path.error, report->path.seconds,
            report->path.seconds > 0 ? 1e-6 * (double)report->path.paths / report->path.seconds : 0.0,
            report->resumed ? ", resumed" : "", report->complete ? "" : ", interrupted");
+}
+
+static void print_closing_lines(const render_options* options, const cli_report* report) {
+    if (report->fld.isa != NULL)
+        print_fld_line(report);
+    else
+        print_path_line(report);
     printf("wrote %s\n", options->output);
     if (options->png != NULL) printf("wrote %s\n", options->png);
 }
@@ -151,7 +172,8 @@ int cli_render(int count, char** arguments) {
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"method", 0, CLI_TEXT, "NAME", "path or screen (default: what the scene says)", &options.method, 0, 0, NULL},
+        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld or cda (default: what the scene says)", &options.method, 0,
+         0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,

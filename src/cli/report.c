@@ -4,6 +4,29 @@
 
 #include <inttypes.h>
 
+static void fld_stats(json_writer* json, const ty_fld_stats* fld) {
+    json_open_object(json, "fld");
+    json_numbers(json, "direct_size", (const double[]){fld->direct_size[0], fld->direct_size[1], fld->direct_size[2]},
+                 3);
+    json_numbers(json, "diffusion_size",
+                 (const double[]){fld->diffusion_size[0], fld->diffusion_size[1], fld->diffusion_size[2]}, 3);
+    json_bool(json, "converged", fld->converged);
+    json_numbers(json, "iterations", (const double[]){fld->iterations[0], fld->iterations[1], fld->iterations[2]}, 3);
+    json_numbers(json, "cycles", (const double[]){fld->cycles[0], fld->cycles[1], fld->cycles[2]}, 3);
+    json_numbers(json, "work", fld->work, 3);
+    json_numbers(json, "residual", fld->residual, 3);
+    json_numbers(json, "emitted", fld->emitted, 3);
+    json_numbers(json, "absorbed", fld->absorbed, 3);
+    json_numbers(json, "leaving", fld->leaving, 3);
+    json_number(json, "medium_seconds", fld->medium_seconds);
+    json_number(json, "direct_seconds", fld->direct_seconds);
+    json_number(json, "solve_seconds", fld->solve_seconds);
+    json_number(json, "march_seconds", fld->march_seconds);
+    json_number(json, "bytes", fld->bytes);
+    json_text(json, "isa", fld->isa);
+    json_close_object(json);
+}
+
 void cli_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
     json_text(json, "method", report->method);
@@ -31,6 +54,7 @@ void cli_report_stats(json_writer* json, const void* user) {
         json_text(json, "isa", report->screen.isa);
         json_close_object(json);
     }
+    if (report->fld.isa != NULL) fld_stats(json, &report->fld);
     json_number(json, "load_seconds", report->load_seconds);
     json_number(json, "render_seconds", report->path.seconds);
     json_number(json, "render_cpu_seconds", report->path.cpu_seconds);

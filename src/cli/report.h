@@ -13,6 +13,7 @@ typedef struct cli_report {
     ty_path_stats path;     /* seconds: of everything, also of what is done with the paths' image */
     double own_seconds;     /* without the path-traced image that the method starts from */
     ty_screen_stats screen; /* method screen alone */
+    ty_fld_stats fld;       /* methods fld and cda alone */
     uint64_t seed;
     int32_t width, height;
     double load_seconds;

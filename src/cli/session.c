@@ -19,6 +19,12 @@ double cli_wall_seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+double cli_cpu_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 /* Errors come back as results and are printed there. */
 static void print_log(void* user, ty_log_level level, const char* text) {
     cli_session* session = user;

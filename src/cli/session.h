@@ -41,5 +41,7 @@ bool cli_has_extension(const char* path, const char* extension);
 void cli_format_bytes(double bytes, char out[24]);
 
 double cli_wall_seconds(void);
+/* Of all threads. */
+double cli_cpu_seconds(void);
 
 #endif

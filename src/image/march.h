@@ -7,36 +7,42 @@
 #include "direct/single.k.h"
 #include "image/field.h"
 
-#include <tyndall/image.h>
+#include <tyndall/path.h>
 
 typedef struct ty_march_def {
     int32_t width, height;         /* pixels; must be set */
     int32_t spp;                   /* rays per pixel, stratified over it, 1..64; default 1: through its middle */
-    uint64_t seed;                 /* of where in each step samples lie */
-    double step;                   /* length of steps in voxels of the medium (or of the light's cells, where they are
-                                      larger), 0.05..8; default 1. docs/marching.md: cost and bias */
+    uint64_t seed;                 /* of where in each ray steps begin */
+    double step;                   /* how far apart light is looked up: in voxels of the medium, or in the light's
+                                      cells where those are larger and nothing but the density varies from voxel to
+                                      voxel; 0.05..8; default 1. Optical depth is exact whatever it is.
+                                      docs/marching.md: cost and bias */
+    double guided;                 /* width of what field->guide is compared with, see docs/marching.md; > 0; 0
+                                      (default): plain interpolation */
     uint32_t aovs;                 /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0 */
-    ty_grid_box light_box;         /* the cells that lights lie on */
+    ty_grid_box light_box;         /* the cells that lights lie on; looked at if there are any */
     const ty_single_light* lights; /* uncollided light; default none */
     int32_t light_count;
     const ty_source_field* field; /* multiply scattered light; NULL (default): none */
     const ty_image* unscattered;  /* R, G, B: radiance that no medium scattered, extinction by media included, in the
                                      same pixels; NULL (default): the environment behind the media's transmittance,
-                                     and surfaces show only what the field lights */
+                                     and surfaces show only the scattered light that they reflect, which is there with
+                                     an image, too */
     ty_progress_fn progress;
     void* progress_user;
 } ty_march_def;
 
 typedef struct ty_march_stats {
     double seconds, cpu_seconds;
-    uint64_t steps; /* all rays together */
+    uint64_t steps; /* of all rays together: places where light was looked up */
     const char* isa;
 } ty_march_stats;
 
 ty_march_def ty_default_march_def(void);
 
-/* Renders what the scene's camera sees: R, G, B and def->aovs. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; on
- * TY_CANCELLED *out is NULL. */
+/* Renders what the scene's camera sees: R, G, B and def->aovs, as ty_path_def.aovs has them; single is what lights
+ * bring, multiple what the field does, and all that surfaces reflect. stats may be NULL. Errors: TY_ERROR_ARGUMENT,
+ * TY_ERROR_MEMORY; on TY_CANCELLED *out is NULL. */
 ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** out, ty_march_stats* stats);
 
 #endif

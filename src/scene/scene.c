@@ -25,11 +25,24 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
         scene->camera.up[1] = 0;
         scene->camera.up[2] = 1;
     }
-    scene->settings = (ty_render_settings){
-        .method = "path",
-        .spp = 64,
-        .screen = {
-            .variant = "scatter", .spread = "small_angle", .filter = 4, .environment = "around", .balance = true}};
+    scene->settings = (ty_render_settings){.method = "path",
+                                           .spp = 64,
+                                           .screen = {.variant = "scatter",
+                                                      .spread = "small_angle",
+                                                      .filter = 4,
+                                                      .environment = "around",
+                                                      .balance = true},
+                                           .fld = {.limiter = "levermore_pomraning",
+                                                   .boundary = "vacuum",
+                                                   .solver = "multigrid",
+                                                   .beam = "reduced",
+                                                   .larsen_power = 2,
+                                                   .relaxation = 1.85,
+                                                   .tolerance = 1e-4,
+                                                   .step = 1,
+                                                   .environment_beams = 64,
+                                                   .surface_points = 16,
+                                                   .spp = 1}};
     *out = scene;
     return TY_OK;
 }

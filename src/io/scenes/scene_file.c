@@ -66,6 +66,25 @@ static void read_word(const json_t* object, const char* key, char out[16]) {
     if (word != NULL) snprintf(out, 16, "%s", word);
 }
 
+static void read_fld(const json_t* fld, ty_fld_settings* settings) {
+    const char* limiter = json_string_value(json_object_get(fld, "limiter"));
+    if (limiter != NULL) snprintf(settings->limiter, sizeof settings->limiter, "%s", limiter);
+    read_word(fld, "boundary", settings->boundary);
+    read_word(fld, "solver", settings->solver);
+    read_word(fld, "beam", settings->beam);
+    ty_read_number(fld, "larsen_power", &settings->larsen_power);
+    ty_read_number(fld, "relaxation", &settings->relaxation);
+    ty_read_number(fld, "tolerance", &settings->tolerance);
+    ty_read_number(fld, "sigma_eps", &settings->sigma_eps);
+    ty_read_number(fld, "ratio", &settings->ratio);
+    ty_read_number(fld, "step", &settings->step);
+    ty_read_int(fld, "resolution", &settings->resolution);
+    ty_read_int(fld, "iterations", &settings->iterations);
+    ty_read_int(fld, "environment_beams", &settings->environment_beams);
+    ty_read_int(fld, "surface_points", &settings->surface_points);
+    ty_read_int(fld, "spp", &settings->spp);
+}
+
 static void read_screen(const json_t* screen, ty_screen_settings* settings) {
     read_word(screen, "variant", settings->variant);
     read_word(screen, "spread", settings->spread);
@@ -85,6 +104,7 @@ static void read_render(const ty_scene_reader* reader) {
     ty_read_int(render, "spp", &settings.spp);
     ty_read_int(json_object_get(render, "path"), "max_depth", &settings.path.max_depth);
     read_screen(json_object_get(render, "screen"), &settings.screen);
+    read_fld(json_object_get(render, "fld"), &settings.fld);
     ty_scene_set_render_settings(reader->scene, &settings);
 }
 

@@ -1,0 +1,79 @@
+/* The marcher's kernel; built once per instruction set, with TY_ISA naming it. */
+#include "image/kernel.h"
+
+#include "base/float_mode.h"
+#include "image/reflect.k.h"
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+
+/* A golden-ratio lattice over the pixel; one ray goes through the middle. */
+static void place_in_pixel(int32_t sample, int32_t spp, float* dx, float* dy) {
+    const float turn = 0.5f + 0.618033989f * (float)sample;
+    *dx = ((float)sample + 0.5f) / (float)spp;
+    *dy = turn - floorf(turn);
+}
+
+/* Where the first step of a pixel's ray ends: neighbours differ as much as can be (R2, Roberts 2018), and so do the
+ * rays of a pixel. */
+static float offset_of(const ty_march_request* request, int32_t x, int32_t y, int32_t sample) {
+    const double place = 0.7548776662466927 * x + 0.5698402909980532 * y + (double)sample / request->spp;
+    const float value = (float)(place - floor(place)) + request->first;
+    return 1.0f - (value - floorf(value));
+}
+
+static void add_environment(const ty_march_request* request, ty_vec direction, const float transmittance[3],
+                            float unscattered[3]) {
+    const ty_light_set* lights = &request->scene->lights;
+    for (int32_t i = 0; i < lights->distant_count; ++i) {
+        const ty_light_view* light = &lights->lights[lights->distant[i]];
+        float radiance[3];
+        if (light->kind != TY_KIND_ENVIRONMENT) continue;
+        ty_environment_radiance(&light->environment, direction, radiance);
+        for (int c = 0; c < 3; ++c) unscattered[c] += transmittance[c] * radiance[c];
+    }
+}
+
+static void add_ray(const ty_march_request* request, ty_march_ray* ray, ty_vec direction, float offset,
+                    ty_march_pixel* pixel) {
+    const ty_mesh* mesh = request->scene->mesh;
+    const ty_vec origin = request->camera.origin;
+    ty_hit hit;
+    const bool hits = mesh != NULL && ty_mesh_intersect(mesh, origin, direction, TY_FLOAT_MAX, &hit);
+    ty_march_follow(ray, request, origin, direction, hits ? hit.distance : TY_FLOAT_MAX, offset, 1.0f);
+    const ty_march_light light = ray->light;
+    for (int c = 0; c < 3; ++c) {
+        pixel->unscattered[c] += light.glow[c];
+        pixel->single[c] += light.single[c];
+        pixel->multiple[c] += light.multiple[c];
+        pixel->transmittance[c] += light.transmittance[c];
+    }
+    if (!hits) {
+        if (request->has_background != 0) add_environment(request, direction, light.transmittance, pixel->unscattered);
+        return;
+    }
+    pixel->depth += hit.distance;
+    pixel->hits += 1.0f;
+    if (request->has_field != 0)
+        ty_reflect(request, ray, direction, &hit, offset, light.transmittance, pixel->multiple);
+}
+
+TY_MARCH_KERNEL(TY_JOIN(ty_march_kernel_, TY_ISA)) {
+    const unsigned state = ty_flush_denormals();
+    uint64_t steps = 0;
+    ty_march_ray ray;
+    ray.steps = 0;
+    for (int32_t x = begin; x < end; ++x) {
+        ty_march_pixel* pixel = &pixels[x - begin];
+        memset(pixel, 0, sizeof *pixel);
+        for (int32_t i = 0; i < request->spp; ++i) {
+            float dx, dy;
+            place_in_pixel(i, request->spp, &dx, &dy);
+            const ty_vec direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
+            add_ray(request, &ray, direction, offset_of(request, x, y, i), pixel);
+            steps += ray.steps;
+        }
+    }
+    ty_restore_denormals(state);
+    return steps;
+}

@@ -1,0 +1,297 @@
+/* Marching all pixels of an image: checks, tiles over threads, channels. */
+#define _POSIX_C_SOURCE 200809L
+#include "image/march.h"
+
+#include "base/context.h"
+#include "base/isa.h"
+#include "image/image.h"
+#include "image/kernel.h"
+#include "scene/check.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { TILE = 16, SPP_MAX = 64, CHANNELS_MAX = 13, NO_AOV = 0 };
+
+static const double progress_interval = 0.1;
+
+typedef struct march_job {
+    ty_context* context;
+    const ty_march_def* def;
+    ty_march_request request;
+    ty_march_kernel kernel;
+    float* cells; /* of the field, as ty_upsample_view has them */
+    size_t cell_floats;
+    ty_image* image;
+    const float* unscattered[3]; /* planes of def->unscattered; NULL: none */
+    int32_t columns, rows;       /* of tiles */
+    double begun, cpu_begun;
+    pthread_mutex_t lock; /* guards reporting */
+    double reported;
+    _Atomic int64_t finished;
+    _Atomic uint64_t steps;
+    _Atomic bool cancelled;
+} march_job;
+
+ty_march_def ty_default_march_def(void) {
+    return (ty_march_def){.spp = 1, .step = 1};
+}
+
+/* ---- options ---- */
+
+static ty_result check_box(ty_context* context, const char* what, const ty_grid_box* box) {
+    for (int a = 0; a < 3; ++a)
+        if (!(box->upper[a] > box->lower[a]) || box->size[a] < 1)
+            return ty_fail(context, TY_ERROR_ARGUMENT, "march.%s: %d cells from %g to %g along %c", what,
+                           (int)box->size[a], box->lower[a], box->upper[a], "xyz"[a]);
+    return TY_OK;
+}
+
+static ty_result check_field(ty_context* context, const ty_march_def* def) {
+    const ty_source_field* field = def->field;
+    if (field->term_count != 1 && field->term_count != TY_FIELD_TERMS)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: %d terms are neither 1 nor %d", (int)field->term_count,
+                       (int)TY_FIELD_TERMS);
+    for (int c = 0; c < 3; ++c)
+        for (int t = 0; t < field->term_count; ++t)
+            if (field->terms[c][t] == NULL)
+                return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: terms[%d][%d] is NULL", c, t);
+    if (def->guided > 0 && field->guide == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "march.guided is %g, and the field has no guide", def->guided);
+    return check_box(context, "field", &field->box);
+}
+
+static ty_result check_unscattered(ty_context* context, const ty_march_def* def) {
+    const float* planes[3];
+    const ty_image* image = def->unscattered;
+    if (ty_image_width(image) != def->width || ty_image_height(image) != def->height)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "march.unscattered: %d x %d pixels, and the image has %d x %d",
+                       (int)ty_image_width(image), (int)ty_image_height(image), (int)def->width, (int)def->height);
+    if (!ty_image_rgb_planes(image, planes))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "march.unscattered: no R, G and B");
+    return TY_OK;
+}
+
+static ty_result check_def(ty_context* context, const ty_march_def* def) {
+    const uint32_t known = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH;
+    ty_result result = ty_check_number(context, "march.width", def->width, 1, TY_IMAGE_SIDE_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "march.height", def->height, 1, TY_IMAGE_SIDE_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "march.spp", def->spp, 1, SPP_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "march.step", def->step, 0.05, 8);
+    if (result == TY_OK) result = ty_check_number(context, "march.guided", def->guided, 0, 1e6);
+    if (result == TY_OK && (def->aovs & ~known) != 0)
+        result = ty_fail(context, TY_ERROR_ARGUMENT,
+                         "march.aovs: %u has channels other than transmittance, depth, "
+                         "single and multiple",
+                         (unsigned)def->aovs);
+    if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);
+    if (result == TY_OK && def->field != NULL) result = check_field(context, def);
+    if (result == TY_OK && def->unscattered != NULL) result = check_unscattered(context, def);
+    return result;
+}
+
+/* ---- what the kernel gets ---- */
+
+static ty_march_kernel choose_kernel(const char** isa) {
+    const ty_isa best = ty_best_isa();
+    *isa = ty_isa_name(best);
+#if TY_ISA_X86
+    static const ty_march_kernel kernels[TY_ISA_COUNT] = {ty_march_kernel_v1, ty_march_kernel_v3, ty_march_kernel_v4};
+    return kernels[best];
+#else
+    return ty_march_kernel_v1;
+#endif
+}
+
+static ty_cell_place place_cells(const ty_grid_box* box) {
+    ty_cell_place place;
+    float lower[3], per_cell[3];
+    for (int a = 0; a < 3; ++a) {
+        place.size[a] = box->size[a];
+        lower[a] = (float)box->lower[a];
+        per_cell[a] = (float)(box->size[a] / (box->upper[a] - box->lower[a]));
+    }
+    place.lower = ty_vec_load(lower);
+    place.per_cell = ty_vec_load(per_cell);
+    return place;
+}
+
+static void pack_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const march_job* job = user;
+    const ty_source_field* field = job->def->field;
+    const size_t plane = (size_t)field->box.size[0] * (size_t)field->box.size[1];
+    const int32_t floats = job->request.field.floats, terms = floats / 4;
+    for (size_t i = (size_t)z * plane; i < (size_t)(z + 1) * plane; ++i) {
+        float* cell = job->cells + i * (size_t)floats;
+        for (int c = 0; c < 3; ++c)
+            for (int t = 0; t < terms; ++t) cell[c * terms + t] = field->terms[c][t][i];
+        cell[3 * terms] = field->guide != NULL ? field->guide[i] : 0;
+        for (int32_t rest = 3 * terms + 1; rest < floats; ++rest) cell[rest] = 0;
+    }
+}
+
+/* Brings a cell's terms together, so that one look finds them in a cache line. */
+static ty_result pack_field(march_job* job) {
+    const ty_source_field* field = job->def->field;
+    ty_upsample_view* view = &job->request.field;
+    const int32_t* size = field->box.size;
+    view->place = place_cells(&field->box);
+    view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN : TY_UPSAMPLE_DIRECTED;
+    const double guided = job->def->guided;
+    view->sharpness = guided > 0 ? (float)(1 / (2 * guided * guided)) : 0;
+    for (int c = 0; c < 3; ++c)
+        for (int a = 0; a < 3; ++a) view->flux[c][a] = field->flux[c][a];
+    job->cell_floats = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
+    job->cells = ty_alloc_array(job->context, job->cell_floats, sizeof *job->cells, false);
+    if (job->cells == NULL) return TY_ERROR_MEMORY;
+    view->cells = job->cells;
+    job->request.has_field = 1;
+    ty_parallel_for(job->context, size[2], pack_plane, job);
+    return TY_OK;
+}
+
+static ty_result prepare(march_job* job, const ty_scene* scene) {
+    const ty_march_def* def = job->def;
+    const ty_camera_def camera = ty_scene_camera(scene);
+    ty_march_request* request = &job->request;
+    request->scene = ty_scene_get_view(scene);
+    if (request->scene == NULL) return TY_ERROR_ARGUMENT;
+    request->camera = ty_camera_get_view(&camera, def->width, def->height);
+    request->spp = def->spp;
+    request->first = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
+    request->step = (float)def->step;
+    request->lights = def->lights;
+    request->light_count = def->light_count;
+    if (def->light_count > 0) request->light = place_cells(&def->light_box);
+    request->has_background = def->unscattered == NULL;
+    if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
+    return def->field != NULL ? pack_field(job) : TY_OK;
+}
+
+/* ---- pixels ---- */
+
+typedef struct channel_group {
+    uint32_t aov;
+    int count;
+    const char* names[3];
+} channel_group;
+
+static const channel_group groups[] = {
+    {NO_AOV, 3, {"R", "G", "B"}},
+    {TY_AOV_TRANSMITTANCE, 3, {"transmittance.R", "transmittance.G", "transmittance.B"}},
+    {TY_AOV_DEPTH, 1, {"depth.Z"}},
+    {TY_AOV_SINGLE, 3, {"single.R", "single.G", "single.B"}},
+    {TY_AOV_MULTIPLE, 3, {"multiple.R", "multiple.G", "multiple.B"}},
+};
+enum { GROUP_COUNT = sizeof groups / sizeof groups[0] };
+
+static bool asked(const march_job* job, int group) {
+    return groups[group].aov == NO_AOV || (groups[group].aov & job->def->aovs) != 0;
+}
+
+static ty_result create_image(march_job* job) {
+    const char* names[CHANNELS_MAX];
+    int32_t count = 0;
+    for (int g = 0; g < GROUP_COUNT; ++g)
+        for (int c = 0; asked(job, g) && c < groups[g].count; ++c) names[count++] = groups[g].names[c];
+    return ty_image_create(job->context, job->def->width, job->def->height, count, names, &job->image);
+}
+
+static float pixel_value(const march_job* job, int group, int c, const ty_march_pixel* pixel, size_t index) {
+    const float share = 1.0f / (float)job->def->spp;
+    switch (groups[group].aov) {
+    case TY_AOV_TRANSMITTANCE: return pixel->transmittance[c] * share;
+    case TY_AOV_DEPTH: return pixel->hits > 0 ? pixel->depth / pixel->hits : 0;
+    case TY_AOV_SINGLE: return pixel->single[c] * share;
+    case TY_AOV_MULTIPLE: return pixel->multiple[c] * share;
+    default: break;
+    }
+    const float behind = job->unscattered[c] != NULL ? job->unscattered[c][index] : 0;
+    return (pixel->unscattered[c] + pixel->single[c] + pixel->multiple[c]) * share + behind;
+}
+
+static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t end, const ty_march_pixel* pixels) {
+    const size_t first = (size_t)y * (size_t)job->def->width;
+    int32_t channel = 0;
+    for (int g = 0; g < GROUP_COUNT; ++g)
+        for (int c = 0; asked(job, g) && c < groups[g].count; ++c) {
+            float* plane = ty_image_plane(job->image, channel++) + first;
+            for (int32_t x = begin; x < end; ++x)
+                plane[x] = pixel_value(job, g, c, &pixels[x - begin], first + (size_t)x);
+        }
+}
+
+static void report(march_job* job, bool always) {
+    const ty_march_def* def = job->def;
+    if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&job->lock) != 0) return;
+    const double seconds = ty_wall_seconds() - job->begun;
+    if (always || seconds - job->reported >= progress_interval) {
+        job->reported = seconds;
+        const double fraction = (double)atomic_load(&job->finished) / ((double)job->columns * job->rows);
+        const ty_progress progress = {.stage = "march",
+                                      .fraction = fraction,
+                                      .seconds = seconds,
+                                      .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1};
+        if (!def->progress(def->progress_user, &progress)) atomic_store(&job->cancelled, true);
+    }
+    pthread_mutex_unlock(&job->lock);
+}
+
+static int32_t smaller(int32_t a, int32_t b) {
+    return a < b ? a : b;
+}
+
+static void march_tile(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    march_job* job = user;
+    const int32_t x = (int32_t)(index % job->columns) * TILE, y = (int32_t)(index / job->columns) * TILE;
+    const int32_t right = smaller(x + TILE, job->def->width), bottom = smaller(y + TILE, job->def->height);
+    ty_march_pixel pixels[TILE];
+    uint64_t steps = 0;
+    for (int32_t row = y; row < bottom; ++row) {
+        if (atomic_load_explicit(&job->cancelled, memory_order_relaxed)) return;
+        steps += job->kernel(&job->request, row, x, right, pixels);
+        store_row(job, row, x, right, pixels);
+        report(job, false);
+    }
+    atomic_fetch_add(&job->steps, steps);
+    atomic_fetch_add(&job->finished, 1);
+}
+
+static ty_result march(march_job* job) {
+    job->columns = (job->def->width + TILE - 1) / TILE;
+    job->rows = (job->def->height + TILE - 1) / TILE;
+    pthread_mutex_init(&job->lock, NULL);
+    const int64_t tiles = (int64_t)job->columns * job->rows;
+    ty_parallel_for(job->context, tiles, march_tile, job);
+    const bool cancelled = atomic_load(&job->finished) < tiles;
+    if (!cancelled) report(job, true);
+    pthread_mutex_destroy(&job->lock);
+    return cancelled ? TY_CANCELLED : TY_OK;
+}
+
+ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** out, ty_march_stats* stats) {
+    march_job job = {.context = ty_scene_context(scene), .def = def};
+    job.begun = ty_wall_seconds();
+    job.cpu_begun = ty_cpu_seconds();
+    const char* isa;
+    job.kernel = choose_kernel(&isa);
+    ty_result result = check_def(job.context, def);
+    if (result == TY_OK) result = prepare(&job, scene);
+    if (result == TY_OK) result = create_image(&job);
+    if (result == TY_OK) result = march(&job);
+    ty_free_array(job.context, job.cells, job.cell_floats, sizeof *job.cells);
+    if (result != TY_OK) {
+        ty_image_destroy(job.image);
+        *out = NULL;
+        return result;
+    }
+    *out = job.image;
+    if (stats != NULL)
+        *stats = (ty_march_stats){.seconds = ty_wall_seconds() - job.begun,
+                                  .cpu_seconds = ty_cpu_seconds() - job.cpu_begun,
+                                  .steps = atomic_load(&job.steps),
+                                  .isa = isa};
+    return TY_OK;
+}

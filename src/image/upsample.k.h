@@ -1,0 +1,108 @@
+/* A source field between the middles of its cells, all terms of a cell side by side in memory. */
+#ifndef TY_IMAGE_UPSAMPLE_K_H
+#define TY_IMAGE_UPSAMPLE_K_H
+
+#include "base/vector.k.h"
+#include "direct/single.k.h"
+
+/* Floats of a cell: three channels of one term and the guide, or of four and the guide with room to spare. */
+enum { TY_UPSAMPLE_PLAIN = 4, TY_UPSAMPLE_DIRECTED = 16 };
+
+/* Where cells lie. */
+typedef struct ty_cell_place {
+    int32_t size[3];
+    ty_vec lower, per_cell; /* m; cells per m */
+} ty_cell_place;
+
+typedef struct ty_upsample_view {
+    ty_cell_place place;
+    int32_t floats; /* of a cell: channel by channel its terms, then the guide */
+    TY_GLOBAL const float* cells;
+    TY_GLOBAL const float* flux[3][3]; /* NULL: not known */
+    float sharpness;                   /* 1 / (2 width^2); 0: plain interpolation */
+} ty_upsample_view;
+
+TY_FN ty_vec ty_cell_coordinates(const ty_cell_place* place, ty_vec point) {
+    const ty_vec from = ty_sub(point, place->lower);
+    return ty_vec_make(from.x * place->per_cell.x, from.y * place->per_cell.y, from.z * place->per_cell.z);
+}
+
+TY_FN bool ty_cell_inside(const ty_cell_place* place, ty_vec cells) {
+    return cells.x >= 0.0f && cells.y >= 0.0f && cells.z >= 0.0f && cells.x <= (float)place->size[0] &&
+           cells.y <= (float)place->size[1] && cells.z <= (float)place->size[2];
+}
+
+/* The trilinear weights of eight cells, x fastest. */
+TY_FN void ty_upsample_weights(const ty_cell_point* at, float weight[8]) {
+    const float x[2] = {1.0f - at->share[0], at->share[0]};
+    const float y[2] = {1.0f - at->share[1], at->share[1]};
+    const float z[2] = {1.0f - at->share[2], at->share[2]};
+    for (int i = 0; i < 8; ++i) weight[i] = x[i & 1] * y[i >> 1 & 1] * z[i >> 2];
+}
+
+TY_FN size_t ty_upsample_cell(const ty_upsample_view* view, const ty_cell_point* at, int i) {
+    const size_t cell = at->base + ((i & 1) != 0 ? at->step[0] : 0) + ((i & 2) != 0 ? at->step[1] : 0) +
+                        ((i & 4) != 0 ? at->step[2] : 0);
+    return cell * (size_t)view->floats;
+}
+
+/* Gives cells the less weight the further their extinction is from that of the sample: by a bell of half the logarithm
+ * of their ratio (its hyperbolic tangent, which is bounded for empty cells). What all cells are given alike falls out
+ * of the mean. */
+TY_FN void ty_upsample_guide(const ty_upsample_view* view, const ty_cell_point* at, float extinction, float weight[8]) {
+    const int guide = view->floats == TY_UPSAMPLE_PLAIN ? 3 : 12;
+    float sum = 0.0f;
+    for (int i = 0; i < 8; ++i) {
+        const float there = view->cells[ty_upsample_cell(view, at, i) + (size_t)guide];
+        const float apart = (there - extinction) / ty_maxf(there + extinction, 1e-30f);
+        weight[i] *= ty_exp_minus(ty_minf(apart * apart * view->sharpness, 40.0f));
+        sum += weight[i];
+    }
+    const float scale = 1.0f / ty_maxf(sum, 1e-30f);
+    for (int i = 0; i < 8; ++i) weight[i] *= scale;
+}
+
+/* The radiance that a medium of some extinction (mean of the channels, 1/m) sends along `way` per metre and scattering
+ * coefficient. */
+TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinction, ty_vec way, float sent[3]) {
+    const ty_vec cells = ty_cell_coordinates(&view->place, point);
+    float weight[8], sum[TY_UPSAMPLE_DIRECTED] = {0};
+    for (int c = 0; c < 3; ++c) sent[c] = 0.0f;
+    if (!ty_cell_inside(&view->place, cells)) return;
+    const ty_cell_point at = ty_cell_locate(view->place.size, cells);
+    ty_upsample_weights(&at, weight);
+    if (view->sharpness > 0.0f) ty_upsample_guide(view, &at, extinction, weight);
+    if (view->floats == TY_UPSAMPLE_PLAIN) {
+        for (int i = 0; i < 8; ++i) {
+            TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, &at, i);
+            for (int j = 0; j < TY_UPSAMPLE_PLAIN; ++j) sum[j] += weight[i] * cell[j];
+        }
+        for (int c = 0; c < 3; ++c) sent[c] = ty_maxf(0.0f, sum[c]);
+        return;
+    }
+    for (int i = 0; i < 8; ++i) {
+        TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, &at, i);
+        for (int j = 0; j < TY_UPSAMPLE_DIRECTED; ++j) sum[j] += weight[i] * cell[j];
+    }
+    for (int c = 0; c < 3; ++c)
+        sent[c] = ty_maxf(0.0f, sum[4 * c] + sum[4 * c + 1] * way.x + sum[4 * c + 2] * way.y + sum[4 * c + 3] * way.z);
+}
+
+/* What arrives on a surface with a unit normal, W m^-2, if the light's radiance is linear in direction: with fluence
+ * phi and net flux F that is phi / 4 - F . normal / 2, for even radiance pi times it. The point is inside the box. */
+TY_FN void ty_upsample_irradiance(const ty_upsample_view* view, ty_vec cells, ty_vec normal, float irradiance[3]) {
+    const ty_cell_point at = ty_cell_locate(view->place.size, cells);
+    float weight[8];
+    ty_upsample_weights(&at, weight);
+    for (int c = 0; c < 3; ++c) {
+        float mean = 0.0f, along = 0.0f;
+        for (int i = 0; i < 8; ++i)
+            mean += weight[i] * view->cells[ty_upsample_cell(view, &at, i) + (size_t)(c * (view->floats / 4))];
+        if (view->flux[c][0] != NULL)
+            along = ty_cell_value(view->flux[c][0], &at) * normal.x + ty_cell_value(view->flux[c][1], &at) * normal.y +
+                    ty_cell_value(view->flux[c][2], &at) * normal.z;
+        irradiance[c] = ty_maxf(0.0f, TY_PI * mean - 0.5f * along);
+    }
+}
+
+#endif

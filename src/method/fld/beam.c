@@ -1,0 +1,169 @@
+/* Uncollided light, and the source that it is for diffusion: q of Eq. 6, from the reduced beam unless the paper's is
+ * asked for. */
+#include "method/fld/job.h"
+
+#include "base/context.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CHUNK = 1 << 15 };
+
+/* A light is as good as a point from where it looks at most this large: its radius over the distance. */
+static const float point_like = 0.5f;
+
+/* ---- which sources keep fields of their own ---- */
+
+/* Consecutive sources of one light. */
+typedef struct group {
+    int32_t first, count;
+    ty_vec middle; /* of lamps, m */
+    bool own;      /* whether the phase function can be met from one direction, or one point */
+} group;
+
+static float distance_to_box(const ty_grid_box* box, ty_vec p) {
+    const float at[3] = {p.x, p.y, p.z};
+    float square = 0;
+    for (int a = 0; a < 3; ++a) {
+        const float off = at[a] - ty_clampf(at[a], (float)box->lower[a], (float)box->upper[a]);
+        square += off * off;
+    }
+    return sqrtf(square);
+}
+
+/* The next group after the sources before `first`. */
+static group next_group(const ty_fld_job* job, int32_t first) {
+    const ty_source* sources = job->sources;
+    const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
+    group g = {.first = first, .own = true};
+    const int32_t light = sources[first].light;
+    ty_vec sum = ty_vec_make(0, 0, 0);
+    for (int32_t i = first; i < job->source_count && sources[i].light == light; ++i) {
+        ++g.count;
+        sum = ty_add(sum, sources[i].position);
+    }
+    g.middle = ty_scale(sum, 1.0f / (float)g.count);
+    if (sources[first].kind == TY_SOURCE_BEAM) {
+        g.own = g.count == 1 && lights->lights[light].kind == TY_KIND_DIRECTIONAL;
+        return g;
+    }
+    if (sources[first].alone != 0) return g;
+    float radius = 0;
+    for (int32_t i = first; i < first + g.count; ++i) {
+        const ty_vec off = ty_sub(sources[i].position, g.middle);
+        radius = ty_maxf(radius, sqrtf(ty_dot(off, off)));
+    }
+    g.own = lights->lights[light].kind != TY_KIND_TRIANGLE &&
+            radius <= point_like * distance_to_box(&job->fine->box, g.middle);
+    return g;
+}
+
+/* Adds a group's light to the field that is its own, or to that of many. */
+static ty_result light_group(ty_fld_job* job, float* const extinction[3], const group* g) {
+    ty_fld* light = job->light;
+    int32_t slot = TY_FLD_OWN_MAX;
+    if (g->own && light->light_count < TY_FLD_OWN_MAX) slot = light->light_count++;
+    ty_light_field** field = &light->beam[slot];
+    ty_result result = TY_OK;
+    if (*field == NULL) result = ty_light_field_create(job->fine, slot == TY_FLD_OWN_MAX, field);
+    if (result != TY_OK) return result;
+    const ty_source* source = &job->sources[g->first];
+    result = ty_uncollided_add(job->scene, job->fine, extinction, source, g->count, *field);
+    if (slot == TY_FLD_OWN_MAX) return result;
+    ty_single_light* single = &light->lights[slot];
+    single->kind = source->kind == TY_SOURCE_BEAM ? TY_SINGLE_BEAM : TY_SINGLE_LAMP;
+    single->toward = source->kind == TY_SOURCE_BEAM ? source->direction : g->middle;
+    for (int c = 0; c < 3; ++c) single->fluence[c] = (*field)->fluence[c];
+    return result;
+}
+
+static ty_result light_groups(ty_fld_job* job, float* const extinction[3]) {
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < job->source_count && result == TY_OK;) {
+        const group g = next_group(job, i);
+        result = light_group(job, extinction, &g);
+        i += g.count;
+        const ty_progress done = {.stage = "direct light", .fraction = (double)i / job->source_count};
+        if (result == TY_OK && !ty_fld_report(&job->progress, &done)) result = TY_CANCELLED;
+    }
+    const ty_light_field* many = job->light->beam[TY_FLD_OWN_MAX];
+    if (many == NULL || result != TY_OK) return result;
+    ty_single_light* single = &job->light->lights[job->light->light_count++];
+    single->kind = TY_SINGLE_MANY;
+    for (int c = 0; c < 3; ++c) {
+        single->fluence[c] = many->fluence[c];
+        for (int a = 0; a < 3; ++a) single->flux[c][a] = many->flux[c][a];
+    }
+    return TY_OK;
+}
+
+/* ---- what scatters of it ---- */
+
+typedef struct source_job {
+    const ty_fld_job* job;
+    float* out; /* q, a channel on fine cells */
+    int32_t channel;
+} source_job;
+
+static void scatter_chunk(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const source_job* s = user;
+    const ty_grid_medium* medium = s->job->fine;
+    const ty_fld* light = s->job->light;
+    const int32_t plane = medium->planes == 3 ? s->channel : 0;
+    const float* scattering = medium->scattering[plane];
+    const float* g = medium->g[plane];
+    const float forward = s->job->def->beam == TY_FLD_BEAM_REDUCED ? 1.0f : 0.0f;
+    const size_t begin = (size_t)index * CHUNK;
+    const size_t end = medium->cells - begin < CHUNK ? medium->cells : begin + CHUNK;
+    for (size_t i = begin; i < end; ++i) s->out[i] = 0;
+    for (int32_t l = 0; l < light->light_count; ++l)
+        for (size_t i = begin; i < end; ++i) s->out[i] += light->lights[l].fluence[s->channel][i];
+    for (size_t i = begin; i < end; ++i) s->out[i] *= scattering[i] * (1.0f - forward * ty_maxf(g[i], 0.0f));
+}
+
+static ty_result find_sources(ty_fld_job* job) {
+    float* fine = ty_alloc_array(job->context, job->fine->cells, sizeof *fine, false);
+    if (fine == NULL) return TY_ERROR_MEMORY;
+    ty_result result = TY_OK;
+    for (int32_t c = 0; c < 3 && result == TY_OK; ++c) {
+        job->source[c] = ty_alloc_array(job->context, job->coarse->cells, sizeof(float), false);
+        if (job->source[c] == NULL) {
+            result = TY_ERROR_MEMORY;
+            break;
+        }
+        source_job s = {.job = job, .out = fine, .channel = c};
+        ty_parallel_for(job->context, (int64_t)((job->fine->cells + CHUNK - 1) / CHUNK), scatter_chunk, &s);
+        ty_grid_average(job->context, fine, job->fine->box.size, job->coarse->box.size, job->source[c]);
+        const float* emission = job->coarse->emission[c];
+        for (size_t i = 0; i < job->coarse->cells && emission != NULL; ++i) job->source[c][i] += emission[i];
+    }
+    ty_free_array(job->context, fine, job->fine->cells, sizeof *fine);
+    return result;
+}
+
+/* Light loses to the beam what scatters aside; of media that scatter backwards, all that scatters. */
+static void reduce(const ty_grid_medium* medium, ty_fld_beam beam, float* const planes[3]) {
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i) {
+            const float forward = beam == TY_FLD_BEAM_REDUCED ? ty_maxf(medium->g[p][i], 0.0f) : 0.0f;
+            planes[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - forward * medium->scattering[p][i]);
+        }
+}
+
+ty_result ty_fld_light_directly(ty_fld_job* job) {
+    const ty_source_def def = {
+        .environment = job->def->environment_beams, .surface = job->def->surface_points, .seed = job->def->seed};
+    const ty_grid_medium* fine = job->fine;
+    float* extinction[3] = {0};
+    ty_result result = ty_sources_create(job->scene, &def, &job->sources, &job->source_count);
+    for (int32_t p = 0; p < fine->planes && result == TY_OK; ++p) {
+        extinction[p] = ty_alloc_array(job->context, fine->cells, sizeof(float), false);
+        if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
+    }
+    if (result == TY_OK) reduce(fine, job->def->beam, extinction);
+    if (result == TY_OK) result = light_groups(job, extinction);
+    for (int32_t p = 0; p < fine->planes; ++p) ty_free_array(job->context, extinction[p], fine->cells, sizeof(float));
+    return result == TY_OK ? find_sources(job) : result;
+}

@@ -1,0 +1,239 @@
+/* The diffuse light: one solve a channel (Eq. 20), and the field that is made of it. */
+#include "method/fld/job.h"
+
+#include "base/context.h"
+#include "solve/diffusion.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Relative difference of sources up to which one channel is a multiple of another. */
+static const float alike = 1e-6f;
+
+/* What the solves of all channels share. */
+typedef struct solve_work {
+    float* extinction[3]; /* sigma_t (1 - albedo g), 1/m */
+    float* absorption[3];
+    float* flux[3]; /* through faces, W m^-2 */
+    size_t flux_count[3];
+    void* memory;
+    size_t memory_size;
+    ty_diffusion_def def;
+} solve_work;
+
+static ty_diffusion_def make_def(const ty_fld_job* job) {
+    static const ty_limiter limiters[] = {TY_LIMITER_NONE,    TY_LIMITER_SUM,    TY_LIMITER_MAX,
+                                          TY_LIMITER_KERSHAW, TY_LIMITER_LARSEN, TY_LIMITER_LEVERMORE_POMRANING};
+    static const ty_boundary_kind boundaries[] = {TY_BOUNDARY_MARSHAK, TY_BOUNDARY_MARSHAK, TY_BOUNDARY_DIRICHLET};
+    static const ty_diffusion_solver solvers[] = {TY_DIFFUSION_MULTIGRID, TY_DIFFUSION_SOR, TY_DIFFUSION_SOR_FLOAT};
+    ty_diffusion_def def = ty_default_diffusion_def();
+    memcpy(def.size, job->coarse->box.size, sizeof def.size);
+    memcpy(def.cell, job->coarse->cell, sizeof def.cell);
+    def.least_extinction = job->def->sigma_eps;
+    def.limiter = limiters[job->def->limiter];
+    def.larsen_power = job->def->larsen_power;
+    for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[job->def->boundary];
+    def.solver = solvers[job->def->solver];
+    def.relaxation = job->def->relaxation;
+    def.tolerance = job->def->tolerance;
+    def.iterations = job->def->iterations;
+    def.progress = ty_fld_report;
+    return def;
+}
+
+static ty_result begin_work(ty_fld_job* job, solve_work* work) {
+    const ty_grid_medium* medium = job->coarse;
+    const int32_t* size = medium->box.size;
+    work->def = make_def(job);
+    bool whole = true;
+    for (int a = 0; a < 3; ++a) {
+        work->flux_count[a] = medium->cells / (size_t)size[a] * ((size_t)size[a] + 1);
+        work->flux[a] = ty_alloc_array(job->context, work->flux_count[a], sizeof(float), false);
+        whole = whole && work->flux[a] != NULL;
+    }
+    for (int32_t p = 0; p < medium->planes && whole; ++p) {
+        work->extinction[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
+        work->absorption[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
+        whole = work->extinction[p] != NULL && work->absorption[p] != NULL;
+    }
+    work->memory_size = ty_diffusion_memory(&work->def);
+    if (whole) work->memory = ty_alloc_array(job->context, work->memory_size, 1, false);
+    return work->memory != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+static void end_work(const ty_fld_job* job, solve_work* work) {
+    for (int a = 0; a < 3; ++a) ty_free_array(job->context, work->flux[a], work->flux_count[a], sizeof(float));
+    for (int32_t p = 0; p < job->coarse->planes; ++p) {
+        ty_free_array(job->context, work->extinction[p], job->coarse->cells, sizeof(float));
+        ty_free_array(job->context, work->absorption[p], job->coarse->cells, sizeof(float));
+    }
+    ty_free_array(job->context, work->memory, work->memory_size, 1);
+}
+
+/* The paper takes media as isotropic. */
+static void find_coefficients(const ty_fld_job* job, const solve_work* work) {
+    const ty_grid_medium* medium = job->coarse;
+    if (job->def->beam == TY_FLD_BEAM_REDUCED) ty_grid_medium_reduce(medium, 1, work->extinction);
+    for (int32_t p = 0; p < medium->planes; ++p) {
+        if (job->def->beam == TY_FLD_BEAM_PUBLISHED)
+            memcpy(work->extinction[p], medium->extinction[p], medium->cells * sizeof(float));
+        for (size_t i = 0; i < medium->cells; ++i)
+            work->absorption[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - medium->scattering[p][i]);
+    }
+}
+
+/* Whether a channel's light is `factor` times that of another: its source is, and the media are gray. */
+static bool is_multiple(const ty_fld_job* job, int32_t channel, int32_t of, float* factor) {
+    const float* a = job->source[channel];
+    const float* b = job->source[of];
+    double sums[2] = {0, 0};
+    if (job->coarse->planes == 3) return false;
+    for (size_t i = 0; i < job->coarse->cells; ++i) {
+        sums[0] += (double)a[i];
+        sums[1] += (double)b[i];
+    }
+    if (!(sums[1] > 0)) return false;
+    *factor = (float)(sums[0] / sums[1]);
+    for (size_t i = 0; i < job->coarse->cells; ++i)
+        if (fabsf(a[i] - *factor * b[i]) > alike * ty_maxf(a[i], *factor * b[i])) return false;
+    return true;
+}
+
+static void scale_plane(const float* from, float factor, size_t cells, float* to) {
+    for (size_t i = 0; i < cells; ++i) to[i] = factor * from[i];
+}
+
+static void scale_channel(ty_fld_job* job, int32_t channel, int32_t of, float factor) {
+    ty_fld_stats* stats = &job->stats;
+    const ty_fld* light = job->light;
+    for (int32_t t = 0; t < light->term_count; ++t)
+        scale_plane(light->terms[of][t], factor, light->cells, light->terms[channel][t]);
+    for (int a = 0; a < 3; ++a) scale_plane(light->flux[of][a], factor, light->cells, light->flux[channel][a]);
+    stats->emitted[channel] = (double)factor * stats->emitted[of];
+    stats->absorbed[channel] = (double)factor * stats->absorbed[of];
+    stats->leaving[channel] = (double)factor * stats->leaving[of];
+    stats->residual[channel] = stats->residual[of];
+}
+
+/* Limiters bound what flows by what there is (R F <= 1) with the gradient between a cell's neighbours; the mean of what
+ * its faces let through can be a little more. */
+static void limit_flux(const float* fluence, float* const flux[3], size_t cells) {
+    for (size_t i = 0; i < cells; ++i) {
+        const float square = flux[0][i] * flux[0][i] + flux[1][i] * flux[1][i] + flux[2][i] * flux[2][i];
+        if (square <= fluence[i] * fluence[i]) continue;
+        const float factor = fluence[i] / sqrtf(square);
+        for (int a = 0; a < 3; ++a) flux[a][i] *= factor;
+    }
+}
+
+/* Means of the fluxes through a cell's two faces along each axis. */
+static void find_flux(const ty_fld_job* job, const solve_work* work, float* const flux[3]) {
+    const int32_t* size = job->coarse->box.size;
+    const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
+    for (int a = 0; a < 3; ++a) {
+        /* Along its own axis an array of faces is one longer. */
+        const size_t slab = step[a] * (size_t)size[a];
+        for (size_t i = 0; i < job->light->cells; ++i) {
+            const size_t face = i + i / slab * step[a];
+            flux[a][i] = 0.5f * (work->flux[a][face] + work->flux[a][face + step[a]]);
+        }
+    }
+}
+
+/* What is scattered of (phi + 3 E . way) / (4 pi), the diffuse radiance (Eq. 9). */
+static void make_terms(ty_fld_job* job, int32_t channel) {
+    const float* g = job->coarse->g[job->coarse->planes == 3 ? channel : 0];
+    float* const* terms = job->light->terms[channel];
+    float* const* flux = job->light->flux[channel];
+    for (size_t i = 0; i < job->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
+    for (int32_t t = 1; t < job->light->term_count; ++t)
+        for (size_t i = 0; i < job->light->cells; ++i) terms[t][i] = 3 * TY_INV_4PI * g[i] * flux[t - 1][i];
+}
+
+static ty_result solve_channel(ty_fld_job* job, solve_work* work, int32_t channel) {
+    const int32_t plane = job->coarse->planes == 3 ? channel : 0;
+    ty_fld_stats* stats = &job->stats;
+    ty_diffusion_def* def = &work->def;
+    def->extinction = work->extinction[plane];
+    def->absorption = work->absorption[plane];
+    def->source = job->source[channel];
+    def->progress_user = &job->progress;
+    def->memory = work->memory;
+    const ty_diffusion_out out = {.fluence = job->light->terms[channel][0],
+                                  .flux = {work->flux[0], work->flux[1], work->flux[2]}};
+    ty_diffusion_stats solved = {0};
+    const ty_result result = ty_diffusion_solve(job->context, def, &out, &solved);
+    if (result != TY_OK) return result;
+    stats->converged = stats->converged && solved.converged;
+    stats->iterations[channel] = solved.iterations;
+    stats->cycles[channel] = solved.cycles;
+    stats->residual[channel] = solved.residual;
+    stats->work[channel] = solved.work;
+    stats->emitted[channel] = solved.emitted;
+    stats->absorbed[channel] = solved.absorbed;
+    stats->leaving[channel] = solved.leaving;
+    find_flux(job, work, job->light->flux[channel]);
+    limit_flux(out.fluence, job->light->flux[channel], job->light->cells);
+    make_terms(job, channel);
+    return TY_OK;
+}
+
+static ty_result solve_channels(ty_fld_job* job, solve_work* work) {
+    const double from = job->progress.from, share = job->progress.share;
+    ty_result result = TY_OK;
+    job->stats.converged = true;
+    for (int32_t c = 0; c < 3 && result == TY_OK; ++c) {
+        float factor;
+        job->progress.from = from + share * c / 3;
+        job->progress.share = share / 3;
+        bool solved = false;
+        for (int32_t of = 0; of < c && !solved; ++of) {
+            solved = is_multiple(job, c, of, &factor);
+            if (solved) scale_channel(job, c, of, factor);
+        }
+        if (!solved) result = solve_channel(job, work, c);
+    }
+    return result;
+}
+
+static bool scatters_unevenly(const ty_grid_medium* medium) {
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i)
+            if (medium->g[p][i] != 0) return true;
+    return false;
+}
+
+static ty_result take_field(ty_fld_job* job) {
+    ty_fld* light = job->light;
+    const ty_grid_medium* medium = job->coarse;
+    light->guide = ty_alloc_array(job->context, light->cells, sizeof(float), true);
+    if (light->guide == NULL) return TY_ERROR_MEMORY;
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < light->cells; ++i) light->guide[i] += medium->extinction[p][i] / (float)medium->planes;
+    light->term_count = job->def->beam == TY_FLD_BEAM_REDUCED && scatters_unevenly(medium) ? TY_FIELD_TERMS : 1;
+    for (int c = 0; c < 3; ++c) {
+        for (int32_t t = 0; t < light->term_count; ++t) {
+            light->terms[c][t] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+            if (light->terms[c][t] == NULL) return TY_ERROR_MEMORY;
+        }
+        for (int a = 0; a < 3; ++a) {
+            light->flux[c][a] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+            if (light->flux[c][a] == NULL) return TY_ERROR_MEMORY;
+        }
+    }
+    return TY_OK;
+}
+
+ty_result ty_fld_diffuse(ty_fld_job* job) {
+    solve_work work = {.memory = NULL};
+    ty_result result = take_field(job);
+    if (result == TY_OK) result = begin_work(job, &work);
+    if (result == TY_OK) {
+        find_coefficients(job, &work);
+        result = solve_channels(job, &work);
+    }
+    job->stats.bytes = (double)work.memory_size;
+    for (int a = 0; a < 3; ++a) job->stats.bytes += sizeof(float) * (double)work.flux_count[a];
+    end_work(job, &work);
+    return result;
+}

@@ -1,0 +1,64 @@
+/* What a solve leaves behind, and one call on its way through the parts of the method. */
+#ifndef TY_METHOD_FLD_JOB_H
+#define TY_METHOD_FLD_JOB_H
+
+#include "direct/single.k.h"
+#include "direct/uncollided.h"
+#include "image/field.h"
+
+#include <tyndall/fld.h>
+
+/* Lights that keep a field of their own, so that their phase function stays sharp, beside all others together. */
+enum { TY_FLD_OWN_MAX = 8 };
+
+struct ty_fld {
+    ty_context* context;
+    ty_grid_box direct_box, box;              /* the same box, in cells of direct light and of diffusion */
+    ty_light_field* beam[TY_FLD_OWN_MAX + 1]; /* the last is of many sources, with flux */
+    ty_single_light lights[TY_FLD_OWN_MAX + 1];
+    int32_t light_count;
+    size_t cells;                    /* of diffusion */
+    int32_t term_count;
+    float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field */
+    float* flux[3][3];               /* of diffuse light per channel, W m^-2 */
+    float* guide;
+};
+
+/* A part of the caller's progress. */
+typedef struct ty_fld_progress {
+    ty_progress_fn function; /* the caller's; may be NULL */
+    void* user;
+    double begun;       /* s */
+    double from, share; /* of the whole work */
+} ty_fld_progress;
+
+typedef struct ty_fld_job {
+    ty_context* context;
+    const ty_scene* scene;
+    const ty_fld_def* def;
+    ty_fld_progress progress;
+    ty_grid_medium* fine;   /* cells of direct light */
+    ty_grid_medium* coarse; /* cells of diffusion */
+    ty_source* sources;
+    int32_t source_count;
+    float* source[3]; /* q and j on coarse cells, W m^-3 */
+    ty_fld* light;
+    ty_fld_stats stats;
+} ty_fld_job;
+
+/* Fails with the first field that is out of its range. */
+ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
+
+/* Takes the caller's progress over for the next part of the work, up to the fraction `until`. */
+void ty_fld_next_part(ty_fld_job* job, double until);
+/* A ty_progress_fn whose user is a ty_fld_progress. */
+bool ty_fld_report(void* user, const ty_progress* progress);
+
+/* Fine and coarse cells, and the media on them. */
+ty_result ty_fld_sample_media(ty_fld_job* job);
+/* Uncollided light of all sources on fine cells, and what of it scatters, on coarse ones. */
+ty_result ty_fld_light_directly(ty_fld_job* job);
+/* The diffuse light of all channels. */
+ty_result ty_fld_diffuse(ty_fld_job* job);
+
+#endif

@@ -1,0 +1,48 @@
+/* The cells of direct light and of diffusion, and the media on them. */
+#include "method/fld/job.h"
+
+#include "scene/scene.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64, RATIO = 4, FEW_CELLS = 24 };
+
+static bool has_voxels(const ty_scene_view* view) {
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (view->media[m].has_grid != 0) return true;
+    return false;
+}
+
+static int32_t longest_side(const int32_t size[3]) {
+    const int32_t most = size[0] > size[1] ? size[0] : size[1];
+    return most > size[2] ? most : size[2];
+}
+
+static double choose_ratio(const ty_fld_def* def, const int32_t size[3]) {
+    if (def->ratio > 0) return def->ratio;
+    return longest_side(size) >= RATIO * FEW_CELLS ? RATIO : 0.5 * RATIO;
+}
+
+ty_result ty_fld_sample_media(ty_fld_job* job) {
+    const ty_scene_view* view = ty_scene_get_view(job->scene);
+    if (view == NULL) return TY_ERROR_ARGUMENT;
+    int32_t longest = job->def->resolution;
+    if (longest == 0) longest = has_voxels(view) ? VOXELS_MAX : SMOOTH_CELLS;
+    ty_grid_box box;
+    ty_result result = ty_grid_box_fit(job->scene, longest, &box);
+    if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->fine);
+    if (result != TY_OK) return result;
+    const double ratio = choose_ratio(job->def, box.size);
+    int32_t size[3];
+    for (int a = 0; a < 3; ++a) size[a] = (int32_t)fmax(1, lround(box.size[a] / ratio));
+    result = ty_grid_medium_resize(job->fine, size, &job->coarse);
+    if (result != TY_OK) return result;
+    job->light->direct_box = box;
+    job->light->box = job->coarse->box;
+    job->light->cells = job->coarse->cells;
+    memcpy(job->stats.direct_size, box.size, sizeof box.size);
+    memcpy(job->stats.diffusion_size, size, sizeof size);
+    job->stats.planes = job->fine->planes;
+    return TY_OK;
+}

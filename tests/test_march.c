@@ -1,0 +1,328 @@
+/* The marcher against closed forms and fine quadrature. */
+#include "march_maker.h"
+#include "scene/phase.k.h"
+
+static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+
+static ty_scene* seen_from_front(ty_context* context) {
+    ty_scene* scene = make_scene(context);
+    march_look(scene, 0, 0, 50, 0, 0, 0);
+    return scene;
+}
+
+static void add_medium(ty_scene* scene, const ty_medium_def* def) {
+    check_result(ty_scene_context(scene), ty_scene_add_medium(scene, def));
+}
+
+static void commit(ty_scene* scene) {
+    check_result(ty_scene_context(scene), ty_scene_commit(scene));
+}
+
+/* Light that is alike everywhere: (1 - e^-tau) albedo S, whatever the steps. */
+static void even_boxes(void** state) {
+    const float depths[] = {1e-4f, 0.3f, 4, 60};
+    const double steps[] = {0.05, 0.7, 8};
+    for (int d = 0; d < 4; ++d) {
+        ty_scene* scene = seen_from_front(*state);
+        const ty_medium_def medium = box_medium(low, high, 0.4f * depths[d], 0.1f * depths[d]);
+        add_medium(scene, &medium);
+        commit(scene);
+        even_field even;
+        even_begin(&even, low, high, 3);
+        even.field.box.size[2] = 1;
+        for (int s = 0; s < 3; ++s) {
+            ty_march_def def = march_def(1, 1);
+            def.step = steps[s];
+            def.field = &even.field;
+            const double expected = 0.8 * 3 * -expm1(-(double)depths[d]);
+            assert_close(march_once(scene, &def, "R") / expected, 1, 1e-5);
+        }
+        ty_scene_destroy(scene);
+    }
+}
+
+static void glow(void** state) {
+    ty_scene* scene = seen_from_front(*state);
+    ty_medium_def medium = box_medium(low, high, 0.5f, 0.25f);
+    set3f(medium.sigma_a, 0.25f, 1, 4);
+    set3f(medium.sigma_s, 0.5f, 2, 0);
+    set3f(medium.emission, 1, 2, 3);
+    add_medium(scene, &medium);
+    commit(scene);
+    ty_march_def def = march_def(1, 1);
+    def.aovs = TY_AOV_TRANSMITTANCE;
+    ty_image* image = march_image(scene, &def, NULL);
+    assert_close(march_value(image, "R", 0), 1 * (0.25 / 0.75) * -expm1(-1.5), 1e-5);
+    assert_close(march_value(image, "G", 0), 2 * (1.0 / 3) * -expm1(-6), 1e-5);
+    assert_close(march_value(image, "B", 0), 3 * -expm1(-8), 1e-5);
+    assert_close(march_value(image, "transmittance.R", 0), exp(-1.5), 1e-6);
+    assert_close(march_value(image, "transmittance.G", 0), exp(-6), 1e-6);
+    assert_close(march_value(image, "transmittance.B", 0), exp(-8), 1e-6);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
+/* A second box over half of the first, another alone behind a gap: coefficients add where both are. */
+static void media_together(void** state) {
+    const double half[3] = {1, 1, 0}, behind[2][3] = {{-1, -1, -4}, {1, 1, -3}};
+    ty_scene* scene = seen_from_front(*state);
+    ty_medium_def first = box_medium(low, high, 0.3f, 0.1f), second = box_medium(low, half, 0, 0.5f);
+    ty_medium_def third = box_medium(behind[0], behind[1], 0, 0.25f);
+    for (int c = 0; c < 3; ++c) {
+        first.emission[c] = 1;
+        second.emission[c] = 2;
+        third.emission[c] = 4;
+    }
+    add_medium(scene, &first);
+    add_medium(scene, &second);
+    add_medium(scene, &third);
+    commit(scene);
+    ty_march_def def = march_def(1, 1);
+    def.aovs = TY_AOV_TRANSMITTANCE;
+    ty_image* image = march_image(scene, &def, NULL);
+    const double near = 0.1 / 0.4 * -expm1(-0.4), both = (0.1 * 1 + 0.5 * 2) / 0.9 * -expm1(-0.9);
+    const double expected = near + exp(-0.4) * both + exp(-1.3) * 4 * -expm1(-0.25);
+    assert_close(march_value(image, "R", 0), expected, 1e-5);
+    assert_close(march_value(image, "transmittance.G", 0), exp(-1.55), 1e-6);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
+static void spheres(void** state) {
+    ty_scene* scene = make_scene(*state);
+    march_look(scene, 0.6, 0, 50, 0.6, 0, 0);
+    ty_medium_def ball = ty_default_medium_def();
+    ball.bounds = TY_BOUNDS_SPHERE;
+    ball.sphere_radius = 1;
+    set3f(ball.sigma_a, 1, 1, 1);
+    add_medium(scene, &ball);
+    commit(scene);
+    ty_march_def def = march_def(1, 1);
+    def.aovs = TY_AOV_TRANSMITTANCE;
+    assert_close(march_once(scene, &def, "transmittance.B"), exp(-1.6), 1e-5);
+    ty_scene_destroy(scene);
+}
+
+/* ---- grids ---- */
+
+static double trilinear(const float* values, const int32_t size[3], const double at[3]) {
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        size_t index = 0, stride = 1;
+        for (int a = 0; a < 3; ++a) {
+            const double floor_at = floor(at[a]), share = at[a] - floor_at;
+            int32_t cell = (int32_t)floor_at + (corner >> a & 1);
+            weight *= (corner >> a & 1) != 0 ? share : 1 - share;
+            cell = cell < 0 ? 0 : cell >= size[a] ? size[a] - 1 : cell;
+            index += stride * (size_t)cell;
+            stride *= (size_t)size[a];
+        }
+        sum += weight * (double)values[index];
+    }
+    return sum;
+}
+
+/* Fog of random voxels in the cube, and a copy of them. */
+static ty_grid* random_voxels(ty_context* context, const int32_t size[3], float* values) {
+    ty_grid* grid = direct_noise(context, size[0], size[1], size[2], 7);
+    uint64_t seed = 7;
+    for (int32_t i = 0; i < size[0] * size[1] * size[2]; ++i) values[i] = (float)fmax(0, uniform_in(&seed, -0.5, 1.5));
+    return grid;
+}
+
+/* e^-depth is that of the trilinear density to rounding, whatever the steps; density_of: of the grid's values. */
+static void check_depths(ty_context* context, bool transfer, double tolerance) {
+    enum { NX = 19, NY = 13, NZ = 25, RAYS = 40 };
+    static const ty_transfer_point points[3] = {{0.2f, 0, {0}}, {0.7f, 1.2f, {0}}, {1.1f, 0.4f, {0}}};
+    const int32_t size[3] = {NX, NY, NZ};
+    static float values[NX * NY * NZ];
+    ty_grid* grid = random_voxels(context, size, values);
+    uint64_t seed = 11;
+    for (int ray = 0; ray < RAYS; ++ray) {
+        ty_scene* scene = make_scene(context);
+        const ty_vec d = random_unit(&seed);
+        const double target[3] = {uniform_in(&seed, -0.6, 0.6), uniform_in(&seed, -0.6, 0.6),
+                                  uniform_in(&seed, -0.6, 0.6)};
+        const double way[3] = {(double)d.x, (double)d.y, (double)d.z};
+        march_look(scene, target[0] - 5 * way[0], target[1] - 5 * way[1], target[2] - 5 * way[2], target[0], target[1],
+                   target[2]);
+        ty_medium_def medium = box_medium(low, high, 0.5f, 1);
+        medium.density_grid = grid;
+        if (transfer) {
+            medium.transfer = points;
+            medium.transfer_count = 3;
+        }
+        add_medium(scene, &medium);
+        commit(scene);
+        double depth = 0;
+        enum { PARTS = 200000 };
+        for (int i = 0; i < PARTS; ++i) {
+            const double t = 2 + 6 * (i + 0.5) / PARTS;
+            double at[3];
+            bool inside = true;
+            for (int a = 0; a < 3; ++a) {
+                const double x = target[a] + (t - 5) * way[a];
+                inside = inside && fabs(x) < 1;
+                at[a] = (x + 1) * size[a] / 2 - 0.5;
+            }
+            if (!inside) continue;
+            const double value = trilinear(values, size, at);
+            depth += 1.5 * (transfer ? (double)ty_transfer_density(points, 3, (float)value) : value) * 6 / PARTS;
+        }
+        ty_march_def def = march_def(1, 1);
+        def.aovs = TY_AOV_TRANSMITTANCE;
+        assert_close(march_once(scene, &def, "transmittance.G"), exp(-depth), tolerance);
+        ty_scene_destroy(scene);
+    }
+    ty_grid_destroy(grid);
+}
+
+static void depths_are_exact(void** state) {
+    check_depths(*state, false, 1e-5);
+}
+
+static void depths_of_transfer_functions(void** state) {
+    check_depths(*state, true, 5e-4);
+}
+
+/* Random voxels with a field of random cells: what steps cost falls with their square. */
+static double lit_noise(ty_context* context, double step, uint64_t seed) {
+    enum { CELLS = 8 };
+    static float cells[CELLS * CELLS * CELLS];
+    const int32_t size[3] = {48, 48, 48};
+    static float values[48 * 48 * 48];
+    ty_scene* scene = make_scene(context);
+    march_look(scene, 3, 4, 5, 0.1, 0.2, -0.1);
+    ty_grid* grid = random_voxels(context, size, values);
+    ty_medium_def medium = box_medium(low, high, 2, 0.1f);
+    medium.density_grid = grid;
+    add_medium(scene, &medium);
+    commit(scene);
+    uint64_t of_cells = 3;
+    for (int i = 0; i < CELLS * CELLS * CELLS; ++i) cells[i] = (float)uniform(&of_cells);
+    even_field even;
+    even_begin(&even, low, high, 0);
+    for (int c = 0; c < 3; ++c) {
+        even.field.terms[c][0] = cells;
+        even.field.box.size[c] = CELLS;
+    }
+    ty_march_def def = march_def(1, 1);
+    def.field = &even.field;
+    def.step = step;
+    def.seed = seed;
+    const double value = march_once(scene, &def, "R");
+    ty_grid_destroy(grid);
+    ty_scene_destroy(scene);
+    return value;
+}
+
+static void steps_converge(void** state) {
+    const double truth = lit_noise(*state, 0.05, 0);
+    double error[2] = {0, 0};
+    for (uint64_t seed = 1; seed <= 16; ++seed) {
+        error[0] += pow(lit_noise(*state, 1, seed) / truth - 1, 2) / 16;
+        error[1] += pow(lit_noise(*state, 0.25, seed) / truth - 1, 2) / 16;
+    }
+    print_message("errors %g %g\n", sqrt(error[0]), sqrt(error[1]));
+    assert_true(sqrt(error[0]) < 0.02);
+    assert_true(sqrt(error[1]) < sqrt(error[0]) / 4);
+}
+
+/* ---- lights ---- */
+
+/* A beam on a cube, its fluence given on cells that are fine enough: the closed form with the true phase function. */
+static void beams_scatter_once(void** state) {
+    const float g = 0.7f;
+    enum { CELLS = 128 };
+    static float fluence[CELLS];
+    ty_scene* scene = seen_from_front(*state);
+    ty_medium_def medium = box_medium(low, high, 1, 0.5f);
+    set3f(medium.g, g, g, g);
+    add_medium(scene, &medium);
+    commit(scene);
+    ty_march_def def = march_def(1, 1);
+    ty_single_light light = {.kind = TY_SINGLE_BEAM, .toward = ty_vec_make(0, 0.6f, -0.8f)};
+    for (int z = 0; z < CELLS; ++z) fluence[z] = (float)(5 * exp(-1.5 * (2.0 - (z + 0.5) * 2 / CELLS)));
+    for (int c = 0; c < 3; ++c) {
+        light.fluence[c] = fluence;
+        def.light_box.lower[c] = -1;
+        def.light_box.upper[c] = 1;
+        def.light_box.size[c] = c == 2 ? CELLS : 1;
+    }
+    def.lights = &light;
+    def.light_count = 1;
+    def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
+    ty_image* image = march_image(scene, &def, NULL);
+    const double expected = 5 * (double)ty_hg(-0.8f, g) * -expm1(-6) / 3;
+    assert_close(march_value(image, "single.R", 0) / expected, 1, 5e-4);
+    assert_true(march_value(image, "R", 0) == march_value(image, "single.R", 0));
+    assert_true(march_value(image, "multiple.R", 0) == 0);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
+/* ---- fields ---- */
+
+static void fields_have_directions_and_ends(void** state) {
+    const double half[3] = {1, 1, 0};
+    ty_scene* scene = seen_from_front(*state);
+    const ty_medium_def medium = box_medium(low, high, 0.5f, 0);
+    add_medium(scene, &medium);
+    commit(scene);
+    even_field even;
+    even_begin(&even, low, high, 2);
+    even.field.term_count = 4;
+    even.values[3] = 1.5f; /* more towards +z, where the camera is */
+    ty_march_def def = march_def(1, 1);
+    def.field = &even.field;
+    assert_close(march_once(scene, &def, "R"), 3.5 * -expm1(-1), 1e-5);
+    even.values[3] = -2.5f;
+    assert_close(march_once(scene, &def, "R"), 0, 0);
+    even_begin(&even, low, half, 2);
+    def.step = 0.05;
+    assert_close(march_once(scene, &def, "R"), 2 * exp(-0.5) * -expm1(-0.5), 2e-3);
+    ty_scene_destroy(scene);
+}
+
+/* Two cells side by side, one of them as dense as the medium. */
+static void guides_choose_cells(void** state) {
+    float light[2] = {1, 5}, guide[2] = {0.5f, 0.01f};
+    const int32_t voxels[3] = {8, 8, 8};
+    (void)voxels;
+    ty_scene* scene = seen_from_front(*state);
+    const ty_medium_def medium = box_medium(low, high, 0.5f, 0);
+    add_medium(scene, &medium);
+    commit(scene);
+    even_field even;
+    even_begin(&even, low, high, 0);
+    even.field.box.size[0] = 2;
+    for (int c = 0; c < 3; ++c) even.field.terms[c][0] = light;
+    even.field.guide = guide;
+    ty_march_def def = march_def(1, 1);
+    def.field = &even.field;
+    assert_close(march_once(scene, &def, "R"), 3 * -expm1(-1), 1e-4);
+    def.guided = 0.3;
+    assert_close(march_once(scene, &def, "R"), 1 * -expm1(-1), 0.05);
+    guide[1] = 0.5f;
+    assert_close(march_once(scene, &def, "R"), 3 * -expm1(-1), 1e-4);
+    guide[0] = guide[1] = 0;
+    assert_close(march_once(scene, &def, "R"), 3 * -expm1(-1), 1e-4);
+    ty_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(even_boxes),
+        cmocka_unit_test(glow),
+        cmocka_unit_test(media_together),
+        cmocka_unit_test(spheres),
+        cmocka_unit_test(depths_are_exact),
+        cmocka_unit_test(depths_of_transfer_functions),
+        cmocka_unit_test(steps_converge),
+        cmocka_unit_test(beams_scatter_once),
+        cmocka_unit_test(fields_have_directions_and_ends),
+        cmocka_unit_test(guides_choose_cells),
+    };
+    return cmocka_run_group_tests_name("march", tests, start_context, stop_context);
+}
