@@ -11,9 +11,9 @@ static const double albedos[ALBEDOS] = {0.1, 0.3, 0.5, 0.7, 0.9, 1};
 /* Mean ratio, relative RMSE. */
 enum { CHARTS = 2 };
 
-/* So that white is about the brightest that the truth has. */
+/* Light that scatters once is as bright in all columns. */
 static double exposure_of(const ty_scene* scene, double albedo) {
-    return ty_scene_camera(scene).exposure + log2(0.9 / albedo) * 0.8;
+    return ty_scene_camera(scene).exposure + log2(0.9 / albedo);
 }
 
 static ty_result load(figure_run* run, int column, ty_scene** out) {

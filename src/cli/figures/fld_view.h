@@ -19,7 +19,9 @@ typedef struct fld_picture {
 
 /* How a picture differs from the path-traced one. */
 typedef struct fld_errors {
-    double mean_ratio, relative_rmse; /* without the truth's noise; NaN: that is all there is */
+    double mean_ratio;
+    double relative_rmse; /* without the truth's noise; NaN: that is all there is */
+    double rel_mse;
 } fld_errors;
 
 /* The size of pictures: what the options say, or width x height, a quarter of it when quick. */
