@@ -184,7 +184,7 @@ static ty_result fill_sizes(figure_run* run, const ty_grid* noise, plot_chart ch
 /* ---- (c) ---- */
 
 /* Least extinctions, in box lengths, and the solvers that are given them. */
-enum { LEAST = 6, SETUPS = 3, VOXELS = 100, VOXELS_QUICK = 32, RATIO = 2 };
+enum { LEAST = 6, SETUPS = 3, VOXELS = 100, VOXELS_QUICK = 32, RATIO = 4 };
 static const double least[LEAST] = {1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
 static const struct {
     const char* name;

@@ -137,15 +137,11 @@ static ty_result run_limiter(figure_run* run, int albedo, ty_limiter limiter, po
     return result;
 }
 
-/* What Eq. 27 itself is off, over the cells of a profile. */
-static void judge_theory(const point_profile* profile, int albedo, point_row* row) {
-    point_profile* theory = malloc(sizeof *theory);
-    if (theory == NULL) return;
-    *theory = *profile;
-    for (int32_t i = 0; i < theory->count; ++i)
-        theory->samples[i].fluence = transport_diffusion(albedos[albedo], theory->samples[i].tau);
-    row->theory_error = point_compare(theory, transport_fluence, albedos[albedo], near_from, thin_to).mean;
-    free(theory);
+/* What Eq. 27 itself is off, over the cells of a profile, which it takes the place of. */
+static double judge_theory(point_profile* profile, int albedo) {
+    for (int32_t i = 0; i < profile->count; ++i)
+        profile->samples[i].fluence = transport_diffusion(albedos[albedo], profile->samples[i].tau);
+    return point_compare(profile, transport_fluence, albedos[albedo], near_from, thin_to).mean;
 }
 
 static ty_result run_albedo(figure_run* run, int albedo, point_profile* profile, plot_chart charts[PANELS],
@@ -154,7 +150,7 @@ static ty_result run_albedo(figure_run* run, int albedo, point_profile* profile,
     ty_result result = check_diffusion(run, albedo, profile, &charts[CDA_KNOWN]);
     for (ty_limiter limiter = 0; limiter < TY_LIMITER_COUNT && result == TY_OK; ++limiter)
         result = run_limiter(run, albedo, limiter, profile, charts, row);
-    if (result == TY_OK) judge_theory(profile, albedo, row);
+    if (result == TY_OK) row->theory_error = judge_theory(profile, albedo);
     return result;
 }
 
