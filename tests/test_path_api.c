@@ -532,33 +532,6 @@ static void cells_are_x_fastest(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* Lamps, a sky and a ball; the fog reaches far beyond them, so that it decides which light is likely. */
-static ty_scene* lit_scene(ty_context* context, bool foggy) {
-    const double lower[3] = {-9, -8, -7}, upper[3] = {6, 7, 11};
-    ty_scene* scene = make_scene(context);
-    ty_medium_def fog = box_medium(lower, upper, 0.1f, 0.02f);
-    ty_light_def sky = ty_default_light_def(), lamp = sky, far = sky;
-    sky.kind = TY_LIGHT_ENVIRONMENT;
-    set3f(sky.color, 0.25f, 0.5f, 0.75f);
-    lamp.kind = far.kind = TY_LIGHT_POINT;
-    set3(lamp.position, 1, 1, 1);
-    set3(far.position, -3, 1, 4);
-    ty_shape_def ball = ty_default_shape_def(), glowing = ball;
-    ball.kind = glowing.kind = TY_SHAPE_SPHERE;
-    ball.radius = 0.5;
-    set3(glowing.origin, 0.7, 0, 0.5);
-    glowing.radius = 0.1;
-    set3f(glowing.emission, 3, 2, 1);
-    if (foggy) assert_int_equal(ty_scene_add_medium(scene, &fog), TY_OK);
-    assert_int_equal(ty_scene_add_light(scene, &sky), TY_OK);
-    assert_int_equal(ty_scene_add_light(scene, &lamp), TY_OK);
-    assert_int_equal(ty_scene_add_light(scene, &far), TY_OK);
-    assert_int_equal(ty_scene_add_shape(scene, &ball), TY_OK);
-    assert_int_equal(ty_scene_add_shape(scene, &glowing), TY_OK);
-    assert_int_equal(ty_scene_commit(scene), TY_OK);
-    return scene;
-}
-
 static void media_can_be_ignored(void** state) {
     ty_scene *foggy = lit_scene(*state, true), *clear = lit_scene(*state, false);
     ty_path_def def = small_def(4), ignoring = def;

@@ -4,6 +4,10 @@
 
 enum { SIDE = 16 };
 
+static const char* const color_names[3] = {"R", "G", "B"};
+static const char* const single_names[3] = {"single.R", "single.G", "single.B"};
+static const char* const multiple_names[3] = {"multiple.R", "multiple.G", "multiple.B"};
+
 static ty_image* render_aovs(const ty_scene* scene, int32_t spp, int32_t max_depth, uint32_t aovs,
                              const int32_t* crop) {
     ty_path_def def = ty_default_path_def();
@@ -30,14 +34,14 @@ static estimate plane_mean(const ty_image* image, const char* name) {
     return estimate_of(values, count, 1);
 }
 
-/* Fog of every kind over a floor, with a lamp, a sun, a sky and something that glows. */
-static ty_scene* busy_scene(ty_context* context) {
+/* Fog of every kind, which glows if asked to, over a floor, with a lamp, a sun, a sky and something that glows. */
+static ty_scene* busy_scene(ty_context* context, double glow) {
     static const double center[3] = {0, -1, 0}, u[3] = {0, 0, 1}, v[3] = {1, 0, 0};
     static const double low[3] = {0.3, -1, -0.6}, high[3] = {0.8, -0.2, 0};
     ty_scene* scene = new_scene(context);
     ty_medium_def fog = medium_cube(1, 0.5, 0.2, 0.4), cloud = medium_cube(0.6, 3, 0.3, 0);
     rgb(fog.sigma_s, 0.3, 0.5, 0.9);
-    gray(fog.emission, 0.1);
+    gray(fog.emission, glow);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 24;
     must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
@@ -66,17 +70,16 @@ static ty_scene* busy_scene(ty_context* context) {
 /* Asking for channels changes no pixel; what scattered is part of the whole, and all of it where nothing else shines.
  */
 static void test_sums(void** state) {
-    static const char* const names[3][3] = {
-        {"R", "G", "B"}, {"single.R", "single.G", "single.B"}, {"multiple.R", "multiple.G", "multiple.B"}};
-    ty_scene* scene = busy_scene(*state);
+    ty_scene* scene = busy_scene(*state, 0.1);
     ty_image* image = render_aovs(scene, 64, 0, TY_AOV_ALL, NULL);
     ty_image* plain = render_aovs(scene, 64, 0, 0, NULL);
     double scattered = 0, all = 0;
     for (int c = 0; c < 3; ++c) {
-        assert_memory_equal(plane(image, names[0][c]), plane(plain, names[0][c]), SIDE * SIDE * sizeof(float));
+        assert_memory_equal(plane(image, color_names[c]), plane(plain, color_names[c]), SIDE * SIDE * sizeof(float));
         for (int i = 0; i < SIDE * SIDE; ++i) {
-            const double single = (double)plane(image, names[1][c])[i], multiple = (double)plane(image, names[2][c])[i];
-            const double total = (double)plane(image, names[0][c])[i];
+            const double single = (double)plane(image, single_names[c])[i],
+                         multiple = (double)plane(image, multiple_names[c])[i];
+            const double total = (double)plane(image, color_names[c])[i];
             assert_true(single >= 0 && multiple >= 0 && single + multiple <= total * (1 + 1e-6));
             scattered += single + multiple;
             all += total;
@@ -101,6 +104,64 @@ static void test_sums(void** state) {
     }
     ty_image_destroy(image);
     ty_scene_destroy(scene);
+}
+
+/* ---- what no medium scattered ---- */
+
+enum { SEEDS = 24 };
+
+/* The sum over a quarter of the image of a channel without what scattered. */
+static double quarter_sum(const ty_image* image, int c, int quarter) {
+    const int left = quarter % 2 * SIDE / 2, top = quarter / 2 * SIDE / 2;
+    double sum = 0;
+    for (int y = top; y < top + SIDE / 2; ++y)
+        for (int x = left; x < left + SIDE / 2; ++x) {
+            const int i = y * SIDE + x;
+            sum += (double)plane(image, color_names[c])[i] - (double)plane(image, single_names[c])[i] -
+                   (double)plane(image, multiple_names[c])[i];
+        }
+    return sum;
+}
+
+/* Quarters of the image by seeds. */
+static void quarter_estimates(const ty_scene* scene, bool unscattered, int32_t spp, estimate estimates[12]) {
+    double sum[12] = {0}, square[12] = {0};
+    for (uint64_t seed = 0; seed < SEEDS; ++seed) {
+        ty_path_def def = ty_default_path_def();
+        def.spp = spp;
+        def.seed = seed;
+        def.width = def.height = SIDE;
+        def.unscattered = unscattered;
+        def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE;
+        ty_image* image = NULL;
+        must(ty_scene_context(scene), ty_path_render(scene, &def, &image, NULL));
+        for (int i = 0; i < 12; ++i) {
+            const double value = quarter_sum(image, i / 4, i % 4);
+            sum[i] += value;
+            square[i] += value * value;
+        }
+        ty_image_destroy(image);
+    }
+    for (int i = 0; i < 12; ++i) {
+        const double mean = sum[i] / SEEDS;
+        estimates[i] = (estimate){mean, sqrt(fmax(0, square[i] / SEEDS - mean * mean) / (SEEDS - 1))};
+    }
+}
+
+/* Light that media neither scatter nor send, rendered alone, is what an ordinary render has of it. */
+static void test_unscattered(void** state) {
+    ty_scene *scene = busy_scene(*state, 0), *glowing = busy_scene(*state, 0.1);
+    estimate expected[12], alone[12], dark[12];
+    quarter_estimates(scene, false, 512, expected);
+    quarter_estimates(scene, true, 256, alone);
+    quarter_estimates(glowing, true, 256, dark);
+    for (int i = 0; i < 12; ++i) {
+        const estimate both = {alone[i].mean, hypot(alone[i].error, expected[i].error)};
+        assert_close("unscattered, a quarter", both, expected[i].mean, 0.004);
+        assert_true(dark[i].mean == alone[i].mean);
+    }
+    ty_scene_destroy(scene);
+    ty_scene_destroy(glowing);
 }
 
 /* ---- single scattering ---- */
@@ -258,7 +319,7 @@ static void test_first_surface(void** state) {
 
 static void test_crops(void** state) {
     static const int32_t crop[4] = {5, 3, 7, 9};
-    ty_scene* scene = busy_scene(*state);
+    ty_scene* scene = busy_scene(*state, 0.1);
     ty_image* whole = render_aovs(scene, 7, 0, TY_AOV_ALL, NULL);
     ty_image* part = render_aovs(scene, 7, 0, TY_AOV_ALL, crop);
     assert_int_equal(ty_image_width(part), 7);
@@ -329,7 +390,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sums),         cmocka_unit_test(test_single),        cmocka_unit_test(test_transmittance),
         cmocka_unit_test(test_conservation), cmocka_unit_test(test_first_surface), cmocka_unit_test(test_crops),
-        cmocka_unit_test(test_lamp_room),
+        cmocka_unit_test(test_lamp_room),    cmocka_unit_test(test_unscattered),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

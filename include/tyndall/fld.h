@@ -27,10 +27,8 @@ typedef enum ty_fld_limiter {
 
 /* What the six faces of the box around all media do. */
 typedef enum ty_fld_boundary {
-    TY_FLD_BOUNDARY_VACUUM = 0, /* nothing comes in; thick media send out what transport theory says (Milne: 0.47 of the
-                                   fluence), and light that streams leaves freely */
-    TY_FLD_BOUNDARY_MARSHAK = 1,  /* half of the fluence leaves */
-    TY_FLD_BOUNDARY_DIRICHLET = 2 /* the paper's: no fluence on the faces */
+    TY_FLD_BOUNDARY_MARSHAK = 0,  /* vacuum outside: half of the fluence leaves as flux, nothing comes in */
+    TY_FLD_BOUNDARY_DIRICHLET = 1 /* the paper's: no fluence on the faces */
 } ty_fld_boundary;
 
 typedef enum ty_fld_solver {
@@ -57,9 +55,12 @@ typedef struct ty_fld_def {
                      that leaves less than 24 cells along the longest side */
     ty_fld_beam beam; /* default TY_FLD_BEAM_REDUCED */
 
-    ty_fld_limiter limiter;   /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
-    double larsen_power;      /* n, 1..100; default 2 */
-    ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_VACUUM */
+    ty_fld_limiter limiter; /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
+    double larsen_power;    /* n, 1..100; default 2 */
+    double streaming;       /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go. Default 0.577
+                                       (1 / sqrt(3)), which is what light has where it leaves thick media for vacuum
+                                       (Milne's problem); 1: the paper's, true of light far from its source */
+    ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_MARSHAK */
     double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
     double relaxation;        /* omega of SOR, (0, 2); default 1.85 */

@@ -40,8 +40,10 @@ typedef struct ty_path_def {
     uint64_t seed;         /* any; images of different seeds are independent; default 0 */
     int32_t max_depth;     /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
     bool ignore_media;     /* everything as if the scene had no media, bit for bit; default false */
-    bool unscattered;      /* only light that no medium scattered or sent: surfaces, lamps and the sky, which reflect
-                              each other's light, all behind the media's extinction; default false */
+    bool unscattered;      /* only light that no medium scattered or sent: lamps, the sky and surfaces, which reflect
+                              each other's light, all behind the media's extinction; R, G, B less single, multiple
+                              and what media send. The channels single and multiple are 0. Without media, or with
+                              ignore_media, it changes nothing; default false */
     double seconds;        /* stop after this time, > 0; 0 (default): no bound */
     double error;          /* stop when the estimated relative error (standard error of the pixels, root mean
                               square, over the mean) is below this, > 0; 0 (default): no bound */
@@ -51,7 +53,7 @@ typedef struct ty_path_def {
                               of the whole frame, bit for bit. Default 0: the whole frame */
     /* Images: every state_seconds (and at the end) the state of the work is handed out; resume takes it up again.
      * A resumed render gives the same image, bit for bit, as one that was never interrupted, with the same spp, seed,
-     * size, crop, aovs, max_depth, ignore_media and scene, on a machine with the same instruction set
+     * size, crop, aovs, max_depth, ignore_media, unscattered and scene, on a machine with the same instruction set
      * (ty_path_stats.isa); spp may also be larger than before. Time that earlier runs took counts for seconds and in
      * ty_path_stats. Memory: 56 bytes a pixel for the state, 216 with aovs other than variance and samples, and the
      * same for the work itself. */

@@ -295,10 +295,10 @@ typedef struct ty_screen_settings {
 /* ty_fld_def in words; 0 for what it calls its own choice. */
 typedef struct ty_fld_settings {
     char limiter[24];  /* "levermore_pomraning" (default), "sum", "max", "kershaw", "larsen" or "none" */
-    char boundary[16]; /* "vacuum" (default), "marshak" or "dirichlet" (the paper's) */
+    char boundary[16]; /* "marshak" (default) or "dirichlet" (the paper's) */
     char solver[16];   /* "multigrid" (default), "sor" (the paper's) or "sor_float" */
     char beam[16];     /* "reduced" (default) or "published" */
-    double larsen_power, relaxation, tolerance, sigma_eps, ratio, step;
+    double larsen_power, streaming, relaxation, tolerance, sigma_eps, ratio, step;
     int32_t resolution, iterations, environment_beams, surface_points;
     int32_t spp; /* rays per pixel */
 } ty_fld_settings;

@@ -14,6 +14,7 @@ typedef struct bench_entry {
 static const bench_entry benches[] = {
     {"machine", "peak arithmetic and memory bandwidth of this machine", bench_machine},
     {"path", "noise, time and samples per second of the path tracer over scenes", bench_path},
+    {"direct", "light that has not scattered yet, on grids: cells per second", bench_direct},
     {"rays", "rays per second through a mesh, beside a bare loop over Embree", bench_rays},
     {"screen", "screen-space scattering, beside streaming its bytes and its reference", bench_screen},
     {"fld", "flux-limited diffusion: its solvers, and images beside path", bench_fld},

@@ -22,6 +22,7 @@ typedef struct bench_session {
 /* Each returns CLI_DONE or an exit status after a message. */
 int bench_machine(const bench_session* bench);
 int bench_path(const bench_session* bench);
+int bench_direct(const bench_session* bench);
 int bench_rays(const bench_session* bench);
 int bench_screen(const bench_session* bench);
 int bench_fld(const bench_session* bench);

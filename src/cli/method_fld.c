@@ -12,16 +12,17 @@ static int32_t index_of(const char* word, const char* const* words, int32_t coun
 
 static ty_fld_def make_def(cli_session* session, const ty_scene* scene, const cli_request* request) {
     static const char* const limiters[] = {"none", "sum", "max", "kershaw", "larsen", "levermore_pomraning"};
-    static const char* const boundaries[] = {"vacuum", "marshak", "dirichlet"};
+    static const char* const boundaries[] = {"marshak", "dirichlet"};
     static const char* const solvers[] = {"multigrid", "sor", "sor_float"};
     static const char* const beams[] = {"reduced", "published"};
     const ty_fld_settings settings = ty_scene_render_settings(scene).fld;
     ty_fld_def def = ty_default_fld_def();
     def.limiter = (ty_fld_limiter)index_of(settings.limiter, limiters, 6);
-    def.boundary = (ty_fld_boundary)index_of(settings.boundary, boundaries, 3);
+    def.boundary = (ty_fld_boundary)index_of(settings.boundary, boundaries, 2);
     def.solver = (ty_fld_solver)index_of(settings.solver, solvers, 3);
     def.beam = (ty_fld_beam)index_of(settings.beam, beams, 2);
     def.larsen_power = settings.larsen_power;
+    def.streaming = settings.streaming;
     def.relaxation = settings.relaxation;
     def.tolerance = settings.tolerance;
     def.sigma_eps = settings.sigma_eps;

@@ -1,9 +1,10 @@
-/* One beam through a grid. */
+/* Beams through a grid. */
 #ifndef TY_DIRECT_BEAM_H
 #define TY_DIRECT_BEAM_H
 
 #include "direct/grid_medium.h"
 #include "direct/kernel.h"
+#include "direct/watch.h"
 #include "scene/scene.h"
 
 /* Tubes and the slabs they pass, in the order in which the beam does. Axes 0, 1, 2 here are u, v, w: w is the world's
@@ -11,7 +12,7 @@
  * and v; u is the axis of a row in memory. */
 typedef struct ty_beam {
     ty_context* context;
-    const ty_beam_kernels* kernels;
+    const ty_direct_kernels* kernels;
     int32_t axis[3];       /* of the world */
     int32_t size[3];       /* cells */
     size_t stride[3];      /* floats from cell to cell */
@@ -24,17 +25,34 @@ typedef struct ty_beam {
     int32_t tubes[2];      /* columns and rows of tubes */
     float* hit;            /* TY_BEAM_RAYS times per tube: how far a surface is, m; NULL: there are none */
     float* along[2];       /* per tube: transmittance so far, by turns */
-    float* scratch;        /* of the workers */
-    size_t scratch_size;   /* of each */
 } ty_beam;
 
 /* Whatever becomes of it, ty_beam_end may follow. Errors: TY_ERROR_MEMORY. */
 ty_result ty_beam_begin(const ty_scene_view* scene, const ty_grid_medium* medium, const double outside[2][3],
                         ty_vec direction, ty_beam* beam);
 void ty_beam_end(ty_beam* beam);
-/* Mean transmittance of every cell to `lit`, power per irradiance entering and leaving to `power` unless that is NULL;
- * extinction and lit are in the medium's order of cells. Errors: TY_ERROR_MEMORY. */
-ty_result ty_beam_pass(ty_beam* beam, const ty_grid_medium* medium, const float* extinction, float* lit,
-                       double power[2]);
+size_t ty_beam_tubes(const ty_beam* beam);
+/* 2 w, and one more for a beam that goes backwards along w: beams with the same one can pass together. */
+int32_t ty_beam_way(const ty_grid_medium* medium, ty_vec direction);
+
+/* Beams that pass together, and planes of one value a cell to which mean transmittances are added, each beam's times a
+ * factor. Planes are in the medium's order of cells. */
+enum { TY_BEAMS_MAX = 16 };
+
+typedef struct ty_beams {
+    ty_beam* beams; /* of one way */
+    int32_t count;
+    const float* extinction;
+    int32_t plane_count;
+    float* planes[TY_BEAM_PLANES_MAX];
+    float factor[TY_BEAMS_MAX][TY_BEAM_PLANES_MAX];
+    ty_watch* watch;   /* NULL: none */
+    double done, work; /* for it: sources' worth before this, and of this */
+} ty_beams;
+
+/* Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
+ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium);
+/* Of a beam that has passed: power per irradiance entering and leaving, m^2. Errors: TY_ERROR_MEMORY. */
+ty_result ty_beam_power_of(const ty_beam* beam, double power[2]);
 
 #endif

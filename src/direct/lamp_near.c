@@ -24,6 +24,11 @@ bool ty_lamp_is_near(const ty_lamp_job* lamp, const int32_t cell[3]) {
     return true;
 }
 
+void ty_lamp_near_range(const ty_lamp_job* lamp, int32_t axis, int32_t range[2]) {
+    range[0] = lamp->home[axis] - NEAR;
+    range[1] = lamp->home[axis] + NEAR + 1;
+}
+
 typedef struct near_sums {
     double light[NEAR_CELLS][3][4]; /* per channel: fluence and flux, times the cell's volume over intensity */
 } near_sums;
@@ -108,9 +113,9 @@ static void add_near(const ty_lamp_job* lamp, const near_sums* sums) {
         const int32_t z = lamp->home[2] + slot / (NEAR_SIDE * NEAR_SIDE) - NEAR;
         if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
         const size_t at = (size_t)x + (size_t)size[0] * ((size_t)y + (size_t)size[1] * (size_t)z);
-        for (int32_t c = 0; c < 3; ++c) {
+        for (int32_t c = 0; c < lamp->out.planes; ++c) {
             const double* light = sums->light[slot][c < medium->planes ? c : 0];
-            const double intensity = (double)lamp->source->color[c] / volume;
+            const double intensity = (double)lamp->out.color[c] / volume;
             lamp->out.fluence[c][at] += (float)(intensity * light[0]);
             for (int a = 0; a < 3 && lamp->out.flux != NULL; ++a)
                 lamp->out.flux[c][a][at] += (float)(intensity * light[1 + a]);

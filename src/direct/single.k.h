@@ -12,6 +12,9 @@ typedef struct ty_single_light {
     ty_vec toward; /* TY_SINGLE_BEAM: the way light travels, unit; TY_SINGLE_LAMP: where it comes from, m */
     TY_GLOBAL const float* fluence[3]; /* per channel, W m^-2 */
     TY_GLOBAL const float* flux[3][3]; /* TY_SINGLE_MANY: along x, y, z */
+    int32_t shared;                    /* whether all channels are the first one's planes, times color (as in a
+                                          ty_light_field of one plane) */
+    float color[3];
 } ty_single_light;
 
 /* Of TY_SINGLE_MANY only the mean direction is known: light scatters as (fluence + 3 g flux . way) / (4 pi), not below
@@ -66,13 +69,21 @@ TY_FN float ty_cell_value(TY_GLOBAL const float* plane, const ty_cell_point* p) 
 /* Light that a point scatters along `way`, per scattering coefficient. */
 TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const ty_cell_point* at, ty_vec way,
                                const float g[3], float scattered[3]) {
+    const int32_t planes = light->shared != 0 ? 1 : 3;
+    float fluence[3], forward[3] = {0.0f, 0.0f, 0.0f};
+    for (int32_t c = 0; c < planes; ++c) {
+        fluence[c] = ty_cell_value(light->fluence[c], at);
+        if (light->kind == TY_SINGLE_MANY)
+            forward[c] = ty_cell_value(light->flux[c][0], at) * way.x + ty_cell_value(light->flux[c][1], at) * way.y +
+                         ty_cell_value(light->flux[c][2], at) * way.z;
+    }
+    for (int32_t c = 2; c >= 0 && light->shared != 0; --c) {
+        fluence[c] = fluence[0] * light->color[c];
+        forward[c] = forward[0] * light->color[c];
+    }
     if (light->kind == TY_SINGLE_MANY) {
-        for (int32_t c = 0; c < 3; ++c) {
-            const float forward = ty_cell_value(light->flux[c][0], at) * way.x +
-                                  ty_cell_value(light->flux[c][1], at) * way.y +
-                                  ty_cell_value(light->flux[c][2], at) * way.z;
-            scattered[c] += TY_INV_4PI * ty_maxf(0.0f, ty_cell_value(light->fluence[c], at) + 3.0f * g[c] * forward);
-        }
+        for (int32_t c = 0; c < 3; ++c)
+            scattered[c] += TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
     }
     ty_vec from = light->toward;
@@ -81,7 +92,11 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
         from = ty_scale(off, 1.0f / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f)));
     }
     const float mu = ty_dot(from, way);
-    for (int32_t c = 0; c < 3; ++c) scattered[c] += ty_hg(mu, g[c]) * ty_cell_value(light->fluence[c], at);
+    float phase = 0.0f;
+    for (int32_t c = 0; c < 3; ++c) {
+        if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);
+        scattered[c] += phase * fluence[c];
+    }
 }
 
 /* A stretch of the ray within one cell. */

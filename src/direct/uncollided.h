@@ -15,12 +15,18 @@
 typedef struct ty_light_field {
     ty_context* context;
     size_t cells;
-    float* fluence[3]; /* per channel */
+    int32_t planes;    /* 3, or 1: all channels are the first one's planes times color */
+    float color[3];    /* of one plane */
+    float* fluence[3]; /* per channel; NULL beyond planes */
     float* flux[3][3]; /* per channel along x, y, z; NULL where not asked for */
 } ty_light_field;
 
 /* Dark. */
 ty_result ty_light_field_create(const ty_grid_medium* medium, bool with_flux, ty_light_field** out);
+/* A third of the memory: one plane for all channels, for a medium of one plane and sources whose colors are multiples
+ * of `color`, which is not black. Errors: TY_ERROR_ARGUMENT (the medium's planes), TY_ERROR_MEMORY. */
+ty_result ty_light_field_create_shared(const ty_grid_medium* medium, bool with_flux, const float color[3],
+                                       ty_light_field** out);
 void ty_light_field_destroy(ty_light_field* field);
 
 /* What becomes of a beam, per channel, in watts per irradiance (that is, m^2), if there were no surfaces. Without them,
@@ -34,6 +40,11 @@ typedef struct ty_beam_power {
  * Errors: TY_ERROR_MEMORY. */
 ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
                             const ty_source* sources, int32_t count, ty_light_field* field);
+/* The same with progress (stage "direct light"; NULL: none), which may end it with TY_CANCELLED: the field then has the
+ * light of some sources, and perhaps a part of another one's. */
+ty_result ty_uncollided_add_watched(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                    const ty_source* sources, int32_t count, ty_light_field* field,
+                                    ty_progress_fn progress, void* progress_user);
 
 /* Means over cells of the transmittance from one source, 0 in the shadow of surfaces: times color (for lamps, over
  * distance squared) it is the fluence, with shadows as sharp as the medium's cells. planes: as many as the medium has.

@@ -3,6 +3,7 @@
 #define TY_IMAGE_KERNEL_H
 
 #include "direct/single.k.h"
+#include "image/march.h"
 #include "image/upsample.k.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
@@ -16,6 +17,7 @@ typedef struct ty_march_request {
     ty_cell_place light; /* the cells that lights lie on */
     const ty_single_light* lights;
     int32_t light_count;
+    int32_t reduced; /* as in ty_march_def */
     int32_t has_field;
     ty_upsample_view field;
     int32_t has_background; /* whether environments are seen */

@@ -34,7 +34,7 @@ typedef struct march_job {
 } march_job;
 
 ty_march_def ty_default_march_def(void) {
-    return (ty_march_def){.spp = 1, .step = 1};
+    return (ty_march_def){.spp = 1, .step = 1, .guided = 0.25};
 }
 
 /* ---- options ---- */
@@ -56,8 +56,6 @@ static ty_result check_field(ty_context* context, const ty_march_def* def) {
         for (int t = 0; t < field->term_count; ++t)
             if (field->terms[c][t] == NULL)
                 return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: terms[%d][%d] is NULL", c, t);
-    if (def->guided > 0 && field->guide == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "march.guided is %g, and the field has no guide", def->guided);
     return check_box(context, "field", &field->box);
 }
 
@@ -84,6 +82,8 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
                          "march.aovs: %u has channels other than transmittance, depth, "
                          "single and multiple",
                          (unsigned)def->aovs);
+    if (result == TY_OK)
+        result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
     if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);
     if (result == TY_OK && def->field != NULL) result = check_field(context, def);
     if (result == TY_OK && def->unscattered != NULL) result = check_unscattered(context, def);
@@ -139,7 +139,7 @@ static ty_result pack_field(march_job* job) {
     view->place = place_cells(&field->box);
     view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN : TY_UPSAMPLE_DIRECTED;
     const double guided = job->def->guided;
-    view->sharpness = guided > 0 ? (float)(1 / (2 * guided * guided)) : 0;
+    view->sharpness = guided > 0 && field->guide != NULL ? (float)(1 / (2 * guided * guided)) : 0;
     for (int c = 0; c < 3; ++c)
         for (int a = 0; a < 3; ++a) view->flux[c][a] = field->flux[c][a];
     job->cell_floats = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
@@ -161,11 +161,12 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->spp = def->spp;
     request->first = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
     request->step = (float)def->step;
-    request->lights = def->lights;
-    request->light_count = def->light_count;
-    if (def->light_count > 0) request->light = place_cells(&def->light_box);
     request->has_background = def->unscattered == NULL;
     if (def->unscattered != NULL) ty_image_rgb_planes(def->unscattered, job->unscattered);
+    request->light = place_cells(&def->light_box);
+    request->lights = def->lights;
+    request->light_count = def->light_count;
+    request->reduced = def->reduced ? 1 : 0;
     return def->field != NULL ? pack_field(job) : TY_OK;
 }
 

@@ -9,6 +9,8 @@
 
 #include <tyndall/path.h>
 
+enum { TY_MARCH_LIGHTS_MAX = 16 };
+
 typedef struct ty_march_def {
     int32_t width, height;         /* pixels; must be set */
     int32_t spp;                   /* rays per pixel, stratified over it, 1..64; default 1: through its middle */
@@ -17,12 +19,15 @@ typedef struct ty_march_def {
                                       cells where those are larger and nothing but the density varies from voxel to
                                       voxel; 0.05..8; default 1. Optical depth is exact whatever it is.
                                       docs/marching.md: cost and bias */
-    double guided;                 /* width of what field->guide is compared with, see docs/marching.md; > 0; 0
-                                      (default): plain interpolation */
+    double guided;                 /* how like a cell's extinction must be to that of a place which takes light from
+                                      it, see docs/marching.md; default 0.25; 0, or a field without a guide: plain
+                                      interpolation */
     uint32_t aovs;                 /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0 */
     ty_grid_box light_box;         /* the cells that lights lie on; looked at if there are any */
     const ty_single_light* lights; /* uncollided light; default none */
-    int32_t light_count;
+    int32_t light_count;           /* 0..TY_MARCH_LIGHTS_MAX */
+    bool reduced; /* whether that light lost only what scatters aside on its way, sigma_t - g sigma_s for g above 0 (a
+                     reduced beam); default false: sigma_t */
     const ty_source_field* field; /* multiply scattered light; NULL (default): none */
     const ty_image* unscattered;  /* R, G, B: radiance that no medium scattered, extinction by media included, in the
                                      same pixels; NULL (default): the environment behind the media's transmittance,

@@ -2,7 +2,7 @@
 #ifndef TY_IMAGE_MARCH_K_H
 #define TY_IMAGE_MARCH_K_H
 
-#include "image/kernel.h"
+#include "image/near.k.h"
 #include "image/track.k.h"
 
 /* Transmittance below which a ray ends: nothing behind can be seen any more. */
@@ -36,7 +36,7 @@ typedef struct ty_march_ray {
 
 /* What one medium scatters and sends at a point, times how much of it is seen: reach is transmittance times the mean
  * decay over the step. Adds to scattering what the field's light is scattered by. */
-TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_cell_point* at,
+TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_near_light* lights,
                           const float reach[3], float scattering[3]) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     float sigma_s[3];
@@ -53,8 +53,11 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     const ty_vec way = ty_scale(ray->direction, -1.0f);
     float g[3], scattered[3] = {0.0f, 0.0f, 0.0f};
     ty_medium_g(track->medium, point, g);
-    for (int32_t i = 0; i < request->light_count; ++i)
-        ty_single_scattered(&request->lights[i], point, at, way, g, scattered);
+    for (int32_t i = 0; i < request->light_count; ++i) {
+        float light[3] = {0.0f, 0.0f, 0.0f};
+        ty_single_scattered(&request->lights[i], point, &lights[i].at, way, g, light);
+        for (int32_t c = 0; c < 3; ++c) scattered[c] += lights[i].passing[c] * light[c];
+    }
     for (int32_t c = 0; c < 3; ++c) ray->light.single[c] += reach[c] * track->amount * sigma_s[c] * scattered[c];
 }
 
@@ -104,12 +107,11 @@ TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
         if (ray->looks != 0) {
             TY_GLOBAL const ty_march_request* request = ray->request;
             const ty_vec point = ty_mad(ray->origin, ray->direction, at);
-            ty_cell_point place = {0};
-            if (request->light_count > 0)
-                place = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
+            ty_near_light lights[TY_MARCH_LIGHTS_MAX];
+            ty_near_look(request, point, mean_depth / (end - ray->begin), lights);
             for (int32_t i = 0; i < ray->active_count; ++i) {
                 const ty_track* track = &ray->tracks[ray->active[i]];
-                if (track->amount > 0.0f) ty_march_shine(ray, track, point, &place, reach, scattering);
+                if (track->amount > 0.0f) ty_march_shine(ray, track, point, lights, reach, scattering);
             }
             if (request->has_field != 0) {
                 float sent[3];

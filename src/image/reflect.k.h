@@ -9,13 +9,15 @@ enum { TY_REFLECT_RAYS = 16 };
 #define TY_REFLECT_STEP 4.0f
 
 /* What media bring to a surface in vacuum: rays by the cosine law, stratified over the hemisphere, each as far as the
- * next surface. turn turns them about the normal. The ray is there to work with. */
+ * next surface. turn, in (0, 1], turns them about the normal
+ * and shifts them from it. The ray is there to work with. */
 TY_FN uint32_t ty_reflect_gather(TY_GLOBAL const ty_march_request* request, ty_march_ray* ray, const ty_hit* hit,
                                  const ty_surface_point* point, float turn, float irradiance[3]) {
+    const float shift = 61.8f * turn - floorf(61.8f * turn);
     uint32_t steps = 0;
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
     for (int32_t i = 0; i < TY_REFLECT_RAYS; ++i) {
-        const float u = ((float)i + 0.5f) * (1.0f / TY_REFLECT_RAYS), v = turn + 0.618033989f * (float)i;
+        const float u = ((float)i + shift) * (1.0f / TY_REFLECT_RAYS), v = turn + 0.618033989f * (float)i;
         const ty_vec direction = ty_direction_about(point->normal, sqrtf(1.0f - u), v - floorf(v));
         if (ty_dot(direction, point->facing) <= 0.0f) continue;
         const ty_vec origin = ty_hit_leave(hit, direction);

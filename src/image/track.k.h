@@ -7,6 +7,9 @@
 /* Parts of a piece in which a transfer function has a point. */
 enum { TY_TRACK_PARTS = 4 };
 
+/* Steps per voxel of a temperature, times those of other things. */
+#define TY_TRACK_GLOWS 4.0f
+
 /* A medium on a stretch of the ray. */
 typedef struct ty_track {
     TY_GLOBAL const ty_medium_view* medium;
@@ -54,7 +57,9 @@ TY_FN float ty_track_colors_per_metre(TY_GLOBAL const ty_medium_view* medium, ty
     for (int32_t i = 0; i < medium->albedo_fields; ++i)
         most = ty_maxf(most, ty_track_per_metre(medium->albedo[i].to_index, direction));
     if (medium->has_g_field != 0) most = ty_maxf(most, ty_track_per_metre(medium->g_field.to_index, direction));
-    if (medium->has_temperature != 0) most = ty_maxf(most, ty_track_per_metre(medium->temperature.to_index, direction));
+    /* Visible light rises with so high a power of the temperature that it changes within a voxel. */
+    if (medium->has_temperature != 0)
+        most = ty_maxf(most, TY_TRACK_GLOWS * ty_track_per_metre(medium->temperature.to_index, direction));
     if (medium->transfer_albedo != 0) most = ty_maxf(most, ty_track_per_metre(medium->to_index, direction));
     return most;
 }

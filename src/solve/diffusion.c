@@ -15,57 +15,53 @@ enum { CELLS_FOR_THREADS = 1 << 14 };
 static const double REPORT_SECONDS = 0.1;
 
 ty_diffusion_def ty_default_diffusion_def(void) {
-    return (ty_diffusion_def){
-        .limiter = TY_LIMITER_LEVERMORE_POMRANING, .larsen_power = 2, .relaxation = 1.85, .tolerance = 1e-6};
+    return (ty_diffusion_def){.limiter = TY_LIMITER_LEVERMORE_POMRANING,
+                              .larsen_power = 2,
+                              .streaming = 1,
+                              .relaxation = 1.85,
+                              .tolerance = 1e-6};
 }
 
 /* ---- memory ---- */
 
-void* ty_solve_take(ty_solve_arena* arena, size_t bytes) {
-    void* place = arena->base != NULL ? arena->base + arena->used : NULL;
-    arena->used += (bytes + 63) / 64 * 64;
-    return place;
-}
-
-static void* take_cells(ty_solve_arena* arena, const ty_box* box, size_t item) {
-    char* base = ty_solve_take(arena, ty_box_items(box) * item);
+void* ty_solve_take_box(ty_arena* arena, const ty_box* box, size_t item) {
+    char* base = ty_arena_take(arena, ty_box_items(box) * item);
     return base != NULL ? base + (size_t)ty_box_origin(box) * item : NULL;
 }
 
-float* ty_solve_take_box(ty_solve_arena* arena, const ty_box* box) {
-    return take_cells(arena, box, sizeof(float));
-}
-
-/* Faces of a side: along its first axis, and along its second. */
-static void side_faces(const ty_box* box, int side, int32_t faces[2]) {
+void ty_solve_side_faces(const ty_box* box, int side, int32_t faces[2]) {
     faces[0] = box->size[side / 2 == 0 ? 1 : 0];
     faces[1] = box->size[side / 2 == 2 ? 1 : 2];
 }
 
-static void lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
+float* ty_solve_take_side(ty_arena* arena, const ty_box* box, int side, ty_side* out) {
+    int32_t faces[2];
+    ty_solve_side_faces(box, side, faces);
+    out->step = faces[0];
+    float* value = ty_arena_take(arena, sizeof(float) * (size_t)faces[0] * (size_t)faces[1]);
+    out->value = value;
+    return value;
+}
+
+static void lay_out(ty_diffusion_job* job, ty_arena* arena) {
     const ty_diffusion_def* def = job->def;
     job->cells.box = ty_box_make(def->size[0], def->size[1], def->size[2]);
     const ty_box* box = &job->cells.box;
-    job->phi = take_cells(arena, box, def->solver == TY_DIFFUSION_SOR_FLOAT ? sizeof(float) : sizeof(double));
-    job->diffusivity = ty_solve_take_box(arena, box);
-    job->sums = ty_solve_take(arena, sizeof *job->sums * (size_t)box->size[2]);
-    job->cells.zeros = ty_solve_take(arena, sizeof(float) * (size_t)box->size[0]);
-    for (int side = 0; side < 6; ++side) {
-        int32_t faces[2];
-        side_faces(box, side, faces);
-        job->cells.sides[side].step = faces[0];
-        job->cells.sides[side].value = ty_solve_take(arena, sizeof(float) * (size_t)faces[0] * (size_t)faces[1]);
-    }
+    job->phi = ty_solve_take_box(arena, box, def->solver == TY_DIFFUSION_SOR_FLOAT ? sizeof(float) : sizeof(double));
+    job->diffusivity = ty_solve_take_box(arena, box, sizeof(float));
+    job->sums = ty_arena_take(arena, sizeof *job->sums * (size_t)box->size[2]);
+    job->cells.zeros = ty_arena_take(arena, sizeof(float) * (size_t)box->size[0]);
+    for (int side = 0; side < 6; ++side) ty_solve_take_side(arena, box, side, &job->cells.sides[side]);
     if (def->solver != TY_DIFFUSION_MULTIGRID) return;
-    job->direction = ty_solve_take_box(arena, box);
-    job->image = ty_solve_take_box(arena, box);
-    job->change = ty_solve_take_box(arena, box);
+    job->direction = ty_solve_take_box(arena, box, sizeof(float));
+    job->change = ty_solve_take_box(arena, box, sizeof(float));
     ty_multigrid_lay_out(job, arena);
+    ty_stages_lay_out(job, arena);
 }
 
 size_t ty_diffusion_memory(const ty_diffusion_def* def) {
     ty_diffusion_job job = {.def = def};
-    ty_solve_arena arena = {0};
+    ty_arena arena = {0};
     lay_out(&job, &arena);
     return arena.used;
 }
@@ -107,6 +103,8 @@ static ty_result check(ty_context* context, const ty_diffusion_def* def, const t
     if (!(def->larsen_power >= 1 && def->larsen_power <= 100))
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: larsen_power: %g is outside [1, 100]",
                        def->larsen_power);
+    if (!(def->streaming > 0 && def->streaming <= 1))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: streaming: %g is outside (0, 1]", def->streaming);
     if (!(def->relaxation > 0 && def->relaxation < 2))
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: relaxation: %g is outside (0, 2)", def->relaxation);
     if (!(def->tolerance > 0 && def->tolerance < 1))
@@ -132,7 +130,7 @@ static double source_square(const ty_diffusion_def* def, const ty_box* box, int3
         const int axis = side / 2;
         if (at[axis] != ((side & 1) != 0 ? box->size[axis] - 1 : 0)) continue;
         int32_t faces[2];
-        side_faces(box, side, faces);
+        ty_solve_side_faces(box, side, faces);
         const ptrdiff_t face = (ptrdiff_t)at[axis == 2 ? 1 : 2] * faces[0] + at[axis == 0 ? 1 : 0];
         source += inflow(&def->boundary[side], face) / def->cell[axis];
     }
@@ -165,7 +163,7 @@ static void set_side(ty_diffusion_job* job, int side) {
     to->b = boundary->kind == TY_BOUNDARY_MARSHAK ? (float)(4 / cell) : 0;
     if (boundary->value == NULL || boundary->kind == TY_BOUNDARY_CLOSED) return;
     int32_t faces[2];
-    side_faces(&job->cells.box, side, faces);
+    ty_solve_side_faces(&job->cells.box, side, faces);
     /* Of a Marshak boundary: net flux phi / 2 - 2 incoming flux = (phi - 4 incoming flux) / 2. */
     const float factor = job->cells.scale * (boundary->kind == TY_BOUNDARY_MARSHAK ? 4 : 1);
     float* value = (float*)to->value;
@@ -177,7 +175,7 @@ static void set_cells(ty_diffusion_job* job, double rms) {
     ty_cells* cells = &job->cells;
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        cells->half_inverse[axis] = (float)(0.5 / def->cell[axis]);
+        cells->half_inverse[axis] = (float)(0.5 / (def->streaming * def->cell[axis]));
         cells->coupling[axis] = (float)(0.5 / (def->cell[axis] * def->cell[axis]));
         longest = fmax(longest, def->cell[axis] * def->size[axis]);
     }
@@ -258,22 +256,8 @@ ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, int32_t planes) {
     return total;
 }
 
-static void ghosts_plane(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const ty_diffusion_job* job = user;
-    job->cell_kernels->ghosts(&job->cells, job->phi, (int32_t)index);
-}
-
-static void diffuse_plane(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const ty_diffusion_job* job = user;
-    job->cell_kernels->diffuse(&job->cells, job->phi, job->diffusivity, (int32_t)index);
-}
-
-void ty_solve_diffuse(ty_diffusion_job* job) {
-    ty_solve_planes(job, &job->cells.box, ghosts_plane, job);
-    ty_solve_planes(job, &job->cells.box, diffuse_plane, job);
-    job->stats->work += 1;
+void ty_solve_count(const ty_diffusion_job* job, const ty_box* box, double passes) {
+    job->stats->work += passes * (double)ty_box_cells(box) / (double)ty_box_cells(&job->cells.box);
 }
 
 ty_result ty_solve_note(ty_diffusion_job* job, double residual) {
@@ -301,12 +285,16 @@ static void choose_kernels(ty_diffusion_job* job) {
                                                                &ty_cell_kernels_v4};
     static const ty_level_kernels* const levels[TY_ISA_COUNT] = {&ty_level_kernels_v1, &ty_level_kernels_v3,
                                                                  &ty_level_kernels_v4};
+    static const ty_stage_kernels* const stages[TY_ISA_COUNT] = {&ty_stage_kernels_v1, &ty_stage_kernels_v3,
+                                                                 &ty_stage_kernels_v4};
     const ty_isa best = ty_best_isa();
+    job->stage_kernels = stages[best];
     job->cell_kernels = cells[best];
     job->level_kernels = levels[best];
 #else
     job->cell_kernels = &ty_cell_kernels_v1;
     job->level_kernels = &ty_level_kernels_v1;
+    job->stage_kernels = &ty_stage_kernels_v1;
 #endif
 }
 
@@ -338,7 +326,7 @@ ty_result ty_diffusion_solve(ty_context* context, const ty_diffusion_def* def, c
     char* memory = def->memory != NULL ? def->memory : ty_alloc_array(context, bytes, 1, false);
     if (memory == NULL) return TY_ERROR_MEMORY;
     memset(memory, 0, bytes); /* ghosts are 0 until they are set */
-    ty_solve_arena arena = {.base = memory};
+    ty_arena arena = {.base = memory};
     lay_out(&job, &arena);
     result = solve(&job);
     if (def->memory == NULL) ty_free_array(context, memory, bytes, 1);

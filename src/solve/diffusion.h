@@ -53,6 +53,10 @@ typedef struct ty_diffusion_def {
     double least_extinction; /* sigma_eps, 1/m, for extinctions below it; 0 (default): 1e-3 / the longest extent */
     ty_limiter limiter;      /* default Levermore-Pomraning */
     double larsen_power;     /* n of TY_LIMITER_LARSEN, 1..100; default 2 */
+    double streaming; /* the most of its fluence that light flows with, (0, 1]: limiters see R / streaming, so that
+                         R F(R) goes there. Default 1, the paper's: light far from where it comes from. 0.5 is
+                         light that leaves surfaces of thick media for vacuum, and what Marshak boundaries let
+                         out: nothing piles up before them then */
     ty_boundary boundary[6]; /* x low, x high, y low, ...; default Marshak, nothing comes in */
     ty_diffusion_solver solver;
     double relaxation;  /* SOR's omega, 0..2 exclusive; default 1.85 */

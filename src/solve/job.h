@@ -2,6 +2,7 @@
 #ifndef TY_SOLVE_JOB_H
 #define TY_SOLVE_JOB_H
 
+#include "base/arena.h"
 #include "solve/kernel.h"
 
 enum { TY_LEVELS_MAX = 14 };
@@ -13,27 +14,26 @@ typedef struct ty_diffusion_job {
     ty_diffusion_stats* stats;
     const ty_cell_kernels* cell_kernels;
     const ty_level_kernels* level_kernels;
+    const ty_stage_kernels* stage_kernels;
     ty_cells cells;
-    void* phi;              /* double, or float for TY_DIFFUSION_SOR_FLOAT; cell (0, 0, 0) as all arrays here */
+    void* phi;              /* double, or float for TY_DIFFUSION_SOR_FLOAT; cell (0, 0, 0) as all arrays with ghosts */
     float* diffusivity;     /* D */
     ty_plane_sums* sums;    /* one for each plane */
     double start, reported; /* seconds */
 
-    /* Multigrid's alone. */
+    /* Multigrid's alone. Stage i, the non-linear problem, has the cells of level i, its linearisation. */
     ty_level levels[TY_LEVELS_MAX];
-    int32_t level_count;
-    float *direction, *image, *change; /* of conjugate gradients: p, A p, and what phi changes by */
+    ty_stage stages[TY_LEVELS_MAX];
+    int32_t level_count, stage_count;
+    float *direction, *change; /* of conjugate gradients: p, and what phi changes by */
 } ty_diffusion_job;
 
-/* Memory handed out piece by piece; without a base it only counts. */
-typedef struct ty_solve_arena {
-    char* base;
-    size_t used;
-} ty_solve_arena;
-
-void* ty_solve_take(ty_solve_arena* arena, size_t bytes);
 /* A plane of ghosts and all around; returns where cell (0, 0, 0) is. */
-float* ty_solve_take_box(ty_solve_arena* arena, const ty_box* box);
+void* ty_solve_take_box(ty_arena* arena, const ty_box* box, size_t item);
+/* The values of a side, one for each face. */
+float* ty_solve_take_side(ty_arena* arena, const ty_box* box, int side, ty_side* out);
+/* Faces of a side: along its first axis, and along its second. */
+void ty_solve_side_faces(const ty_box* box, int side, int32_t faces[2]);
 
 /* A loop of body over parts of a box, or over its planes, with denormals off; by this thread alone when the box has few
  * cells. */
@@ -41,23 +41,39 @@ void ty_solve_tasks(const ty_diffusion_job* job, const ty_box* box, int64_t coun
 void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel_fn body, void* user);
 /* The sums of all planes, in order. */
 ty_plane_sums ty_solve_sum(const ty_diffusion_job* job, int32_t planes);
+/* Counts passes over the cells of a box. */
+void ty_solve_count(const ty_diffusion_job* job, const ty_box* box, double passes);
 
 /* Notes a residual (relative to the source) before an iteration, and asks whether to go on: TY_CANCELLED if the caller
  * does not want to. */
 ty_result ty_solve_note(ty_diffusion_job* job, double residual);
 
-/* phi's ghosts, and D from phi. */
-void ty_solve_diffuse(ty_diffusion_job* job);
-
 /* The solvers: phi and the statistics. */
 ty_result ty_solve_sor(ty_diffusion_job* job);
 ty_result ty_solve_picard(ty_diffusion_job* job);
 
-/* Levels below the finest, and room for them. */
-void ty_multigrid_lay_out(ty_diffusion_job* job, ty_solve_arena* arena);
-/* Couplings of all levels from those of the finest. */
-void ty_multigrid_coarsen(ty_diffusion_job* job);
-/* e of the finest level from its f: one V cycle, from 0. */
-void ty_multigrid_cycle(ty_diffusion_job* job);
+/* Both colours of Algorithm 1. Returns the sum of the squares of what the residuals were. */
+double ty_solve_sweep(ty_diffusion_job* job, double omega);
+
+/* Room for all stages but the finest, whose arrays are the job's. */
+void ty_stages_lay_out(ty_diffusion_job* job, ty_arena* arena);
+/* Cells of all stages from those of the finest. */
+void ty_stages_fill(ty_diffusion_job* job);
+/* A step of Picard's, from D of the stage's phi to the next phi; first the sum of the squares of what
+ * phi leaves; the problem is solved down to `reduction` of it, with so many cycles at most. */
+double ty_stage_linearise(ty_diffusion_job* job, int32_t stage);
+void ty_stage_advance(ty_diffusion_job* job, int32_t stage, double squares, double reduction, int32_t cycles);
+/* Corrects a stage's phi by what the coarser ones say; the stage is linearised. */
+void ty_stages_correct(ty_diffusion_job* job, int32_t stage);
+/* A phi of the finest stage to start from, by way of all the others. */
+void ty_stages_start(ty_diffusion_job* job, double first);
+
+/* Levels of multigrid, and room for them. */
+void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena);
+/* Couplings of the levels below one, from its D. */
+void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first);
+/* Solves a level's problem for f, whose sum of squares is `squares`, until it is `target`; the result is in
+ * job->change. f becomes what is left. */
+void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles);
 
 #endif

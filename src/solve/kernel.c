@@ -71,6 +71,28 @@ static row_view with_x_sides(const ty_cells* cells, row_view view, int32_t y, in
         }                                                                                                              \
         break
 
+/* Ghosts of D beside plane z: what makes the means at the box's faces 0. */
+static void close_box(const ty_box* box, float* diffusivity, int32_t z) {
+    const int32_t nx = box->size[0], ny = box->size[1], nz = box->size[2];
+    for (int32_t y = 0; y < ny; ++y) {
+        float* row = diffusivity + ty_box_at(box, y, z);
+        row[-1] = -row[0];
+        row[nx] = -row[nx - 1];
+    }
+    float *low = diffusivity + ty_box_at(box, 0, z), *high = diffusivity + ty_box_at(box, ny - 1, z);
+    for (int32_t x = 0; x < nx; ++x) {
+        low[x - box->row] = -low[x];
+        high[x + box->row] = -high[x];
+    }
+    for (int32_t y = 0; y < ny && (z == 0 || z == nz - 1); ++y) {
+        float* row = diffusivity + ty_box_at(box, y, z);
+        for (int32_t x = 0; x < nx; ++x) {
+            if (z == 0) row[x - box->plane] = -row[x];
+            if (z == nz - 1) row[x + box->plane] = -row[x];
+        }
+    }
+}
+
 static void diffuse(const ty_cells* cells, const double* phi, float* diffusivity, int32_t z) {
     const ty_box* box = &cells->box;
     switch (cells->limiter) {
@@ -82,6 +104,7 @@ static void diffuse(const ty_cells* cells, const double* phi, float* diffusivity
         DIFFUSE_ROWS(TY_LIMITER_NONE);
     default: break;
     }
+    close_box(box, diffusivity, z);
 }
 #undef DIFFUSE_ROWS
 
@@ -90,8 +113,7 @@ INLINE double assemble_range(const ty_cells* cells, const row_view* view, const 
     const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
     const float* k = view->k;
     const double scale = (double)cells->scale;
-    float *gx = level->g[0] + at, *gy = level->g[1] + at, *gz = level->g[2] + at, *sink = level->d + at,
-          *f = level->f + at;
+    float *sink = level->d + at, *f = level->f + at;
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
     for (int32_t i = begin; i < end; ++i) {
@@ -111,9 +133,6 @@ INLINE double assemble_range(const ty_cells* cells, const row_view* view, const 
                 left += (double)w * ((double)view->value[s][s < 2 ? 0 : i] - here);
                 lost += w;
             }
-        gx[i] = x0;
-        gy[i] = y0;
-        gz[i] = z0;
         sink[i] = lost;
         f[i] = (float)left;
         sum += left * left;

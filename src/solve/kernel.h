@@ -15,7 +15,7 @@ typedef struct ty_side {
 /* The problem as the kernels take it: sources have an rms of about 1, and fluences are multiplied by the same scale. */
 typedef struct ty_cells {
     ty_box box;
-    float half_inverse[3];   /* 1 / (2 cell), 1/m */
+    float half_inverse[3];   /* 1 / (2 cell), over the def's streaming, 1/m: for R alone */
     float coupling[3];       /* 1 / (2 cell^2), 1/m^2: times the sum of two D */
     const float* extinction; /* as given */
     const float* absorption; /* as given; may be NULL */
@@ -28,11 +28,24 @@ typedef struct ty_cells {
     ty_side sides[6];
 } ty_cells;
 
-/* A level of multigrid: sum over neighbours of g (e - e_s) + d e = f, all of it per volume of a finest cell. g[a] holds
- * the faces below each cell along axis a, 0 where nothing is below. */
+/* The non-linear problem on a box, and its fluence. Coarser stages hold what theirs are made of. */
+typedef struct ty_stage {
+    ty_cells cells;
+    int32_t children[3]; /* cells of the finer stage along each axis that make one here: 1 or 2 */
+    double* phi;
+    float* diffusivity;                      /* D */
+    float *extinction, *absorption, *source; /* without ghosts, as `before` */
+    float* before;                           /* phi before a correction; then what it changes by, relative to that */
+} ty_stage;
+
+/* A level of multigrid: sum over neighbours of g (e - e_s) + d e = f, all of it per volume of the cells of the level
+ * that a cycle begins on. That level makes g of D, the coarser ones store it: g[a] holds the faces below each cell
+ * along axis a, 0 where nothing is below. */
 typedef struct ty_level {
     ty_box box;
-    int32_t children[3]; /* cells of the finer level along each axis that make one here: 1 or 2 */
+    int32_t children[3];      /* cells of the finer level along each axis that make one here: 1 or 2 */
+    const float* diffusivity; /* D, its ghosts such that nothing passes; NULL: g is stored */
+    float coupling[3];        /* of D, as in ty_cells */
     float* g[3];
     float* d;
     float* e; /* ghosts are 0 */
@@ -49,9 +62,9 @@ typedef struct ty_cell_kernels {
     /* Ghosts of phi in and around plane z, such that central differences hold at boundaries. */
     void (*ghosts)(const ty_cells* cells, double* phi, int32_t z);
     void (*ghosts_float)(const ty_cells* cells, float* phi, int32_t z);
-    /* D of a plane. */
+    /* D of a plane, and its ghosts as levels want them. */
     void (*diffuse)(const ty_cells* cells, const double* phi, float* diffusivity, int32_t z);
-    /* Couplings g and d of the finest level, and f = q - A phi; returns the sum of f^2. */
+    /* Sinks d of the first level, and f = q - A phi; returns the sum of f^2. */
     double (*assemble)(const ty_cells* cells, const double* phi, const float* diffusivity, const ty_level* level,
                        int32_t z);
     /* Algorithm 1: a pass over the cells of a colour; returns the sum of the squares of what their residuals were. */
@@ -64,7 +77,8 @@ typedef struct ty_cell_kernels {
 
 /* Its linearisation, on all levels (level_kernel.c). */
 typedef struct ty_level_kernels {
-    /* Gauss-Seidel over the cells of a colour. */
+    /* Gauss-Seidel over the cells of a colour; the first, where e is 0 so far whatever is stored. */
+    void (*begin)(const ty_level* level, int32_t color, int32_t z);
     void (*relax)(const ty_level* level, int32_t color, int32_t z);
     /* f of a plane of the coarser level: the sum of what is left on the finer one. */
     void (*restrict_residual)(const ty_level* fine, const ty_level* coarse, int32_t z);
@@ -73,15 +87,29 @@ typedef struct ty_level_kernels {
     /* g and d of a plane of the coarser level. */
     void (*coarsen)(const ty_level* fine, const ty_level* coarse, int32_t z);
 
-    /* Conjugate gradients: out = A p, sums (p.out, 0, 0). */
-    ty_plane_sums (*apply)(const ty_level* level, const float* p, float* out, int32_t z);
-    /* Sums (f.e, e.out, 0). */
-    ty_plane_sums (*dots)(const ty_level* level, const float* out, int32_t z);
+    /* Conjugate gradients: f.e. */
+    double (*dot)(const ty_level* level, int32_t z);
     /* p = e + beta p. */
     void (*direct)(const ty_level* level, float beta, float* p, int32_t z);
-    /* x += alpha p, f -= alpha out; sums (f.f, 0, 0). */
-    ty_plane_sums (*step)(const ty_level* level, float alpha, const float* p, const float* out, float* x, int32_t z);
+    /* e = A p; returns p.e. */
+    double (*apply)(const ty_level* level, const float* p, int32_t z);
+    /* x += alpha p, f -= alpha e; returns f.f. */
+    double (*step)(const ty_level* level, float alpha, const float* p, float* x, int32_t z);
 } ty_level_kernels;
+
+/* Between stages (stage_kernel.c). */
+typedef struct ty_stage_kernels {
+    /* A plane of the coarser stage's media and sources: means, of extinction that of mean free paths. */
+    void (*thin)(const ty_stage* fine, const ty_stage* coarse, int32_t z);
+    /* Means of the finer phi, as phi and `before`, and of its residuals f, as source. */
+    void (*restrict_phi)(const ty_stage* fine, const float* f, const ty_stage* coarse, int32_t z);
+    /* From a source r and f = r - A phi, the source r + A phi, with which phi solves the problem where r is 0. */
+    void (*balance)(const ty_stage* stage, const float* f, int32_t z);
+    /* `before` becomes phi / before - 1. */
+    void (*compare)(const ty_stage* stage, int32_t z);
+    /* A plane of the finer phi times 1 + `before` of the coarser stage, linear between centres. */
+    void (*correct)(const ty_stage* fine, const ty_stage* coarse, int32_t z);
+} ty_stage_kernels;
 
 extern const ty_cell_kernels ty_cell_kernels_v1;
 extern const ty_cell_kernels ty_cell_kernels_v3;
@@ -89,5 +117,8 @@ extern const ty_cell_kernels ty_cell_kernels_v4;
 extern const ty_level_kernels ty_level_kernels_v1;
 extern const ty_level_kernels ty_level_kernels_v3;
 extern const ty_level_kernels ty_level_kernels_v4;
+extern const ty_stage_kernels ty_stage_kernels_v1;
+extern const ty_stage_kernels ty_stage_kernels_v3;
+extern const ty_stage_kernels ty_stage_kernels_v4;
 
 #endif

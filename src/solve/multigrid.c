@@ -1,5 +1,5 @@
-/* Multigrid for the linearised problem: a preconditioner for conjugate gradients. Red-black Gauss-Seidel, red first on
- * the way down and last on the way up; corrections are constant in a coarse cell, and its couplings half the sums of
+/* Conjugate gradients for the linearised problem, with multigrid as preconditioner. Red-black Gauss-Seidel, red first
+ * on the way down and last on the way up; corrections are constant in a coarse cell, and its couplings half the sums of
  * those between its children: the energy of such corrections, for centres twice as far apart. That is symmetric and
  * holds for jumps of any size, where linear corrections and resistors in series do not; what it costs on smooth media,
  * visiting coarse levels twice gives back. Any size: an odd axis ends with a coarse cell of one child. Axes with long
@@ -17,15 +17,16 @@ typedef struct pass {
     const ty_diffusion_job* job;
     const ty_level *fine, *coarse;
     int32_t color;
+    bool fresh;
+    float factor; /* alpha or beta of conjugate gradients */
 } pass;
 
 /* ---- levels ---- */
 
-static void take_level(ty_level* level, ty_solve_arena* arena) {
-    for (int axis = 0; axis < 3; ++axis) level->g[axis] = ty_solve_take_box(arena, &level->box);
-    level->d = ty_solve_take_box(arena, &level->box);
-    level->e = ty_solve_take_box(arena, &level->box);
-    level->f = ty_solve_take_box(arena, &level->box);
+static void take_level(ty_level* level, ty_arena* arena) {
+    level->d = ty_solve_take_box(arena, &level->box, sizeof(float));
+    level->e = ty_solve_take_box(arena, &level->box, sizeof(float));
+    level->f = ty_solve_take_box(arena, &level->box, sizeof(float));
 }
 
 /* The next level's box; false when one cell is left. */
@@ -45,7 +46,7 @@ static bool coarsen_box(const ty_level* fine, double cell[3], ty_level* coarse) 
     return true;
 }
 
-void ty_multigrid_lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
+void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena) {
     double cell[3];
     memcpy(cell, job->def->cell, sizeof cell);
     job->levels[0] = (ty_level){.box = job->cells.box, .children = {1, 1, 1}};
@@ -56,6 +57,7 @@ void ty_multigrid_lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
         *next = (ty_level){0};
         if (!coarsen_box(next - 1, cell, next)) return;
         take_level(next, arena);
+        for (int axis = 0; axis < 3; ++axis) next->g[axis] = ty_solve_take_box(arena, &next->box, sizeof(float));
         ++job->level_count;
     }
 }
@@ -63,7 +65,10 @@ void ty_multigrid_lay_out(ty_diffusion_job* job, ty_solve_arena* arena) {
 /* ---- cycles ---- */
 
 static void relax_plane(const pass* p, int32_t color, int32_t z) {
-    p->job->level_kernels->relax(p->fine, color, z);
+    if (p->fresh && color == p->color)
+        p->job->level_kernels->begin(p->fine, color, z);
+    else
+        p->job->level_kernels->relax(p->fine, color, z);
 }
 
 /* Both colours of a slab while its planes are in the cache: the second follows one plane behind the first. The planes
@@ -107,49 +112,93 @@ static void coarsen_plane(void* user, int64_t index, int32_t worker) {
     p->job->level_kernels->coarsen(p->fine, p->coarse, (int32_t)index);
 }
 
-/* Counts passes over a level. */
-static void count(ty_diffusion_job* job, const ty_level* level, double passes) {
-    job->stats->work += passes * (double)ty_box_cells(&level->box) / (double)ty_box_cells(&job->cells.box);
-}
-
-static void relax(ty_diffusion_job* job, const ty_level* level, int32_t first) {
-    pass p = {.job = job, .fine = level, .color = first};
+/* fresh: e counts as 0. */
+static void relax(const ty_diffusion_job* job, const ty_level* level, int32_t first, bool fresh) {
+    pass p = {.job = job, .fine = level, .color = first, .fresh = fresh};
     const int32_t slabs = (level->box.size[2] + SLAB - 1) / SLAB;
     ty_solve_tasks(job, &level->box, slabs, relax_slab, &p);
     ty_solve_tasks(job, &level->box, slabs - 1, relax_seam, &p);
-    count(job, level, 1);
+    ty_solve_count(job, &level->box, 1);
 }
 
-static void clear(const ty_level* level) {
-    memset(level->e - ty_box_origin(&level->box), 0, sizeof(float) * ty_box_items(&level->box));
-}
-
-void ty_multigrid_coarsen(ty_diffusion_job* job) {
-    for (int32_t i = 0; i + 1 < job->level_count; ++i) {
+void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first) {
+    for (int32_t i = first; i + 1 < job->level_count; ++i) {
         pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
         ty_solve_planes(job, &p.coarse->box, coarsen_plane, &p);
-        count(job, p.fine, 1);
+        ty_solve_count(job, &p.fine->box, 1);
     }
 }
 
-/* e of a level, from what it is. */
-static void cycle(ty_diffusion_job* job, int32_t i) {
+/* e of a level, from what it is, or from 0. */
+static void cycle(const ty_diffusion_job* job, int32_t i, bool fresh) {
     if (i + 1 == job->level_count) {
-        for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[i], sweep & 1);
+        for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[i], sweep & 1, fresh && sweep == 0);
         return;
     }
     pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
-    relax(job, p.fine, 0);
+    relax(job, p.fine, 0, fresh);
     ty_solve_planes(job, &p.coarse->box, restrict_plane, &p);
-    count(job, p.fine, 1);
-    for (int visit = 0; visit < (i + 2 < job->level_count ? 2 : 1); ++visit) cycle(job, i + 1);
+    ty_solve_count(job, &p.fine->box, 1);
+    for (int visit = 0; visit < (i + 2 < job->level_count ? 2 : 1); ++visit) cycle(job, i + 1, visit == 0);
     ty_solve_planes(job, &p.fine->box, prolong_plane, &p);
-    count(job, p.fine, 1);
-    relax(job, p.fine, 1);
+    ty_solve_count(job, &p.fine->box, 1);
+    relax(job, p.fine, 1, false);
 }
 
-void ty_multigrid_cycle(ty_diffusion_job* job) {
-    clear(&job->levels[0]);
-    cycle(job, 0);
-    ++job->stats->cycles;
+/* ---- conjugate gradients ---- */
+
+static void dot_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->sums[index].a = p->job->level_kernels->dot(p->fine, (int32_t)index);
+}
+
+static void direct_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->level_kernels->direct(p->fine, p->factor, p->job->direction, (int32_t)index);
+}
+
+static void apply_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    p->job->sums[index].a = p->job->level_kernels->apply(p->fine, p->job->direction, (int32_t)index);
+}
+
+static void step_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const ty_diffusion_job* job = p->job;
+    job->sums[index].a = job->level_kernels->step(p->fine, p->factor, job->direction, job->change, (int32_t)index);
+}
+
+static double run(const pass* p, ty_parallel_fn body) {
+    ty_solve_planes(p->job, &p->fine->box, body, (void*)p);
+    ty_solve_count(p->job, &p->fine->box, 1);
+    return ty_solve_sum(p->job, p->fine->box.size[2]).a;
+}
+
+static void clear(const ty_box* box, float* items) {
+    memset(items - ty_box_origin(box), 0, sizeof(float) * ty_box_items(box));
+}
+
+void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles) {
+    ty_level* level = &job->levels[first];
+    pass p = {.job = job, .fine = level};
+    clear(&level->box, job->change);
+    double along = 0; /* f.e of the step before */
+    for (int i = 0; i < cycles && squares > target; ++i) {
+        cycle(job, first, true);
+        ++job->stats->cycles;
+        const double next = run(&p, dot_plane);
+        p.factor = i == 0 ? 0 : (float)(next / along);
+        if (i == 0) clear(&level->box, job->direction);
+        run(&p, direct_plane);
+        const double curvature = run(&p, apply_plane);
+        if (!(curvature > 0)) break;
+        p.factor = (float)(next / curvature);
+        along = next;
+        squares = run(&p, step_plane);
+    }
+    level->diffusivity = NULL;
 }

@@ -10,6 +10,7 @@ static const double EPSILON = 1e-20;
 
 typedef struct sweep {
     ty_diffusion_job* job;
+    double omega;
     int32_t color;
     bool narrow; /* single precision */
 } sweep;
@@ -28,19 +29,25 @@ static void relax_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sweep* s = user;
     const ty_diffusion_job* job = s->job;
-    const double omega = job->def->relaxation;
     const int32_t z = (int32_t)index;
     job->sums[z].a = s->narrow
-                         ? job->cell_kernels->sor_float(&job->cells, job->phi, job->diffusivity, omega, s->color, z)
-                         : job->cell_kernels->sor(&job->cells, job->phi, job->diffusivity, omega, s->color, z);
+                         ? job->cell_kernels->sor_float(&job->cells, job->phi, job->diffusivity, s->omega, s->color, z)
+                         : job->cell_kernels->sor(&job->cells, job->phi, job->diffusivity, s->omega, s->color, z);
 }
 
-static double relax(sweep* s, int32_t color) {
+static double pass(sweep* s, int32_t color) {
     const ty_box* box = &s->job->cells.box;
     s->color = color;
     ty_solve_planes(s->job, box, ghosts_plane, s);
     ty_solve_planes(s->job, box, relax_plane, s);
     return ty_solve_sum(s->job, box->size[2]).a;
+}
+
+double ty_solve_sweep(ty_diffusion_job* job, double omega) {
+    sweep s = {.job = job, .omega = omega, .narrow = job->def->solver == TY_DIFFUSION_SOR_FLOAT};
+    ty_solve_count(job, &job->cells.box, 1);
+    const double first = pass(&s, 0);
+    return first + pass(&s, 1);
 }
 
 static void start(const ty_diffusion_job* job) {
@@ -55,14 +62,12 @@ static void start(const ty_diffusion_job* job) {
 
 ty_result ty_solve_sor(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
-    sweep s = {.job = job, .narrow = def->solver == TY_DIFFUSION_SOR_FLOAT};
     const int32_t limit = def->iterations > 0 ? def->iterations : 20000;
     const double cells = (double)ty_box_cells(&job->cells.box);
     start(job);
     for (int32_t i = 0;; ++i) {
-        const double squares = relax(&s, 0) + relax(&s, 1);
+        const double squares = ty_solve_sweep(job, def->relaxation);
         job->stats->iterations = i + 1;
-        job->stats->work += 1;
         const ty_result result = ty_solve_note(job, sqrt(squares / cells));
         if (job->stats->converged || result != TY_OK || i + 1 == limit) return result;
     }

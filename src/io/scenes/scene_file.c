@@ -73,6 +73,7 @@ static void read_fld(const json_t* fld, ty_fld_settings* settings) {
     read_word(fld, "solver", settings->solver);
     read_word(fld, "beam", settings->beam);
     ty_read_number(fld, "larsen_power", &settings->larsen_power);
+    ty_read_number(fld, "streaming", &settings->streaming);
     ty_read_number(fld, "relaxation", &settings->relaxation);
     ty_read_number(fld, "tolerance", &settings->tolerance);
     ty_read_number(fld, "sigma_eps", &settings->sigma_eps);

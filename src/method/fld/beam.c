@@ -10,6 +10,9 @@
 
 enum { CHUNK = 1 << 15 };
 
+/* Relative difference up to which colors are multiples of each other. */
+static const float alike = 1e-6f;
+
 /* A light is as good as a point from where it looks at most this large: its radius over the distance. */
 static const float point_like = 0.5f;
 
@@ -59,46 +62,93 @@ static group next_group(const ty_fld_job* job, int32_t first) {
     return g;
 }
 
-/* Adds a group's light to the field that is its own, or to that of many. */
-static ty_result light_group(ty_fld_job* job, float* const extinction[3], const group* g) {
-    ty_fld* light = job->light;
-    int32_t slot = TY_FLD_OWN_MAX;
-    if (g->own && light->light_count < TY_FLD_OWN_MAX) slot = light->light_count++;
-    ty_light_field** field = &light->beam[slot];
-    ty_result result = TY_OK;
-    if (*field == NULL) result = ty_light_field_create(job->fine, slot == TY_FLD_OWN_MAX, field);
-    if (result != TY_OK) return result;
-    const ty_source* source = &job->sources[g->first];
-    result = ty_uncollided_add(job->scene, job->fine, extinction, source, g->count, *field);
-    if (slot == TY_FLD_OWN_MAX) return result;
-    ty_single_light* single = &light->lights[slot];
-    single->kind = source->kind == TY_SOURCE_BEAM ? TY_SINGLE_BEAM : TY_SINGLE_LAMP;
-    single->toward = source->kind == TY_SOURCE_BEAM ? source->direction : g->middle;
-    for (int c = 0; c < 3; ++c) single->fluence[c] = (*field)->fluence[c];
-    return result;
+/* Whether light of these sources differs between channels by `color` alone: then one plane will do for all. */
+static bool share_color(const ty_fld_job* job, const group* g, const float color[3]) {
+    for (int32_t i = g->first; i < g->first + g->count; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const float* own = job->sources[i].color;
+            const int d = (c + 1) % 3;
+            if (fabsf(own[c] * color[d] - own[d] * color[c]) > alike * ty_maxf(own[c] * color[d], own[d] * color[c]))
+                return false;
+        }
+    return true;
 }
 
-static ty_result light_groups(ty_fld_job* job, float* const extinction[3]) {
-    ty_result result = TY_OK;
-    for (int32_t i = 0; i < job->source_count && result == TY_OK;) {
-        const group g = next_group(job, i);
-        result = light_group(job, extinction, &g);
-        i += g.count;
-        const ty_progress done = {.stage = "direct light", .fraction = (double)i / job->source_count};
-        if (result == TY_OK && !ty_fld_report(&job->progress, &done)) result = TY_CANCELLED;
-    }
-    const ty_light_field* many = job->light->beam[TY_FLD_OWN_MAX];
-    if (many == NULL || result != TY_OK) return result;
-    ty_single_light* single = &job->light->lights[job->light->light_count++];
-    single->kind = TY_SINGLE_MANY;
+/* Dark fields for a group that has one of its own, or for all that have none. */
+static ty_result make_field(ty_fld_job* job, const group* groups, int32_t count, bool own, ty_light_field** out) {
+    const float* color = job->sources[groups[0].first].color;
+    bool shared = job->fine->planes == 1 && color[0] + color[1] + color[2] > 0;
+    for (int32_t i = 0; i < count; ++i)
+        shared = shared && (groups[i].own != own || share_color(job, &groups[i], color));
+    return shared ? ty_light_field_create_shared(job->fine, !own, color, out)
+                  : ty_light_field_create(job->fine, !own, out);
+}
+
+/* What the marcher is told of a field. */
+static void describe_field(const ty_light_field* field, ty_single_light* single) {
+    single->shared = field->planes == 1;
     for (int c = 0; c < 3; ++c) {
-        single->fluence[c] = many->fluence[c];
-        for (int a = 0; a < 3; ++a) single->flux[c][a] = many->flux[c][a];
+        single->color[c] = field->planes == 1 ? field->color[c] : 1;
+        single->fluence[c] = field->fluence[c];
+        for (int a = 0; a < 3; ++a) single->flux[c][a] = field->flux[c][a];
     }
+}
+
+static ty_result light_field(ty_fld_job* job, float* const extinction[3], const group* g, ty_light_field* field) {
+    return ty_uncollided_add_watched(job->scene, job->fine, extinction, &job->sources[g->first], g->count, field,
+                                     ty_fld_report, &job->progress);
+}
+
+/* The groups that have fields of their own, then all others together. */
+static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const group* groups, int32_t count) {
+    ty_fld* light = job->light;
+    const double from = job->progress.from, share = job->progress.share;
+    ty_result result = TY_OK;
+    job->progress.share = share / ty_maxf(1, (float)count);
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
+        ty_light_field** field = &light->beam[groups[i].own ? light->light_count : TY_FLD_OWN_MAX];
+        if (*field == NULL)
+            result =
+                make_field(job, groups[i].own ? &groups[i] : groups, groups[i].own ? 1 : count, groups[i].own, field);
+        if (result == TY_OK) result = light_field(job, extinction, &groups[i], *field);
+        job->progress.from += job->progress.share;
+        if (result != TY_OK || !groups[i].own) continue;
+        const ty_source* source = &job->sources[groups[i].first];
+        ty_single_light* single = &light->lights[light->light_count++];
+        single->kind = source->kind == TY_SOURCE_BEAM ? TY_SINGLE_BEAM : TY_SINGLE_LAMP;
+        single->toward = source->kind == TY_SOURCE_BEAM ? source->direction : groups[i].middle;
+        describe_field(*field, single);
+    }
+    job->progress.from = from;
+    job->progress.share = share;
+    if (result != TY_OK || light->beam[TY_FLD_OWN_MAX] == NULL) return result;
+    ty_single_light* single = &light->lights[light->light_count++];
+    single->kind = TY_SINGLE_MANY;
+    describe_field(light->beam[TY_FLD_OWN_MAX], single);
     return TY_OK;
 }
 
+/* Sources by light; at most TY_FLD_OWN_MAX keep fields of their own. */
+static ty_result light_all(ty_fld_job* job, float* const extinction[3]) {
+    group* groups = ty_alloc_array(job->context, (size_t)job->source_count, sizeof *groups, false);
+    if (groups == NULL) return TY_ERROR_MEMORY;
+    int32_t count = 0, own = 0;
+    for (int32_t i = 0; i < job->source_count; i += groups[count++].count) {
+        groups[count] = next_group(job, i);
+        groups[count].own = groups[count].own && own < TY_FLD_OWN_MAX;
+        if (groups[count].own) ++own;
+    }
+    const ty_result result = light_groups(job, extinction, groups, count);
+    ty_free_array(job->context, groups, (size_t)job->source_count, sizeof *groups);
+    return result;
+}
+
 /* ---- what scatters of it ---- */
+
+const float* ty_fld_beam_plane(const ty_single_light* light, int channel, float* factor) {
+    *factor = light->color[channel];
+    return light->fluence[light->shared != 0 ? 0 : channel];
+}
 
 typedef struct source_job {
     const ty_fld_job* job;
@@ -118,8 +168,11 @@ static void scatter_chunk(void* user, int64_t index, int32_t worker) {
     const size_t begin = (size_t)index * CHUNK;
     const size_t end = medium->cells - begin < CHUNK ? medium->cells : begin + CHUNK;
     for (size_t i = begin; i < end; ++i) s->out[i] = 0;
-    for (int32_t l = 0; l < light->light_count; ++l)
-        for (size_t i = begin; i < end; ++i) s->out[i] += light->lights[l].fluence[s->channel][i];
+    for (int32_t l = 0; l < light->light_count; ++l) {
+        float factor;
+        const float* fluence = ty_fld_beam_plane(&light->lights[l], s->channel, &factor);
+        for (size_t i = begin; i < end; ++i) s->out[i] += factor * fluence[i];
+    }
     for (size_t i = begin; i < end; ++i) s->out[i] *= scattering[i] * (1.0f - forward * ty_maxf(g[i], 0.0f));
 }
 
@@ -163,7 +216,7 @@ ty_result ty_fld_light_directly(ty_fld_job* job) {
         if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
     }
     if (result == TY_OK) reduce(fine, job->def->beam, extinction);
-    if (result == TY_OK) result = light_groups(job, extinction);
+    if (result == TY_OK) result = light_all(job, extinction);
     for (int32_t p = 0; p < fine->planes; ++p) ty_free_array(job->context, extinction[p], fine->cells, sizeof(float));
     return result == TY_OK ? find_sources(job) : result;
 }

@@ -24,7 +24,7 @@ typedef struct solve_work {
 static ty_diffusion_def make_def(const ty_fld_job* job) {
     static const ty_limiter limiters[] = {TY_LIMITER_NONE,    TY_LIMITER_SUM,    TY_LIMITER_MAX,
                                           TY_LIMITER_KERSHAW, TY_LIMITER_LARSEN, TY_LIMITER_LEVERMORE_POMRANING};
-    static const ty_boundary_kind boundaries[] = {TY_BOUNDARY_MARSHAK, TY_BOUNDARY_MARSHAK, TY_BOUNDARY_DIRICHLET};
+    static const ty_boundary_kind boundaries[] = {TY_BOUNDARY_MARSHAK, TY_BOUNDARY_DIRICHLET};
     static const ty_diffusion_solver solvers[] = {TY_DIFFUSION_MULTIGRID, TY_DIFFUSION_SOR, TY_DIFFUSION_SOR_FLOAT};
     ty_diffusion_def def = ty_default_diffusion_def();
     memcpy(def.size, job->coarse->box.size, sizeof def.size);
@@ -32,6 +32,7 @@ static ty_diffusion_def make_def(const ty_fld_job* job) {
     def.least_extinction = job->def->sigma_eps;
     def.limiter = limiters[job->def->limiter];
     def.larsen_power = job->def->larsen_power;
+    def.streaming = job->def->streaming;
     for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[job->def->boundary];
     def.solver = solvers[job->def->solver];
     def.relaxation = job->def->relaxation;

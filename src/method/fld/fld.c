@@ -113,6 +113,7 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
     march.light_box = light->direct_box;
     march.lights = light->lights;
     march.light_count = light->light_count;
+    march.reduced = def->beam == TY_FLD_BEAM_REDUCED;
     march.field = &field;
     march.unscattered = def->unscattered;
     march.progress = ty_fld_report;

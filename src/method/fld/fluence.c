@@ -65,12 +65,14 @@ static void add_beams(const fluence_job* job, const int32_t cell[3], int c, doub
     cover_cell(job, &light->direct_box, cell, axes);
     for (int32_t l = 0; l < light->light_count; ++l) {
         const ty_single_light* single = &light->lights[l];
+        float factor;
+        const float* plane = ty_fld_beam_plane(single, c, &factor);
         double own = 0;
-        add_means(&light->direct_box, axes, &single->fluence[c], 1, 1, &own);
+        add_means(&light->direct_box, axes, &plane, 1, (double)factor, &own);
         *fluence += own;
         double along[3] = {(double)single->toward.x, (double)single->toward.y, (double)single->toward.z};
         if (single->kind == TY_SINGLE_MANY) {
-            add_means(&light->direct_box, axes, single->flux[c], 3, 1, flux);
+            add_means(&light->direct_box, axes, single->flux[single->shared != 0 ? 0 : c], 3, (double)factor, flux);
             continue;
         }
         if (single->kind == TY_SINGLE_LAMP) {

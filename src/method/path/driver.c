@@ -85,6 +85,7 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->request.sobol = &run->sobol;
     run->request.seed = def->seed;
     run->request.max_depth = def->max_depth;
+    run->request.unscattered = def->unscattered && run->view.medium_count > 0;
     run->kernel = choose_kernel(&run->stats.isa);
     return TY_OK;
 }

@@ -347,6 +347,20 @@ TY_FN bool ty_path_survives(ty_path* path, float before) {
     return true;
 }
 
+/* Without scattering: the path goes on to its ray's end (NULL: it meets no surface), as much of it as media let pass.
+ * True when it stands at a surface that reflects. Means of several estimates towards the eye would cost what they save.
+ */
+TY_FN bool ty_path_pass(ty_path* path, const ty_encounter* end, float before) {
+    const ty_scene_view* scene = path->request->scene;
+    const float far = end != NULL ? end->hit.distance : TY_FLOAT_MAX;
+    float transmittance[3];
+    ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &path->random,
+                     transmittance);
+    for (int c = 0; c < 3; ++c) path->beta[c] *= transmittance[c];
+    ty_path_add_emission(path, path->beta, end);
+    return end != NULL && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, before);
+}
+
 /* The next event of a path: true when it now stands at a vertex, in *medium or, where that is NULL, at *end. */
 TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_encounter* end) {
     const ty_scene_view* scene = path->request->scene;
@@ -357,10 +371,11 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_enco
     const bool on_surface =
         scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+    *medium = NULL;
+    if (path->request->unscattered != 0) return ty_path_pass(path, on_surface ? end : NULL, before);
     ty_spans spans;
     ty_collision collision;
     float glow[3] = {0.0f, 0.0f, 0.0f};
-    *medium = NULL;
     ty_spans_find(media, scene->medium_count, path->origin, path->direction,
                   on_surface ? end->hit.distance : TY_FLOAT_MAX, &spans);
     if (spans.count > 0 && scene->lights.lamp_count > 0 && !last) ty_path_add_lamps(path, &spans);

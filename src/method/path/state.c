@@ -19,7 +19,7 @@ typedef struct state_header {
     char library[16];               /* version, since another one may trace other paths */
     uint64_t scene, seed;
     int32_t width, height, crop[4], max_depth;
-    uint32_t aovs, ignore_media, unused;
+    uint32_t aovs, ignore_media, unscattered;
     double seconds, cpu_seconds; /* so far */
     uint64_t paths, vertices;
 } state_header;
@@ -65,6 +65,7 @@ static state_header make_header(const ty_path_run* run, const ty_path_stats* sta
     header.max_depth = run->def->max_depth;
     header.aovs = run->def->aovs;
     header.ignore_media = run->def->ignore_media;
+    header.unscattered = run->def->unscattered;
     header.seconds = stats->seconds;
     header.cpu_seconds = stats->cpu_seconds;
     header.paths = stats->paths;
@@ -127,6 +128,9 @@ static ty_result check_render(ty_context* context, const state_header* was, cons
     if (was->ignore_media != is->ignore_media)
         return ty_fail(context, TY_ERROR_INPUT, "the state is of the scene with%s its media",
                        was->ignore_media != 0 ? "out" : "");
+    if (was->unscattered != is->unscattered)
+        return ty_fail(context, TY_ERROR_INPUT, "the state is of %s",
+                       was->unscattered != 0 ? "light that no medium scattered" : "all light, scattered by media, too");
     if (was->aovs != is->aovs)
         return ty_fail(context, TY_ERROR_INPUT,
                        "the state has other channels beside R, G and B: aovs %" PRIu32 ", not %" PRIu32, was->aovs,

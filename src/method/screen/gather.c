@@ -35,24 +35,24 @@ static ptrdiff_t worker_floats(const gather* g) {
 }
 
 static void lay_out(gather* g, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
-                    ty_screen_arena* memory) {
+                    ty_arena* memory) {
     g->built = ty_screen_level_limit(def, width, height);
     for (int32_t k = 0; k <= g->built; ++k) {
         g->levels[k].width = k == 0 ? width : (g->levels[k - 1].width + 1) / 2;
         g->levels[k].height = k == 0 ? height : (g->levels[k - 1].height + 1) / 2;
         const size_t texels = (size_t)g->levels[k].width * (size_t)g->levels[k].height;
-        g->levels[k].texels = ty_screen_take(memory, 4 * sizeof(float) * texels);
-        g->spread[k] = ty_screen_take(memory, sizeof(float) * texels);
+        g->levels[k].texels = ty_arena_take(memory, 4 * sizeof(float) * texels);
+        g->spread[k] = ty_arena_take(memory, sizeof(float) * texels);
     }
     g->row_stride = aligned(width);
     g->half_stride = aligned((width + 1) / 2);
-    g->rows = ty_screen_take(memory, sizeof(float) * (size_t)worker_floats(g) * (size_t)ty_context_threads(context));
-    g->counts = ty_screen_take(memory, sizeof *g->counts * (size_t)bands(height));
+    g->rows = ty_arena_take(memory, sizeof(float) * (size_t)worker_floats(g) * (size_t)ty_context_threads(context));
+    g->counts = ty_arena_take(memory, sizeof *g->counts * (size_t)bands(height));
 }
 
 size_t ty_screen_gather_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
     gather g;
-    ty_screen_arena memory = {0};
+    ty_arena memory = {0};
     lay_out(&g, context, def, width, height, &memory);
     return memory.used;
 }
@@ -211,7 +211,7 @@ static int32_t choose_levels(const gather* g) {
 
 ty_result ty_screen_gather(ty_screen_job* job) {
     gather g;
-    ty_screen_arena memory = {.base = job->memory};
+    ty_arena memory = {.base = job->memory};
     lay_out(&g, job->context, job->def, job->image->width, job->image->height, &memory);
     prepare(&g, job);
 

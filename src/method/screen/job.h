@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_SCREEN_JOB_H
 #define TY_METHOD_SCREEN_JOB_H
 
+#include "base/arena.h"
 #include "method/screen/kernel.h"
 
 #include <tyndall/screen.h>
@@ -35,15 +36,6 @@ ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y);
 
 /* How many levels a picture and a def allow, at least 1. */
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height);
-
-/* Memory handed out piece by piece; without a base it only counts. */
-typedef struct ty_screen_arena {
-    char* base;
-    size_t used;
-} ty_screen_arena;
-
-/* A piece aligned to 64 bytes; NULL without a base. */
-void* ty_screen_take(ty_screen_arena* memory, size_t bytes);
 
 /* ty_parallel_for with denormals off: what hardly any light is left of is 0. The other runs in this thread alone. */
 void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, void* user);

@@ -25,7 +25,7 @@ static int32_t ceiling(int32_t a, int32_t b) {
 }
 
 static void lay_out(reference* r, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
-                    ty_screen_arena* memory) {
+                    ty_arena* memory) {
     const size_t plane = sizeof(float) * (size_t)width * (size_t)height;
     r->tiles[0] = ceiling(width, TILE);
     r->tiles[1] = ceiling(height, TILE);
@@ -36,17 +36,17 @@ static void lay_out(reference* r, const ty_context* context, const ty_screen_def
     r->sources.before = def->window > 0 ? def->window / 2 : TY_SCREEN_SIDE_MAX;
     r->sources.after = def->window > 0 ? (def->window - 1) / 2 : TY_SCREEN_SIDE_MAX;
     for (int c = 0; c < 3; ++c) {
-        r->sources.light[c] = ty_screen_take(memory, plane);
-        r->sources.sharpness[c] = ty_screen_take(memory, plane);
+        r->sources.light[c] = ty_arena_take(memory, plane);
+        r->sources.sharpness[c] = ty_arena_take(memory, plane);
     }
-    r->reach = ty_screen_take(memory, sizeof(float) * (size_t)r->tiles[0] * (size_t)r->tiles[1]);
-    r->counts = ty_screen_take(memory, sizeof *r->counts * (size_t)r->tiles[1]);
-    r->rows = ty_screen_take(memory, 3 * sizeof(float) * (size_t)width * (size_t)ty_context_threads(context));
+    r->reach = ty_arena_take(memory, sizeof(float) * (size_t)r->tiles[0] * (size_t)r->tiles[1]);
+    r->counts = ty_arena_take(memory, sizeof *r->counts * (size_t)r->tiles[1]);
+    r->rows = ty_arena_take(memory, 3 * sizeof(float) * (size_t)width * (size_t)ty_context_threads(context));
 }
 
 size_t ty_screen_reference_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
     reference r;
-    ty_screen_arena memory = {0};
+    ty_arena memory = {0};
     lay_out(&r, context, def, width, height, &memory);
     return memory.used;
 }
@@ -137,7 +137,7 @@ static bool report(const reference* r, double start, int64_t done, int64_t total
 
 ty_result ty_screen_reference(ty_screen_job* job) {
     reference r = {.job = job};
-    ty_screen_arena memory = {.base = job->memory};
+    ty_arena memory = {.base = job->memory};
     lay_out(&r, job->context, job->def, job->image->width, job->image->height, &memory);
     const double start = ty_wall_seconds();
     ty_screen_parallel(job, r.tiles[1], prepare, &r);

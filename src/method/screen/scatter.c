@@ -49,13 +49,13 @@ static ptrdiff_t worker_floats(const scatter* s) {
     return PLANES * (TAPS_MAX * s->half_stride + s->row_stride);
 }
 
-static void take_areas(ty_screen_level* level, ty_screen_arena* memory) {
-    level->area[0] = ty_screen_take(memory, sizeof(float) * (size_t)level->width);
-    level->area[1] = ty_screen_take(memory, sizeof(float) * (size_t)level->height);
+static void take_areas(ty_screen_level* level, ty_arena* memory) {
+    level->area[0] = ty_arena_take(memory, sizeof(float) * (size_t)level->width);
+    level->area[1] = ty_arena_take(memory, sizeof(float) * (size_t)level->height);
 }
 
 static void lay_out(scatter* s, const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height,
-                    ty_screen_arena* memory) {
+                    ty_arena* memory) {
     s->built = ty_screen_level_limit(def, width, height);
     s->taps = ty_screen_choose_taps(def->filter);
     s->levels[0] = (ty_screen_level){.width = width, .height = height};
@@ -67,21 +67,21 @@ static void lay_out(scatter* s, const ty_context* context, const ty_screen_def* 
         level->stride = aligned(level->width);
         take_areas(level, memory);
         for (int plane = 0; plane < PLANES; ++plane)
-            level->plane[plane] = ty_screen_take(memory, sizeof(float) * (size_t)level->stride * (size_t)level->height);
+            level->plane[plane] = ty_arena_take(memory, sizeof(float) * (size_t)level->stride * (size_t)level->height);
     }
     s->row_stride = aligned(width);
     s->band_count = bands(s->levels[1].height);
     s->half_stride = aligned(halved(width));
     const size_t row = sizeof(float) * (size_t)s->row_stride;
     const int32_t margin = 2 * (s->taps.reach - 1);
-    s->edges = ty_screen_take(memory, row * 3 * (size_t)margin * (size_t)s->band_count);
-    s->rows = ty_screen_take(memory, sizeof(float) * (size_t)worker_floats(s) * (size_t)ty_context_threads(context));
-    s->counts = ty_screen_take(memory, sizeof *s->counts * (size_t)s->band_count);
+    s->edges = ty_arena_take(memory, row * 3 * (size_t)margin * (size_t)s->band_count);
+    s->rows = ty_arena_take(memory, sizeof(float) * (size_t)worker_floats(s) * (size_t)ty_context_threads(context));
+    s->counts = ty_arena_take(memory, sizeof *s->counts * (size_t)s->band_count);
 }
 
 size_t ty_screen_scatter_size(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
     scatter s;
-    ty_screen_arena memory = {0};
+    ty_arena memory = {0};
     lay_out(&s, context, def, width, height, &memory);
     return memory.used;
 }
@@ -329,7 +329,7 @@ static bool overlap(const ty_screen_image* image) {
 
 ty_result ty_screen_scatter(ty_screen_job* job) {
     scatter s;
-    ty_screen_arena memory = {.base = job->memory};
+    ty_arena memory = {.base = job->memory};
     lay_out(&s, job->context, job->def, job->image->width, job->image->height, &memory);
     s.job = job;
     s.in_place = overlap(job->image);

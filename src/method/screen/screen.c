@@ -137,12 +137,6 @@ void ty_screen_here(int64_t count, ty_parallel_fn body, void* user) {
     for (int64_t i = 0; i < count; ++i) run_task(&t, i, 0);
 }
 
-void* ty_screen_take(ty_screen_arena* memory, size_t bytes) {
-    void* place = memory->base != NULL ? memory->base + memory->used : NULL;
-    memory->used += (bytes + 63) / 64 * 64;
-    return place;
-}
-
 /* ---- rows that need no filter ---- */
 
 enum { ROWS_PER_TASK = 32 };

@@ -1,0 +1,89 @@
+/* Uncollided light where media are so thick that the cells it lies on do not resolve how it fades: followed from the
+ * point towards the light through the media as they are, and taken from the cells further on. */
+#ifndef TY_IMAGE_NEAR_K_H
+#define TY_IMAGE_NEAR_K_H
+
+#include "image/kernel.h"
+#include "scene/spans.k.h"
+
+/* Optical depth of a cell above which that is done; how many cells further on; samples of the density on the way. */
+#define TY_NEAR_THICK 0.15f
+#define TY_NEAR_CELLS 2.0f
+enum { TY_NEAR_SAMPLES = 6 };
+
+/* A light as it is seen from a point. */
+typedef struct ty_near_light {
+    ty_cell_point at; /* where its fluence is taken */
+    float passing[3]; /* what comes from there */
+} ty_near_light;
+
+TY_FN float ty_near_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point) {
+    if (medium->has_grid == 0) return 1.0f;
+    const float value = ty_grid_value(&medium->grid, ty_map_point(medium->to_index, point));
+    if (medium->transfer != NULL) return ty_transfer_density(medium->transfer, medium->transfer_count, value);
+    return ty_maxf(0.0f, value);
+}
+
+/* Adds the optical depth of a medium between two distances along a ray, as beams lose light. */
+TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_medium_view* medium, ty_vec from,
+                         ty_vec toward, float enter, float leave, float depth[3]) {
+    const float part = (leave - enter) / (float)TY_NEAR_SAMPLES;
+    float sum = 0.0f, sigma_s[3], g[3];
+    for (int32_t i = 0; i < TY_NEAR_SAMPLES; ++i)
+        sum += ty_near_density(medium, ty_mad(from, toward, enter + part * ((float)i + 0.5f)));
+    const ty_vec middle = ty_mad(from, toward, 0.5f * (enter + leave));
+    ty_medium_sigma_s(medium, middle, sigma_s);
+    ty_medium_g(medium, middle, g);
+    for (int32_t c = 0; c < 3; ++c) {
+        const float forward = request->reduced != 0 ? ty_maxf(0.0f, g[c]) * sigma_s[c] : 0.0f;
+        depth[c] += sum * part * ty_maxf(0.0f, medium->sigma_t[c] - forward);
+    }
+}
+
+/* One light, through the media on the way to cells further on. Beyond the middles of the outer cells there are none. */
+TY_FN void ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_single_light* light,
+                          ty_vec point, ty_near_light* out) {
+    TY_GLOBAL const ty_scene_view* scene = request->scene;
+    ty_vec toward = ty_scale(light->toward, -1.0f);
+    float distance = TY_FLOAT_MAX;
+    if (light->kind == TY_SINGLE_LAMP) {
+        const ty_vec to = ty_sub(light->toward, point);
+        distance = sqrtf(ty_maxf(ty_dot(to, to), 1e-30f));
+        toward = ty_scale(to, 1.0f / distance);
+    }
+    const ty_vec cells = ty_vec_make(toward.x * request->light.per_cell.x, toward.y * request->light.per_cell.y,
+                                     toward.z * request->light.per_cell.z);
+    const ty_vec from = ty_cell_coordinates(&request->light, point);
+    const ty_vec first = ty_vec_make(0.5f, 0.5f, 0.5f);
+    const ty_vec last = ty_vec_make((float)request->light.size[0] - 0.5f, (float)request->light.size[1] - 0.5f,
+                                    (float)request->light.size[2] - 0.5f);
+    float near = 0.0f, far = ty_minf(TY_NEAR_CELLS / sqrtf(ty_dot(cells, cells)), 0.5f * distance);
+    if (!ty_clip_box(from, cells, first, last, &near, &far) || near > 0.0f) return;
+    if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return;
+    float depth[3] = {0.0f, 0.0f, 0.0f};
+    ty_spans spans;
+    ty_spans_find(scene->media, scene->medium_count, point, toward, far, &spans);
+    for (int32_t i = 0; i < spans.count; ++i)
+        ty_near_depth(request, &scene->media[spans.medium[i]], point, toward, spans.enter[i], spans.leave[i], depth);
+    const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
+    for (int32_t c = 0; c < 3; ++c) out->passing[c] = spread * spread * ty_decay(depth[c]);
+    out->at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, ty_mad(point, toward, far)));
+}
+
+/* All lights from a point where the mean extinction is as given, 1/m. */
+TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point, float extinction,
+                        ty_near_light* lights) {
+    if (request->light_count == 0) return;
+    const ty_vec per_cell = request->light.per_cell;
+    const float coarsest = ty_minf(per_cell.x, ty_minf(per_cell.y, per_cell.z));
+    const ty_cell_point here = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
+    for (int32_t i = 0; i < request->light_count; ++i) {
+        TY_GLOBAL const ty_single_light* light = &request->lights[i];
+        lights[i].at = here;
+        for (int32_t c = 0; c < 3; ++c) lights[i].passing[c] = 1.0f;
+        if (light->kind != TY_SINGLE_MANY && extinction > TY_NEAR_THICK * coarsest)
+            ty_near_follow(request, light, point, &lights[i]);
+    }
+}
+
+#endif
