@@ -7,6 +7,7 @@ test_list() {
   expect 0 figure list
   said out.txt '^screen-leaking +Screen-space scattering'
   said out.txt '^screen-table '
+  said out.txt '^fld-point +Flux-limited diffusion'
   expect 0 figure --help
   said out.txt '^  screen-photo '
   said out.txt '--quick'
@@ -45,6 +46,19 @@ test_prefix() {
   absent made/screen-photo.png
 }
 
+# Diffusion: the numbers that must hold at any size do.
+test_diffusion() {
+  expect 0 figure fld -o made --quick --size 24x20 --spp 2
+  said err.txt '^tyndall: fld-ct is skipped: it needs volumes/headsq'
+  said err.txt '^tyndall: fld-fire is skipped: it needs volumes/plume'
+  for name in limiters point convergence nebulae resolution albedo; do figure_files "fld-$name"; done
+  said made/fld-limiters.csv '^Levermore-Pomraning,F\(0\),1,0\.33333[0-9]*,0\.33333'
+  said made/fld-convergence.csv '^"multigrid, 15\^3 cells",converged,1,1,,$'
+  said made/fld-point.csv '^"albedo 1, CDA, Eq. 27 on the faces","largest error to Eq. 27, from 4 cells on",1,0\.0'
+  said made/fld-nebulae.csv '^"nebulae, FLD",converged,1,1,1,0$'
+  said made/fld-albedo.csv '^"albedo 0.1, CDA",mean ratio,1,[01]\.'
+}
+
 test_refusals() {
   usage_error "did you mean 'screen-table'" figure screen-tabel -o x
   usage_error "unknown figure 'scre'" figure scre -o x
@@ -53,6 +67,7 @@ test_refusals() {
   touch plain
   usage_error 'plain' figure screen-table -o plain
   usage_error '--data' figure screen-photo -o made
+  usage_error 'spp' figure screen-table -o made --spp 0
   usage_error 'size' figure screen-table -o made --size 0x4
   absent x
 }
@@ -67,7 +82,8 @@ test_interrupt() {
 test_list
 test_one
 test_prefix
+test_diffusion
 test_refusals
 test_interrupt
 no_temporary_files
-finish 90
+finish 130

@@ -57,7 +57,7 @@ static void test_threads_do_not_matter(void** state) {
     (void)state;
     ty_context* one = make_context(1);
     ty_context* three = make_context(3);
-    for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_CLOUD; ++kind) {
+    for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_NEBULA; ++kind) {
         const ty_noise_def def = sized((ty_noise_kind)kind, 41, 33, 27);
         ty_grid* a = make_noise(one, &def);
         ty_grid* b = make_noise(three, &def);
@@ -114,6 +114,30 @@ static void test_cloud_is_a_cumulus(void** state) {
         assert_true(level[14] > 0.25);
         assert_true(level[14] > 4 * level[7]);
         assert_true(level[48] > 0 && level[48] < 0.5 * level[14]);
+        ty_grid_destroy(grid);
+    }
+}
+
+/* Dense in the arch and in the ball, thin about both, nothing under the arch beside the ball and on the faces. */
+static void test_nebula_has_an_arch_and_a_ball(void** state) {
+    ty_context* context = *state;
+    for (uint32_t seed = 1; seed <= 6; ++seed) {
+        ty_noise_def def = sized(TY_NOISE_NEBULA, 64, 64, 64);
+        def.seed = seed;
+        ty_grid* grid = make_noise(context, &def);
+        const double some = share_above(grid, def.size, 0), solid = share_above(grid, def.size, 0.5f);
+        assert_true(some > 0.05 && some < 0.3);
+        assert_true(solid > 0.05 * some && solid < 0.7 * some);
+        double top = 0, middle = 0, ball = 0;
+        for (int32_t k = 26; k < 38; ++k)
+            for (int32_t j = 0; j < 64; ++j) {
+                const double value = (double)ty_grid_voxel(grid, 32, j, k);
+                if (j >= 40) top = fmax(top, value);
+                if (j >= 26 && j < 32) middle = fmax(middle, value);
+                if (j < 22) ball = fmax(ball, value);
+                assert_true(j > 0 || value == 0);
+            }
+        assert_true(top > 0.3 && ball > 0.3 && middle < 0.3);
         ty_grid_destroy(grid);
     }
 }
@@ -205,11 +229,11 @@ static void test_coverage_is_a_share(void** state) {
 /* Neighbours are close to one another, across lattice cells too. */
 static void test_noise_is_continuous(void** state) {
     ty_context* context = *state;
-    for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_CLOUD; ++kind) {
+    for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_NEBULA; ++kind) {
         ty_noise_def def = sized((ty_noise_kind)kind, 96, 96, 96);
         def.octaves = 1;
         def.frequency = kind == TY_NOISE_FBM ? 4 : 2;
-        def.sharpness = kind == TY_NOISE_FBM ? 1.0f : 0.5f;
+        def.sharpness = kind == TY_NOISE_FBM ? 1.0f : kind == TY_NOISE_CLOUD ? 0.5f : 4.0f;
         ty_grid* grid = make_noise(context, &def);
         float step[3] = {0, 0, 0};
         for (int32_t k = 1; k < 96; ++k)
@@ -228,7 +252,7 @@ static void test_noise_is_continuous(void** state) {
 /* Twice the voxels show the same field. */
 static void test_resolution_keeps_the_field(void** state) {
     ty_context* context = *state;
-    for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_CLOUD; ++kind) {
+    for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_NEBULA; ++kind) {
         ty_noise_def def = sized((ty_noise_kind)kind, 40, 24, 32);
         def.octaves = 2;
         ty_grid* coarse = make_noise(context, &def);
@@ -282,7 +306,7 @@ static void test_arguments_are_checked(void** state) {
     refuse(context, NULL, "ty_default_noise_def");
     memset(&def, 0, sizeof def);
     refuse(context, &def, "ty_default_noise_def");
-    def = good, def.kind = (ty_noise_kind)3, refuse(context, &def, "kind");
+    def = good, def.kind = (ty_noise_kind)4, refuse(context, &def, "kind");
     def = good, def.size[1] = 0, refuse(context, &def, "size along y");
     def = good, def.size[2] = 4097, refuse(context, &def, "size along z");
     def = good, def.up_axis = 0, refuse(context, &def, "up_axis");
@@ -310,11 +334,17 @@ static int tear_down(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_threads_do_not_matter),       cmocka_unit_test(test_constant_is_one),
-        cmocka_unit_test(test_cloud_vanishes_at_the_faces), cmocka_unit_test(test_cloud_is_a_cumulus),
-        cmocka_unit_test(test_up_axis_turns_the_cloud),     cmocka_unit_test(test_seeds_differ),
-        cmocka_unit_test(test_coverage_is_a_share),         cmocka_unit_test(test_noise_is_continuous),
-        cmocka_unit_test(test_resolution_keeps_the_field),  cmocka_unit_test(test_thin_grids),
+        cmocka_unit_test(test_threads_do_not_matter),
+        cmocka_unit_test(test_constant_is_one),
+        cmocka_unit_test(test_cloud_vanishes_at_the_faces),
+        cmocka_unit_test(test_cloud_is_a_cumulus),
+        cmocka_unit_test(test_nebula_has_an_arch_and_a_ball),
+        cmocka_unit_test(test_up_axis_turns_the_cloud),
+        cmocka_unit_test(test_seeds_differ),
+        cmocka_unit_test(test_coverage_is_a_share),
+        cmocka_unit_test(test_noise_is_continuous),
+        cmocka_unit_test(test_resolution_keeps_the_field),
+        cmocka_unit_test(test_thin_grids),
         cmocka_unit_test(test_arguments_are_checked),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -1,71 +1,17 @@
-/* The exact fluence of an isotropic point source in an endless, isotropically scattering medium. */
+/* A point source in a medium: what path tracing says, and what it should. */
 #ifndef TY_TESTS_TRANSPORT_H
 #define TY_TESTS_TRANSPORT_H
 
+#include "cli/figures/point_transport.h"
 #include "truth.h"
-
-/* Fluence phi at tau mean free paths from a source of unit intensity, over sigma_t^2 (that is 4 pi phi / sigma_t^2 for
- * unit power): Case, de Hoffmann and Placzek 1953; Case and Zweifel, Linear Transport Theory, 1967, chapter 5, with
- * c = albedo:
- *     phi = 1/tau [ exp(-tau/nu0) / (nu0 N0) + integral_0^1 exp(-tau/nu) / (nu N(nu)) dnu ],
- *     1 = c nu0 atanh(1/nu0),   N0 = c/2 nu0^3 [ c/(nu0^2-1) - 1/nu0^2 ],
- *     N(nu) = nu [ (1 - c nu atanh nu)^2 + (c pi nu / 2)^2 ].
- * The integral is taken over w, 1/nu = 1 + e^w, in which both ends are smooth. */
-typedef struct transport {
-    double albedo, tau;
-} transport;
-
-static inline double transport_continuum(const void* user, double w) {
-    const transport* t = user;
-    const double beyond = exp(w), nu = 1 / (1 + beyond);
-    const double atanh_nu = 0.5 * (log(2 + beyond) - w);
-    const double a = 1 - t->albedo * nu * atanh_nu, b = 0.5 * pi * t->albedo * nu;
-    return exp(-t->tau * (1 + beyond)) / (a * a + b * b) * beyond;
-}
-
-/* atanh(1 / nu0) */
-static inline double transport_root(double albedo) {
-    double low = 0, high = 1 / albedo;
-    if (albedo >= 1) return 0;
-    for (int i = 0; i < 200; ++i) {
-        const double middle = 0.5 * (low + high);
-        if (albedo * middle < tanh(middle))
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-/* 1 / nu0, the ratio of mean free path and diffusion length. */
-static inline double transport_decay(double albedo) {
-    return tanh(transport_root(albedo));
-}
-
-/* 1 / (nu0 N0) */
-static inline double transport_discrete(double albedo) {
-    const double y = transport_decay(albedo), beyond = pow(cosh(transport_root(albedo)), -2);
-    return albedo >= 1 ? 3 : 2 * beyond * y * y / (albedo * (albedo - beyond));
-}
-
-static inline double transport_fluence(double albedo, double tau) {
-    const transport t = {albedo, tau};
-    const double continuum = integrate(transport_continuum, &t, -60, log(60 / tau), 200);
-    return (transport_discrete(albedo) * exp(-transport_decay(albedo) * tau) + continuum) / tau;
-}
-
-/* Grosjean's approximation of the same (1951). */
-static inline double transport_grosjean(double albedo, double tau) {
-    const double lambda = sqrt(3 * (1 - albedo) / (2 - albedo));
-    return exp(-tau) / (tau * tau) + 3 * albedo / (2 - albedo) * exp(-lambda * tau) / tau;
-}
 
 enum { SOURCE_RADIUS = 10 }; /* of the medium, mean free paths */
 
-/* The same in a ball of SOURCE_RADIUS mean free paths about the source. tau phi solves the slab problem of thickness 2
- * R with an odd source in its middle (the two have the same kernel, E1). So far from the surface, in mean free paths,
- * its discrete part is A sinh(x / nu0), x: from a point outside that is known from Milne's problem: 0.710446 for albedo
- * 1, and to 1% that over the albedo where light gets as far. What this takes from the endless medium's exp(-tau / nu0):
+/* The exact fluence in a ball of SOURCE_RADIUS mean free paths about the source. tau phi solves the slab problem of
+ * thickness 2 R with an odd source in its middle (the two have the same kernel, E1). So far from the surface, in mean
+ * free paths, its discrete part is A sinh(x / nu0), x: from a point outside that is known from Milne's problem:
+ * 0.710446 for albedo 1, and to 1% that over the albedo where light gets as far. What this takes from the endless
+ * medium's exp(-tau / nu0):
  */
 static inline double transport_in_ball(double albedo, double tau) {
     const double y = transport_decay(albedo), end = SOURCE_RADIUS + 0.710446 / albedo;

@@ -2,6 +2,7 @@
 #ifndef TY_TESTS_TRUTH_H
 #define TY_TESTS_TRUTH_H
 
+#include "base/quadrature.h"
 #include "files.h"
 
 #include <tyndall/tyndall.h>
@@ -306,23 +307,6 @@ static inline void assert_same_channel(const char* name, const ty_image* a, int 
     if (!(error <= tolerance / 2)) fail_msg("%s: too noisy to tell", name);
     if (!(square <= blocks * (1 + 4 * sqrt(2 / blocks)) && worst < 5))
         fail_msg("%s: blocks differ by more than their noise", name);
-}
-
-/* ---- quadrature ---- */
-
-/* The integral of f(user, x) from a to b: Gauss-Legendre, eight points in each of `panels` equal parts. */
-static inline double integrate(double (*f)(const void* user, double x), const void* user, double a, double b,
-                               int panels) {
-    static const double node[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
-    static const double weight[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-    double sum = 0;
-    const double half = (b - a) / (2 * panels);
-    for (int panel = 0; panel < panels; ++panel) {
-        const double middle = a + (2 * panel + 1) * half;
-        for (int i = 0; i < 4; ++i)
-            sum += weight[i] * (f(user, middle - half * node[i]) + f(user, middle + half * node[i]));
-    }
-    return sum * half;
 }
 
 static inline double henyey_greenstein(double mu, double g) {

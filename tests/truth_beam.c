@@ -84,7 +84,7 @@ static void check(ty_context* context, const char* what, airlight a, int32_t spp
     for (int i = 0; i < RAYS; ++i) {
         memcpy(a.origin, rays + 6 * i, sizeof a.origin);
         memcpy(a.way, rays + 6 * i + 3, sizeof a.way);
-        const double expected = integrate(airlight_at, &a, 0, to_surface(&a, a.origin, a.way), 4000);
+        const double expected = ty_integrate(airlight_at, &a, 0, to_surface(&a, a.origin, a.way), 4000);
         const double tolerance = fmax(0.01 * expected, 4 * sqrt(variance[3 * i]));
         worst = fmax(worst, fabs(radiance[3 * i] - expected) / fmax(tolerance, 1e-30));
         sum += radiance[3 * i];

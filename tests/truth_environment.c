@@ -176,7 +176,7 @@ static double fog_at(const void* user, double t) {
 static double scattered(const void* user, const double look[3]) {
     fog f = *(const fog*)user;
     memcpy(f.look, look, sizeof f.look);
-    return henyey_greenstein(dot3(f.way, look), f.g) * integrate(fog_at, &f, 0, f.radius, 1);
+    return henyey_greenstein(dot3(f.way, look), f.g) * ty_integrate(fog_at, &f, 0, f.radius, 1);
 }
 
 /* A ball of fog scatters the map's light once, as its phase function says. */

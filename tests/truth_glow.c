@@ -95,7 +95,7 @@ static void test_floor(void** state) {
     commit(scene);
     estimate found[3];
     along_z(scene, 4096, found);
-    const double depth = 0.6, flux = integrate(slab_flux, &depth, 0, 1, 64);
+    const double depth = 0.6, flux = ty_integrate(slab_flux, &depth, 0, 1, 64);
     assert_close("board under a slab", found[0], -3 * expm1(-depth) + exp(-depth) * 0.5 * 3 * flux, tolerance);
     ty_scene_destroy(scene);
 }
@@ -129,7 +129,7 @@ static double column_density(const void* user, double z) {
 
 static double column_glow(const void* user, double z) {
     const column* c = user;
-    const double depth = c->sigma * integrate(column_density, c, z, 1, 24);
+    const double depth = c->sigma * ty_integrate(column_density, c, z, 1, 24);
     return c->sigma * column_density(c, z) * c->emission(z) * exp(-depth);
 }
 
@@ -152,7 +152,7 @@ static void test_uneven_density(void** state) {
     estimate found[3];
     along_z(scene, 1 << 15, found);
     const column c = {.sigma = 2.5, .emission = three, .grid = grid};
-    assert_close("uneven density behind fog", found[0], exp(-0.4) * integrate(column_glow, &c, 0, 1, 96), tolerance);
+    assert_close("uneven density behind fog", found[0], exp(-0.4) * ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     ty_scene_destroy(scene);
     ty_grid_destroy(grid);
 }
@@ -170,7 +170,7 @@ static void test_coloured_grid(void** state) {
     along_z(scene, 1 << 15, found);
     for (int i = 0; i < 3; ++i) {
         const column c = {.sigma = (double[]){0.5, 2.5, 6}[i], .emission = three, .grid = grid};
-        assert_close("coloured grid", found[i], integrate(column_glow, &c, 0, 1, 96), tolerance);
+        assert_close("coloured grid", found[i], ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     }
     ty_scene_destroy(scene);
     ty_grid_destroy(grid);
@@ -228,7 +228,7 @@ static void test_temperature_ramp(void** state) {
     along_z(scene, 1 << 14, found);
     ramp_grid = temperature;
     const column c = {.sigma = 2, .emission = ramp_emission, .grid = density};
-    assert_close("ramp of temperature", found[0], integrate(column_glow, &c, 0, 1, 96), tolerance);
+    assert_close("ramp of temperature", found[0], ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     ty_scene_destroy(scene);
     ty_grid_destroy(density);
     ty_grid_destroy(temperature);

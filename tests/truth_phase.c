@@ -98,7 +98,7 @@ static void test_normalised(void** state) {
         for (int power = 0; power < 3; ++power) {
             const double g = anisotropies[i], moments[3] = {1, g, (1 + 2 * g * g) / 3};
             const moment m = {g, power};
-            const double found = integrate(forwards, &m, 0, 1, 4000) + integrate(backwards, &m, 0, 1, 4000);
+            const double found = ty_integrate(forwards, &m, 0, 1, 4000) + ty_integrate(backwards, &m, 0, 1, 4000);
             if (!(fabs(found - moments[power]) < 2e-5)) fail_msg("g %g: moment %d is %.7g", g, power, found);
         }
 }

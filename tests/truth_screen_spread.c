@@ -62,7 +62,7 @@ static double small_angle_term(const void* user, double k) {
 
 static double small_angle_energy(double thickness, double g, double radius) {
     const small_angles s = {thickness, (1 - g) / sqrt(g), radius};
-    return integrate(small_angle_term, &s, 0, 250 / radius, 400);
+    return ty_integrate(small_angle_term, &s, 0, 250 / radius, 400);
 }
 
 static double root_mean_square(const double errors[CHECKED]) {

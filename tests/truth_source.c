@@ -32,7 +32,7 @@ static double shell(const void* user, double tau) {
 static void test_quadrature_conserves_energy(void** state) {
     (void)state;
     for (double albedo = 0.1; albedo < 0.95; albedo += 0.2)
-        assert_true(fabs(integrate(shell, &albedo, 1e-9, 120, 400) * (1 - albedo) - 1) < 1e-4);
+        assert_true(fabs(ty_integrate(shell, &albedo, 1e-9, 120, 400) * (1 - albedo) - 1) < 1e-4);
 }
 
 static void test_fluence(void** state) {

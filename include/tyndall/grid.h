@@ -69,15 +69,21 @@ TY_API float ty_grid_voxel(const ty_grid* grid, int32_t i, int32_t j, int32_t k)
 
 /* Procedural density: fractal gradient noise in the unit cube, values 0..1, as an unplaced half grid.
  * TY_NOISE_CONSTANT is 1 everywhere; TY_NOISE_FBM is noise thresholded by coverage; TY_NOISE_CLOUD is the same
- * inside a cumulus-like body (flat base, billowing top) that vanishes at the faces of the box. */
-typedef enum ty_noise_kind { TY_NOISE_CONSTANT = 0, TY_NOISE_FBM = 1, TY_NOISE_CLOUD = 2 } ty_noise_kind;
+ * inside a cumulus-like body (flat base, billowing top) that vanishes at the faces of the box, TY_NOISE_NEBULA inside
+ * an arch with a ball alone under it, whose surfaces noise displaces and towards which the density falls off. */
+typedef enum ty_noise_kind {
+    TY_NOISE_CONSTANT = 0,
+    TY_NOISE_FBM = 1,
+    TY_NOISE_CLOUD = 2,
+    TY_NOISE_NEBULA = 3
+} ty_noise_kind;
 
 typedef struct ty_noise_def {
     uint32_t cookie;    /* set by ty_default_noise_def; checked */
     ty_noise_kind kind; /* default TY_NOISE_CLOUD */
     int32_t size[3];    /* voxels, each 1..4096; default 96 */
     uint32_t seed;      /* default 1 */
-    int32_t up_axis;    /* 1: y (default), 2: z: which way a cloud rises */
+    int32_t up_axis;    /* 1: y (default), 2: z: which way clouds and nebulae rise */
     float frequency;    /* lattice cells along the longest side at the first octave, (0, 4096]; default 4 */
     int32_t octaves;    /* 1..12; default 5. Those finer than two voxels a cell are left out */
     float gain;         /* amplitude of each octave relative to the one before, (0, 1]; default 0.5 */

@@ -14,6 +14,14 @@ typedef struct figure_entry {
 } figure_entry;
 
 static const figure_entry figures[] = {
+    {"fld-limiters", "Flux-limited diffusion: flux limiters (Table 2)", figure_fld_limiters},
+    {"fld-point", "Flux-limited diffusion: a point source, theory and solvers (Figs. 3, 5)", figure_fld_point},
+    {"fld-convergence", "Flux-limited diffusion: how fast solvers converge (Fig. 4)", figure_fld_convergence},
+    {"fld-nebulae", "Flux-limited diffusion: a nebula in vacuum (Fig. 1)", figure_fld_nebulae},
+    {"fld-resolution", "Flux-limited diffusion: full against quarter resolution (Fig. 6)", figure_fld_resolution},
+    {"fld-albedo", "Flux-limited diffusion: albedo 0.1 to 1 (Fig. 7)", figure_fld_albedo},
+    {"fld-ct", "Flux-limited diffusion: a CT scan with a transfer function (Fig. 8)", figure_fld_ct},
+    {"fld-fire", "Flux-limited diffusion: a plume that glows (Fig. 9)", figure_fld_fire},
     {"screen-leaking", "Screen-space scattering: what keeps light from leaking (Fig. 6)", figure_screen_leaking},
     {"screen-thickness", "Screen-space scattering: optical thickness 2 to 8 (Fig. 7)", figure_screen_thickness},
     {"screen-truth", "Screen-space scattering: against path tracing (Fig. 8)", figure_screen_truth},
@@ -98,8 +106,10 @@ int cli_figure(int count, char** arguments) {
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
         {"size", 0, CLI_SIZE, "WxH", "pixels of the pictures (default: the figure's choice)", options.size, 0, 0, NULL},
+        {"spp", 0, CLI_INT, "N", "samples per pixel of path-traced pictures (default: the figure's choice)",
+         &options.samples, 1, 1 << 24, NULL},
         {"quick", 0, CLI_FLAG, NULL, "small pictures and few samples", &options.quick, 0, 0, NULL},
-        {"data", 0, CLI_TEXT, "DIR", "third-party images (default: the environment variable TYNDALL_DATA)",
+        {"data", 0, CLI_TEXT, "DIR", "third-party images and volumes (default: the environment variable TYNDALL_DATA)",
          &options.data, 0, 0, NULL},
     };
     char details[2048];

@@ -1,5 +1,5 @@
-/* Procedural densities: fractal gradient noise (Perlin 2002) and a cumulus, balls heaped on a flat base with billows of
- * cellular noise (Worley 1996) pushed out of their surface.
+/* Procedural densities: fractal gradient noise (Perlin 2002); a cumulus, balls heaped on a flat base with billows of
+ * cellular noise (Worley 1996) pushed out of their surface; a nebula, balls along an arch displaced by gradient noise.
  *
  * Points are measured in the box's longest side and seen with y up, so that voxels are cubes and a cloud that rises
  * along z is the one that rises along y, turned. Rows along x are made whole: what only depends on the row's place is
@@ -64,7 +64,7 @@ static ty_result check_range(ty_context* context, const char* field, float value
 static ty_result check_def(ty_context* context, const ty_noise_def* def) {
     ty_result result = ty_check_def(context, def, "ty_default_noise_def");
     if (result != TY_OK) return result;
-    if (def->kind != TY_NOISE_CONSTANT && def->kind != TY_NOISE_FBM && def->kind != TY_NOISE_CLOUD)
+    if (def->kind < TY_NOISE_CONSTANT || def->kind > TY_NOISE_NEBULA)
         return ty_fail(context, TY_ERROR_ARGUMENT, "noise kind is %d, not a ty_noise_kind", (int)def->kind);
     for (int a = 0; a < 3; ++a)
         if (def->size[a] < 1 || def->size[a] > SIZE_MAX_AXIS)
@@ -244,6 +244,24 @@ static void place_lobes(noise_job* job) {
     }
 }
 
+/* The body of a nebula: an arch of balls across the box, and one ball alone under it, in the arch's shadow when light
+ * comes from above. */
+static void place_arch(noise_job* job) {
+    const float* e = job->extent;
+    const float side = ty_minf(ty_minf(e[0], e[1]), e[2]);
+    for (int32_t i = 0; i < LOBES; ++i) {
+        const uint32_t ball = hash(job->def.seed, i, 105, 0);
+        const float along = ((float)i + 0.5f) / (LOBES - 1), width = 0.29f + 0.05f * uniform(ball, 0);
+        float sine, cosine;
+        ty_sincos_turn(fmodf(0.93f + 0.64f * along, 1), &sine, &cosine);
+        job->lobes[i] = (lobe){.x = 0.5f * e[0] + side * width * cosine,
+                               .y = 0.48f * e[1] + side * width * sine,
+                               .z = 0.5f * e[2] + side * 0.16f * (uniform(ball, 1) - 0.5f),
+                               .radius = side * (0.06f + 0.07f * uniform(ball, 2))};
+    }
+    job->lobes[LOBES - 1] = (lobe){.x = 0.5f * e[0], .y = 0.24f * e[1], .z = 0.5f * e[2], .radius = 0.1f * side};
+}
+
 /* How deep each voxel of a row lies under the body's surface, box units: the smooth maximum over balls. */
 static void depth_row(const noise_job* job, float y, float z, float* depth) {
     const float blend = 0.03f;
@@ -284,6 +302,17 @@ static void cloud_row(const noise_job* job, float y, float z, float* row, float*
     }
 }
 
+/* Dense inside, and thinning out towards a surface that noise displaces. */
+static void nebula_row(const noise_job* job, float y, float z, float* row, float* depth) {
+    depth_row(job, y, z, depth);
+    fractal_row(job, y, z, row);
+    for (int32_t i = 0; i < job->def.size[0]; ++i) {
+        const float inside = depth[i] + 0.6f * job->amplitude * row[i] + job->inflate;
+        const float solid = ty_clampf(0.25f * job->slope * inside, 0, 1);
+        row[i] = solid * solid;
+    }
+}
+
 /* Fades to 0 over the outer twentieth of the box, the outermost voxels being 0. */
 static void fade_faces(const noise_job* job, int32_t up, int32_t side, float* row) {
     const float rate = job->cell / 0.05f;
@@ -305,12 +334,13 @@ static void noise_slice(void* user, int64_t index, int32_t worker) {
         const int32_t up = job->def.up_axis == 1 ? j : (int32_t)index;
         const int32_t side = job->def.up_axis == 1 ? (int32_t)index : size[1] - 1 - j;
         const float y = ((float)up + 0.5f) * job->cell, z = ((float)side + 0.5f) * job->cell;
-        if (job->def.kind == TY_NOISE_FBM) {
-            fbm_row(job, y, z, row);
-        } else {
-            cloud_row(job, y, z, row, row + size[0], row + 2 * (size_t)size[0]);
-            fade_faces(job, up, side, row);
+        float *depth = row + size[0], *wisps = depth + size[0];
+        switch (job->def.kind) {
+        case TY_NOISE_CLOUD: cloud_row(job, y, z, row, depth, wisps); break;
+        case TY_NOISE_NEBULA: nebula_row(job, y, z, row, depth); break;
+        default: fbm_row(job, y, z, row); break;
         }
+        if (job->def.kind != TY_NOISE_FBM) fade_faces(job, up, side, row);
         uint16_t* values = job->values + (size_t)size[0] * ((size_t)j + (size_t)size[1] * (size_t)index);
         for (int32_t i = 0; i < size[0]; ++i) values[i] = ty_float_to_half(row[i]);
     }
@@ -332,7 +362,10 @@ static void prepare_job(noise_job* job) {
     const float cover = 2 * def->coverage - 1;
     const float most = (cover < 0 ? 0.35f : 1.0f) + 2 * job->amplitude + 1 / job->slope;
     job->inflate = cover * (0.1f + 0.9f * cover * cover) * most;
-    place_lobes(job);
+    if (def->kind == TY_NOISE_NEBULA)
+        place_arch(job);
+    else
+        place_lobes(job);
 }
 
 ty_result ty_grid_noise(ty_context* context, const ty_noise_def* def, ty_grid** out) {

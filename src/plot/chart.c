@@ -108,9 +108,22 @@ static void draw_error_bar(plot_canvas* canvas, const plot_chart* chart, const f
     plot_draw_line(canvas, x - 3, bottom, x + 3, bottom, 1.2, color);
 }
 
+static plot_color color_of(const plot_chart* chart, int index) {
+    const int shared = chart->series[index].color;
+    return plot_series_color(shared > 0 ? shared - 1 : index);
+}
+
+static bool has_line(const plot_series* series) {
+    return series->style != PLOT_DOTS;
+}
+
+static bool has_dots(const plot_series* series) {
+    return series->style == PLOT_LINE_AND_DOTS || series->style == PLOT_DOTS;
+}
+
 static void draw_series(plot_canvas* canvas, const plot_chart* chart, const field* f, int index) {
     const plot_series* series = &chart->series[index];
-    const plot_color color = plot_series_color(index);
+    const plot_color color = color_of(chart, index);
     double points[2 * PLOT_POINTS_MAX];
     int count = 0;
     for (int i = 0; i < series->count; ++i) {
@@ -119,22 +132,25 @@ static void draw_series(plot_canvas* canvas, const plot_chart* chart, const fiel
         points[2 * count++ + 1] = place_y(f, series->y[i]);
         draw_error_bar(canvas, chart, f, series, i, color);
     }
-    plot_draw_polyline(canvas, points, count, 2, color, series->dashed);
-    for (int i = 0; i < count && !series->dashed; ++i)
+    if (has_line(series)) plot_draw_polyline(canvas, points, count, 2, color, series->style == PLOT_DASHES);
+    for (int i = 0; i < count && has_dots(series); ++i)
         plot_draw_disc(canvas, points[2 * i], points[2 * i + 1], 3.6, color);
 }
 
 /* Right of the field; returns its width. */
 static double draw_legend(plot_canvas* canvas, const plot_chart* chart, const field* f) {
-    double widest = 0;
+    double widest = 0, y = f->top + 12;
     const double left = f->left + f->width + 2 * GAP;
     for (int s = 0; s < chart->series_count; ++s) {
-        const double y = f->top + 12 + 22 * s;
+        const plot_series* series = &chart->series[s];
+        if (series->name[0] == '\0') continue;
+        const plot_color color = color_of(chart, s);
         const double line[4] = {left, y, left + 26, y};
-        plot_draw_polyline(canvas, line, 2, 2, plot_series_color(s), chart->series[s].dashed);
-        if (!chart->series[s].dashed) plot_draw_disc(canvas, left + 13, y, 3.6, plot_series_color(s));
-        plot_draw_text(canvas, left + 34, y + 5, &legend_text, chart->series[s].name);
-        widest = fmax(widest, plot_text_width(canvas, &legend_text, chart->series[s].name));
+        if (has_line(series)) plot_draw_polyline(canvas, line, 2, 2, color, series->style == PLOT_DASHES);
+        if (has_dots(series)) plot_draw_disc(canvas, left + 13, y, 3.6, color);
+        plot_draw_text(canvas, left + 34, y + 5, &legend_text, series->name);
+        widest = fmax(widest, plot_text_width(canvas, &legend_text, series->name));
+        y += 22;
     }
     return 2 * GAP + 34 + widest;
 }

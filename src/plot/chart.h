@@ -5,19 +5,27 @@
 #include "plot/axis.h"
 #include "plot/canvas.h"
 
-enum { PLOT_POINTS_MAX = 32, PLOT_SERIES_MAX = 8, PLOT_LABEL_SIZE = 96 };
+enum { PLOT_POINTS_MAX = 64, PLOT_SERIES_MAX = 24, PLOT_LABEL_SIZE = 96 };
 
 /* How much room something took, from its upper left corner. */
 typedef struct plot_extent {
     double width, height;
 } plot_extent;
 
+typedef enum plot_style {
+    PLOT_LINE_AND_DOTS = 0,
+    PLOT_DOTS = 1,  /* what is held against a line of the same colour */
+    PLOT_LINE = 2,  /* a law */
+    PLOT_DASHES = 3 /* another law, a limit, or what others found */
+} plot_style;
+
 typedef struct plot_series {
-    char name[PLOT_LABEL_SIZE];
+    char name[PLOT_LABEL_SIZE]; /* "": not in the legend */
     int count;
     double x[PLOT_POINTS_MAX], y[PLOT_POINTS_MAX];
     double error[PLOT_POINTS_MAX]; /* half the length of a bar about y; 0: none */
-    bool dashed;                   /* a limit or what others found, not a measurement: no dots */
+    plot_style style;
+    int color; /* 1, 2, ...: that of the first, second series; 0: its own */
 } plot_series;
 
 typedef struct plot_chart {

@@ -11,6 +11,7 @@ typedef struct figure_options {
     const char* folder; /* to write to */
     const char* data;   /* folder of third-party images and volumes, or NULL */
     int32_t size[2];    /* pixels of the pictures; 0: the figure's own choice */
+    int32_t samples;    /* per pixel, of path-traced pictures; 0: the figure's own choice */
     bool quick;         /* fewer samples and smaller pictures */
 } figure_options;
 
@@ -45,6 +46,15 @@ bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_S
 /* TY_CANCELLED once the user has interrupted: for work that takes no progress callback. */
 ty_result figure_check_interrupt(void);
 
+/* Samples per pixel: what the options say, or the figure's own choice. */
+int32_t figure_samples(const figure_run* run, int32_t choice);
+
+/* Standard errors of the means over block x block pixels of a path-traced image with variance, as root mean squares,
+ * W m^-2 sr^-1: R, G, B, all. */
+void figure_noise(const ty_image* image, int32_t block, double noise[4]);
+/* The RMSE that is left when the truth's own noise is taken out; NaN when that is all there is. */
+double figure_without_noise(double rmse, double noise);
+
 /* How a differs from b, as ty_image_compare has it, as quantities of an item. A method should keep the energy of its
  * reference within a hundredth. */
 ty_result figure_note_difference(figure_run* run, const char* item, const ty_image* a, const ty_image* b,
@@ -55,6 +65,14 @@ ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b
 extern const plot_scale figure_error_scale;
 
 /* The figures. */
+ty_result figure_fld_limiters(figure_run* run);
+ty_result figure_fld_point(figure_run* run);
+ty_result figure_fld_convergence(figure_run* run);
+ty_result figure_fld_nebulae(figure_run* run);
+ty_result figure_fld_resolution(figure_run* run);
+ty_result figure_fld_albedo(figure_run* run);
+ty_result figure_fld_ct(figure_run* run);
+ty_result figure_fld_fire(figure_run* run);
 ty_result figure_screen_leaking(figure_run* run);
 ty_result figure_screen_thickness(figure_run* run);
 ty_result figure_screen_truth(figure_run* run);

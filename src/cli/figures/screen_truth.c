@@ -49,7 +49,9 @@ static ty_result trace_truth(figure_run* run, const screen_view* view, truth_row
     const screen_water* water = &waters[row->strength];
     ty_result result =
         row->truth == 0 ? screen_make_relief(run, view, water, &scene) : screen_load_room(run, water, &scene);
-    if (result == TY_OK) result = trace(run, view, scene, run->options->quick ? SAMPLES_QUICK : SAMPLES, &row->image);
+    if (result == TY_OK)
+        result =
+            trace(run, view, scene, figure_samples(run, run->options->quick ? SAMPLES_QUICK : SAMPLES), &row->image);
     ty_scene_destroy(scene);
     return result;
 }
@@ -67,26 +69,6 @@ static ty_result check_relief(figure_run* run, const screen_view* view) {
     ty_image_destroy(image);
     ty_scene_destroy(scene);
     return result;
-}
-
-static void measure_noise(truth_row* row) {
-    static const char* const names[3] = {"variance.R", "variance.G", "variance.B"};
-    const size_t count = (size_t)ty_image_width(row->image) * (size_t)ty_image_height(row->image);
-    double squares = 0;
-    for (int c = 0; c < 3; ++c) {
-        const float* variance = ty_image_plane_const(row->image, ty_image_find_channel(row->image, names[c]));
-        double sum = 0;
-        for (size_t i = 0; i < count; ++i) sum += (double)variance[i];
-        const double variance_of_mean = sum / (double)count / (row->block * row->block);
-        row->noise[c] = sqrt(variance_of_mean);
-        squares += variance_of_mean / 3;
-    }
-    row->noise[3] = sqrt(squares);
-}
-
-/* The RMSE that is left when the truth's own noise is taken out; NaN when that is all there is. */
-static double without_noise(double rmse, double noise) {
-    return rmse > noise ? sqrt(rmse * rmse - noise * noise) : NAN;
 }
 
 typedef char amount_text[16];
@@ -114,7 +96,7 @@ static ty_result note_method(figure_run* run, const truth_row* row, int method, 
     snprintf(item, sizeof item, "%s, %s, thickness %g", methods[method].name, truth_names[row->truth],
              waters[row->strength].thickness);
     ty_result result = TY_OK;
-    for (int c = 0; c < 4; ++c) rmse[c] = without_noise(difference->rmse[c], row->noise[c]);
+    for (int c = 0; c < 4; ++c) rmse[c] = figure_without_noise(difference->rmse[c], row->noise[c]);
     for (int c = 0; c < 3 && result == TY_OK; ++c)
         result = figure_note(run, item, channels[c], "W m^-2 sr^-1", rmse[c]);
     const double mean = difference->rmse[3] / difference->relative_rmse[3];
@@ -151,7 +133,7 @@ static ty_result fill_row(figure_run* run, const screen_view* view, int index, p
              waters[row.strength].thickness);
     ty_result result = trace_truth(run, view, &row);
     if (result == TY_OK) {
-        measure_noise(&row);
+        figure_noise(row.image, row.block, row.noise);
         snprintf(truth->lines[0], PLOT_LABEL_SIZE, "own noise: RMS %.3g", row.noise[3]);
         result = figure_note(run, item, "noise, RMS", "W m^-2 sr^-1", row.noise[3]);
     }

@@ -45,7 +45,7 @@ static ty_result render_surfaces(figure_run* run, const int32_t size[2], screen_
     ty_result result = screen_load_room(run, NULL, &scene);
     if (result != TY_OK) return result;
     ty_path_def def = ty_default_path_def();
-    def.spp = run->options->quick ? ROOM_SAMPLES_QUICK : ROOM_SAMPLES;
+    def.spp = figure_samples(run, run->options->quick ? ROOM_SAMPLES_QUICK : ROOM_SAMPLES);
     def.seed = run->session->common.seed;
     def.width = size[0];
     def.height = size[1];

@@ -15,6 +15,7 @@ static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, 
     if (kind != NULL)
         def.kind = strcmp(kind, "constant") == 0 ? TY_NOISE_CONSTANT
                    : strcmp(kind, "fbm") == 0    ? TY_NOISE_FBM
+                   : strcmp(kind, "nebula") == 0 ? TY_NOISE_NEBULA
                                                  : TY_NOISE_CLOUD;
     double size[3] = {def.size[0], def.size[1], def.size[2]};
     ty_read_numbers(noise, "resolution", size);
