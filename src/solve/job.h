@@ -59,8 +59,8 @@ double ty_solve_sweep(ty_diffusion_job* job, double omega);
 void ty_stages_lay_out(ty_diffusion_job* job, ty_arena* arena);
 /* Cells of all stages from those of the finest. */
 void ty_stages_fill(ty_diffusion_job* job);
-/* A step of Picard's, from D of the stage's phi to the next phi; first the sum of the squares of what
- * phi leaves; the problem is solved down to `reduction` of it, with so many cycles at most. */
+/* A step of Picard's: first D, and the residuals f of the stage's phi, of which it returns the sum of squares; then the
+ * next phi, from the linear problem, solved until `reduction` of f is left or for so many cycles. */
 double ty_stage_linearise(ty_diffusion_job* job, int32_t stage);
 void ty_stage_advance(ty_diffusion_job* job, int32_t stage, double squares, double reduction, int32_t cycles);
 /* Corrects a stage's phi by what the coarser ones say; the stage is linearised. */

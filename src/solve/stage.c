@@ -5,7 +5,6 @@
  * was. Coarse cells have the mean of their children's free paths, not of their extinctions: vacuum stays vacuum. */
 #include "solve/job.h"
 
-#include <math.h>
 #include <string.h>
 
 typedef struct work {
