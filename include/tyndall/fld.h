@@ -52,14 +52,15 @@ typedef struct ty_fld_def {
     int32_t resolution; /* cells of direct light along the longest side of the box around all media, 4..1024; 0
                            (default): as the finest voxels, but 256 at most; 64 where media have no voxels */
     double ratio; /* cells of direct light per cell of diffusion, along each side, 1..64; 0 (default): 4, but 2 where
-                     that leaves less than 24 cells along the longest side */
+                     that leaves less than 48 cells along the longest side */
     ty_fld_beam beam; /* default TY_FLD_BEAM_REDUCED */
 
     ty_fld_limiter limiter; /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
     double larsen_power;    /* n, 1..100; default 2 */
-    double streaming;       /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go. Default 0.577
-                                       (1 / sqrt(3)), which is what light has where it leaves thick media for vacuum
-                                       (Milne's problem); 1: the paper's, true of light far from its source */
+    double streaming; /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go. Default 0.55, about
+                         what light has where it leaves thick media for vacuum (0.5 if it left alike in all outward
+                         directions, 1 / sqrt(3) in Milne's problem); 1: the paper's, true of light far from its
+                         source */
     ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_MARSHAK */
     double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */

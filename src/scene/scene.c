@@ -37,7 +37,7 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .solver = "multigrid",
                                                    .beam = "reduced",
                                                    .larsen_power = 2,
-                                                   .streaming = 0.577,
+                                                   .streaming = 0.55,
                                                    .relaxation = 1.85,
                                                    .tolerance = 1e-4,
                                                    .step = 1,

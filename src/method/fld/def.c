@@ -8,7 +8,7 @@ ty_fld_def ty_default_fld_def(void) {
     return (ty_fld_def){.cookie = TY_DEF_COOKIE,
                         .limiter = TY_FLD_LIMITER_LEVERMORE_POMRANING,
                         .larsen_power = 2,
-                        .streaming = 0.577,
+                        .streaming = 0.55,
                         .relaxation = 1.85,
                         .tolerance = 1e-4,
                         .environment_beams = 64,

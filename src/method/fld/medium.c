@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64, RATIO = 4, FEW_CELLS = 24 };
+enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64, RATIO = 4, FEW_CELLS = 48 };
 
 static bool has_voxels(const ty_scene_view* view) {
     for (int32_t m = 0; m < view->medium_count; ++m)
