@@ -44,7 +44,7 @@ static inline double march_once(const ty_scene* scene, const ty_march_def* def, 
 
 /* A field of one cell, alike in all channels. */
 typedef struct even_field {
-    float values[TY_FIELD_TERMS], flux[3];
+    float values[TY_FIELD_TERMS];
     ty_source_field field;
 } even_field;
 
@@ -58,12 +58,6 @@ static inline void even_begin(even_field* even, const double lower[3], const dou
     }
     for (int c = 0; c < 3; ++c)
         for (int t = 0; t < TY_FIELD_TERMS; ++t) even->field.terms[c][t] = &even->values[t];
-}
-
-static inline void even_flux(even_field* even, float x, float y, float z) {
-    set3f(even->flux, x, y, z);
-    for (int c = 0; c < 3; ++c)
-        for (int a = 0; a < 3; ++a) even->field.flux[c][a] = &even->flux[a];
 }
 
 #endif

@@ -107,6 +107,83 @@ static void media_add_up(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* A grid of 8 x 4 x 6 voxels that is low + slope x in their middles, over 4 m along x. */
+static ty_grid* ramp_grid(ty_context* context, double low, double slope) {
+    float values[8 * 4 * 6];
+    for (int i = 0; i < 8 * 4 * 6; ++i) values[i] = (float)(low + slope * 0.5 * (i % 8 + 0.5));
+    ty_grid_def def = ty_default_grid_def();
+    def.size[0] = 8;
+    def.size[1] = 4;
+    def.size[2] = 6;
+    def.values = values;
+    ty_grid* grid = NULL;
+    check_result(context, ty_grid_create(context, &def, &grid));
+    return grid;
+}
+
+/* Albedo, g and temperature that vary along x: means of what scatters and glows, g by what scatters. */
+static void fields_are_sampled(void** state) {
+    const double lower[3] = {0, 0, 0}, upper[3] = {4, 2, 3};
+    ty_grid *albedo = ramp_grid(*state, 0.2, 0.1), *g = ramp_grid(*state, -0.3, 0.2);
+    ty_grid* temperature = ramp_grid(*state, 0.5, 0);
+    ty_scene* scene = make_scene(*state);
+    ty_medium_def medium = box_medium(lower, upper, 2, 1);
+    for (int c = 0; c < 3; ++c) medium.albedo_grid[c] = albedo;
+    medium.g_grid = g;
+    medium.temperature_grid = temperature;
+    medium.kelvin[0] = 1000;
+    medium.kelvin[1] = 3000;
+    check_result(*state, ty_scene_add_medium(scene, &medium));
+    check_result(*state, ty_scene_commit(scene));
+    ty_grid_medium* sampled = sample(scene, 100);
+    float glow[3];
+    ty_blackbody(2000, glow);
+    assert_int_equal(sampled->box.size[0], 8);
+    assert_int_equal(sampled->planes, 1);
+    for (size_t cell = 0; cell < sampled->cells; ++cell) {
+        const double x = 0.5 * ((double)(cell % 8) + 0.5), a = 0.2 + 0.1 * x, mean_g = -0.3 + 0.2 * x;
+        assert_close(sampled->extinction[0][cell], 3, 1e-5);
+        if (cell % 8 == 0 || cell % 8 == 7) continue; /* beyond voxels' middles the ramps end */
+        assert_close(sampled->scattering[0][cell], 3 * a, 1e-5);
+        assert_close(sampled->g[0][cell], mean_g + 0.1 * 0.2 * 0.25 / 12 / a, 4e-4);
+        for (int c = 0; c < 3; ++c)
+            assert_close(sampled->emission[c][cell], 12.566370614359172 * 3 * (1 - a) * (double)glow[c],
+                         1e-4 * (double)glow[0]);
+    }
+    ty_grid_medium_destroy(sampled);
+    ty_scene_destroy(scene);
+    ty_grid_destroy(albedo);
+    ty_grid_destroy(g);
+    ty_grid_destroy(temperature);
+}
+
+/* A box whose bounds hold all cells needs no coverage; what it holds is the same where they do not. */
+static void bounds_cut_cells(void** state) {
+    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
+    ty_grid_medium* media[2];
+    ty_grid* grid = direct_noise(*state, 8, 8, 8, 5);
+    for (int i = 0; i < 2; ++i) {
+        ty_scene* scene = make_scene(*state);
+        ty_medium_def medium = box_medium(lower, upper, 2, 1);
+        medium.density_grid = grid;
+        check_result(*state, ty_scene_add_medium(scene, &medium));
+        check_result(*state, ty_scene_commit(scene));
+        const double half = i == 0 ? 1 : 1.25;
+        const ty_grid_box box = {
+            .lower = {-half, -half, -half}, .upper = {half, half, half}, .size = {16 + 4 * i, 16 + 4 * i, 16 + 4 * i}};
+        check_result(*state, ty_grid_medium_create(scene, &box, &media[i]));
+        ty_scene_destroy(scene);
+    }
+    for (size_t cell = 0; cell < media[1]->cells; ++cell) {
+        const size_t at[3] = {cell % 20 - 2, cell / 20 % 20 - 2, cell / 400 - 2};
+        const bool inside = at[0] < 16 && at[1] < 16 && at[2] < 16;
+        const double expected = inside ? (double)media[0]->extinction[0][at[0] + 16 * (at[1] + 16 * at[2])] : 0;
+        assert_close(media[1]->extinction[0][cell], expected, 2e-5);
+    }
+    for (int i = 0; i < 2; ++i) ty_grid_medium_destroy(media[i]);
+    ty_grid_destroy(grid);
+}
+
 /* A grid turned over is sampled point by point, and its cells are those of the other, turned over. */
 static void turned_grids_are_the_same(void** state) {
     const double lower[3] = {-2, -2, -2}, upper[3] = {2, 2, 2}, none[3] = {0, 0, 0}, one[3] = {1, 1, 1};
@@ -221,6 +298,8 @@ int main(void) {
         cmocka_unit_test(voxels_are_met_exactly),
         cmocka_unit_test(nothing_is_lost_in_other_cells),
         cmocka_unit_test(media_add_up),
+        cmocka_unit_test(fields_are_sampled),
+        cmocka_unit_test(bounds_cut_cells),
         cmocka_unit_test(turned_grids_are_the_same),
         cmocka_unit_test(reduced_extinction),
         cmocka_unit_test(sources_carry_all_the_light),

@@ -213,6 +213,37 @@ static void test_many_together(void** state) {
     compare("sun and lamp, a ball of fog", scene, FINE, 1024, 0.025, 0.08);
 }
 
+/* A ball in a tilted shell and another medium around it, with albedo and g that vary, under a slanting sun and a lamp:
+ * what overlaps adds up, and of fields only extinction counts. */
+static void test_shells_and_fields(void** state) {
+    static const double center[3] = {0.1, -0.1, 0}, tilt[3] = {20, 30, 10}, scale[3] = {1, 1.3, 0.8};
+    made_mesh mesh = made_nothing();
+    made_add_sphere(&mesh, (const double[3]){0, 0, 0}, 0.6, 32);
+    ty_scene* scene = noise_scene(*state, SHADOWED, 1);
+    ty_medium_def ball = medium_of(3, 1, 0);
+    ball.bounds = TY_BOUNDS_SHELL;
+    ball.transform = ty_affine_compose(center, tilt, scale);
+    ball.scale = 0.7f;
+    must(*state, made_shell(*state, &mesh, &ball.shell));
+    ty_medium_def fog = medium_cube(0.6, 0.5, 0.5, 0);
+    fog.box_max[0] = 1;
+    ty_noise_def noise = ty_default_noise_def();
+    noise.size[0] = noise.size[1] = noise.size[2] = 16;
+    must(*state, ty_grid_noise(*state, &noise, &fog.g_grid));
+    for (int c = 0; c < 3; ++c) fog.albedo_grid[c] = fog.g_grid;
+    add_medium(scene, &ball);
+    add_medium(scene, &fog);
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 3), lamp = light_of(TY_LIGHT_POINT, 1);
+    set3(sun.direction, 0.3, -1, 0.5);
+    set3(lamp.position, 0.2, 1.2, 0.3);
+    add_light(scene, &sun);
+    add_light(scene, &lamp);
+    compare("shell, fields, overlap", scene, FINE, 1024, 0.025, 0.08);
+    ty_shell_destroy(ball.shell);
+    ty_grid_destroy(fog.g_grid);
+    made_free(&mesh);
+}
+
 /* Light of a slanting sun that scatters once towards rays from all around, with the phase function as it is. */
 static void test_single(void** state) {
     enum { RAYS = 64 };
@@ -278,10 +309,17 @@ static void test_single(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_directional),   cmocka_unit_test(test_finer),       cmocka_unit_test(test_point),
-        cmocka_unit_test(test_spot),          cmocka_unit_test(test_area),        cmocka_unit_test(test_glowing_shapes),
-        cmocka_unit_test(test_glowing_mesh),  cmocka_unit_test(test_environment), cmocka_unit_test(test_single),
+        cmocka_unit_test(test_directional),
+        cmocka_unit_test(test_finer),
+        cmocka_unit_test(test_point),
+        cmocka_unit_test(test_spot),
+        cmocka_unit_test(test_area),
+        cmocka_unit_test(test_glowing_shapes),
+        cmocka_unit_test(test_glowing_mesh),
+        cmocka_unit_test(test_environment),
+        cmocka_unit_test(test_single),
         cmocka_unit_test(test_many_together),
+        cmocka_unit_test(test_shells_and_fields),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -76,7 +76,7 @@ static void single_scattering(void** state) {
         march.lights = &light;
         march.light_count = 1;
         march.aovs = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE;
-        ty_image *image = march_image(made.scene, &march, NULL), *truth = path_image(made.scene, 512, 1);
+        ty_image *image = march_image(made.scene, &march, NULL), *truth = path_image(made.scene, 2048, 1);
         const ty_difference passed = layer_difference(*state, image, truth, "transmittance", BLOCK);
         const ty_difference single = layer_difference(*state, image, truth, "single", BLOCK);
         assert_close(passed.mean_ratio[3], 1, 1e-3);

@@ -106,13 +106,15 @@ typedef struct ty_fld_stats {
 typedef struct ty_fld ty_fld;
 
 /* Samples the media of a committed scene, finds the uncollided light of all its lights and solves for the rest.
- * stats may be NULL. *out is freed with ty_fld_destroy. A solve that runs out of iterations is TY_OK with
- * stats->converged false. Errors: TY_ERROR_ARGUMENT (def, a scene without media), TY_ERROR_MEMORY; TY_CANCELLED. */
+ * stats may be NULL. *out is freed with ty_fld_destroy; NULL after an error. A solve that runs out of iterations is
+ * TY_OK with stats->converged false. Errors: TY_ERROR_ARGUMENT (def, a scene without media), TY_ERROR_MEMORY;
+ * TY_CANCELLED. */
 TY_API ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats);
 TY_API void ty_fld_destroy(ty_fld* light);
 
 /* Radiance through the pixels of the scene's camera: R, G, B and def->aovs. The scene is the one that was solved, but
- * for its camera. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; on TY_CANCELLED *out is NULL. */
+ * for its camera; of def, the options of images and the seed count. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY;
+ * TY_CANCELLED. After any *out is NULL. */
 TY_API ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_image** out,
                              ty_fld_stats* stats);
 

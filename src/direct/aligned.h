@@ -15,13 +15,16 @@ typedef struct ty_aligned_cell {
 
 typedef struct ty_aligned {
     ty_aligned_cell* cells[3]; /* per axis; NULL: the grid is not aligned, or what is sampled not linear in it */
+    float* scratch;            /* of the workers */
+    size_t scratch_size;       /* of each */
 } ty_aligned;
 
 /* samples: points along a cell's sides, at most two a voxel and 16. Errors: TY_ERROR_MEMORY. */
 ty_result ty_aligned_create(const ty_grid_medium* out, const ty_medium_view* medium, const int32_t samples[3],
                             ty_aligned* aligned);
 void ty_aligned_destroy(const ty_grid_medium* out, ty_aligned* aligned);
-/* The mean density of a cell. */
-double ty_aligned_density(const ty_aligned* aligned, const ty_medium_view* medium, const int32_t cell[3]);
+/* The mean densities of row (y, z) of cells, in the worker's scratch. */
+const float* ty_aligned_row(const ty_aligned* aligned, const ty_grid_medium* out, const ty_medium_view* medium,
+                            int32_t y, int32_t z, int32_t worker);
 
 #endif

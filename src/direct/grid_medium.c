@@ -202,38 +202,72 @@ static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
     return sums;
 }
 
-/* The means of the same. */
-static cell_sums mean_cell(const sample_job* job, const int32_t cell[3]) {
-    cell_sums sums = {0};
-    const double density = ty_aligned_density(&job->aligned, job->medium, cell);
-    if (density > 0) add_density(job->medium, ty_vec_make(0, 0, 0), density, &sums);
-    return sums;
+/* The share of a cell within the medium's bounds. */
+static float covered_share(const sample_job* job, int32_t x, int64_t row) {
+    const int32_t* size = job->out->box.size;
+    if (job->coverage == NULL) return 1.0f;
+    return ty_grid_voxel(job->coverage, x, (int32_t)(row % size[1]), (int32_t)(row / size[1]));
 }
 
-/* Adds a medium to one row of cells; g holds scattering times g until the end. */
+/* Adds sums to a cell; g holds scattering times g until the end. */
+static void add_sums(const sample_job* job, size_t at, double weight, const cell_sums* sums) {
+    ty_grid_medium* out = job->out;
+    for (int32_t c = 0; c < out->planes; ++c) {
+        out->extinction[c][at] += (float)(weight * sums->extinction[c]);
+        out->scattering[c][at] += (float)(weight * sums->scattering[c]);
+        out->g[c][at] += (float)(weight * sums->turned[c]);
+    }
+    for (int32_t c = 0; c < 3 && job->medium->emits != 0; ++c)
+        out->emission[c][at] += (float)(4 * (double)TY_PI * weight * sums->glow[c]);
+}
+
+/* Adds a medium to one row of cells. */
 static void sample_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sample_job* job = user;
-    ty_grid_medium* out = job->out;
-    const int32_t* size = out->box.size;
+    const int32_t* size = job->out->box.size;
     int32_t cell[3] = {0, (int32_t)(index % size[1]), (int32_t)(index / size[1])};
     const double each = 1.0 / (job->samples[0] * job->samples[1] * job->samples[2]);
     const unsigned state = ty_flush_denormals();
     for (cell[0] = 0; cell[0] < size[0]; ++cell[0]) {
-        const size_t at = (size_t)index * (size_t)size[0] + (size_t)cell[0];
-        const float covered = job->coverage == NULL ? 1.0f : ty_grid_voxel(job->coverage, cell[0], cell[1], cell[2]);
+        const float covered = covered_share(job, cell[0], index);
         if (!(covered > 0.0f)) continue;
-        const cell_sums sums = job->aligned.cells[0] != NULL ? mean_cell(job, cell) : sample_cell(job, cell);
-        const double weight = (double)covered * (job->aligned.cells[0] != NULL ? 1 : each);
-        for (int32_t c = 0; c < out->planes; ++c) {
-            out->extinction[c][at] += (float)(weight * sums.extinction[c]);
-            out->scattering[c][at] += (float)(weight * sums.scattering[c]);
-            out->g[c][at] += (float)(weight * sums.turned[c]);
-        }
-        for (int32_t c = 0; c < 3 && job->medium->emits != 0; ++c)
-            out->emission[c][at] += (float)(4 * (double)TY_PI * weight * sums.glow[c]);
+        const cell_sums sums = sample_cell(job, cell);
+        add_sums(job, (size_t)index * (size_t)size[0] + (size_t)cell[0], (double)covered * each, &sums);
     }
     ty_restore_denormals(state);
+}
+
+/* The same where only density varies, along the axes of cells. */
+static void mean_row(void* user, int64_t index, int32_t worker) {
+    const sample_job* job = user;
+    const int32_t* size = job->out->box.size;
+    const unsigned state = ty_flush_denormals();
+    const float* density = ty_aligned_row(&job->aligned, job->out, job->medium, (int32_t)(index % size[1]),
+                                          (int32_t)(index / size[1]), worker);
+    cell_sums sums = {0}; /* at density 1 */
+    add_density(job->medium, ty_vec_make(0, 0, 0), 1, &sums);
+    for (int32_t x = 0; x < size[0]; ++x)
+        if (density[x] > 0.0f)
+            add_sums(job, (size_t)index * (size_t)size[0] + (size_t)x,
+                     (double)(density[x] * covered_share(job, x, index)), &sums);
+    ty_restore_denormals(state);
+}
+
+/* Whether all of the cells are within a medium's bounds, by a box whose axes are theirs. */
+static bool covers_all(const ty_scene* scene, int32_t index, const ty_grid_medium* out) {
+    const ty_medium_view* medium = &ty_scene_get_view(scene)->media[index];
+    if (medium->bounds == TY_BOUNDED_NOT) return true;
+    if (medium->bounds != TY_BOUNDED_BOX) return false;
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    ty_medium_extent(&scene->media[index], lower, upper);
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            if (row != column && medium->to_bounds[4 * row + column] != 0) return false;
+        const double slack = 1e-5 * out->cell[row];
+        if (out->box.lower[row] < lower[row] - slack || out->box.upper[row] > upper[row] + slack) return false;
+    }
+    return true;
 }
 
 static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium* out) {
@@ -241,7 +275,7 @@ static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium
     sample_job job = {.out = out, .medium = medium, .even = only_density_varies(medium)};
     double density[3];
     ty_grid* coverage = NULL;
-    if (medium->bounds != TY_BOUNDED_NOT) {
+    if (!covers_all(scene, index, out)) {
         const ty_result covered = ty_medium_coverage(scene, index, out->box.lower, out->box.upper, out->box.size,
                                                      COVERAGE_SAMPLES, &coverage);
         if (covered != TY_OK) return covered;
@@ -251,7 +285,9 @@ static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium
     for (int a = 0; a < 3; ++a)
         job.samples[a] = (int32_t)fmin(SAMPLES_MAX, fmax(1, ceil(2 * density[a] * out->cell[a] * (1 - 1e-5))));
     const ty_result result = job.even ? ty_aligned_create(out, medium, job.samples, &job.aligned) : TY_OK;
-    if (result == TY_OK) ty_parallel_for(out->context, (int64_t)out->box.size[1] * out->box.size[2], sample_row, &job);
+    if (result == TY_OK)
+        ty_parallel_for(out->context, (int64_t)out->box.size[1] * out->box.size[2],
+                        job.aligned.cells[0] != NULL ? mean_row : sample_row, &job);
     ty_aligned_destroy(out, &job.aligned);
     ty_grid_destroy(coverage);
     return result;

@@ -97,7 +97,7 @@ static void lamp_rays(const ty_lamp_rays* r) {
     const float *cells = r->cells, *entry = r->entry;
     float *depth = r->depth, *mean = r->mean;
 #pragma omp simd
-    for (int32_t i = 0; i < r->count; ++i) {
+    for (int32_t i = r->begin; i < r->end; ++i) {
         const float from = ty_minf(far, ty_maxf(near, entry[i])), back = 0.5f * (far - from), index = (float)i;
         const float u = ty_clampf(at + at_step * index - (slope + slope_step * index) * back, 0.0f, (float)last_u);
         const float v = ty_clampf(row - row_slope * back, 0.0f, (float)last_v);

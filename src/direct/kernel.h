@@ -49,7 +49,7 @@ typedef struct ty_turn_block {
 /* A row of a lamp's lattice of rays through one slab of cells. Lengths are m along w from where the box begins; ray i
  * is where two numbers say, first + i * second. */
 typedef struct ty_lamp_rays {
-    int32_t count;
+    int32_t begin, end;
     float near, far; /* of the slab */
     float at[2];     /* along u on its far side, in cells from the first one's middle */
     float slope[2];  /* cells along u per m along w */

@@ -26,7 +26,7 @@ TY_FN float ty_lamp_mean_transmittance(const ty_lamp_depth* d, const float cell[
 }
 
 /* The mean of transmittance / r^2 over a cell, relative to 1 / r^2 in its middle, to second order in the cell's size
- * over r. to: unit, from the lamp. */
+ * over r; within bounds where a cell is so long that this does not hold. to: unit, from the lamp. */
 TY_FN float ty_lamp_mean(const ty_lamp_depth* d, const float to[3], float per_distance, const float cell[3]) {
     float spread = 1.0f;
     for (int32_t a = 0; a < 3; ++a) {
@@ -34,7 +34,7 @@ TY_FN float ty_lamp_mean(const ty_lamp_depth* d, const float to[3], float per_di
         const float bent = d->extinction * (4.0f * to[a] * d->slope[a] - (1.0f - square));
         spread += cell[a] * cell[a] * (1.0f / 24.0f) * per_distance * ((8.0f * square - 2.0f) * per_distance + bent);
     }
-    return ty_lamp_mean_transmittance(d, cell) * spread;
+    return ty_lamp_mean_transmittance(d, cell) * ty_clampf(spread, 0.0f, 4.0f);
 }
 
 #endif

@@ -4,7 +4,8 @@
 #include "base/context.h"
 #include "base/float_mode.h"
 
-enum { FIRST_SLABS = 4 };
+/* MARGIN: cells beside the box within which rays are still followed. */
+enum { FIRST_SLABS = 4, MARGIN = 4 };
 
 size_t ty_lattice_rays(const ty_lattice* l) {
     return (size_t)l->count[0] * (size_t)l->count[1];
@@ -37,7 +38,7 @@ void ty_lattice_end(ty_lattice* l) {
 static ty_result take_lattice(ty_lattice* l) {
     const ty_grid_medium* medium = l->of->medium;
     for (int32_t c = 0; c < medium->planes; ++c) {
-        l->mean[c] = ty_alloc_array(medium->context, value_count(l), sizeof *l->mean[c], false);
+        l->mean[c] = ty_alloc_array(medium->context, value_count(l), sizeof *l->mean[c], true);
         if (l->mean[c] == NULL) return TY_ERROR_MEMORY;
     }
     if (l->of->scene->mesh == NULL) return TY_OK;
@@ -137,6 +138,13 @@ static void begin_row(const trace_job* job, double q, float* entry, float* const
     }
 }
 
+/* Of positions first + i * step along `size` cells, the range of i in [0, count) that may matter to cells: a ray that
+ * is farther outside has either left the box for good or not entered it yet. */
+static void find_beside(double first, double step, int32_t size, int32_t count, int32_t range[2]) {
+    range[0] = (int32_t)fmin(fmax(floor((-MARGIN - first) / step), 0), count);
+    range[1] = (int32_t)fmin(fmax(ceil((size + MARGIN - first) / step) + 1, 0), count);
+}
+
 /* The row of rays of tangent q through slab `slab`; past the last there is only a far side. */
 static ty_lamp_rays rays_through(const ty_lattice* l, int32_t slab, double q) {
     const ty_lamp_job* lamp = l->of;
@@ -147,8 +155,7 @@ static ty_lamp_rays rays_through(const ty_lattice* l, int32_t slab, double q) {
     const size_t row = (size_t)medium->box.size[0];
     const size_t stride[3] = {1, row, row * (size_t)medium->box.size[1]};
     const double per_u = 1 / medium->cell[u], per_v = 1 / medium->cell[v];
-    return (ty_lamp_rays){
-        .count = l->count[0],
+    ty_lamp_rays rays = {
         .near = (float)(near - l->entry),
         .far = (float)(far - l->entry),
         .at = {(float)((l->low[0] * far - lamp->lower[u]) * per_u - 0.5), (float)(l->step[0] * far * per_u)},
@@ -158,6 +165,11 @@ static ty_lamp_rays rays_through(const ty_lattice* l, int32_t slab, double q) {
         .size = {medium->box.size[u], medium->box.size[v]},
         .stride = {(int32_t)stride[u], (int32_t)stride[v]},
     };
+    int32_t range[2];
+    find_beside((double)rays.at[0], (double)rays.at[1], rays.size[0], l->count[0], range);
+    rays.begin = range[0];
+    rays.end = rays.row < -MARGIN || rays.row > (float)(rays.size[1] + MARGIN) ? range[0] : range[1];
+    return rays;
 }
 
 /* How far along a ray a surface is, as a distance along w. */

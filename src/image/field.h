@@ -6,19 +6,16 @@
 
 enum { TY_FIELD_TERMS = 4 };
 
-/* Light that has scattered (or that media sent) and is scattered again, on a box of cells, as means over cells: the
- * radiance (W m^-2 sr^-1) that a medium sends along a unit vector `way` per metre and per scattering coefficient is
- * terms[c][0] + (terms[c][1], terms[c][2], terms[c][3]) . way, not below 0. Outside of the box it is 0. terms[c][0] is
- * the fluence of that light over 4 pi; the others are what is left of its direction after scattering. Arrays belong to
- * whoever made the field. */
+/* Multiply scattered light on a box of cells, as means over cells. The radiance (W m^-2 sr^-1) that travels along a
+ * unit vector `way` is terms[c][0] + (terms[c][1], terms[c][2], terms[c][3]) . way, so terms[c][0] is fluence / (4 pi)
+ * and the rest are 3 flux / (4 pi). What a medium of mean cosine g sends along `way` per metre and per scattering
+ * coefficient is terms[c][0] + g (terms[c][1], terms[c][2], terms[c][3]) . way, not below 0. Outside of the box there
+ * is none. Surfaces in it are lit by it as it is. Arrays belong to whoever made the field. */
 typedef struct ty_source_field {
     ty_grid_box box;
     int32_t term_count;                    /* 1: alike in all directions; 4 */
     const float* terms[3][TY_FIELD_TERMS]; /* per channel, x fastest */
-    /* Net flux vector of that light along x, y, z per channel, W m^-2, for surfaces in it; NULL: it comes to them alike
-     * from all sides. */
-    const float* flux[3][3];
-    const float* guide; /* extinction of the cells, mean of the channels, 1/m; NULL: there is no guided upsampling */
+    const float* guide; /* extinction of the cells, mean of the channels, 1/m; NULL: no guided upsampling */
 } ty_source_field;
 
 #endif

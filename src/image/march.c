@@ -140,8 +140,6 @@ static ty_result pack_field(march_job* job) {
     view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN : TY_UPSAMPLE_DIRECTED;
     const double guided = job->def->guided;
     view->sharpness = guided > 0 && field->guide != NULL ? (float)(1 / (2 * guided * guided)) : 0;
-    for (int c = 0; c < 3; ++c)
-        for (int a = 0; a < 3; ++a) view->flux[c][a] = field->flux[c][a];
     job->cell_floats = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
     job->cells = ty_alloc_array(job->context, job->cell_floats, sizeof *job->cells, false);
     if (job->cells == NULL) return TY_ERROR_MEMORY;

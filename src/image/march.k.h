@@ -34,14 +34,23 @@ typedef struct ty_march_ray {
 
 /* ---- a step's light ---- */
 
+/* What all media scatter of a step: the integral of their scattering coefficients, and the same times mean cosines. */
+typedef struct ty_march_scattering {
+    float amount[3], forward[3];
+} ty_march_scattering;
+
 /* What one medium scatters and sends at a point, times how much of it is seen: reach is transmittance times the mean
  * decay over the step. Adds to scattering what the field's light is scattered by. */
 TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_near_light* lights,
-                          const float reach[3], float scattering[3]) {
+                          const float reach[3], ty_march_scattering* scattering) {
     TY_GLOBAL const ty_march_request* request = ray->request;
-    float sigma_s[3];
+    float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
-    for (int32_t c = 0; c < 3; ++c) scattering[c] += sigma_s[c] * track->amount;
+    ty_medium_g(track->medium, point, g);
+    for (int32_t c = 0; c < 3; ++c) {
+        scattering->amount[c] += sigma_s[c] * track->amount;
+        scattering->forward[c] += g[c] * sigma_s[c] * track->amount;
+    }
     if (track->medium->emits != 0) {
         float glow[3];
         ty_medium_emission(track->medium, point, glow);
@@ -51,8 +60,7 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     }
     if (request->light_count == 0) return;
     const ty_vec way = ty_scale(ray->direction, -1.0f);
-    float g[3], scattered[3] = {0.0f, 0.0f, 0.0f};
-    ty_medium_g(track->medium, point, g);
+    float scattered[3] = {0.0f, 0.0f, 0.0f};
     for (int32_t i = 0; i < request->light_count; ++i) {
         float light[3] = {0.0f, 0.0f, 0.0f};
         ty_single_scattered(&request->lights[i], point, &lights[i].at, way, g, light);
@@ -63,7 +71,7 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
 
 /* What the step's optical depths are, and where in it light is looked up: where its matter is in the mean, moved by how
  * much more of the near side is seen. False where there is nothing. */
-TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], float* mean_depth, float* at) {
+TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], float* at) {
     float moment = 0.0f, mean = 0.0f;
     for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
     for (int32_t i = 0; i < ray->active_count; ++i) {
@@ -72,11 +80,47 @@ TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], fl
         mean += track->mean * track->amount;
         moment += track->mean * track->moment;
     }
-    *mean_depth = mean;
     if (!(mean > 0.0f)) return false;
     const float length = end - ray->begin;
     *at = ray->begin + ty_clampf(moment / mean - length * mean * (1.0f / 12.0f), 0.0f, length);
     return true;
+}
+
+/* The extinction at a point itself, mean of the channels, 1/m: means over steps differ from pixel to pixel, and show.
+ */
+TY_FN float ty_march_extinction(const ty_march_ray* ray, ty_vec point) {
+    float extinction = 0.0f;
+    for (int32_t i = 0; i < ray->active_count; ++i) {
+        const ty_track* track = &ray->tracks[ray->active[i]];
+        if (track->amount > 0.0f) extinction += ty_track_extinction(track, point);
+    }
+    return extinction;
+}
+
+/* The field's light at a point, that what is there scatters. */
+TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, float extinction, const float reach[3],
+                              const ty_march_scattering* scattering) {
+    float even[3], directed[3];
+    ty_upsample(&ray->request->field, point, extinction, ty_scale(ray->direction, -1.0f), even, directed);
+    for (int c = 0; c < 3; ++c) {
+        const float sent = scattering->amount[c] * even[c] + scattering->forward[c] * directed[c];
+        ray->light.multiple[c] += reach[c] * ty_maxf(0.0f, sent);
+    }
+}
+
+/* Looks up what reaches the eye from a step around a point. */
+TY_FN void ty_march_add(ty_march_ray* ray, ty_vec point, const float reach[3]) {
+    TY_GLOBAL const ty_march_request* request = ray->request;
+    ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
+    ty_near_light lights[TY_MARCH_LIGHTS_MAX];
+    const float extinction = ty_march_extinction(ray, point);
+    ty_near_look(request, point, extinction, lights);
+    for (int32_t i = 0; i < ray->active_count; ++i) {
+        const ty_track* track = &ray->tracks[ray->active[i]];
+        if (track->amount > 0.0f) ty_march_shine(ray, track, point, lights, reach, &scattering);
+    }
+    if (request->has_field != 0) ty_march_add_field(ray, point, extinction, reach, &scattering);
+    ++ray->steps;
 }
 
 /* Channels that are black count no more for how long steps are; false when all are. */
@@ -95,32 +139,15 @@ TY_FN bool ty_march_dim(ty_march_ray* ray) {
 
 /* Ends a step; false when nothing behind it is seen. */
 TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
-    float depth[3], reach[3], scattering[3] = {0.0f, 0.0f, 0.0f}, mean_depth, at;
-    const bool dense = ty_march_weigh(ray, end, depth, &mean_depth, &at);
+    float depth[3], reach[3], at;
+    const bool dense = ty_march_weigh(ray, end, depth, &at);
     if (dense) {
-        float decay[3];
         for (int c = 0; c < 3; ++c) {
-            decay[c] = ty_decay(depth[c]);
-            reach[c] = ray->light.transmittance[c] * ty_mean_decay(depth[c], decay[c]);
-            ray->light.transmittance[c] *= decay[c];
+            const float decay = ty_decay(depth[c]);
+            reach[c] = ray->light.transmittance[c] * ty_mean_decay(depth[c], decay);
+            ray->light.transmittance[c] *= decay;
         }
-        if (ray->looks != 0) {
-            TY_GLOBAL const ty_march_request* request = ray->request;
-            const ty_vec point = ty_mad(ray->origin, ray->direction, at);
-            ty_near_light lights[TY_MARCH_LIGHTS_MAX];
-            ty_near_look(request, point, mean_depth / (end - ray->begin), lights);
-            for (int32_t i = 0; i < ray->active_count; ++i) {
-                const ty_track* track = &ray->tracks[ray->active[i]];
-                if (track->amount > 0.0f) ty_march_shine(ray, track, point, lights, reach, scattering);
-            }
-            if (request->has_field != 0) {
-                float sent[3];
-                ty_upsample(&request->field, point, mean_depth / (end - ray->begin), ty_scale(ray->direction, -1.0f),
-                            sent);
-                for (int c = 0; c < 3; ++c) ray->light.multiple[c] += reach[c] * scattering[c] * sent[c];
-            }
-            ++ray->steps;
-        }
+        if (ray->looks != 0) ty_march_add(ray, ty_mad(ray->origin, ray->direction, at), reach);
     }
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
@@ -180,11 +207,18 @@ TY_FN bool ty_march_stretch(ty_march_ray* ray, float t, float end) {
     float until = even ? step : t + step * ray->offset;
     ray->begin = t;
     ray->piece = even ? TY_FLOAT_MAX : TY_MARCH_PIECE;
+    /* Where media are dense, it is depth that the first step is cut short in. */
+    const float first = even ? 0.0f : 1.0f - ray->offset;
+    ray->piece *= 1.0f - first;
+    ray->depth = first * TY_MARCH_STEP;
     while (t < end) {
         t = ty_march_piece(ray, t, ty_minf(end, until + slack));
         if (t < until && ray->depth < TY_MARCH_STEP && t < end) continue;
         if (!ty_march_end_step(ray, t)) return false;
-        if (!even) until = t + step;
+        if (!even) {
+            until = t + step;
+            ray->piece = TY_MARCH_PIECE;
+        }
     }
     return true;
 }

@@ -189,6 +189,16 @@ TY_FN void ty_track_advance(ty_track* track, float t) {
     ty_track_enter_cell(track);
 }
 
+/* Extinction at a point of the world that is in the medium, mean of the channels, 1/m. */
+TY_FN float ty_track_extinction(const ty_track* track, ty_vec point) {
+    TY_GLOBAL const ty_medium_view* medium = track->medium;
+    if (medium->has_grid == 0) return track->mean;
+    const float value = ty_grid_value(&medium->grid, ty_map_point(medium->to_index, point));
+    if (medium->transfer != NULL)
+        return track->mean * ty_transfer_density(medium->transfer, medium->transfer_count, value);
+    return track->mean * ty_maxf(0.0f, value);
+}
+
 /* ---- pieces ---- */
 
 /* Looks at the piece from t to `end`, between whose ends no voxels are left; returns the integral of its density. Along

@@ -18,8 +18,7 @@ typedef struct ty_upsample_view {
     ty_cell_place place;
     int32_t floats; /* of a cell: channel by channel its terms, then the guide */
     TY_GLOBAL const float* cells;
-    TY_GLOBAL const float* flux[3][3]; /* NULL: not known */
-    float sharpness;                   /* 1 / (2 width^2); 0: plain interpolation */
+    float sharpness; /* 1 / (2 width^2); 0: plain interpolation */
 } ty_upsample_view;
 
 TY_FN ty_vec ty_cell_coordinates(const ty_cell_place* place, ty_vec point) {
@@ -62,47 +61,57 @@ TY_FN void ty_upsample_guide(const ty_upsample_view* view, const ty_cell_point* 
     for (int i = 0; i < 8; ++i) weight[i] *= scale;
 }
 
-/* The radiance that a medium of some extinction (mean of the channels, 1/m) sends along `way` per metre and scattering
- * coefficient. */
-TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinction, ty_vec way, float sent[3]) {
+/* The field's terms at a point between cells, channel by channel as in memory; those past the last one are 0. */
+TY_FN void ty_upsample_terms(const ty_upsample_view* view, const ty_cell_point* at, const float weight[8],
+                             float sum[TY_UPSAMPLE_DIRECTED]) {
+    for (int j = 0; j < TY_UPSAMPLE_DIRECTED; ++j) sum[j] = 0.0f;
+    if (view->floats == TY_UPSAMPLE_PLAIN) {
+        for (int i = 0; i < 8; ++i) {
+            TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, at, i);
+            for (int j = 0; j < TY_UPSAMPLE_PLAIN; ++j) sum[j] += weight[i] * cell[j];
+        }
+        return;
+    }
+    for (int i = 0; i < 8; ++i) {
+        TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, at, i);
+        for (int j = 0; j < TY_UPSAMPLE_DIRECTED; ++j) sum[j] += weight[i] * cell[j];
+    }
+}
+
+/* What of the terms is alike in all directions, and what the rest is along a unit vector. */
+TY_FN void ty_upsample_split(const ty_upsample_view* view, const float sum[TY_UPSAMPLE_DIRECTED], ty_vec way,
+                             float even[3], float directed[3]) {
+    for (int c = 0; c < 3; ++c) {
+        const float* terms = sum + c * (view->floats / 4);
+        even[c] = terms[0];
+        directed[c] = view->floats == TY_UPSAMPLE_PLAIN ? 0.0f : terms[1] * way.x + terms[2] * way.y + terms[3] * way.z;
+    }
+}
+
+/* The field's light at a point whose extinction (mean of the channels, 1/m) is given: the radiance that travels along
+ * `way` is even + directed. */
+TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinction, ty_vec way, float even[3],
+                       float directed[3]) {
     const ty_vec cells = ty_cell_coordinates(&view->place, point);
-    float weight[8], sum[TY_UPSAMPLE_DIRECTED] = {0};
-    for (int c = 0; c < 3; ++c) sent[c] = 0.0f;
+    float weight[8], sum[TY_UPSAMPLE_DIRECTED];
+    for (int c = 0; c < 3; ++c) even[c] = directed[c] = 0.0f;
     if (!ty_cell_inside(&view->place, cells)) return;
     const ty_cell_point at = ty_cell_locate(view->place.size, cells);
     ty_upsample_weights(&at, weight);
     if (view->sharpness > 0.0f) ty_upsample_guide(view, &at, extinction, weight);
-    if (view->floats == TY_UPSAMPLE_PLAIN) {
-        for (int i = 0; i < 8; ++i) {
-            TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, &at, i);
-            for (int j = 0; j < TY_UPSAMPLE_PLAIN; ++j) sum[j] += weight[i] * cell[j];
-        }
-        for (int c = 0; c < 3; ++c) sent[c] = ty_maxf(0.0f, sum[c]);
-        return;
-    }
-    for (int i = 0; i < 8; ++i) {
-        TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, &at, i);
-        for (int j = 0; j < TY_UPSAMPLE_DIRECTED; ++j) sum[j] += weight[i] * cell[j];
-    }
-    for (int c = 0; c < 3; ++c)
-        sent[c] = ty_maxf(0.0f, sum[4 * c] + sum[4 * c + 1] * way.x + sum[4 * c + 2] * way.y + sum[4 * c + 3] * way.z);
+    ty_upsample_terms(view, &at, weight, sum);
+    ty_upsample_split(view, sum, way, even, directed);
 }
 
-/* What arrives on a surface with a unit normal, W m^-2, if the light's radiance is linear in direction: with fluence
- * phi and net flux F that is phi / 4 - F . normal / 2, for even radiance pi times it. The point is inside the box. */
+/* What arrives on a surface with a unit normal, W m^-2: of radiance even + directed . way, pi even - 2 pi / 3 directed
+ * . normal. The point is inside the box. */
 TY_FN void ty_upsample_irradiance(const ty_upsample_view* view, ty_vec cells, ty_vec normal, float irradiance[3]) {
     const ty_cell_point at = ty_cell_locate(view->place.size, cells);
-    float weight[8];
+    float weight[8], sum[TY_UPSAMPLE_DIRECTED], even[3], directed[3];
     ty_upsample_weights(&at, weight);
-    for (int c = 0; c < 3; ++c) {
-        float mean = 0.0f, along = 0.0f;
-        for (int i = 0; i < 8; ++i)
-            mean += weight[i] * view->cells[ty_upsample_cell(view, &at, i) + (size_t)(c * (view->floats / 4))];
-        if (view->flux[c][0] != NULL)
-            along = ty_cell_value(view->flux[c][0], &at) * normal.x + ty_cell_value(view->flux[c][1], &at) * normal.y +
-                    ty_cell_value(view->flux[c][2], &at) * normal.z;
-        irradiance[c] = ty_maxf(0.0f, TY_PI * mean - 0.5f * along);
-    }
+    ty_upsample_terms(view, &at, weight, sum);
+    ty_upsample_split(view, sum, normal, even, directed);
+    for (int c = 0; c < 3; ++c) irradiance[c] = ty_maxf(0.0f, TY_PI * (even[c] - 2.0f / 3.0f * directed[c]));
 }
 
 #endif

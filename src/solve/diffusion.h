@@ -20,9 +20,9 @@ typedef enum ty_limiter {
     TY_LIMITER_COUNT = 6
 } ty_limiter;
 
-/* A Marshak boundary lets at most half of the fluence out. Light that streams towards it through vacuum piles up there,
- * against what the limiter says, and iterations are slow to find that out; with
- * a fluence of 0 on the faces it streams out. */
+/* A Marshak boundary lets at most half of the fluence out. Light that streams towards it through vacuum with more than
+ * that (ty_diffusion_def.streaming) piles up there, against what the limiter says; with a fluence of 0 on the faces it
+ * streams out. */
 typedef enum ty_boundary_kind {
     TY_BOUNDARY_MARSHAK = 0,   /* value: the flux that comes in, W m^-2 (irradiance of the face); 0 is vacuum */
     TY_BOUNDARY_DIRICHLET = 1, /* value: the fluence on the face, W m^-2 */
@@ -36,7 +36,7 @@ typedef struct ty_boundary {
 } ty_boundary;
 
 typedef enum ty_diffusion_solver {
-    TY_DIFFUSION_MULTIGRID = 0, /* Picard iterations, each a few conjugate gradients preconditioned by multigrid */
+    TY_DIFFUSION_MULTIGRID = 0, /* Picard iterations, which coarser boxes correct; multigrid solves what they ask */
     TY_DIFFUSION_SOR = 1,       /* Algorithm 1, in double precision */
     TY_DIFFUSION_SOR_FLOAT = 2, /* the same in single precision: good for a tolerance of 1e-4 */
     TY_DIFFUSION_SOLVER_COUNT = 3
@@ -63,8 +63,8 @@ typedef struct ty_diffusion_def {
     double tolerance;   /* of rms(residual) / rms(source), where the source counts what comes in through boundaries;
                            default 1e-6. Fluences are good to about a tenth of it */
     int32_t iterations; /* at most; 0 (default): 500 of multigrid, 20000 of SOR */
-    const float* start; /* a fluence to start from, W m^-2, at least 0; NULL (default): the solver's own. What a box
-                           of half as many cells along each axis has saves iterations in vacuum */
+    const float* start; /* a fluence to start from, W m^-2, at least 0; NULL (default): the solver's own, of multigrid
+                           what coarser boxes find */
     ty_progress_fn progress; /* default NULL */
     void* progress_user;
     void* memory; /* ty_diffusion_memory bytes, aligned to 64; NULL (default): from the context */
@@ -84,7 +84,7 @@ typedef struct ty_diffusion_out {
 typedef struct ty_diffusion_stats {
     bool converged;
     int32_t iterations;    /* SOR: sweeps of all cells; multigrid: Picard iterations */
-    int32_t cycles;        /* of multigrid */
+    int32_t cycles;        /* of multigrid, on all cells */
     int32_t history_count; /* values written to out->history */
     double residual;       /* the last of the history */
     double work;           /* passes over all cells, as a relaxation of them is one; coarser grids by their cells */

@@ -51,17 +51,27 @@ INLINE ty_level_faces faces_at(const level_row* r, const bool made, ptrdiff_t i)
 #define WITH_FACES(row_fn, r, ...)                                                                                     \
     ((r).diffusivity != NULL ? row_fn(&(r), true, __VA_ARGS__) : row_fn(&(r), false, __VA_ARGS__))
 
+/* Items first, first + 2, ... of a row, by way of all of them: loads and stores of items that lie apart take longer. */
+INLINE void keep_colour(float* e, const float* next, int32_t first, int32_t count) {
+#pragma omp simd
+    for (int32_t i = 0; i < count; ++i) e[i] = (i & 1) == first ? next[i] : e[i];
+}
+
 INLINE void relax_row(const level_row* row, const bool made, int32_t first, int32_t count) {
     const level_row r = *row;
+    float next[ROW_ITEMS];
 #pragma omp simd
-    for (int32_t i = first; i < count; i += 2)
-        r.e[i] = ty_level_relax(faces_at(&r, made, i), r.sink[i], r.f[i], r.e, r.row, r.plane, i);
+    for (int32_t i = 0; i < count; ++i)
+        next[i] = ty_level_relax(faces_at(&r, made, i), r.sink[i], r.f[i], r.e, r.row, r.plane, i);
+    keep_colour(r.e, next, first, count);
 }
 
 INLINE void begin_row(const level_row* row, const bool made, int32_t first, int32_t count) {
     const level_row r = *row;
+    float next[ROW_ITEMS];
 #pragma omp simd
-    for (int32_t i = first; i < count; i += 2) r.e[i] = r.f[i] / ty_level_diagonal(faces_at(&r, made, i), r.sink[i]);
+    for (int32_t i = 0; i < count; ++i) next[i] = r.f[i] / ty_level_diagonal(faces_at(&r, made, i), r.sink[i]);
+    keep_colour(r.e, next, first, count);
 }
 
 static void relax(const ty_level* level, int32_t color, int32_t z) {

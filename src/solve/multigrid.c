@@ -189,7 +189,7 @@ void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, do
     double along = 0; /* f.e of the step before */
     for (int i = 0; i < cycles && squares > target; ++i) {
         cycle(job, first, true);
-        ++job->stats->cycles;
+        job->stats->cycles += first == 0 ? 1 : 0;
         const double next = run(&p, dot_plane);
         p.factor = i == 0 ? 0 : (float)(next / along);
         if (i == 0) clear(&level->box, job->direction);

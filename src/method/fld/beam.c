@@ -107,7 +107,8 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
     job->progress.share = share / ty_maxf(1, (float)count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         ty_light_field** field = &light->beam[groups[i].own ? light->light_count : TY_FLD_OWN_MAX];
-        if (*field == NULL)
+        result = ty_fld_show_progress(job, "direct light");
+        if (result == TY_OK && *field == NULL)
             result =
                 make_field(job, groups[i].own ? &groups[i] : groups, groups[i].own ? 1 : count, groups[i].own, field);
         if (result == TY_OK) result = light_field(job, extinction, &groups[i], *field);

@@ -100,16 +100,11 @@ static bool is_multiple(const ty_fld_job* job, int32_t channel, int32_t of, floa
     return true;
 }
 
-static void scale_plane(const float* from, float factor, size_t cells, float* to) {
-    for (size_t i = 0; i < cells; ++i) to[i] = factor * from[i];
-}
-
 static void scale_channel(ty_fld_job* job, int32_t channel, int32_t of, float factor) {
     ty_fld_stats* stats = &job->stats;
     const ty_fld* light = job->light;
-    for (int32_t t = 0; t < light->term_count; ++t)
-        scale_plane(light->terms[of][t], factor, light->cells, light->terms[channel][t]);
-    for (int a = 0; a < 3; ++a) scale_plane(light->flux[of][a], factor, light->cells, light->flux[channel][a]);
+    for (int t = 0; t < TY_FIELD_TERMS; ++t)
+        for (size_t i = 0; i < light->cells; ++i) light->terms[channel][t][i] = factor * light->terms[of][t][i];
     stats->emitted[channel] = (double)factor * stats->emitted[of];
     stats->absorbed[channel] = (double)factor * stats->absorbed[of];
     stats->leaving[channel] = (double)factor * stats->leaving[of];
@@ -118,37 +113,32 @@ static void scale_channel(ty_fld_job* job, int32_t channel, int32_t of, float fa
 
 /* Limiters bound what flows by what there is (R F <= 1) with the gradient between a cell's neighbours; the mean of what
  * its faces let through can be a little more. */
-static void limit_flux(const float* fluence, float* const flux[3], size_t cells) {
+static void limit_flux(float* const terms[TY_FIELD_TERMS], size_t cells) {
     for (size_t i = 0; i < cells; ++i) {
-        const float square = flux[0][i] * flux[0][i] + flux[1][i] * flux[1][i] + flux[2][i] * flux[2][i];
-        if (square <= fluence[i] * fluence[i]) continue;
-        const float factor = fluence[i] / sqrtf(square);
-        for (int a = 0; a < 3; ++a) flux[a][i] *= factor;
+        const float square = terms[1][i] * terms[1][i] + terms[2][i] * terms[2][i] + terms[3][i] * terms[3][i];
+        const float most = 3 * terms[0][i];
+        if (square <= most * most) continue;
+        const float factor = most / sqrtf(square);
+        for (int t = 1; t < TY_FIELD_TERMS; ++t) terms[t][i] *= factor;
     }
 }
 
-/* Means of the fluxes through a cell's two faces along each axis. */
-static void find_flux(const ty_fld_job* job, const solve_work* work, float* const flux[3]) {
+/* The diffuse radiance (phi + 3 E . way) / (4 pi) (Eq. 9) from fluence, and flux as the mean of a cell's two faces
+ * along each axis. */
+static void make_terms(ty_fld_job* job, const solve_work* work, int32_t channel) {
     const int32_t* size = job->coarse->box.size;
+    float* const* terms = job->light->terms[channel];
     const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
+    for (size_t i = 0; i < job->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
     for (int a = 0; a < 3; ++a) {
         /* Along its own axis an array of faces is one longer. */
         const size_t slab = step[a] * (size_t)size[a];
         for (size_t i = 0; i < job->light->cells; ++i) {
             const size_t face = i + i / slab * step[a];
-            flux[a][i] = 0.5f * (work->flux[a][face] + work->flux[a][face + step[a]]);
+            terms[1 + a][i] = 1.5f * TY_INV_4PI * (work->flux[a][face] + work->flux[a][face + step[a]]);
         }
     }
-}
-
-/* What is scattered of (phi + 3 E . way) / (4 pi), the diffuse radiance (Eq. 9). */
-static void make_terms(ty_fld_job* job, int32_t channel) {
-    const float* g = job->coarse->g[job->coarse->planes == 3 ? channel : 0];
-    float* const* terms = job->light->terms[channel];
-    float* const* flux = job->light->flux[channel];
-    for (size_t i = 0; i < job->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
-    for (int32_t t = 1; t < job->light->term_count; ++t)
-        for (size_t i = 0; i < job->light->cells; ++i) terms[t][i] = 3 * TY_INV_4PI * g[i] * flux[t - 1][i];
+    limit_flux(terms, job->light->cells);
 }
 
 static ty_result solve_channel(ty_fld_job* job, solve_work* work, int32_t channel) {
@@ -173,9 +163,7 @@ static ty_result solve_channel(ty_fld_job* job, solve_work* work, int32_t channe
     stats->emitted[channel] = solved.emitted;
     stats->absorbed[channel] = solved.absorbed;
     stats->leaving[channel] = solved.leaving;
-    find_flux(job, work, job->light->flux[channel]);
-    limit_flux(out.fluence, job->light->flux[channel], job->light->cells);
-    make_terms(job, channel);
+    make_terms(job, work, channel);
     return TY_OK;
 }
 
@@ -192,16 +180,17 @@ static ty_result solve_channels(ty_fld_job* job, solve_work* work) {
             solved = is_multiple(job, c, of, &factor);
             if (solved) scale_channel(job, c, of, factor);
         }
-        if (!solved) result = solve_channel(job, work, c);
+        if (!solved) result = ty_fld_show_progress(job, "fluence");
+        if (!solved && result == TY_OK) result = solve_channel(job, work, c);
     }
     return result;
 }
 
-static bool scatters_unevenly(const ty_grid_medium* medium) {
+static bool scatters_evenly(const ty_grid_medium* medium) {
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < medium->cells; ++i)
-            if (medium->g[p][i] != 0) return true;
-    return false;
+            if (medium->g[p][i] != 0) return false;
+    return true;
 }
 
 static ty_result take_field(ty_fld_job* job) {
@@ -211,15 +200,11 @@ static ty_result take_field(ty_fld_job* job) {
     if (light->guide == NULL) return TY_ERROR_MEMORY;
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < light->cells; ++i) light->guide[i] += medium->extinction[p][i] / (float)medium->planes;
-    light->term_count = job->def->beam == TY_FLD_BEAM_REDUCED && scatters_unevenly(medium) ? TY_FIELD_TERMS : 1;
+    light->even = scatters_evenly(medium);
     for (int c = 0; c < 3; ++c) {
-        for (int32_t t = 0; t < light->term_count; ++t) {
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) {
             light->terms[c][t] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
             if (light->terms[c][t] == NULL) return TY_ERROR_MEMORY;
-        }
-        for (int a = 0; a < 3; ++a) {
-            light->flux[c][a] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
-            if (light->flux[c][a] == NULL) return TY_ERROR_MEMORY;
         }
     }
     return TY_OK;

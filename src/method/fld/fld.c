@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "image/march.h"
+#include "scene/scene.h"
 #include "solve/diffusion.h"
 
 #include <string.h>
@@ -10,17 +11,28 @@
 /* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
 static const double medium_until = 0.15, direct_until = 0.5, solve_share = 0.5;
 
+static const double report_interval = 0.1; /* s */
+
 /* ---- progress ---- */
 
-void ty_fld_next_part(ty_fld_job* job, double until) {
+ty_result ty_fld_next_part(ty_fld_job* job, const char* stage, double until) {
     job->progress.from += job->progress.share;
     job->progress.share = until - job->progress.from;
+    job->progress.reported = 0;
+    return ty_fld_show_progress(job, stage);
+}
+
+ty_result ty_fld_show_progress(ty_fld_job* job, const char* stage) {
+    if (ty_wall_seconds() - job->progress.reported < report_interval) return TY_OK;
+    const ty_progress begun = {.stage = stage};
+    return ty_fld_report(&job->progress, &begun) ? TY_OK : TY_CANCELLED;
 }
 
 bool ty_fld_report(void* user, const ty_progress* part) {
-    const ty_fld_progress* progress = user;
+    ty_fld_progress* progress = user;
     if (progress->function == NULL) return true;
-    ty_progress whole = {.stage = part->stage, .seconds = ty_wall_seconds() - progress->begun};
+    progress->reported = ty_wall_seconds();
+    ty_progress whole = {.stage = part->stage, .seconds = progress->reported - progress->begun};
     whole.fraction = progress->from + progress->share * part->fraction;
     whole.remaining = whole.fraction > 0.02 ? whole.seconds * (1 - whole.fraction) / whole.fraction : -1;
     return progress->function(progress->user, &whole);
@@ -36,22 +48,21 @@ static void end_job(ty_fld_job* job) {
     ty_grid_medium_destroy(job->fine);
 }
 
+static ty_result run_part(ty_fld_job* job, const char* stage, double until, ty_result (*run)(ty_fld_job* job),
+                          double* seconds) {
+    const double begun = ty_wall_seconds();
+    ty_result result = ty_fld_next_part(job, stage, until);
+    if (result == TY_OK) result = run(job);
+    *seconds = ty_wall_seconds() - begun;
+    return result;
+}
+
 static ty_result run_parts(ty_fld_job* job, double share) {
-    double begun = ty_wall_seconds();
     ty_fld_stats* stats = &job->stats;
-    ty_fld_next_part(job, share * medium_until);
-    ty_result result = ty_fld_sample_media(job);
-    stats->medium_seconds = ty_wall_seconds() - begun;
-    if (result != TY_OK) return result;
-    begun += stats->medium_seconds;
-    ty_fld_next_part(job, share * direct_until);
-    result = ty_fld_light_directly(job);
-    stats->direct_seconds = ty_wall_seconds() - begun;
-    if (result != TY_OK) return result;
-    begun += stats->direct_seconds;
-    ty_fld_next_part(job, share);
-    result = ty_fld_diffuse(job);
-    stats->solve_seconds = ty_wall_seconds() - begun;
+    ty_result result = run_part(job, "media", share * medium_until, ty_fld_sample_media, &stats->medium_seconds);
+    if (result == TY_OK)
+        result = run_part(job, "direct light", share * direct_until, ty_fld_light_directly, &stats->direct_seconds);
+    if (result == TY_OK) result = run_part(job, "fluence", share, ty_fld_diffuse, &stats->solve_seconds);
     return result;
 }
 
@@ -65,6 +76,7 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double shar
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
     if (job.light == NULL) return TY_ERROR_MEMORY;
     job.light->context = context;
+    job.light->reduced = def->beam == TY_FLD_BEAM_REDUCED;
     result = run_parts(&job, share);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
     end_job(&job);
@@ -78,6 +90,7 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double shar
 }
 
 ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats) {
+    *out = NULL;
     return solve(scene, def, 1, out, stats);
 }
 
@@ -87,7 +100,6 @@ void ty_fld_destroy(ty_fld* light) {
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, light->terms[c][t], light->cells, sizeof(float));
-        for (int a = 0; a < 3; ++a) ty_free_array(light->context, light->flux[c][a], light->cells, sizeof(float));
     }
     ty_free_array(light->context, light->guide, light->cells, sizeof(float));
     ty_free_array(light->context, light, 1, sizeof *light);
@@ -98,10 +110,10 @@ void ty_fld_destroy(ty_fld* light) {
 static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_fld_progress progress,
                       ty_image** out, ty_fld_stats* stats) {
     const ty_camera_def camera = ty_scene_camera(scene);
-    ty_source_field field = {.box = light->box, .term_count = light->term_count, .guide = light->guide};
+    const bool directed = !light->even || ty_scene_get_view(scene)->mesh != NULL;
+    ty_source_field field = {.box = light->box, .term_count = directed ? TY_FIELD_TERMS : 1, .guide = light->guide};
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];
-        for (int a = 0; a < 3; ++a) field.flux[c][a] = light->flux[c][a];
     }
     ty_march_def march = ty_default_march_def();
     march.width = def->width > 0 ? def->width : camera.resolution[0];
@@ -113,7 +125,7 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
     march.light_box = light->direct_box;
     march.lights = light->lights;
     march.light_count = light->light_count;
-    march.reduced = def->beam == TY_FLD_BEAM_REDUCED;
+    march.reduced = light->reduced;
     march.field = &field;
     march.unscattered = def->unscattered;
     march.progress = ty_fld_report;
@@ -130,6 +142,7 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
 
 ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_image** out,
                       ty_fld_stats* stats) {
+    *out = NULL;
     const ty_result result = ty_fld_check(ty_scene_context(scene), def);
     if (result != TY_OK) return result;
     const ty_fld_progress progress = {
@@ -138,6 +151,7 @@ ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
 }
 
 ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image** out, ty_fld_stats* stats) {
+    *out = NULL;
     ty_fld* light = NULL;
     ty_fld_stats own = {0};
     const double begun = ty_wall_seconds();

@@ -98,9 +98,9 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
         cover_cell(job, &light->box, cell, axes);
         for (int c = 0; c < 3; ++c) {
             double beam = 0, diffuse = 0, flux[3] = {0, 0, 0};
-            const float* const* radiance = (const float* const*)light->terms[c];
-            add_means(&light->box, axes, radiance, 1, four_pi, &diffuse);
-            add_means(&light->box, axes, (const float* const*)light->flux[c], 3, 1, flux);
+            const float* const* terms = (const float* const*)light->terms[c];
+            add_means(&light->box, axes, terms, 1, four_pi, &diffuse);
+            add_means(&light->box, axes, terms + 1, 3, four_pi / 3, flux);
             add_beams(job, cell, c, &beam, flux);
             job->fluence[3 * at + (size_t)c] = diffuse + beam;
             if (job->beam != NULL) job->beam[3 * at + (size_t)c] = beam;

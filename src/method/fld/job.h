@@ -13,14 +13,14 @@ enum { TY_FLD_OWN_MAX = 8 };
 
 struct ty_fld {
     ty_context* context;
+    bool reduced;                             /* beams are TY_FLD_BEAM_REDUCED */
     ty_grid_box direct_box, box;              /* the same box, in cells of direct light and of diffusion */
     ty_light_field* beam[TY_FLD_OWN_MAX + 1]; /* the last is of many sources, with flux */
     ty_single_light lights[TY_FLD_OWN_MAX + 1];
     int32_t light_count;
     size_t cells;                    /* of diffusion */
-    int32_t term_count;
+    bool even;                       /* whether media scatter alike in all directions */
     float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field */
-    float* flux[3][3];               /* of diffuse light per channel, W m^-2 */
     float* guide;
 };
 
@@ -29,6 +29,7 @@ typedef struct ty_fld_progress {
     ty_progress_fn function; /* the caller's; may be NULL */
     void* user;
     double begun;       /* s */
+    double reported;    /* s: when the caller was last told */
     double from, share; /* of the whole work */
 } ty_fld_progress;
 
@@ -49,8 +50,11 @@ typedef struct ty_fld_job {
 /* Fails with the first field that is out of its range. */
 ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
 
-/* Takes the caller's progress over for the next part of the work, up to the fraction `until`. */
-void ty_fld_next_part(ty_fld_job* job, double until);
+/* Takes the caller's progress over for the next part of the work, up to the fraction `until`, and tells the caller.
+ * Errors: TY_CANCELLED. */
+ty_result ty_fld_next_part(ty_fld_job* job, const char* stage, double until);
+/* Tells the caller where this part begins, unless it was told of anything just now. Errors: TY_CANCELLED. */
+ty_result ty_fld_show_progress(ty_fld_job* job, const char* stage);
 /* A ty_progress_fn whose user is a ty_fld_progress. */
 bool ty_fld_report(void* user, const ty_progress* progress);
 
