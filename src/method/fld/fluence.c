@@ -15,12 +15,14 @@ typedef struct cover {
     double lower, upper; /* in cells */
 } cover;
 
-/* Cell `index` of `count` from lower to upper; a cell without extent is a point. */
+/* Cell `index` of `count` from lower to upper; a cell without extent is a point, and the upper face is part of the box.
+ */
 static cover cover_of(const ty_grid_box* box, int axis, double lower, double upper, int32_t index, int32_t count) {
     const double per_metre = box->size[axis] / (box->upper[axis] - box->lower[axis]);
     const double width = (upper - lower) / count;
     cover c = {.lower = (lower + width * index - box->lower[axis]) * per_metre,
                .upper = (lower + width * (index + 1) - box->lower[axis]) * per_metre};
+    if (upper == lower && upper == box->upper[axis]) c.lower = c.upper = box->size[axis] - 1;
     const double first = fmin(fmax(floor(c.lower), 0), box->size[axis]);
     const double end = fmin(fmax(fmax(ceil(c.upper), floor(c.lower) + 1), 0), box->size[axis]);
     c.first = (int32_t)first;
