@@ -86,13 +86,13 @@ TY_FN bool ty_march_weigh(const ty_march_ray* ray, float end, float depth[3], fl
     return true;
 }
 
-/* The extinction at a point itself, mean of the channels, 1/m: means over steps differ from pixel to pixel, and show.
+/* The extinction at a place itself, mean of the channels, 1/m: means over steps differ from pixel to pixel, and show.
  */
-TY_FN float ty_march_extinction(const ty_march_ray* ray, ty_vec point) {
+TY_FN float ty_march_extinction(const ty_march_ray* ray, float at) {
     float extinction = 0.0f;
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
-        if (track->amount > 0.0f) extinction += ty_track_extinction(track, point);
+        if (track->amount > 0.0f) extinction += ty_track_extinction(track, at);
     }
     return extinction;
 }
@@ -108,12 +108,13 @@ TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, float extinction,
     }
 }
 
-/* Looks up what reaches the eye from a step around a point. */
-TY_FN void ty_march_add(ty_march_ray* ray, ty_vec point, const float reach[3]) {
+/* Looks up what reaches the eye from a step around a place `at` metres along. */
+TY_FN void ty_march_add(ty_march_ray* ray, float at, const float reach[3]) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     ty_near_light lights[TY_MARCH_LIGHTS_MAX];
-    const float extinction = ty_march_extinction(ray, point);
+    const ty_vec point = ty_mad(ray->origin, ray->direction, at);
+    const float extinction = ty_march_extinction(ray, at);
     ty_near_look(request, point, extinction, lights);
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
@@ -147,7 +148,7 @@ TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
             reach[c] = ray->light.transmittance[c] * ty_mean_decay(depth[c], decay);
             ray->light.transmittance[c] *= decay;
         }
-        if (ray->looks != 0) ty_march_add(ray, ty_mad(ray->origin, ray->direction, at), reach);
+        if (ray->looks != 0) ty_march_add(ray, at, reach);
     }
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];

@@ -4,6 +4,7 @@
 #define TY_IMAGE_NEAR_K_H
 
 #include "image/kernel.h"
+#include "image/voxel.k.h"
 #include "scene/spans.k.h"
 
 /* Optical depth of a cell above which that is done; how many cells further on; samples of the density on the way. */
@@ -17,20 +18,19 @@ typedef struct ty_near_light {
     float passing[3]; /* what comes from there */
 } ty_near_light;
 
-TY_FN float ty_near_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point) {
-    if (medium->has_grid == 0) return 1.0f;
-    const float value = ty_grid_value(&medium->grid, ty_map_point(medium->to_index, point));
-    if (medium->transfer != NULL) return ty_transfer_density(medium->transfer, medium->transfer_count, value);
-    return ty_maxf(0.0f, value);
-}
-
 /* Adds the optical depth of a medium between two distances along a ray, as beams lose light. */
 TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_medium_view* medium, ty_vec from,
                          ty_vec toward, float enter, float leave, float depth[3]) {
     const float part = (leave - enter) / (float)TY_NEAR_SAMPLES;
     float sum = 0.0f, sigma_s[3], g[3];
-    for (int32_t i = 0; i < TY_NEAR_SAMPLES; ++i)
-        sum += ty_near_density(medium, ty_mad(from, toward, enter + part * ((float)i + 0.5f)));
+    if (medium->has_grid != 0) {
+        const ty_vec origin = ty_map_point(medium->to_index, from);
+        const ty_vec direction = ty_map_direction(medium->to_index, toward);
+        for (int32_t i = 0; i < TY_NEAR_SAMPLES; ++i)
+            sum += ty_voxels_density(medium, ty_mad(origin, direction, enter + part * ((float)i + 0.5f)));
+    } else {
+        sum = (float)TY_NEAR_SAMPLES;
+    }
     const ty_vec middle = ty_mad(from, toward, 0.5f * (enter + leave));
     ty_medium_sigma_s(medium, middle, sigma_s);
     ty_medium_g(medium, middle, g);

@@ -2,7 +2,7 @@
 #ifndef TY_IMAGE_TRACK_K_H
 #define TY_IMAGE_TRACK_K_H
 
-#include "scene/spans.k.h"
+#include "image/voxel.k.h"
 
 /* Parts of a piece in which a transfer function has a point. */
 enum { TY_TRACK_PARTS = 4 };
@@ -90,26 +90,6 @@ TY_FN void ty_track_begin(ty_track* track, TY_GLOBAL const ty_medium_view* mediu
 
 /* ---- voxels ---- */
 
-TY_FN float ty_track_voxel(TY_GLOBAL const ty_grid_view* grid, size_t at) {
-    return grid->floats != NULL ? grid->floats[at] : ty_half_to_float(grid->halves[at]);
-}
-
-TY_FN void ty_track_fetch(ty_track* track) {
-    TY_GLOBAL const ty_grid_view* grid = &track->medium->grid;
-    const int32_t *cell = track->cell, *size = grid->size;
-    if ((uint32_t)cell[0] < (uint32_t)(size[0] - 1) && (uint32_t)cell[1] < (uint32_t)(size[1] - 1) &&
-        (uint32_t)cell[2] < (uint32_t)(size[2] - 1)) {
-        const size_t row = (size_t)size[0], plane = row * (size_t)size[1];
-        const size_t base = (size_t)cell[0] + row * (size_t)cell[1] + plane * (size_t)cell[2];
-        for (int i = 0; i < 8; ++i)
-            track->corner[i] =
-                ty_track_voxel(grid, base + (size_t)(i & 1) + ((i & 2) != 0 ? row : 0) + ((i & 4) != 0 ? plane : 0));
-        return;
-    }
-    for (int i = 0; i < 8; ++i)
-        track->corner[i] = ty_grid_fetch(grid, cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2));
-}
-
 TY_FN void ty_track_face(ty_track* track, int32_t axis, float origin, float direction) {
     const int32_t face = track->cell[axis] + (direction > 0.0f ? 1 : 0);
     track->next[axis] = direction != 0.0f ? ((float)face - origin) * track->inverse[axis] : TY_FLOAT_MAX;
@@ -130,15 +110,10 @@ TY_FN float ty_track_density(const ty_track* track, float t) {
     TY_GLOBAL const ty_medium_view* medium = track->medium;
     if (medium->has_grid == 0) return 1.0f;
     const ty_bricks* b = &track->bricks;
-    const float* v = track->corner;
     const float x = b->origin.x + b->direction.x * t - (float)track->cell[0];
     const float y = b->origin.y + b->direction.y * t - (float)track->cell[1];
     const float z = b->origin.z + b->direction.z * t - (float)track->cell[2];
-    const float low = ty_lerpf(ty_lerpf(v[0], v[1], x), ty_lerpf(v[2], v[3], x), y);
-    const float high = ty_lerpf(ty_lerpf(v[4], v[5], x), ty_lerpf(v[6], v[7], x), y);
-    const float value = ty_lerpf(low, high, z);
-    if (medium->transfer != NULL) return ty_transfer_density(medium->transfer, medium->transfer_count, value);
-    return ty_maxf(0.0f, value);
+    return ty_voxels_to_density(medium, ty_voxels_between(track->corner, x, y, z));
 }
 
 /* Whether the transfer function has a point within the range of the eight voxels. */
@@ -155,7 +130,7 @@ TY_FN bool ty_track_bends(const ty_track* track) {
 }
 
 TY_FN void ty_track_enter_cell(ty_track* track) {
-    ty_track_fetch(track);
+    ty_voxels_fetch(&track->medium->grid, track->cell, track->corner);
     track->parts = track->medium->transfer != NULL && ty_track_bends(track) ? TY_TRACK_PARTS : 1;
 }
 
@@ -189,14 +164,11 @@ TY_FN void ty_track_advance(ty_track* track, float t) {
     ty_track_enter_cell(track);
 }
 
-/* Extinction at a point of the world that is in the medium, mean of the channels, 1/m. */
-TY_FN float ty_track_extinction(const ty_track* track, ty_vec point) {
+/* Extinction where the ray is t metres along, which may be anywhere in the medium; mean of the channels, 1/m. */
+TY_FN float ty_track_extinction(const ty_track* track, float t) {
     TY_GLOBAL const ty_medium_view* medium = track->medium;
     if (medium->has_grid == 0) return track->mean;
-    const float value = ty_grid_value(&medium->grid, ty_map_point(medium->to_index, point));
-    if (medium->transfer != NULL)
-        return track->mean * ty_transfer_density(medium->transfer, medium->transfer_count, value);
-    return track->mean * ty_maxf(0.0f, value);
+    return track->mean * ty_voxels_density(medium, ty_mad(track->bricks.origin, track->bricks.direction, t));
 }
 
 /* ---- pieces ---- */

@@ -50,13 +50,15 @@ TY_FN size_t ty_upsample_cell(const ty_upsample_view* view, const ty_cell_point*
  * of the mean. */
 TY_FN void ty_upsample_guide(const ty_upsample_view* view, const ty_cell_point* at, float extinction, float weight[8]) {
     const int guide = view->floats == TY_UPSAMPLE_PLAIN ? 3 : 12;
-    float sum = 0.0f;
+    const float sharpness = view->sharpness;
+    float there[8];
+    for (int i = 0; i < 8; ++i) there[i] = view->cells[ty_upsample_cell(view, at, i) + (size_t)guide];
     for (int i = 0; i < 8; ++i) {
-        const float there = view->cells[ty_upsample_cell(view, at, i) + (size_t)guide];
-        const float apart = (there - extinction) / ty_maxf(there + extinction, 1e-30f);
-        weight[i] *= ty_exp_minus(ty_minf(apart * apart * view->sharpness, 40.0f));
-        sum += weight[i];
+        const float apart = (there[i] - extinction) / ty_maxf(there[i] + extinction, 1e-30f);
+        weight[i] *= ty_exp_minus(ty_minf(apart * apart * sharpness, 40.0f));
     }
+    const float sum =
+        ((weight[0] + weight[1]) + (weight[2] + weight[3])) + ((weight[4] + weight[5]) + (weight[6] + weight[7]));
     const float scale = 1.0f / ty_maxf(sum, 1e-30f);
     for (int i = 0; i < 8; ++i) weight[i] *= scale;
 }
