@@ -39,7 +39,7 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .larsen_power = 2,
                                                    .streaming = 0.55,
                                                    .relaxation = 1.85,
-                                                   .tolerance = 1e-4,
+                                                   .tolerance = 3e-4,
                                                    .step = 1,
                                                    .environment_beams = 64,
                                                    .surface_points = 16,

@@ -10,7 +10,7 @@ ty_fld_def ty_default_fld_def(void) {
                         .larsen_power = 2,
                         .streaming = 0.55,
                         .relaxation = 1.85,
-                        .tolerance = 1e-4,
+                        .tolerance = 3e-4,
                         .environment_beams = 64,
                         .surface_points = 16,
                         .spp = 1,

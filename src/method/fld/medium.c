@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64, RATIO = 4, FEW_CELLS = 48 };
+enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64, RATIO = 3, FEW_RATIO = 2, FEW_CELLS = 48 };
 
 static bool has_voxels(const ty_scene_view* view) {
     for (int32_t m = 0; m < view->medium_count; ++m)
@@ -21,7 +21,7 @@ static int32_t longest_side(const int32_t size[3]) {
 
 static double choose_ratio(const ty_fld_def* def, const int32_t size[3]) {
     if (def->ratio > 0) return def->ratio;
-    return longest_side(size) >= RATIO * FEW_CELLS ? RATIO : 0.5 * RATIO;
+    return longest_side(size) >= RATIO * FEW_CELLS ? RATIO : FEW_RATIO;
 }
 
 ty_result ty_fld_sample_media(ty_fld_job* job) {
