@@ -44,11 +44,14 @@ TY_FN void ty_upsample_weights(const ty_cell_point* at, float weight[8]) {
 
 /* Where the cells' terms are. */
 TY_FN void ty_upsample_cells(const ty_upsample_view* view, const ty_cell_point* at, TY_GLOBAL const float* cells[8]) {
-    for (int i = 0; i < 8; ++i) {
-        const size_t cell = at->base + ((i & 1) != 0 ? at->step[0] : 0) + ((i & 2) != 0 ? at->step[1] : 0) +
-                            ((i & 4) != 0 ? at->step[2] : 0);
-        cells[i] = view->cells + cell * (size_t)view->floats;
-    }
+    const size_t floats = (size_t)view->floats;
+    const size_t x = at->step[0] * floats, y = at->step[1] * floats, z = at->step[2] * floats;
+    TY_GLOBAL const float* from = view->cells + at->base * floats;
+    cells[0] = from;
+    cells[1] = from + x;
+    cells[2] = from + y;
+    cells[3] = from + y + x;
+    for (int i = 0; i < 4; ++i) cells[4 + i] = cells[i] + z;
 }
 
 TY_FN float ty_upsample_sum(const float weight[8]) {
