@@ -15,6 +15,8 @@ typedef struct ty_source_field {
     ty_grid_box box;
     int32_t term_count;                    /* 1: alike in all directions; 4 */
     const float* terms[3][TY_FIELD_TERMS]; /* per channel, x fastest */
+    bool shared; /* whether all channels are the first one's terms, times color: the others' are not looked at */
+    float color[3];
     const float* guide; /* extinction of the cells, mean of the channels, 1/m; NULL: no guided upsampling */
 } ty_source_field;
 

@@ -52,7 +52,7 @@ static ty_result check_field(ty_context* context, const ty_march_def* def) {
     if (field->term_count != 1 && field->term_count != TY_FIELD_TERMS)
         return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: %d terms are neither 1 nor %d", (int)field->term_count,
                        (int)TY_FIELD_TERMS);
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < (field->shared ? 1 : 3); ++c)
         for (int t = 0; t < field->term_count; ++t)
             if (field->terms[c][t] == NULL)
                 return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: terms[%d][%d] is NULL", c, t);
@@ -121,13 +121,14 @@ static void pack_plane(void* user, int64_t z, int32_t worker) {
     const march_job* job = user;
     const ty_source_field* field = job->def->field;
     const size_t plane = (size_t)field->box.size[0] * (size_t)field->box.size[1];
-    const int32_t floats = job->request.field.floats, terms = floats / 4;
+    const ty_upsample_view* view = &job->request.field;
+    const int32_t terms = view->terms, guide = view->channels * terms;
     for (size_t i = (size_t)z * plane; i < (size_t)(z + 1) * plane; ++i) {
-        float* cell = job->cells + i * (size_t)floats;
-        for (int c = 0; c < 3; ++c)
+        float* cell = job->cells + i * (size_t)view->floats;
+        for (int c = 0; c < view->channels; ++c)
             for (int t = 0; t < terms; ++t) cell[c * terms + t] = field->terms[c][t][i];
-        cell[3 * terms] = field->guide != NULL ? field->guide[i] : 0;
-        for (int32_t rest = 3 * terms + 1; rest < floats; ++rest) cell[rest] = 0;
+        cell[guide] = field->guide != NULL ? field->guide[i] : 0;
+        for (int32_t rest = guide + 1; rest < view->floats; ++rest) cell[rest] = 0;
     }
 }
 
@@ -137,7 +138,12 @@ static ty_result pack_field(march_job* job) {
     ty_upsample_view* view = &job->request.field;
     const int32_t* size = field->box.size;
     view->place = place_cells(&field->box);
-    view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN : TY_UPSAMPLE_DIRECTED;
+    view->channels = field->shared ? 1 : 3;
+    view->terms = field->term_count;
+    view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN
+                   : field->shared        ? TY_UPSAMPLE_SHARED
+                                          : TY_UPSAMPLE_DIRECTED;
+    for (int c = 0; c < 3; ++c) view->color[c] = field->shared ? field->color[c] : 1;
     const double guided = job->def->guided;
     view->sharpness = guided > 0 && field->guide != NULL ? (float)(1 / (2 * guided * guided)) : 0;
     job->cell_floats = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;

@@ -7,10 +7,12 @@
 #include "image/voxel.k.h"
 #include "scene/spans.k.h"
 
-/* Optical depth of a cell above which that is done; how many cells further on; samples of the density on the way. */
+/* Optical depth of a cell above which that is done; how many cells further on; samples of the density on the way, for
+ * each voxel and in all. */
 #define TY_NEAR_THICK 0.15f
 #define TY_NEAR_CELLS 2.0f
-enum { TY_NEAR_SAMPLES = 6 };
+#define TY_NEAR_PER_VOXEL 1.5f
+enum { TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
 
 /* A light as it is seen from a point. */
 typedef struct ty_near_light {
@@ -18,30 +20,74 @@ typedef struct ty_near_light {
     float passing[3]; /* what comes from there */
 } ty_near_light;
 
+/* The integral of a medium's density between two distances along a ray, m. */
+TY_FN float ty_near_amount(TY_GLOBAL const ty_medium_view* medium, ty_vec from, ty_vec toward, float enter,
+                           float leave) {
+    const float length = leave - enter;
+    if (medium->has_grid == 0) return length;
+    const ty_vec origin = ty_map_point(medium->to_index, from);
+    const ty_vec direction = ty_map_direction(medium->to_index, toward);
+    const float voxels = length * sqrtf(ty_dot(direction, direction));
+    const int32_t count =
+        (int32_t)ty_clampf(TY_NEAR_PER_VOXEL * voxels + 0.5f, (float)TY_NEAR_SAMPLES_MIN, (float)TY_NEAR_SAMPLES_MAX);
+    const float part = length / (float)count;
+    float sum = 0.0f;
+    for (int32_t i = 0; i < count; ++i)
+        sum += ty_voxels_density(medium, ty_mad(origin, direction, enter + part * ((float)i + 0.5f)));
+    return sum * part;
+}
+
 /* Adds the optical depth of a medium between two distances along a ray, as beams lose light. */
 TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_medium_view* medium, ty_vec from,
                          ty_vec toward, float enter, float leave, float depth[3]) {
-    const float part = (leave - enter) / (float)TY_NEAR_SAMPLES;
-    float sum = 0.0f, sigma_s[3], g[3];
-    if (medium->has_grid != 0) {
-        const ty_vec origin = ty_map_point(medium->to_index, from);
-        const ty_vec direction = ty_map_direction(medium->to_index, toward);
-        for (int32_t i = 0; i < TY_NEAR_SAMPLES; ++i)
-            sum += ty_voxels_density(medium, ty_mad(origin, direction, enter + part * ((float)i + 0.5f)));
-    } else {
-        sum = (float)TY_NEAR_SAMPLES;
-    }
+    const float amount = ty_near_amount(medium, from, toward, enter, leave);
     const ty_vec middle = ty_mad(from, toward, 0.5f * (enter + leave));
+    float sigma_s[3], g[3];
     ty_medium_sigma_s(medium, middle, sigma_s);
     ty_medium_g(medium, middle, g);
     for (int32_t c = 0; c < 3; ++c) {
         const float forward = request->reduced != 0 ? ty_maxf(0.0f, g[c]) * sigma_s[c] : 0.0f;
-        depth[c] += sum * part * ty_maxf(0.0f, medium->sigma_t[c] - forward);
+        depth[c] += amount * ty_maxf(0.0f, medium->sigma_t[c] - forward);
     }
 }
 
-/* One light, through the media on the way to cells further on. Beyond the middles of the outer cells there are none. */
-TY_FN void ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_single_light* light,
+TY_FN bool ty_near_in_box(ty_vec p, ty_vec low, ty_vec high) {
+    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+}
+
+/* Whether a point is within a medium's bounds and grid, if they are convex: then so is all between two such points. */
+TY_FN bool ty_near_inside(TY_GLOBAL const ty_medium_view* medium, ty_vec point) {
+    if (medium->bounds == TY_BOUNDED_SHELL) return false;
+    const ty_vec p = ty_map_point(medium->to_bounds, point);
+    if (medium->bounds == TY_BOUNDED_BOX && !ty_near_in_box(p, ty_vec_make(-1, -1, -1), ty_vec_make(1, 1, 1)))
+        return false;
+    if (medium->bounds == TY_BOUNDED_SPHERE && ty_dot(p, p) > 1.0f) return false;
+    const int32_t* size = medium->grid.size;
+    return medium->has_grid == 0 || ty_near_in_box(ty_map_point(medium->to_index, point), ty_vec_make(-1, -1, -1),
+                                                   ty_vec_make((float)size[0], (float)size[1], (float)size[2]));
+}
+
+/* The optical depth of all media from a point up to some distance. */
+TY_FN void ty_near_depths(TY_GLOBAL const ty_march_request* request, ty_vec from, ty_vec toward, float far,
+                          float depth[3]) {
+    TY_GLOBAL const ty_scene_view* scene = request->scene;
+    const ty_vec end = ty_mad(from, toward, far);
+    for (int32_t m = 0; m < scene->medium_count; ++m) {
+        TY_GLOBAL const ty_medium_view* medium = &scene->media[m];
+        if (ty_near_inside(medium, from) && ty_near_inside(medium, end)) {
+            ty_near_depth(request, medium, from, toward, 0.0f, far, depth);
+            continue;
+        }
+        ty_spans spans;
+        ty_spans_find(medium, 1, from, toward, far, &spans);
+        for (int32_t i = 0; i < spans.count; ++i)
+            ty_near_depth(request, medium, from, toward, spans.enter[i], spans.leave[i], depth);
+    }
+}
+
+/* One light, through the media on the way to cells further on; false where there are none, beyond the middles of the
+ * outer cells, or a surface is on the way. */
+TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_single_light* light,
                           ty_vec point, ty_near_light* out) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
     ty_vec toward = ty_scale(light->toward, -1.0f);
@@ -58,16 +104,15 @@ TY_FN void ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     const ty_vec last = ty_vec_make((float)request->light.size[0] - 0.5f, (float)request->light.size[1] - 0.5f,
                                     (float)request->light.size[2] - 0.5f);
     float near = 0.0f, far = ty_minf(TY_NEAR_CELLS / sqrtf(ty_dot(cells, cells)), 0.5f * distance);
-    if (!ty_clip_box(from, cells, first, last, &near, &far) || near > 0.0f) return;
-    if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return;
+    if (!ty_near_in_box(from, first, last)) return false;
+    if (!ty_near_in_box(ty_mad(from, cells, far), first, last)) ty_clip_box(from, cells, first, last, &near, &far);
+    if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
     float depth[3] = {0.0f, 0.0f, 0.0f};
-    ty_spans spans;
-    ty_spans_find(scene->media, scene->medium_count, point, toward, far, &spans);
-    for (int32_t i = 0; i < spans.count; ++i)
-        ty_near_depth(request, &scene->media[spans.medium[i]], point, toward, spans.enter[i], spans.leave[i], depth);
+    ty_near_depths(request, point, toward, far, depth);
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
     for (int32_t c = 0; c < 3; ++c) out->passing[c] = spread * spread * ty_decay(depth[c]);
-    out->at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, ty_mad(point, toward, far)));
+    out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, far));
+    return true;
 }
 
 /* All lights from a point where the mean extinction is as given, 1/m. */
@@ -76,13 +121,12 @@ TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point,
     if (request->light_count == 0) return;
     const ty_vec per_cell = request->light.per_cell;
     const float coarsest = ty_minf(per_cell.x, ty_minf(per_cell.y, per_cell.z));
-    const ty_cell_point here = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
+    const bool thick = extinction > TY_NEAR_THICK * coarsest;
     for (int32_t i = 0; i < request->light_count; ++i) {
         TY_GLOBAL const ty_single_light* light = &request->lights[i];
-        lights[i].at = here;
+        if (thick && light->kind != TY_SINGLE_MANY && ty_near_follow(request, light, point, &lights[i])) continue;
+        lights[i].at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
         for (int32_t c = 0; c < 3; ++c) lights[i].passing[c] = 1.0f;
-        if (light->kind != TY_SINGLE_MANY && extinction > TY_NEAR_THICK * coarsest)
-            ty_near_follow(request, light, point, &lights[i]);
     }
 }
 

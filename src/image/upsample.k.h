@@ -5,8 +5,9 @@
 #include "base/vector.k.h"
 #include "direct/single.k.h"
 
-/* Floats of a cell: three channels of one term and the guide, or of four and the guide with room to spare. */
-enum { TY_UPSAMPLE_PLAIN = 4, TY_UPSAMPLE_DIRECTED = 16 };
+/* Floats of a cell, terms of all channels and the guide and room to spare: three channels of one term (or one of one),
+ * one of four, three of four. */
+enum { TY_UPSAMPLE_PLAIN = 4, TY_UPSAMPLE_SHARED = 8, TY_UPSAMPLE_DIRECTED = 16 };
 
 /* Where cells lie. */
 typedef struct ty_cell_place {
@@ -16,7 +17,9 @@ typedef struct ty_cell_place {
 
 typedef struct ty_upsample_view {
     ty_cell_place place;
-    int32_t floats; /* of a cell: channel by channel its terms, then the guide */
+    int32_t floats;          /* of a cell: channel by channel its terms, then the guide */
+    int32_t channels, terms; /* channels: 3, or 1 that all are multiples of */
+    float color[3];          /* times which channels are what is in the cells */
     TY_GLOBAL const float* cells;
     float sharpness; /* 1 / (2 width^2); 0: plain interpolation */
 } ty_upsample_view;
@@ -39,54 +42,63 @@ TY_FN void ty_upsample_weights(const ty_cell_point* at, float weight[8]) {
     for (int i = 0; i < 8; ++i) weight[i] = x[i & 1] * y[i >> 1 & 1] * z[i >> 2];
 }
 
-TY_FN size_t ty_upsample_cell(const ty_upsample_view* view, const ty_cell_point* at, int i) {
-    const size_t cell = at->base + ((i & 1) != 0 ? at->step[0] : 0) + ((i & 2) != 0 ? at->step[1] : 0) +
-                        ((i & 4) != 0 ? at->step[2] : 0);
-    return cell * (size_t)view->floats;
+/* Where the cells' terms are. */
+TY_FN void ty_upsample_cells(const ty_upsample_view* view, const ty_cell_point* at, TY_GLOBAL const float* cells[8]) {
+    const size_t floats = (size_t)view->floats;
+    const size_t x = at->step[0] * floats, y = at->step[1] * floats, z = at->step[2] * floats;
+    TY_GLOBAL const float* from = view->cells + at->base * floats;
+    cells[0] = from;
+    cells[1] = from + x;
+    cells[2] = from + y;
+    cells[3] = from + y + x;
+    for (int i = 0; i < 4; ++i) cells[4 + i] = cells[i] + z;
+}
+
+TY_FN float ty_upsample_sum(const float weight[8]) {
+    return ((weight[0] + weight[1]) + (weight[2] + weight[3])) + ((weight[4] + weight[5]) + (weight[6] + weight[7]));
 }
 
 /* Gives cells the less weight the further their extinction is from that of the sample: by a bell of half the logarithm
  * of their ratio (its hyperbolic tangent, which is bounded for empty cells). What all cells are given alike falls out
  * of the mean. */
-TY_FN void ty_upsample_guide(const ty_upsample_view* view, const ty_cell_point* at, float extinction, float weight[8]) {
-    const int guide = view->floats == TY_UPSAMPLE_PLAIN ? 3 : 12;
+TY_FN void ty_upsample_guide(const ty_upsample_view* view, TY_GLOBAL const float* const cells[8], float extinction,
+                             float weight[8]) {
+    const int32_t guide = view->channels * view->terms;
     const float sharpness = view->sharpness;
     float there[8];
-    for (int i = 0; i < 8; ++i) there[i] = view->cells[ty_upsample_cell(view, at, i) + (size_t)guide];
+    for (int i = 0; i < 8; ++i) there[i] = cells[i][guide];
     for (int i = 0; i < 8; ++i) {
         const float apart = (there[i] - extinction) / ty_maxf(there[i] + extinction, 1e-30f);
         weight[i] *= ty_exp_minus(ty_minf(apart * apart * sharpness, 40.0f));
     }
-    const float sum =
-        ((weight[0] + weight[1]) + (weight[2] + weight[3])) + ((weight[4] + weight[5]) + (weight[6] + weight[7]));
-    const float scale = 1.0f / ty_maxf(sum, 1e-30f);
+    const float scale = 1.0f / ty_maxf(ty_upsample_sum(weight), 1e-30f);
     for (int i = 0; i < 8; ++i) weight[i] *= scale;
 }
 
-/* The field's terms at a point between cells, channel by channel as in memory; those past the last one are 0. */
-TY_FN void ty_upsample_terms(const ty_upsample_view* view, const ty_cell_point* at, const float weight[8],
-                             float sum[TY_UPSAMPLE_DIRECTED]) {
-    for (int j = 0; j < TY_UPSAMPLE_DIRECTED; ++j) sum[j] = 0.0f;
-    if (view->floats == TY_UPSAMPLE_PLAIN) {
-        for (int i = 0; i < 8; ++i) {
-            TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, at, i);
-            for (int j = 0; j < TY_UPSAMPLE_PLAIN; ++j) sum[j] += weight[i] * cell[j];
-        }
-        return;
-    }
-    for (int i = 0; i < 8; ++i) {
-        TY_GLOBAL const float* cell = view->cells + ty_upsample_cell(view, at, i);
-        for (int j = 0; j < TY_UPSAMPLE_DIRECTED; ++j) sum[j] += weight[i] * cell[j];
-    }
+/* The first `count` floats of the cells by their weights. */
+TY_FN void ty_upsample_mean(TY_GLOBAL const float* const cells[8], const float weight[8], int count, float* mean) {
+    for (int j = 0; j < count; ++j)
+        mean[j] =
+            ((weight[0] * cells[0][j] + weight[1] * cells[1][j]) +
+             (weight[2] * cells[2][j] + weight[3] * cells[3][j])) +
+            ((weight[4] * cells[4][j] + weight[5] * cells[5][j]) + (weight[6] * cells[6][j] + weight[7] * cells[7][j]));
 }
 
-/* What of the terms is alike in all directions, and what the rest is along a unit vector. */
-TY_FN void ty_upsample_split(const ty_upsample_view* view, const float sum[TY_UPSAMPLE_DIRECTED], ty_vec way,
-                             float even[3], float directed[3]) {
-    for (int c = 0; c < 3; ++c) {
-        const float* terms = sum + c * (view->floats / 4);
-        even[c] = terms[0];
-        directed[c] = view->floats == TY_UPSAMPLE_PLAIN ? 0.0f : terms[1] * way.x + terms[2] * way.y + terms[3] * way.z;
+/* What of the field's light between cells is alike in all directions, and what the rest is along a unit vector. */
+TY_FN void ty_upsample_terms(const ty_upsample_view* view, TY_GLOBAL const float* const cells[8], const float weight[8],
+                             ty_vec way, float even[3], float directed[3]) {
+    float mean[TY_UPSAMPLE_DIRECTED];
+    if (view->floats == TY_UPSAMPLE_PLAIN)
+        ty_upsample_mean(cells, weight, TY_UPSAMPLE_PLAIN, mean);
+    else if (view->floats == TY_UPSAMPLE_SHARED)
+        ty_upsample_mean(cells, weight, TY_UPSAMPLE_SHARED, mean);
+    else
+        ty_upsample_mean(cells, weight, TY_UPSAMPLE_DIRECTED, mean);
+    for (int32_t c = 0; c < 3; ++c) {
+        const float* terms = mean + (view->channels == 3 ? c * view->terms : 0);
+        even[c] = view->color[c] * terms[0];
+        directed[c] =
+            view->terms == 1 ? 0.0f : view->color[c] * (terms[1] * way.x + terms[2] * way.y + terms[3] * way.z);
     }
 }
 
@@ -95,24 +107,26 @@ TY_FN void ty_upsample_split(const ty_upsample_view* view, const float sum[TY_UP
 TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinction, ty_vec way, float even[3],
                        float directed[3]) {
     const ty_vec cells = ty_cell_coordinates(&view->place, point);
-    float weight[8], sum[TY_UPSAMPLE_DIRECTED];
+    TY_GLOBAL const float* eight[8];
+    float weight[8];
     for (int c = 0; c < 3; ++c) even[c] = directed[c] = 0.0f;
     if (!ty_cell_inside(&view->place, cells)) return;
     const ty_cell_point at = ty_cell_locate(view->place.size, cells);
+    ty_upsample_cells(view, &at, eight);
     ty_upsample_weights(&at, weight);
-    if (view->sharpness > 0.0f) ty_upsample_guide(view, &at, extinction, weight);
-    ty_upsample_terms(view, &at, weight, sum);
-    ty_upsample_split(view, sum, way, even, directed);
+    if (view->sharpness > 0.0f) ty_upsample_guide(view, eight, extinction, weight);
+    ty_upsample_terms(view, eight, weight, way, even, directed);
 }
 
 /* What arrives on a surface with a unit normal, W m^-2: of radiance even + directed . way, pi even - 2 pi / 3 directed
  * . normal. The point is inside the box. */
 TY_FN void ty_upsample_irradiance(const ty_upsample_view* view, ty_vec cells, ty_vec normal, float irradiance[3]) {
     const ty_cell_point at = ty_cell_locate(view->place.size, cells);
-    float weight[8], sum[TY_UPSAMPLE_DIRECTED], even[3], directed[3];
+    TY_GLOBAL const float* eight[8];
+    float weight[8], even[3], directed[3];
+    ty_upsample_cells(view, &at, eight);
     ty_upsample_weights(&at, weight);
-    ty_upsample_terms(view, &at, weight, sum);
-    ty_upsample_split(view, sum, normal, even, directed);
+    ty_upsample_terms(view, eight, weight, normal, even, directed);
     for (int c = 0; c < 3; ++c) irradiance[c] = ty_maxf(0.0f, TY_PI * (even[c] - 2.0f / 3.0f * directed[c]));
 }
 

@@ -171,15 +171,18 @@ static ty_result solve_channels(ty_fld_job* job, solve_work* work) {
     const double from = job->progress.from, share = job->progress.share;
     ty_result result = TY_OK;
     job->stats.converged = true;
+    job->light->shared = true;
     for (int32_t c = 0; c < 3 && result == TY_OK; ++c) {
-        float factor;
+        float factor = 1;
         job->progress.from = from + share * c / 3;
         job->progress.share = share / 3;
         bool solved = false;
         for (int32_t of = 0; of < c && !solved; ++of) {
             solved = is_multiple(job, c, of, &factor);
             if (solved) scale_channel(job, c, of, factor);
+            if (!solved && of == 0) job->light->shared = false;
         }
+        job->light->color[c] = factor;
         if (!solved) result = ty_fld_show_progress(job, "fluence");
         if (!solved && result == TY_OK) result = solve_channel(job, work, c);
     }

@@ -111,8 +111,10 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
                       ty_image** out, ty_fld_stats* stats) {
     const ty_camera_def camera = ty_scene_camera(scene);
     const bool directed = !light->even || ty_scene_get_view(scene)->mesh != NULL;
-    ty_source_field field = {.box = light->box, .term_count = directed ? TY_FIELD_TERMS : 1, .guide = light->guide};
+    ty_source_field field = {
+        .box = light->box, .term_count = directed ? TY_FIELD_TERMS : 1, .shared = light->shared, .guide = light->guide};
     for (int c = 0; c < 3; ++c) {
+        field.color[c] = light->color[c];
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];
     }
     ty_march_def march = ty_default_march_def();

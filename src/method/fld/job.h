@@ -21,6 +21,8 @@ struct ty_fld {
     size_t cells;                    /* of diffusion */
     bool even;                       /* whether media scatter alike in all directions */
     float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field */
+    bool shared;                     /* whether all channels are the first one's, times color */
+    float color[3];
     float* guide;
 };
 
