@@ -9,7 +9,7 @@
 
 /* Optical depth of a cell above which that is done; how many cells further on; samples of the density on the way, for
  * each voxel and in all. */
-#define TY_NEAR_THICK 0.15f
+#define TY_NEAR_THICK 0.7f
 #define TY_NEAR_CELLS 2.0f
 #define TY_NEAR_PER_VOXEL 1.5f
 enum { TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
