@@ -427,7 +427,10 @@ static const char every_key[] =
     "\"emission_scale\":1,\"material\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0},"
     "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":0,\"environment\":\"none\","
-    "\"balance\":false}}}";
+    "\"balance\":false},"
+    "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"streaming\":1,\"boundary\":\"dirichlet\",\"solver\":\"sor\","
+    "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
+    "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
@@ -464,6 +467,14 @@ static void test_every_key_is_accepted(void** state) {
     assert_int_equal(ty_scene_get_medium(scene, 3, &medium), TY_OK);
     const int32_t size[3] = {4, 5, 6};
     assert_memory_equal(ty_grid_get_info(medium.density_grid).size, size, sizeof size);
+    const ty_fld_settings fld = ty_scene_render_settings(scene).fld;
+    assert_string_equal(fld.limiter, "larsen");
+    assert_string_equal(fld.boundary, "dirichlet");
+    assert_string_equal(fld.solver, "sor");
+    assert_string_equal(fld.beam, "published");
+    assert_true(fld.larsen_power == 3 && fld.streaming == 1 && fld.relaxation == 1.5 && fld.tolerance == 1e-3);
+    assert_true(fld.sigma_eps == 0.1 && fld.ratio == 2 && fld.step == 0.5 && fld.iterations == 9);
+    assert_true(fld.resolution == 32 && fld.environment_beams == 8 && fld.surface_points == 4 && fld.spp == 2);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
