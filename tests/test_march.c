@@ -278,8 +278,10 @@ static void fields_have_directions_and_ends(void** state) {
     assert_close(march_once(scene, &def, "R"), (2 + 0.5 * 1.5) * -expm1(-1), 1e-5);
     even.values[3] = -4.5f;
     assert_close(march_once(scene, &def, "R"), 0, 0);
+    /* Steps do not end where the field does: many rays, that differ. */
     even_begin(&even, low, half, 2);
     def.step = 0.05;
+    def.spp = 64;
     assert_close(march_once(scene, &def, "R"), 2 * exp(-0.5) * -expm1(-0.5), 2e-3);
     ty_scene_destroy(scene);
 }

@@ -8,7 +8,7 @@
 #include "scene/spans.k.h"
 
 /* Optical depth of a cell above which that is done; how many cells further on; samples of the density on the way, for
- * each voxel and in all. */
+ * each voxel (and one for each unit of optical depth), and in all. */
 #define TY_NEAR_THICK 0.7f
 #define TY_NEAR_CELLS 2.0f
 #define TY_NEAR_PER_VOXEL 1.5f
@@ -20,16 +20,16 @@ typedef struct ty_near_light {
     float passing[3]; /* what comes from there */
 } ty_near_light;
 
-/* The integral of a medium's density between two distances along a ray, m. */
-TY_FN float ty_near_amount(TY_GLOBAL const ty_medium_view* medium, ty_vec from, ty_vec toward, float enter,
-                           float leave) {
+/* The integral of a medium's density between two distances along a ray, m. extinction: about what it is there, 1/m. */
+TY_FN float ty_near_amount(TY_GLOBAL const ty_medium_view* medium, ty_vec from, ty_vec toward, float enter, float leave,
+                           float extinction) {
     const float length = leave - enter;
     if (medium->has_grid == 0) return length;
     const ty_vec origin = ty_map_point(medium->to_index, from);
     const ty_vec direction = ty_map_direction(medium->to_index, toward);
     const float voxels = length * sqrtf(ty_dot(direction, direction));
-    const int32_t count =
-        (int32_t)ty_clampf(TY_NEAR_PER_VOXEL * voxels + 0.5f, (float)TY_NEAR_SAMPLES_MIN, (float)TY_NEAR_SAMPLES_MAX);
+    const int32_t count = (int32_t)ty_clampf(TY_NEAR_PER_VOXEL * voxels + extinction * length + 0.5f,
+                                             (float)TY_NEAR_SAMPLES_MIN, (float)TY_NEAR_SAMPLES_MAX);
     const float part = length / (float)count;
     float sum = 0.0f;
     for (int32_t i = 0; i < count; ++i)
@@ -39,8 +39,8 @@ TY_FN float ty_near_amount(TY_GLOBAL const ty_medium_view* medium, ty_vec from, 
 
 /* Adds the optical depth of a medium between two distances along a ray, as beams lose light. */
 TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_medium_view* medium, ty_vec from,
-                         ty_vec toward, float enter, float leave, float depth[3]) {
-    const float amount = ty_near_amount(medium, from, toward, enter, leave);
+                         ty_vec toward, float enter, float leave, float extinction, float depth[3]) {
+    const float amount = ty_near_amount(medium, from, toward, enter, leave, extinction);
     const ty_vec middle = ty_mad(from, toward, 0.5f * (enter + leave));
     float sigma_s[3], g[3];
     ty_medium_sigma_s(medium, middle, sigma_s);
@@ -69,26 +69,26 @@ TY_FN bool ty_near_inside(TY_GLOBAL const ty_medium_view* medium, ty_vec point) 
 
 /* The optical depth of all media from a point up to some distance. */
 TY_FN void ty_near_depths(TY_GLOBAL const ty_march_request* request, ty_vec from, ty_vec toward, float far,
-                          float depth[3]) {
+                          float extinction, float depth[3]) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
     const ty_vec end = ty_mad(from, toward, far);
     for (int32_t m = 0; m < scene->medium_count; ++m) {
         TY_GLOBAL const ty_medium_view* medium = &scene->media[m];
         if (ty_near_inside(medium, from) && ty_near_inside(medium, end)) {
-            ty_near_depth(request, medium, from, toward, 0.0f, far, depth);
+            ty_near_depth(request, medium, from, toward, 0.0f, far, extinction, depth);
             continue;
         }
         ty_spans spans;
         ty_spans_find(medium, 1, from, toward, far, &spans);
         for (int32_t i = 0; i < spans.count; ++i)
-            ty_near_depth(request, medium, from, toward, spans.enter[i], spans.leave[i], depth);
+            ty_near_depth(request, medium, from, toward, spans.enter[i], spans.leave[i], extinction, depth);
     }
 }
 
 /* One light, through the media on the way to cells further on; false where there are none, beyond the middles of the
  * outer cells, or a surface is on the way. */
 TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_single_light* light,
-                          ty_vec point, ty_near_light* out) {
+                          ty_vec point, float extinction, ty_near_light* out) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
     ty_vec toward = ty_scale(light->toward, -1.0f);
     float distance = TY_FLOAT_MAX;
@@ -108,7 +108,7 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     if (!ty_near_in_box(ty_mad(from, cells, far), first, last)) ty_clip_box(from, cells, first, last, &near, &far);
     if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
     float depth[3] = {0.0f, 0.0f, 0.0f};
-    ty_near_depths(request, point, toward, far, depth);
+    ty_near_depths(request, point, toward, far, extinction, depth);
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
     for (int32_t c = 0; c < 3; ++c) out->passing[c] = spread * spread * ty_decay(depth[c]);
     out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, far));
@@ -124,7 +124,8 @@ TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point,
     const bool thick = extinction > TY_NEAR_THICK * coarsest;
     for (int32_t i = 0; i < request->light_count; ++i) {
         TY_GLOBAL const ty_single_light* light = &request->lights[i];
-        if (thick && light->kind != TY_SINGLE_MANY && ty_near_follow(request, light, point, &lights[i])) continue;
+        if (thick && light->kind != TY_SINGLE_MANY && ty_near_follow(request, light, point, extinction, &lights[i]))
+            continue;
         lights[i].at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
         for (int32_t c = 0; c < 3; ++c) lights[i].passing[c] = 1.0f;
     }

@@ -10,6 +10,11 @@ enum { TY_TRACK_PARTS = 4 };
 /* Steps per voxel of a temperature, times those of other things. */
 #define TY_TRACK_GLOWS 4.0f
 
+/* How much longer steps are behind all that is seen, of what they are before it: of voxels, which are finer than
+ * scattered light is, and of other things. */
+#define TY_TRACK_GROWTH_VOXELS 2.0f
+#define TY_TRACK_GROWTH_CELLS 1.0f
+
 /* A medium on a stretch of the ray. */
 typedef struct ty_track {
     TY_GLOBAL const ty_medium_view* medium;
@@ -24,6 +29,7 @@ typedef struct ty_track {
     float corner[8];
     int32_t parts;        /* that pieces are cut into: their density may have a kink */
     float step;           /* how far apart light is looked up, m */
+    float growth;         /* times 1 + this where nothing is seen of it any more */
     float live;           /* extinction at density 1 of the channel that counts most, 1/m */
     float mean;           /* of the channels */
     float density;        /* where the ray is */
@@ -73,6 +79,13 @@ TY_FN float ty_track_step(TY_GLOBAL const ty_medium_view* medium, ty_vec directi
     }
     per_metre = ty_maxf(per_metre, ty_track_colors_per_metre(medium, direction));
     return per_metre > 0.0f ? 1.0f / per_metre : TY_FLOAT_MAX;
+}
+
+/* What glows may outshine by far all that hides it. */
+TY_FN float ty_track_growth(TY_GLOBAL const ty_medium_view* medium, ty_vec direction, float step) {
+    if (medium->has_temperature != 0) return 0.0f;
+    const bool of_voxels = medium->has_grid != 0 && step * ty_track_per_metre(medium->to_index, direction) < 1.5f;
+    return of_voxels ? TY_TRACK_GROWTH_VOXELS : TY_TRACK_GROWTH_CELLS;
 }
 
 TY_FN void ty_track_begin(ty_track* track, TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction,
