@@ -286,6 +286,43 @@ static void fields_have_directions_and_ends(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* Channels that are multiples of one, said to be so and not, are the same light. */
+static void shared_fields_are_the_same(void** state) {
+    static const float color[3] = {1, 0.5f, 3};
+    float terms[3][TY_FIELD_TERMS];
+    ty_scene* scene = seen_from_front(*state);
+    ty_medium_def medium = box_medium(low, high, 0.5f, 0);
+    set3f(medium.g, 0.5f, 0.5f, 0.5f);
+    add_medium(scene, &medium);
+    commit(scene);
+    ty_march_def def = march_def(1, 1);
+    for (int count = 1; count <= TY_FIELD_TERMS; count += 3) {
+        even_field even;
+        even_begin(&even, low, high, 0);
+        even.field.term_count = count;
+        for (int c = 0; c < 3; ++c)
+            for (int t = 0; t < TY_FIELD_TERMS; ++t) {
+                terms[c][t] = color[c] * (2 - 0.4f * (float)t);
+                even.field.terms[c][t] = &terms[c][t];
+            }
+        def.field = &even.field;
+        ty_image* apart = march_image(scene, &def, NULL);
+        even.field.shared = true;
+        for (int c = 0; c < 3; ++c) even.field.color[c] = color[c];
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) even.field.terms[1][t] = even.field.terms[2][t] = NULL;
+        ty_image* shared = march_image(scene, &def, NULL);
+        static const char* const names[3] = {"R", "G", "B"};
+        for (int c = 0; c < 3; ++c) {
+            const double expected = march_value(apart, names[c], 0);
+            assert_true(expected > 0);
+            assert_close(march_value(shared, names[c], 0) / expected, 1, 1e-6);
+        }
+        ty_image_destroy(apart);
+        ty_image_destroy(shared);
+    }
+    ty_scene_destroy(scene);
+}
+
 /* Two cells side by side, one of them as dense as the medium. */
 static void guides_choose_cells(void** state) {
     float light[2] = {1, 5}, guide[2] = {0.5f, 0.01f};
@@ -322,6 +359,7 @@ int main(void) {
         cmocka_unit_test(steps_converge),
         cmocka_unit_test(beams_scatter_once),
         cmocka_unit_test(fields_have_directions_and_ends),
+        cmocka_unit_test(shared_fields_are_the_same),
         cmocka_unit_test(guides_choose_cells),
     };
     return cmocka_run_group_tests_name("march", tests, start_context, stop_context);

@@ -12,10 +12,10 @@
 TY_FN void ty_voxels_widen(TY_GLOBAL const uint16_t* from, size_t row, size_t plane, float values[8]) {
 #if defined(__F16C__)
     int32_t pairs[4];
-    for (int i = 0; i < 4; ++i) memcpy(&pairs[i], from + (i & 1) * row + (i >> 1) * plane, sizeof pairs[i]);
+    for (size_t i = 0; i < 4; ++i) memcpy(&pairs[i], from + (i & 1) * row + (i >> 1) * plane, sizeof pairs[i]);
     _mm256_storeu_ps(values, _mm256_cvtph_ps(_mm_setr_epi32(pairs[0], pairs[1], pairs[2], pairs[3])));
 #else
-    for (int i = 0; i < 8; ++i) values[i] = ty_half_to_float(from[(i & 1) + (i >> 1 & 1) * row + (i >> 2) * plane]);
+    for (size_t i = 0; i < 8; ++i) values[i] = ty_half_to_float(from[(i & 1) + (i >> 1 & 1) * row + (i >> 2) * plane]);
 #endif
 }
 
@@ -35,7 +35,7 @@ TY_FN void ty_voxels_fetch(TY_GLOBAL const ty_grid_view* grid, const int32_t cel
         return;
     }
     TY_GLOBAL const float* from = grid->floats + base;
-    for (int i = 0; i < 4; ++i) memcpy(&values[2 * i], from + (i & 1) * row + (i >> 1) * plane, 2 * sizeof *values);
+    for (size_t i = 0; i < 4; ++i) memcpy(&values[2 * i], from + (i & 1) * row + (i >> 1) * plane, 2 * sizeof *values);
 }
 
 /* Trilinear between them; along z first, four at once. */
