@@ -190,8 +190,6 @@ static ty_result find_sources(ty_fld_job* job) {
         source_job s = {.job = job, .out = fine, .channel = c};
         ty_parallel_for(job->context, (int64_t)((job->fine->cells + CHUNK - 1) / CHUNK), scatter_chunk, &s);
         ty_grid_average(job->context, fine, job->fine->box.size, job->coarse->box.size, job->source[c]);
-        const float* emission = job->coarse->emission[c];
-        for (size_t i = 0; i < job->coarse->cells && emission != NULL; ++i) job->source[c][i] += emission[i];
     }
     ty_free_array(job->context, fine, job->fine->cells, sizeof *fine);
     return result;

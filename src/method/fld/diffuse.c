@@ -10,6 +10,13 @@
 /* Relative difference of sources up to which one channel is a multiple of another. */
 static const float alike = 1e-6f;
 
+/* Light that enters a cell many free paths thick scatters within one of its surface and mostly leaves again, but for
+ * the equations it comes from the cell's middle and piles up there: fluence would grow with thickness, without bound.
+ * What a thick medium sends back depends on its albedo alone, so cells of more than this many transport mean free paths
+ * are made that thin. Their fluence is then that of a surface; what passes through a medium of such cells is too much,
+ * of little. */
+static const double thickest = 1;
+
 /* What the solves of all channels share. */
 typedef struct solve_work {
     float* extinction[3]; /* sigma_t (1 - albedo g), 1/m */
@@ -71,6 +78,21 @@ static void end_work(const ty_fld_job* job, solve_work* work) {
     ty_free_array(job->context, work->memory, work->memory_size, 1);
 }
 
+/* Makes a plane of cells at most `thickest`, with their albedo as it is, and gives channels first..end what they emit.
+ */
+static void thin_cells(const ty_fld_job* job, const solve_work* work, int32_t plane, int32_t first, int32_t end) {
+    const ty_grid_medium* medium = job->coarse;
+    const double side = fmin(medium->cell[0], fmin(medium->cell[1], medium->cell[2]));
+    const float most = (float)(thickest / side);
+    for (size_t i = 0; i < medium->cells; ++i) {
+        const float extinction = work->extinction[plane][i], part = extinction > most ? most / extinction : 1.0f;
+        work->extinction[plane][i] = extinction * part;
+        work->absorption[plane][i] *= part;
+        for (int32_t c = first; c < end && medium->emission[c] != NULL; ++c)
+            job->source[c][i] += medium->emission[c][i] * part;
+    }
+}
+
 /* The paper takes media as isotropic. */
 static void find_coefficients(const ty_fld_job* job, const solve_work* work) {
     const ty_grid_medium* medium = job->coarse;
@@ -80,6 +102,10 @@ static void find_coefficients(const ty_fld_job* job, const solve_work* work) {
             memcpy(work->extinction[p], medium->extinction[p], medium->cells * sizeof(float));
         for (size_t i = 0; i < medium->cells; ++i)
             work->absorption[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - medium->scattering[p][i]);
+        if (medium->planes == 3)
+            thin_cells(job, work, p, p, p + 1);
+        else
+            thin_cells(job, work, p, 0, 3);
     }
 }
 
