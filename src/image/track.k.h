@@ -12,7 +12,7 @@ enum { TY_TRACK_PARTS = 4 };
 
 /* How much longer steps are behind all that is seen, of what they are before it: of voxels, which are finer than
  * scattered light is, and of other things. */
-#define TY_TRACK_GROWTH_VOXELS 2.0f
+#define TY_TRACK_GROWTH_VOXELS 4.0f
 #define TY_TRACK_GROWTH_CELLS 1.0f
 
 /* A medium on a stretch of the ray. */
