@@ -136,7 +136,7 @@ test_compare() {
 
 test_scenes_without_media() {
   for method in fld cda; do
-    usage_error 'media: there are none' render empty.json -o no.exr --method $method
+    usage_error 'fld: the scene has no media' render empty.json -o no.exr --method $method
     absent no.exr
   done
 }

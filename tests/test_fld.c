@@ -93,9 +93,9 @@ static void scenes_need_media(void** state) {
     assert_error(*state, "not committed");
     commit(scene);
     assert_int_equal(ty_fld_solve(scene, &def, &light, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "media: there are none");
+    assert_error(*state, "fld: the scene has no media");
     assert_int_equal(ty_fld_render(scene, &def, &image, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "media: there are none");
+    assert_error(*state, "fld: the scene has no media");
     assert_null(light);
     assert_null(image);
     ty_scene_destroy(scene);

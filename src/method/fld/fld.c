@@ -71,6 +71,9 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double shar
     ty_context* context = ty_scene_context(scene);
     ty_result result = ty_fld_check(context, def);
     if (result != TY_OK) return result;
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    if (view == NULL) return TY_ERROR_ARGUMENT;
+    if (view->medium_count == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "fld: the scene has no media");
     ty_fld_job job = {.context = context, .scene = scene, .def = def};
     job.progress = (ty_fld_progress){.function = def->progress, .user = def->progress_user, .begun = ty_wall_seconds()};
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
