@@ -72,8 +72,8 @@ void ty_stages_start(ty_diffusion_job* job, double first);
 void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena);
 /* Couplings of the levels below one, from its D. */
 void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first);
-/* Solves a level's problem for f, whose sum of squares is `squares`, until it is `target`; the result is in
- * job->change. f becomes what is left. */
-void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles);
+/* Solves a level's problem for f, whose sum of squares is `squares`, until about `target` is left. The result holds
+ * until the next solve. */
+const float* ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles);
 
 #endif

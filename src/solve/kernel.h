@@ -80,8 +80,9 @@ typedef struct ty_level_kernels {
     /* Gauss-Seidel over the cells of a colour; the first, where e is 0 so far whatever is stored. */
     void (*begin)(const ty_level* level, int32_t color, int32_t z);
     void (*relax)(const ty_level* level, int32_t color, int32_t z);
-    /* f of a plane of the coarser level: the sum of what is left on the finer one. */
-    void (*restrict_residual)(const ty_level* fine, const ty_level* coarse, int32_t z);
+    /* f of a plane of the coarser level: the sum of what is left on the finer one, of which it returns the sum of
+     * squares. */
+    double (*restrict_residual)(const ty_level* fine, const ty_level* coarse, int32_t z);
     /* Adds to e of a plane of the finer level what the coarser one says. */
     void (*prolong)(const ty_level* fine, const ty_level* coarse, int32_t z);
     /* g and d of a plane of the coarser level. */

@@ -97,15 +97,22 @@ static int32_t children_end(const ty_level* fine, const ty_level* coarse, int ax
     return end < fine->box.size[axis] ? end : fine->box.size[axis];
 }
 
-INLINE void add_residual(const level_row* row, const bool made, int32_t count, float* sum) {
+/* Returns the sum of squares. */
+INLINE float add_residual(const level_row* row, const bool made, int32_t count, float* sum) {
     const level_row r = *row;
-#pragma omp simd
-    for (int32_t i = 0; i < count; ++i)
-        sum[i] += r.f[i] - ty_level_apply(faces_at(&r, made, i), r.sink[i], r.e, r.row, r.plane, i);
+    float squares = 0;
+#pragma omp simd reduction(+ : squares)
+    for (int32_t i = 0; i < count; ++i) {
+        const float left = r.f[i] - ty_level_apply(faces_at(&r, made, i), r.sink[i], r.e, r.row, r.plane, i);
+        sum[i] += left;
+        squares += left * left;
+    }
+    return squares;
 }
 
-static void restrict_residual(const ty_level* fine, const ty_level* coarse, int32_t z) {
+static double restrict_residual(const ty_level* fine, const ty_level* coarse, int32_t z) {
     float sum[ROW_ITEMS];
+    double squares = 0;
     const int32_t nx = fine->box.size[0], z_end = children_end(fine, coarse, 2, z);
     for (int32_t y = 0; y < coarse->box.size[1]; ++y) {
         const int32_t y_end = children_end(fine, coarse, 1, y);
@@ -113,10 +120,11 @@ static void restrict_residual(const ty_level* fine, const ty_level* coarse, int3
         for (int32_t fz = z * coarse->children[2]; fz < z_end; ++fz)
             for (int32_t fy = y * coarse->children[1]; fy < y_end; ++fy) {
                 const level_row r = row_of(fine, fy, fz);
-                WITH_FACES(add_residual, r, nx, sum);
+                squares += (double)WITH_FACES(add_residual, r, nx, sum);
             }
         pair_up(sum, nx, coarse->children[0], coarse->f + ty_box_at(&coarse->box, y, z));
     }
+    return squares;
 }
 
 static void prolong(const ty_level* fine, const ty_level* coarse, int32_t z) {

@@ -1,22 +1,25 @@
-/* Conjugate gradients for the linearised problem, with multigrid as preconditioner. Red-black Gauss-Seidel, red first
- * on the way down and last on the way up; corrections are constant in a coarse cell, and its couplings half the sums of
- * those between its children: the energy of such corrections, for centres twice as far apart. That is symmetric and
- * holds for jumps of any size, where linear corrections and resistors in series do not; what it costs on smooth media,
- * visiting coarse levels twice gives back. Any size: an odd axis ends with a coarse cell of one child. Axes with long
- * cells are coarsened later than those with short ones. */
+/* Multigrid for the linearised problem. Red-black Gauss-Seidel; corrections are constant in a coarse cell, and its
+ * couplings half the sums of those between its children: the energy of such corrections, for centres twice as far
+ * apart. That holds for jumps of any size, where linear corrections and resistors in series do not; what it costs on
+ * smooth media, visiting coarse levels twice gives back. Where cycles gain little, as half the couplings are wrong for
+ * cells that hardly exchange anything with others, symmetric ones go on as preconditioner of conjugate gradients. Any
+ * size: an odd axis ends with a coarse cell of one child. Axes with long cells are coarsened later than those with
+ * short ones. */
 #include "solve/job.h"
 
 #include <string.h>
 
 /* Sweeps over a level that has no coarser one; planes of a level that one task relaxes. */
 enum { LAST_SWEEPS = 4, SLAB = 16 };
+/* What a cycle leaves of a sum of squares: where nothing is known yet, and where conjugate gradients take over. */
+static const double EXPECTED = 0.25, SLOW = 0.5;
 /* Cells this much longer than the shortest are not coarsened yet. */
 static const double LONG = 1.5;
 
 typedef struct pass {
     const ty_diffusion_job* job;
     const ty_level *fine, *coarse;
-    int32_t color;
+    int32_t color, first; /* first: the level that cycles begin on */
     bool fresh;
     float factor; /* alpha or beta of conjugate gradients */
 } pass;
@@ -97,7 +100,7 @@ static void relax_seam(void* user, int64_t index, int32_t worker) {
 static void restrict_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const pass* p = user;
-    p->job->level_kernels->restrict_residual(p->fine, p->coarse, (int32_t)index);
+    p->job->sums[index].a = p->job->level_kernels->restrict_residual(p->fine, p->coarse, (int32_t)index);
 }
 
 static void prolong_plane(void* user, int64_t index, int32_t worker) {
@@ -129,20 +132,37 @@ void ty_multigrid_coarsen(ty_diffusion_job* job, int32_t first) {
     }
 }
 
-/* e of a level, from what it is, or from 0. */
-static void cycle(const ty_diffusion_job* job, int32_t i, bool fresh) {
+/* Relaxation on the way up. Conjugate gradients need the way down mirrored; on its own a cycle gains more when no
+ * colour is relaxed twice in a row. */
+typedef struct way_up {
+    int32_t color, sweeps;
+} way_up;
+
+static const way_up MIRRORED = {1, 1};
+
+/* A second sweep pays where the problem is solved for good, not for a D that is about to change: iterations may swing
+ * to and fro then. */
+static way_up repeated(const ty_diffusion_job* job) {
+    return (way_up){0, job->def->limiter == TY_LIMITER_NONE ? 2 : 1};
+}
+
+/* e of a level, from what it is, or from 0. Returns the sum of squares of what was left before coarser levels were
+ * asked. */
+static double cycle(const ty_diffusion_job* job, int32_t i, way_up up, bool fresh) {
     if (i + 1 == job->level_count) {
         for (int sweep = 0; sweep < LAST_SWEEPS; ++sweep) relax(job, &job->levels[i], sweep & 1, fresh && sweep == 0);
-        return;
+        return 0;
     }
     pass p = {.job = job, .fine = &job->levels[i], .coarse = &job->levels[i + 1]};
     relax(job, p.fine, 0, fresh);
     ty_solve_planes(job, &p.coarse->box, restrict_plane, &p);
     ty_solve_count(job, &p.fine->box, 1);
-    for (int visit = 0; visit < (i + 2 < job->level_count ? 2 : 1); ++visit) cycle(job, i + 1, visit == 0);
+    const double squares = ty_solve_sum(job, p.coarse->box.size[2]).a;
+    for (int visit = 0; visit < (i + 2 < job->level_count ? 2 : 1); ++visit) cycle(job, i + 1, up, visit == 0);
     ty_solve_planes(job, &p.fine->box, prolong_plane, &p);
     ty_solve_count(job, &p.fine->box, 1);
-    relax(job, p.fine, 1, false);
+    for (int32_t sweep = 0; sweep < up.sweeps; ++sweep) relax(job, p.fine, up.color, false);
+    return squares;
 }
 
 /* ---- conjugate gradients ---- */
@@ -182,17 +202,29 @@ static void clear(const ty_box* box, float* items) {
     memset(items - ty_box_origin(box), 0, sizeof(float) * ty_box_items(box));
 }
 
-void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles) {
-    ty_level* level = &job->levels[first];
-    pass p = {.job = job, .fine = level};
-    clear(&level->box, job->change);
-    double along = 0; /* f.e of the step before */
+/* Takes what e explains from f; returns the sum of squares of what is left. */
+static double begin_gradients(const pass* whole) {
+    const ty_diffusion_job* job = whole->job;
+    const ty_box* box = &whole->fine->box;
+    const ptrdiff_t origin = ty_box_origin(box);
+    memcpy(job->direction - origin, whole->fine->e - origin, sizeof(float) * ty_box_items(box));
+    clear(box, job->change);
+    pass p = *whole;
+    p.factor = 1;
+    run(&p, apply_plane);
+    return run(&p, step_plane);
+}
+
+/* Goes on from e; the result is in job->change. */
+static void solve_gradients(const pass* whole, double target, int32_t cycles) {
+    pass p = *whole;
+    double squares = begin_gradients(&p), along = 0; /* f.e of the step before */
+    clear(&p.fine->box, p.job->direction);
     for (int i = 0; i < cycles && squares > target; ++i) {
-        cycle(job, first, true);
-        job->stats->cycles += first == 0 ? 1 : 0;
+        cycle(p.job, p.first, MIRRORED, true);
+        p.job->stats->cycles += p.first == 0 ? 1 : 0;
         const double next = run(&p, dot_plane);
         p.factor = i == 0 ? 0 : (float)(next / along);
-        if (i == 0) clear(&level->box, job->direction);
         run(&p, direct_plane);
         const double curvature = run(&p, apply_plane);
         if (!(curvature > 0)) break;
@@ -200,5 +232,25 @@ void ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, do
         along = next;
         squares = run(&p, step_plane);
     }
+}
+
+const float* ty_multigrid_solve(ty_diffusion_job* job, int32_t first, double squares, double target, int32_t cycles) {
+    ty_level* level = &job->levels[first];
+    const pass p = {.job = job, .fine = level, .first = first};
+    const way_up up = repeated(job);
+    const float* change = level->e;
+    double before = 0, left = squares;
+    for (int i = 0; i < cycles && left > target; ++i) {
+        const double now = cycle(job, first, up, i == 0);
+        job->stats->cycles += first == 0 ? 1 : 0;
+        const double rate = i == 0 ? EXPECTED : before > 0 ? now / before : 0;
+        left = (i == 0 ? squares : now) * rate;
+        before = now;
+        if (rate <= SLOW || i + 1 == cycles) continue;
+        solve_gradients(&p, target, cycles - i - 1);
+        change = job->change;
+        break;
+    }
     level->diffusivity = NULL;
+    return change;
 }

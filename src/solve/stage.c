@@ -11,6 +11,7 @@ typedef struct work {
     const ty_diffusion_job* job;
     const ty_stage *fine, *coarse;
     const ty_level* level; /* of the finer */
+    const float* change;   /* of its phi */
 } work;
 
 /* ---- cells ---- */
@@ -112,7 +113,7 @@ static void assemble_plane(void* user, int64_t index, int32_t worker) {
 static void update_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const work* w = user;
-    w->job->cell_kernels->update(&w->fine->cells, w->job->change, w->fine->phi, (int32_t)index);
+    w->job->cell_kernels->update(&w->fine->cells, w->change, w->fine->phi, (int32_t)index);
 }
 
 double ty_stage_linearise(ty_diffusion_job* job, int32_t i) {
@@ -132,8 +133,8 @@ void ty_stage_advance(ty_diffusion_job* job, int32_t i, double squares, double r
     level->diffusivity = stage->diffusivity;
     memcpy(level->coupling, stage->cells.coupling, sizeof level->coupling);
     ty_multigrid_coarsen(job, i);
-    ty_multigrid_solve(job, i, squares, squares * reduction * reduction, cycles);
-    work w = {.job = job, .fine = stage};
+    const float* change = ty_multigrid_solve(job, i, squares, squares * reduction * reduction, cycles);
+    work w = {.job = job, .fine = stage, .change = change};
     ty_solve_planes(job, &stage->cells.box, update_plane, &w);
     ty_solve_count(job, &stage->cells.box, 1);
 }
