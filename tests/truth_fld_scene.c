@@ -140,7 +140,7 @@ static void cube_scattering_forwards(void** state) {
 }
 
 static void cloud_in_sunlight(void** state) {
-    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, 256, 0.16, 0.03});
+    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, 256, 0.15, 0.032});
 }
 
 static void cloud_under_a_sky(void** state) {
