@@ -77,9 +77,10 @@ typedef struct ty_cell_kernels {
 
 /* Its linearisation, on all levels (level_kernel.c). */
 typedef struct ty_level_kernels {
-    /* Gauss-Seidel over the cells of a colour; the first, where e is 0 so far whatever is stored. */
+    /* Gauss-Seidel over the cells of a colour; the first, where e is 0 so far whatever is stored. alone: no one else
+     * writes the planes on either side, so that their cells of the same colour may be read. */
     void (*begin)(const ty_level* level, int32_t color, int32_t z);
-    void (*relax)(const ty_level* level, int32_t color, int32_t z);
+    void (*relax)(const ty_level* level, int32_t color, int32_t z, bool alone);
     /* f of a plane of the coarser level: the sum of what is left on the finer one, of which it returns the sum of
      * squares. */
     double (*restrict_residual)(const ty_level* fine, const ty_level* coarse, int32_t z);

@@ -67,11 +67,11 @@ void ty_multigrid_lay_out(ty_diffusion_job* job, ty_arena* arena) {
 
 /* ---- cycles ---- */
 
-static void relax_plane(const pass* p, int32_t color, int32_t z) {
+static void relax_plane(const pass* p, int32_t color, int32_t z, bool alone) {
     if (p->fresh && color == p->color)
         p->job->level_kernels->begin(p->fine, color, z);
     else
-        p->job->level_kernels->relax(p->fine, color, z);
+        p->job->level_kernels->relax(p->fine, color, z, alone);
 }
 
 /* Both colours of a slab while its planes are in the cache: the second follows one plane behind the first. The planes
@@ -82,10 +82,11 @@ static void relax_slab(void* user, int64_t index, int32_t worker) {
     const int32_t planes = p->fine->box.size[2], begin = (int32_t)index * SLAB;
     const int32_t end = begin + SLAB < planes ? begin + SLAB : planes;
     for (int32_t z = begin; z < end; ++z) {
-        relax_plane(p, p->color, z);
-        if (z - 1 > begin || (z == 1 && begin == 0)) relax_plane(p, 1 - p->color, z - 1);
+        const bool seam = (z == begin && begin > 0) || (z == end - 1 && end < planes);
+        relax_plane(p, p->color, z, !seam);
+        if (z - 1 > begin || (z == 1 && begin == 0)) relax_plane(p, 1 - p->color, z - 1, true);
     }
-    if (end == planes && (planes - 1 > begin || begin == 0)) relax_plane(p, 1 - p->color, planes - 1);
+    if (end == planes && (planes - 1 > begin || begin == 0)) relax_plane(p, 1 - p->color, planes - 1, true);
 }
 
 /* The second colour of the planes where slabs meet. */
@@ -93,8 +94,8 @@ static void relax_seam(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const pass* p = user;
     const int32_t begin = ((int32_t)index + 1) * SLAB;
-    relax_plane(p, 1 - p->color, begin - 1);
-    relax_plane(p, 1 - p->color, begin);
+    relax_plane(p, 1 - p->color, begin - 1, true);
+    relax_plane(p, 1 - p->color, begin, true);
 }
 
 static void restrict_plane(void* user, int64_t index, int32_t worker) {
