@@ -5,11 +5,10 @@
 
 #include <math.h>
 
-/* What one linear solve reduces its residual to, of an iteration of a limited problem, where more is lost on the next
- * D, and of a linear problem, where more is lost on single precision; and what the last one aims at, of the tolerance.
- */
-static const double REDUCTION_LIMITED = 0.5, REDUCTION_LINEAR = 1e-7, AIM = 0.3;
-enum { CYCLES_LIMITED = 3, CYCLES_LINEAR = 30 };
+/* What a linear problem's solve reduces its residual to, where more is lost on single precision; and what the last one
+ * aims at, of the tolerance. Of limited problems one cycle is enough: more is lost on the next D. */
+static const double REDUCTION = 1e-7, AIM = 0.3;
+enum { CYCLES = 30 };
 /* Of Algorithm 1. */
 enum { SWEEPS = 2 };
 static const double OMEGA = 1.3;
@@ -45,16 +44,16 @@ static void judge(picard* p, double residual) {
 
 static void iterate(picard* p, double squares) {
     ty_diffusion_job* job = p->job;
-    const double least = AIM * job->def->tolerance;
     if (!p->limited) {
-        ty_stage_advance(job, 0, squares, fmax(REDUCTION_LINEAR, least / rms(job, squares)), CYCLES_LINEAR);
+        const double aim = AIM * job->def->tolerance / rms(job, squares);
+        ty_stage_advance(job, 0, squares, fmax(REDUCTION, aim), CYCLES);
         return;
     }
     if (p->means >= MEANS_CORRECTED && job->stage_count > 1) {
         ty_stages_correct(job, 0);
         squares = ty_stage_linearise(job, 0);
     }
-    ty_stage_advance(job, 0, squares, fmax(REDUCTION_LIMITED, least / rms(job, squares)), CYCLES_LIMITED);
+    ty_stage_advance(job, 0, squares, 0, 1);
     for (int sweep = 0; p->means == MEANS_SWEPT && sweep < SWEEPS; ++sweep) ty_solve_sweep(job, OMEGA);
 }
 
