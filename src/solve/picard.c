@@ -5,20 +5,20 @@
 
 #include <math.h>
 
-/* What one linear solve reduces its residual to, of an iteration of a limited problem, where more is lost on the next
- * D, and of a linear problem, where more is lost on single precision; and what the last one aims at, of the tolerance.
- */
-static const double REDUCTION_LIMITED = 0.5, REDUCTION_LINEAR = 1e-7, AIM = 0.3;
-enum { CYCLES_LIMITED = 3, CYCLES_LINEAR = 30 };
+/* What a linear problem's solve reduces its residual to, where more is lost on single precision; and what the last one
+ * aims at, of the tolerance. Of limited problems one cycle is enough: more is lost on the next D. */
+static const double REDUCTION = 1e-7, AIM = 0.3;
+enum { CYCLES = 30 };
 /* Of Algorithm 1. */
 enum { SWEEPS = 2 };
 static const double OMEGA = 1.3;
-/* What an iteration of a limited problem consists of. All of it is the fastest by far where it works, as it does for
- * limiters that are smooth; Picard's alone always does. */
+/* What an iteration of a limited problem consists of. All of it takes the fewest by far where little but boundaries
+ * holds them up; coarser stages work for all limiters that are smooth; Picard's step alone always does. */
 typedef enum means { MEANS_PICARD = 0, MEANS_CORRECTED = 1, MEANS_SWEPT = 2 } means;
-/* An iteration gains if it leaves less than a share of the least residual so far; after so many in a row that do not,
- * means are reduced by one. */
-static const double GAIN = 0.9;
+/* Sweeps, which cost more than the rest of an iteration, pay if it leaves less than a share of the least residual so
+ * far. It gains if it leaves less than a larger one: after so many in a row that do not, Picard's step is left alone.
+ */
+static const double SWEEPS_PAY = 0.33, GAIN = 0.9;
 enum { PATIENCE = 4 };
 
 typedef struct picard {
@@ -36,24 +36,24 @@ static double rms(const ty_diffusion_job* job, double squares) {
 
 static void judge(picard* p, double residual) {
     p->futile = residual < GAIN * p->least ? 0 : p->futile + 1;
+    if (p->means == MEANS_SWEPT && !(residual < SWEEPS_PAY * p->least)) p->means = MEANS_CORRECTED;
     p->least = fmin(p->least, residual);
-    if (p->futile < PATIENCE || p->means == MEANS_PICARD) return;
-    p->means = p->means - 1;
-    p->futile = 0;
+    if (p->futile < PATIENCE) return;
+    p->means = MEANS_PICARD;
 }
 
 static void iterate(picard* p, double squares) {
     ty_diffusion_job* job = p->job;
-    const double least = AIM * job->def->tolerance;
     if (!p->limited) {
-        ty_stage_advance(job, 0, squares, fmax(REDUCTION_LINEAR, least / rms(job, squares)), CYCLES_LINEAR);
+        const double aim = AIM * job->def->tolerance / rms(job, squares);
+        ty_stage_advance(job, 0, squares, fmax(REDUCTION, aim), CYCLES);
         return;
     }
     if (p->means >= MEANS_CORRECTED && job->stage_count > 1) {
         ty_stages_correct(job, 0);
         squares = ty_stage_linearise(job, 0);
     }
-    ty_stage_advance(job, 0, squares, fmax(REDUCTION_LIMITED, least / rms(job, squares)), CYCLES_LIMITED);
+    ty_stage_advance(job, 0, squares, 0, 1);
     for (int sweep = 0; p->means == MEANS_SWEPT && sweep < SWEEPS; ++sweep) ty_solve_sweep(job, OMEGA);
 }
 
