@@ -115,7 +115,8 @@ static const bad_case bad_cases[] = {
             "1}}"),
      NULL, "s.json:4: media[0].bounds: noise needs bounds that are a box..."},
     {MEDIUM("\"sigma_s\": 1, " BOX ", \"density\": {\"noise\": {\"kind\": \"clod\"}}"), NULL,
-     "s.json:3: media[0].density.noise.kind: \"clod\" is not one of \"cloud\", \"fbm\", \"constant\"; did you mean "
+     "s.json:3: media[0].density.noise.kind: \"clod\" is not one of \"cloud\", \"nebula\", \"fbm\", \"constant\"; did "
+     "you mean "
      "\"cloud\"?"},
     {MEDIUM("\"sigma_s\": 1, " BOX ", \"density\": {\"noise\": {\"resolution\": 2048}}"), NULL,
      "s.json:3: media[0].density.noise.resolution: more than 2^31 voxels in all"},
