@@ -95,6 +95,18 @@ static void jumps_of_a_million_take_few_cycles(void** state) {
     free_problem(&p);
 }
 
+static void cycles_do_not_grow_with_cells(void** state) {
+    static const int32_t sizes[] = {20, 41, 80};
+    for (int i = 0; i < 3; ++i) {
+        const int32_t n = sizes[i];
+        problem p = make_case(&(medium_case){fill_beam, TY_LIMITER_NONE, TY_BOUNDARY_MARSHAK, {n, n, n}, 1});
+        solve_into(*state, &p, p.fluence);
+        assert_true(p.stats.cycles <= 12);
+        assert_true(p.stats.work < 100);
+        free_problem(&p);
+    }
+}
+
 static int32_t iterations_of(ty_context* context, const medium_case* c, double tolerance) {
     problem p = make_case(c);
     p.def.tolerance = tolerance;
@@ -291,6 +303,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solvers_agree),
         cmocka_unit_test(jumps_of_a_million_take_few_cycles),
+        cmocka_unit_test(cycles_do_not_grow_with_cells),
         cmocka_unit_test(limited_problems_take_few_iterations),
         cmocka_unit_test(plain_iterations_are_fallen_back_to),
         cmocka_unit_test(flux_never_exceeds_fluence),
