@@ -94,7 +94,7 @@ ty_result figure_fld_albedo(figure_run* run) {
     free(charts);
     snprintf(
         run->caption, sizeof run->caption,
-        "The builtin scene nebulae of %d³ voxels, diffusion solved on a quarter of them along each side. Each column "
+        "The builtin scene nebulae of %d³ voxels, diffusion solved on half of them along each side. Each column "
         "has an exposure of its own. Errors are of means over %d × %d pixels, the relative RMSE without the truth's "
         "own noise.",
         run->options->quick ? VOXELS_QUICK : VOXELS, FLD_BLOCK, FLD_BLOCK);

@@ -24,7 +24,7 @@ ty_result figure_fld_nebulae(figure_run* run) {
     snprintf(
         run->caption, sizeof run->caption,
         "The builtin scene nebulae, albedo 0.9, lit from above: an arch with a ball in its shadow, in vacuum. "
-        "Diffusion is solved on a grid of a quarter of the resolution. Errors are of means over %d × %d pixels, the "
+        "Diffusion is solved on a third of the voxels along each side. Errors are of means over %d × %d pixels, the "
         "relative RMSE without the truth's own noise.",
         FLD_BLOCK, FLD_BLOCK);
     return result;

@@ -62,7 +62,7 @@ ty_result fld_compare(figure_run* run, const char* item, const fld_picture* pict
     out->mean_ratio = difference.mean_ratio[3];
     out->rel_mse = difference.rel_mse[3];
     out->relative_rmse = figure_without_noise(difference.rmse[3], noise[3]) / mean;
-    result = figure_expect(run, item, "mean ratio", "1", out->mean_ratio, 1, 0.1);
+    result = figure_note(run, item, "mean ratio", "1", out->mean_ratio);
     if (result == TY_OK) result = figure_note(run, item, "relative RMSE", "1", out->relative_rmse);
     if (result == TY_OK) result = figure_note(run, item, "relMSE, with noise", "1", out->rel_mse);
     if (result != TY_OK) return result;
@@ -71,6 +71,8 @@ ty_result fld_compare(figure_run* run, const char* item, const fld_picture* pict
 }
 
 ty_result fld_expect_better(figure_run* run, const char* item, const fld_errors* limited, const fld_errors* classical) {
+    const ty_result result = figure_expect(run, item, "mean ratio of FLD", "1", limited->mean_ratio, 1, 0.1);
+    if (result != TY_OK) return result;
     return figure_expect(run, item, "relative RMSE of FLD over CDA's", "1",
                          limited->relative_rmse / classical->relative_rmse, 0, 1);
 }
