@@ -1,6 +1,5 @@
 /* Uncollided light on a grid against path tracing: every kind of light in an uneven medium with things that cast
  * shadows. */
-#include "direct/single.k.h"
 #include "direct/uncollided.h"
 #include "truth.h"
 #include "triangle_maker.h"
@@ -244,82 +243,13 @@ static void test_shells_and_fields(void** state) {
     made_free(&mesh);
 }
 
-/* Light of a slanting sun that scatters once towards rays from all around, with the phase function as it is. */
-static void test_single(void** state) {
-    enum { RAYS = 64 };
-    double rays[6 * RAYS], truth[3 * RAYS], variance[3 * RAYS];
-    ty_scene* scene = noise_scene(*state, BARE, 2);
-    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 3);
-    set3(sun.direction, 0.3, -1, 0.5);
-    add_light(scene, &sun);
-    commit(scene);
-    ty_grid_box box;
-    ty_grid_medium* medium = NULL;
-    ty_light_field* field = NULL;
-    ty_source* sources = NULL;
-    ty_source_def def = ty_default_source_def();
-    int32_t count = 0;
-    must(*state, ty_grid_box_fit(scene, FINER, &box));
-    for (int a = 0; a < 3; ++a) box.size[a] = FINER; /* two cells a voxel: rays see single ones */
-    must(*state, ty_grid_medium_create(scene, &box, &medium));
-    must(*state, ty_light_field_create(medium, false, &field));
-    must(*state, ty_sources_create(scene, &def, &sources, &count));
-    must(*state, ty_uncollided_add(scene, medium, NULL, sources, count, field));
-    ty_single_light light = {.kind = TY_SINGLE_BEAM, .toward = sources[0].direction};
-    ty_single_view view = {.lower = ty_vec_make(-1, -1, -1), .lights = &light, .light_count = 1};
-    const float per_cell = (float)(1 / medium->cell[0]);
-    view.per_cell = ty_vec_make(per_cell, per_cell, per_cell);
-    for (int c = 0; c < 3; ++c) {
-        view.size[c] = box.size[c];
-        view.extinction[c] = medium->extinction[c];
-        view.scattering[c] = medium->scattering[c];
-        view.g[c] = medium->g[c];
-        light.fluence[c] = field->fluence[c];
-    }
-    for (int i = 0; i < RAYS; ++i) {
-        double x[4];
-        even_point(i, x);
-        const double z = 2 * x[0] - 1, across = sqrt(1 - z * z), turn = 2 * pi * x[1];
-        set3(rays + 6 * i, 4 * across * cos(turn), 4 * z, 4 * across * sin(turn));
-        for (int a = 0; a < 3; ++a) rays[6 * i + 3 + a] = (x[2] - 0.5 + 0.3 * (a - 1)) * 0.8 - rays[6 * i + a];
-        normalize3(rays + 6 * i + 3);
-    }
-    radiance_along(scene, RAYS, rays, 1 << 14, 1, truth, variance);
-    double sum = 0, expected = 0, square = 0, noise = 0;
-    for (int i = 0; i < RAYS; ++i) {
-        float radiance[3] = {0, 0, 0}, through[3] = {1, 1, 1}, ray[6];
-        for (int a = 0; a < 6; ++a) ray[a] = (float)rays[6 * i + a];
-        ty_single_scattering(&view, ty_vec_load(ray), ty_vec_load(ray + 3), 0, 100, radiance, through);
-        for (int c = 0; c < 3; ++c) {
-            sum += (double)radiance[c];
-            expected += truth[3 * i + c];
-            square += pow((double)radiance[c] - truth[3 * i + c], 2);
-            noise += variance[3 * i + c];
-        }
-    }
-    const double rmse = sqrt(fmax(0, square - noise) * 3 * RAYS) / expected;
-    printf("single scattering: mean ratio %.4f, relative RMSE %.4f (noise %.4f removed)\n", sum / expected, rmse,
-           sqrt(noise * 3 * RAYS) / expected);
-    assert_true(fabs(sum / expected - 1) < 0.02 && rmse < 0.03);
-    ty_sources_destroy(*state, sources, count);
-    ty_light_field_destroy(field);
-    ty_grid_medium_destroy(medium);
-    ty_scene_destroy(scene);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_directional),
-        cmocka_unit_test(test_finer),
-        cmocka_unit_test(test_point),
-        cmocka_unit_test(test_spot),
-        cmocka_unit_test(test_area),
-        cmocka_unit_test(test_glowing_shapes),
-        cmocka_unit_test(test_glowing_mesh),
-        cmocka_unit_test(test_environment),
-        cmocka_unit_test(test_single),
-        cmocka_unit_test(test_many_together),
-        cmocka_unit_test(test_shells_and_fields),
+        cmocka_unit_test(test_directional),   cmocka_unit_test(test_finer),
+        cmocka_unit_test(test_point),         cmocka_unit_test(test_spot),
+        cmocka_unit_test(test_area),          cmocka_unit_test(test_glowing_shapes),
+        cmocka_unit_test(test_glowing_mesh),  cmocka_unit_test(test_environment),
+        cmocka_unit_test(test_many_together), cmocka_unit_test(test_shells_and_fields),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
