@@ -21,8 +21,6 @@ static const double thickest = 1;
 typedef struct solve_work {
     float* extinction[3]; /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
-    float* flux[3]; /* through faces, W m^-2 */
-    size_t flux_count[3];
     void* memory;
     size_t memory_size;
     ty_diffusion_def def;
@@ -51,14 +49,8 @@ static ty_diffusion_def make_def(const ty_fld_job* job) {
 
 static ty_result begin_work(ty_fld_job* job, solve_work* work) {
     const ty_grid_medium* medium = job->coarse;
-    const int32_t* size = medium->box.size;
     work->def = make_def(job);
     bool whole = true;
-    for (int a = 0; a < 3; ++a) {
-        work->flux_count[a] = medium->cells / (size_t)size[a] * ((size_t)size[a] + 1);
-        work->flux[a] = ty_alloc_array(job->context, work->flux_count[a], sizeof(float), false);
-        whole = whole && work->flux[a] != NULL;
-    }
     for (int32_t p = 0; p < medium->planes && whole; ++p) {
         work->extinction[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
         work->absorption[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
@@ -70,7 +62,6 @@ static ty_result begin_work(ty_fld_job* job, solve_work* work) {
 }
 
 static void end_work(const ty_fld_job* job, solve_work* work) {
-    for (int a = 0; a < 3; ++a) ty_free_array(job->context, work->flux[a], work->flux_count[a], sizeof(float));
     for (int32_t p = 0; p < job->coarse->planes; ++p) {
         ty_free_array(job->context, work->extinction[p], job->coarse->cells, sizeof(float));
         ty_free_array(job->context, work->absorption[p], job->coarse->cells, sizeof(float));
@@ -149,19 +140,19 @@ static void limit_flux(float* const terms[TY_FIELD_TERMS], size_t cells) {
     }
 }
 
-/* The diffuse radiance (phi + 3 E . way) / (4 pi) (Eq. 9) from fluence, and flux as the mean of a cell's two faces
- * along each axis. */
-static void make_terms(ty_fld_job* job, const solve_work* work, int32_t channel) {
+/* The diffuse radiance (phi + 3 E . way) / (4 pi) (Eq. 9) from fluence and the flux through faces that are where the
+ * terms will be: a cell's is the mean of its two faces along each axis. */
+static void make_terms(ty_fld_job* job, int32_t channel) {
     const int32_t* size = job->coarse->box.size;
     float* const* terms = job->light->terms[channel];
     const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
     for (size_t i = 0; i < job->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
     for (int a = 0; a < 3; ++a) {
-        /* Along its own axis an array of faces is one longer. */
+        /* Along its own axis an array of faces is one longer, so that no face is overwritten before it is read. */
         const size_t slab = step[a] * (size_t)size[a];
         for (size_t i = 0; i < job->light->cells; ++i) {
             const size_t face = i + i / slab * step[a];
-            terms[1 + a][i] = 1.5f * TY_INV_4PI * (work->flux[a][face] + work->flux[a][face + step[a]]);
+            terms[1 + a][i] = 1.5f * TY_INV_4PI * (terms[1 + a][face] + terms[1 + a][face + step[a]]);
         }
     }
     limit_flux(terms, job->light->cells);
@@ -176,8 +167,8 @@ static ty_result solve_channel(ty_fld_job* job, solve_work* work, int32_t channe
     def->source = job->source[channel];
     def->progress_user = &job->progress;
     def->memory = work->memory;
-    const ty_diffusion_out out = {.fluence = job->light->terms[channel][0],
-                                  .flux = {work->flux[0], work->flux[1], work->flux[2]}};
+    float* const* terms = job->light->terms[channel];
+    const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
     ty_diffusion_stats solved = {0};
     const ty_result result = ty_diffusion_solve(job->context, def, &out, &solved);
     if (result != TY_OK) return result;
@@ -189,7 +180,7 @@ static ty_result solve_channel(ty_fld_job* job, solve_work* work, int32_t channe
     stats->emitted[channel] = solved.emitted;
     stats->absorbed[channel] = solved.absorbed;
     stats->leaving[channel] = solved.leaving;
-    make_terms(job, work, channel);
+    make_terms(job, channel);
     return TY_OK;
 }
 
@@ -232,7 +223,7 @@ static ty_result take_field(ty_fld_job* job) {
     light->even = scatters_evenly(medium);
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) {
-            light->terms[c][t] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+            light->terms[c][t] = ty_alloc_array(job->context, ty_fld_term_size(light, t), sizeof(float), false);
             if (light->terms[c][t] == NULL) return TY_ERROR_MEMORY;
         }
     }
@@ -248,7 +239,6 @@ ty_result ty_fld_diffuse(ty_fld_job* job) {
         result = solve_channels(job, &work);
     }
     job->stats.bytes = (double)work.memory_size;
-    for (int a = 0; a < 3; ++a) job->stats.bytes += sizeof(float) * (double)work.flux_count[a];
     end_work(job, &work);
     return result;
 }

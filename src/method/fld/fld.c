@@ -97,13 +97,17 @@ ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** ou
     return solve(scene, def, 1, out, stats);
 }
 
+size_t ty_fld_term_size(const ty_fld* light, int term) {
+    if (term == 0 || light->cells == 0) return light->cells;
+    return light->cells + light->cells / (size_t)light->box.size[term - 1];
+}
+
 void ty_fld_destroy(ty_fld* light) {
     if (light == NULL) return;
     for (int i = 0; i <= TY_FLD_OWN_MAX; ++i) ty_light_field_destroy(light->beam[i]);
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3; ++c)
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
-            ty_free_array(light->context, light->terms[c][t], light->cells, sizeof(float));
-    }
+            ty_free_array(light->context, light->terms[c][t], ty_fld_term_size(light, t), sizeof(float));
     ty_free_array(light->context, light->guide, light->cells, sizeof(float));
     ty_free_array(light->context, light, 1, sizeof *light);
 }

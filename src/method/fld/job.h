@@ -20,7 +20,7 @@ struct ty_fld {
     int32_t light_count;
     size_t cells;                    /* of diffusion */
     bool even;                       /* whether media scatter alike in all directions */
-    float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field */
+    float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field; ty_fld_term_size each */
     bool shared;                     /* whether all channels are the first one's, times color */
     float color[3];
     float* guide;
@@ -66,6 +66,8 @@ ty_result ty_fld_sample_media(ty_fld_job* job);
 ty_result ty_fld_light_directly(ty_fld_job* job);
 /* A channel's fluence of a light, without its factor. */
 const float* ty_fld_beam_plane(const ty_single_light* light, int channel, float* factor);
+/* Floats of a term's array: room for the faces along its axis, where its flux comes from. */
+size_t ty_fld_term_size(const ty_fld* light, int term);
 /* The diffuse light of all channels. */
 ty_result ty_fld_diffuse(ty_fld_job* job);
 
