@@ -15,7 +15,7 @@ static const float alike = 1e-6f;
  * What a thick medium sends back depends on its albedo alone, so cells of more than this many transport mean free paths
  * are made that thin. Their fluence is then that of a surface; what passes through a medium of such cells is too much,
  * of little. */
-static const double thickest = 1;
+static const double thickest = 1.5;
 
 /* What the solves of all channels share. */
 typedef struct solve_work {
