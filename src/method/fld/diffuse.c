@@ -223,7 +223,7 @@ static ty_result take_field(ty_fld_job* job) {
     light->even = scatters_evenly(medium);
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) {
-            light->terms[c][t] = ty_alloc_array(job->context, ty_fld_term_size(light, t), sizeof(float), false);
+            light->terms[c][t] = ty_alloc_array(job->context, ty_fld_term_size(light, t), sizeof(float), true);
             if (light->terms[c][t] == NULL) return TY_ERROR_MEMORY;
         }
     }
