@@ -5,6 +5,8 @@
  * context's processors are at work already. */
 #include "base/parallel.h"
 
+#include "base/float_mode.h"
+
 static void work(ty_loop* loop, int32_t worker) {
     for (;;) {
         const int64_t index = atomic_fetch_add_explicit(&loop->next, 1, memory_order_relaxed);
@@ -84,4 +86,27 @@ void ty_team_run(ty_team* team, ty_loop* loop) {
     team->members = 0;
     pthread_mutex_unlock(&team->lock);
     pthread_mutex_unlock(&team->turn);
+}
+
+typedef struct flushed {
+    ty_parallel_fn body;
+    void* user;
+} flushed;
+
+static void run_flushed(void* user, int64_t index, int32_t worker) {
+    const flushed* loop = user;
+    const unsigned state = ty_flush_denormals();
+    loop->body(loop->user, index, worker);
+    ty_restore_denormals(state);
+}
+
+void ty_parallel_flushed(ty_context* context, int64_t count, ty_parallel_fn body, void* user) {
+    flushed loop = {body, user};
+    if (context != NULL) {
+        ty_parallel_for(context, count, run_flushed, &loop);
+        return;
+    }
+    const unsigned state = ty_flush_denormals();
+    for (int64_t i = 0; i < count; ++i) body(user, i, 0);
+    ty_restore_denormals(state);
 }

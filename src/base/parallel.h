@@ -42,6 +42,9 @@ typedef struct ty_team {
 void ty_team_create(ty_team* team, ty_team_member* threads, int32_t wanted);
 /* Waits for the threads to end. */
 void ty_team_destroy(ty_team* team);
+/* ty_parallel_for with denormals off (base/float_mode.h); without a context in the calling thread alone. */
+void ty_parallel_flushed(ty_context* context, int64_t count, ty_parallel_fn body, void* user);
+
 /* Runs the loop with the caller and up to count - 1 threads. */
 void ty_team_run(ty_team* team, ty_loop* loop);
 

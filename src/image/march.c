@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/isa.h"
+#include "image/aovs.h"
 #include "image/image.h"
 #include "image/kernel.h"
 #include "scene/check.h"
@@ -11,7 +12,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { TILE = 16, SPP_MAX = 64, CHANNELS_MAX = 13, NO_AOV = 0 };
+enum { TILE = 16, SPP_MAX = 64 };
 
 static const double progress_interval = 0.1;
 
@@ -176,36 +177,15 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
 
 /* ---- pixels ---- */
 
-typedef struct channel_group {
-    uint32_t aov;
-    int count;
-    const char* names[3];
-} channel_group;
-
-static const channel_group groups[] = {
-    {NO_AOV, 3, {"R", "G", "B"}},
-    {TY_AOV_TRANSMITTANCE, 3, {"transmittance.R", "transmittance.G", "transmittance.B"}},
-    {TY_AOV_DEPTH, 1, {"depth.Z"}},
-    {TY_AOV_SINGLE, 3, {"single.R", "single.G", "single.B"}},
-    {TY_AOV_MULTIPLE, 3, {"multiple.R", "multiple.G", "multiple.B"}},
-};
-enum { GROUP_COUNT = sizeof groups / sizeof groups[0] };
-
-static bool asked(const march_job* job, int group) {
-    return groups[group].aov == NO_AOV || (groups[group].aov & job->def->aovs) != 0;
-}
-
 static ty_result create_image(march_job* job) {
-    const char* names[CHANNELS_MAX];
-    int32_t count = 0;
-    for (int g = 0; g < GROUP_COUNT; ++g)
-        for (int c = 0; asked(job, g) && c < groups[g].count; ++c) names[count++] = groups[g].names[c];
+    const char* names[TY_AOV_CHANNELS_MAX];
+    const int32_t count = ty_aov_names(job->def->aovs, names);
     return ty_image_create(job->context, job->def->width, job->def->height, count, names, &job->image);
 }
 
-static float pixel_value(const march_job* job, int group, int c, const ty_march_pixel* pixel, size_t index) {
+static float pixel_value(const march_job* job, uint32_t aov, int c, const ty_march_pixel* pixel, size_t index) {
     const float share = 1.0f / (float)job->def->spp;
-    switch (groups[group].aov) {
+    switch (aov) {
     case TY_AOV_TRANSMITTANCE: return pixel->transmittance[c] * share;
     case TY_AOV_DEPTH: return pixel->hits > 0 ? pixel->depth / pixel->hits : 0;
     case TY_AOV_SINGLE: return pixel->single[c] * share;
@@ -219,11 +199,11 @@ static float pixel_value(const march_job* job, int group, int c, const ty_march_
 static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t end, const ty_march_pixel* pixels) {
     const size_t first = (size_t)y * (size_t)job->def->width;
     int32_t channel = 0;
-    for (int g = 0; g < GROUP_COUNT; ++g)
-        for (int c = 0; asked(job, g) && c < groups[g].count; ++c) {
+    for (int g = 0; g < TY_AOV_GROUPS; ++g)
+        for (int c = 0; ty_aov_asked(&ty_aov_groups[g], job->def->aovs) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(job->image, channel++) + first;
             for (int32_t x = begin; x < end; ++x)
-                plane[x] = pixel_value(job, g, c, &pixels[x - begin], first + (size_t)x);
+                plane[x] = pixel_value(job, ty_aov_groups[g].aov, c, &pixels[x - begin], first + (size_t)x);
         }
 }
 

@@ -2,8 +2,8 @@
 #include "solve/job.h"
 
 #include "base/context.h"
-#include "base/float_mode.h"
 #include "base/isa.h"
+#include "base/parallel.h"
 #include "solve/result.h"
 
 #include <math.h>
@@ -219,27 +219,8 @@ static void set_phi(ty_diffusion_job* job) {
 
 /* ---- work ---- */
 
-typedef struct task {
-    ty_parallel_fn body;
-    void* user;
-} task;
-
-static void run_task(void* user, int64_t index, int32_t worker) {
-    const task* t = user;
-    const unsigned state = ty_flush_denormals();
-    t->body(t->user, index, worker);
-    ty_restore_denormals(state);
-}
-
 void ty_solve_tasks(const ty_diffusion_job* job, const ty_box* box, int64_t count, ty_parallel_fn body, void* user) {
-    task t = {body, user};
-    if (ty_box_cells(box) >= CELLS_FOR_THREADS) {
-        ty_parallel_for(job->context, count, run_task, &t);
-        return;
-    }
-    const unsigned state = ty_flush_denormals();
-    for (int64_t i = 0; i < count; ++i) body(user, i, 0);
-    ty_restore_denormals(state);
+    ty_parallel_flushed(ty_box_cells(box) >= CELLS_FOR_THREADS ? job->context : NULL, count, body, user);
 }
 
 void ty_solve_planes(const ty_diffusion_job* job, const ty_box* box, ty_parallel_fn body, void* user) {

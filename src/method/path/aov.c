@@ -1,33 +1,9 @@
 /* The image of a run: which channels there are and what they hold. */
 #include "method/path/aov.h"
 
+#include "image/aovs.h"
+
 #include <math.h>
-
-enum { CHANNELS_MAX = 26, NO_AOV = 0 };
-
-/* Channels that belong together, in the order of the image. */
-typedef struct channel_group {
-    uint32_t aov;
-    int count;
-    const char* names[3];
-} channel_group;
-
-static const channel_group groups[] = {
-    {NO_AOV, 3, {"R", "G", "B"}},
-    {TY_AOV_VARIANCE, 3, {"variance.R", "variance.G", "variance.B"}},
-    {TY_AOV_TRANSMITTANCE, 3, {"transmittance.R", "transmittance.G", "transmittance.B"}},
-    {TY_AOV_DEPTH, 1, {"depth.Z"}},
-    {TY_AOV_NORMAL, 3, {"normal.X", "normal.Y", "normal.Z"}},
-    {TY_AOV_ALBEDO, 3, {"albedo.R", "albedo.G", "albedo.B"}},
-    {TY_AOV_SINGLE, 3, {"single.R", "single.G", "single.B"}},
-    {TY_AOV_MULTIPLE, 3, {"multiple.R", "multiple.G", "multiple.B"}},
-    {TY_AOV_SAMPLES, 1, {"samples.N"}},
-};
-enum { GROUP_COUNT = sizeof groups / sizeof groups[0] };
-
-static bool asked(const channel_group* group, uint32_t aovs) {
-    return group->aov == NO_AOV || (group->aov & aovs) != 0;
-}
 
 bool ty_aovs_need_parts(uint32_t aovs) {
     return (aovs & ~(uint32_t)(TY_AOV_VARIANCE | TY_AOV_SAMPLES)) != 0;
@@ -37,25 +13,17 @@ bool ty_aovs_need_look(uint32_t aovs) {
     return (aovs & (uint32_t)(TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO)) != 0;
 }
 
-/* The names of all channels; returns how many there are. */
-static int32_t list_channels(uint32_t aovs, const char* names[CHANNELS_MAX]) {
-    int32_t count = 0;
-    for (int g = 0; g < GROUP_COUNT; ++g)
-        for (int c = 0; asked(&groups[g], aovs) && c < groups[g].count; ++c) names[count++] = groups[g].names[c];
-    return count;
-}
-
 size_t ty_aovs_pixel_size(uint32_t aovs) {
-    const char* names[CHANNELS_MAX];
-    return sizeof(float) * (size_t)list_channels(aovs, names);
+    const char* names[TY_AOV_CHANNELS_MAX];
+    return sizeof(float) * (size_t)ty_aov_names(aovs, names);
 }
 
 ty_result ty_path_image_create(const ty_path_run* run, ty_image** out) {
-    const char* names[CHANNELS_MAX];
+    const char* names[TY_AOV_CHANNELS_MAX];
     const int32_t* crop = run->request.crop;
     ty_image* image = NULL;
     ty_result result =
-        ty_image_create(run->context, crop[2], crop[3], list_channels(run->def->aovs, names), names, &image);
+        ty_image_create(run->context, crop[2], crop[3], ty_aov_names(run->def->aovs, names), names, &image);
     if (result != TY_OK) return result;
     result = ty_image_set_frame(image, crop[0], crop[1], run->request.width, run->height);
     if (result == TY_OK)
@@ -89,11 +57,11 @@ static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_
 
 void ty_path_image_fill(const ty_path_run* run, ty_image* image) {
     int32_t channel = 0;
-    for (int g = 0; g < GROUP_COUNT; ++g)
-        for (int c = 0; asked(&groups[g], run->def->aovs) && c < groups[g].count; ++c) {
+    for (int g = 0; g < TY_AOV_GROUPS; ++g)
+        for (int c = 0; ty_aov_asked(&ty_aov_groups[g], run->def->aovs) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(image, channel++);
             for (int64_t i = 0; i < run->item_count; ++i)
-                plane[i] =
-                    (float)pixel_value(groups[g].aov, &run->items[i], run->parts != NULL ? &run->parts[i] : NULL, c);
+                plane[i] = (float)pixel_value(ty_aov_groups[g].aov, &run->items[i],
+                                              run->parts != NULL ? &run->parts[i] : NULL, c);
         }
 }

@@ -2,8 +2,8 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
-#include "base/float_mode.h"
 #include "base/isa.h"
+#include "base/parallel.h"
 #include "method/screen/spread.h"
 
 #include <math.h>
@@ -115,26 +115,12 @@ int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t h
     return possible;
 }
 
-typedef struct task {
-    ty_parallel_fn body;
-    void* user;
-} task;
-
-static void run_task(void* user, int64_t index, int32_t worker) {
-    const task* t = user;
-    const unsigned state = ty_flush_denormals();
-    t->body(t->user, index, worker);
-    ty_restore_denormals(state);
-}
-
 void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, void* user) {
-    task t = {body, user};
-    ty_parallel_for(job->context, count, run_task, &t);
+    ty_parallel_flushed(job->context, count, body, user);
 }
 
 void ty_screen_here(int64_t count, ty_parallel_fn body, void* user) {
-    task t = {body, user};
-    for (int64_t i = 0; i < count; ++i) run_task(&t, i, 0);
+    ty_parallel_flushed(NULL, count, body, user);
 }
 
 /* ---- rows that need no filter ---- */
