@@ -1,0 +1,75 @@
+/* One ordinate's light on its own grid. Calls work on one thread each, so that ordinates run side by side. */
+#ifndef TY_METHOD_POP_GRID_H
+#define TY_METHOD_POP_GRID_H
+
+#include "direct/grid_medium.h"
+#include "method/pop/frame.k.h"
+
+/* Floats of a cell of `seen`. */
+enum { TY_POP_SEEN = 8, TY_POP_SEEN_LEFT = 12 };
+
+/* What merging needs of each cell, in this order: radiance that scatters towards the eye per scattering coefficient (R,
+ * G, B; W m^-2 sr^-1), fluence of light that has kept its direction (R, G, B; W m^-2; propagated: of all that went
+ * through the cell), 2 unused; of propagated light fluence not yet passed on (R, G, B), 1 unused. Of radial ordinates
+ * all are times the square of the distance, m^2. Radial grids have a ring of one cell around i and j, which repeats
+ * what lies across the map's edges, so that all cells can be looked up between. */
+typedef struct ty_pop_light {
+    ty_pop_ordinate ordinate;
+    ty_pop_frame frame;
+    int32_t floats; /* TY_POP_SEEN, TY_POP_SEEN_LEFT */
+    float* seen;
+    /* Kept lobes, else NULL, cells without a ring. Split: for each plane of the medium three arrays of cells:
+     * transmittance, without and with the light that scattering sends on (below). Propagated: for each band of
+     * iterations and channel, an array of the light that passed, and one of it times its mean cosine. */
+    float* lobes;
+    int32_t bands;  /* propagated: TY_POP_BANDS at most */
+    int32_t planes; /* split: of the medium */
+} ty_pop_light;
+
+/* Iterations are kept in bands: 1, 2, 3-4, 5-8, ... so that few of them hold all. */
+enum { TY_POP_BANDS = 12 };
+
+/* The grid that spans a box: `resolution` cells along each axis. */
+void ty_pop_frame_fit(const ty_grid_box* box, const ty_pop_ordinate* ordinate, int32_t resolution, ty_pop_frame* out);
+
+/* Floats of a light's seen and lobes, and of the scratch that the calls below need. */
+size_t ty_pop_seen_floats(const ty_pop_frame* frame, int32_t floats);
+size_t ty_pop_lobe_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes, int32_t iterations);
+size_t ty_pop_scratch_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes);
+
+/* Split mode, in one sweep. Of the light that comes in, e^-tau reaches a cell without scattering, tau = integral of
+ * sigma_t; with what scattering sends on, which the diffusion does not get, it is e^-tau1, tau1 of sigma_t - g sigma_s
+ * (as fluence and as flux: the reduced beam). The l-th moment of what has scattered n times is g^(n l), and over the
+ * Poisson number of scatterings e^-tau_l, tau_l of sigma_t - g^l sigma_s: the exact form of Eq. 4. So the forward light
+ * that has scattered is R - U (U = e^-tau, R = e^-tau1, S = e^-tau2) with moments (R - U) b^(l - 1) for l >= 1,
+ * b = (S - U) / (R - U), which is the lobe ((R - U) / b) (HG(b) - (1 - b) / (4 pi)). Scattered once more, with a_n from
+ * prefiltering,
+ *     J = U HG(a_n g) + (R - U) ((HG(b a_n g) - 1 / (4 pi)) / b + 1 / (4 pi))
+ * towards the eye. Negative g counts as 0 in R and S, and as it is in J. medium: cells about as large as the grid's. */
+void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], float* scratch,
+                  ty_pop_light* light);
+
+/* What the published modes found of an ordinate. */
+typedef struct ty_pop_walk_stats {
+    double entered,
+        left; /* sums of fluence times volume over cells and channels: at the beginning, not passed on yet */
+    double initial_seconds, propagation_seconds;
+} ty_pop_walk_stats;
+
+/* Eq. 1-8: `iterations` of them, after what def->mode begins with. */
+void ty_pop_walk(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium, const float eye[3],
+                 int32_t iterations, float* scratch, ty_pop_light* light, ty_pop_walk_stats* stats);
+
+/* Eq. 9-10: iterations after which light of mean cosine `cosine` has one of def->residuum, in grids with cells of
+ * `step`, m, at least as many as cells along the direction. */
+int32_t ty_pop_walk_length(const ty_pop_def* def, const ty_grid_medium* medium, float cosine, float step);
+
+/* Fills in `seen` anew from kept lobes for another eye. */
+void ty_pop_see(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light);
+
+/* Adds to radiance (3) what at a point travels along a unit vector and has scattered, from kept lobes; uncollided (3;
+ * may be NULL): the fluence that has not. */
+void ty_pop_light_radiance(const ty_grid_medium* medium, const ty_pop_light* light, ty_vec point, ty_vec way,
+                           float* radiance, float* uncollided);
+
+#endif

@@ -1,0 +1,44 @@
+/* Principal ordinates: the directions and points that all light is taken to come from. */
+#ifndef TY_METHOD_POP_ORDINATE_H
+#define TY_METHOD_POP_ORDINATE_H
+
+#include "base/vector.k.h"
+#include "direct/grid_medium.h"
+
+#include <tyndall/pop.h>
+
+enum { TY_POP_PARALLEL = 0, TY_POP_RADIAL = 1 };
+
+/* How a radial ordinate's intensity goes with the cosine about its direction. */
+enum { TY_POP_EVEN = 0, TY_POP_SPOT = 1, TY_POP_COSINE = 2 };
+
+typedef struct ty_pop_ordinate {
+    int32_t kind;
+    float color[3];   /* parallel: irradiance, W m^-2; radial: intensity where it is brightest, W sr^-1 */
+    ty_vec direction; /* parallel: the way light travels; radial: the axis of its profile; unit */
+    ty_vec position;  /* radial, m */
+    float cosine;     /* a_n: mean cosine of the light that comes in about its direction, 0..1; 1: it is a line */
+    float least;      /* radial: the distance below which 1 / r^2 is held, m */
+    int32_t profile;  /* radial */
+    int32_t light;    /* TY_POP_SPOT: which of the scene's lights it is */
+    int32_t shadowed; /* whether surfaces of the scene cast shadows from it */
+} ty_pop_ordinate;
+
+/* All ordinates of a scene but, in a sharp split, those lights that go through fine cells (`sharp` of them, in the
+ * order of the scene's lights: directional, point and spot). Environment lights as importance says: a map as
+ * ty_pop_importance's, NULL: all alike. Scratch is the context's. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
+                                  const float* importance, ty_pop_ordinate** out, int32_t* count);
+void ty_pop_ordinates_destroy(ty_context* context, ty_pop_ordinate* ordinates, int32_t count);
+
+/* Virtual point lights of the scene's surfaces as seen by its directional, point and spot lights, behind the medium:
+ * at most def->vpls. *out as above. */
+ty_result ty_pop_vpls_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
+                             ty_pop_ordinate** out, int32_t* count);
+
+/* Sec. 5.2. map: TY_POP_IMPORTANCE_WIDTH x _HEIGHT, mean 1 over the sphere; smoothed, and mixed with def->history,
+ * which is updated. */
+ty_result ty_pop_importance_find(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
+                                 float* map);
+
+#endif
