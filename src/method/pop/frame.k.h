@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_POP_FRAME_K_H
 #define TY_METHOD_POP_FRAME_K_H
 
+#include "base/kernel.h"
 #include "method/pop/ordinate.h"
 
 /* Cells i, j, k: light travels with k. Parallel: boxes along three axes at right angles. Radial: i and j are
@@ -15,5 +16,113 @@ typedef struct ty_pop_frame {
     float inner;     /* radial: radius at which shell 0 begins, m */
     float growth;    /* radial: natural logarithm of the ratio of radii of shells */
 } ty_pop_frame;
+
+/* A ring of cells around i and j of radial grids, where whoever keeps them has one. */
+TY_FN int32_t ty_pop_ring(const ty_pop_frame* frame) {
+    return frame->kind == TY_POP_RADIAL ? 1 : 0;
+}
+
+/* Cells of a grid with its ring. */
+TY_FN size_t ty_pop_ringed_cells(const ty_pop_frame* frame) {
+    const size_t ring = 2 * (size_t)ty_pop_ring(frame);
+    return ((size_t)frame->size[0] + ring) * ((size_t)frame->size[1] + ring) * (size_t)frame->size[2];
+}
+
+/* The octahedral map: from coordinates in [-1, 1] to a unit direction. */
+TY_FN ty_vec ty_octahedral_direction(float u, float v) {
+    const float z = 1.0f - fabsf(u) - fabsf(v);
+    const float fold = ty_maxf(0.0f, -z);
+    const ty_vec d = ty_vec_make(u + (u >= 0.0f ? -fold : fold), v + (v >= 0.0f ? -fold : fold), z);
+    return ty_scale(d, 1.0f / sqrtf(ty_dot(d, d)));
+}
+
+/* And back, for any vector but 0. */
+TY_FN void ty_octahedral_map(ty_vec d, float* u, float* v) {
+    const float scale = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z));
+    const float x = d.x * scale, y = d.y * scale;
+    *u = d.z >= 0.0f ? x : (x >= 0.0f ? 1.0f : -1.0f) * (1.0f - fabsf(y));
+    *v = d.z >= 0.0f ? y : (y >= 0.0f ? 1.0f : -1.0f) * (1.0f - fabsf(x));
+}
+
+/* The cell that a cell of the ring (i or j is -1 or n) repeats; cells of the grid are themselves. */
+TY_FN void ty_octahedral_wrap(int32_t n, int32_t* i, int32_t* j) {
+    if (*i < 0 || *i >= n) {
+        *i = *i < 0 ? 0 : n - 1;
+        *j = n - 1 - *j;
+    }
+    if (*j < 0 || *j >= n) {
+        *j = *j < 0 ? 0 : n - 1;
+        *i = n - 1 - *i;
+    }
+}
+
+/* The radius of a shell's place k, in shells, m. */
+TY_FN float ty_pop_radius(const ty_pop_frame* frame, float k) {
+    return frame->inner * ty_expf(frame->growth * k);
+}
+
+/* The way light travels in column i, j. */
+TY_FN ty_vec ty_pop_way(const ty_pop_frame* frame, int32_t i, int32_t j) {
+    if (frame->kind == TY_POP_PARALLEL) return frame->axis[2];
+    return ty_octahedral_direction(((float)i + 0.5f) * (2.0f / (float)frame->size[0]) - 1.0f,
+                                   ((float)j + 0.5f) * (2.0f / (float)frame->size[1]) - 1.0f);
+}
+
+/* The middle of a cell, m. */
+TY_FN ty_vec ty_pop_middle(const ty_pop_frame* frame, int32_t i, int32_t j, int32_t k) {
+    if (frame->kind == TY_POP_RADIAL)
+        return ty_mad(frame->origin, ty_pop_way(frame, i, j), ty_pop_radius(frame, (float)k + 0.5f));
+    const ty_vec across = ty_mad(frame->origin, frame->axis[0], ((float)i + 0.5f) * frame->step.x);
+    return ty_mad(ty_mad(across, frame->axis[1], ((float)j + 0.5f) * frame->step.y), frame->axis[2],
+                  ((float)k + 0.5f) * frame->step.z);
+}
+
+/* A cell's length along the light's way, m. */
+TY_FN float ty_pop_length(const ty_pop_frame* frame, int32_t k) {
+    if (frame->kind == TY_POP_PARALLEL) return frame->step.z;
+    return ty_pop_radius(frame, (float)k + 1.0f) - ty_pop_radius(frame, (float)k);
+}
+
+/* A point between the middles of ringed cells; beyond the outer ones it is at them. */
+typedef struct ty_pop_place {
+    size_t base;    /* the lowest of eight cells */
+    size_t step[3]; /* to the next along each axis, 0 at the upper edge */
+    float share[3];
+    float spread; /* times which what radial grids keep is to be taken: 1 / r^2; 1 for parallel ones */
+} ty_pop_place;
+
+/* Along one axis of `size` cells; at: in cells. */
+TY_FN void ty_pop_place_along(float at, int32_t size, size_t stride, int32_t axis, ty_pop_place* place) {
+    const float from = ty_clampf(at - 0.5f, 0.0f, (float)(size - 1));
+    const int32_t cell = (int32_t)from;
+    place->share[axis] = from - (float)cell;
+    place->base += stride * (size_t)cell;
+    place->step[axis] = cell + 1 < size ? stride : 0;
+}
+
+/* Where a point is. least: the distance below which a radial ordinate's 1 / r^2 is held, m. */
+TY_FN ty_pop_place ty_pop_locate(const ty_pop_frame* frame, float least, ty_vec point) {
+    ty_pop_place place;
+    const ty_vec off = ty_sub(point, frame->origin);
+    place.base = 0;
+    place.spread = 1.0f;
+    if (frame->kind == TY_POP_PARALLEL) {
+        const size_t row = (size_t)frame->size[0], slice = row * (size_t)frame->size[1];
+        ty_pop_place_along(ty_dot(off, frame->axis[0]) / frame->step.x, frame->size[0], 1, 0, &place);
+        ty_pop_place_along(ty_dot(off, frame->axis[1]) / frame->step.y, frame->size[1], row, 1, &place);
+        ty_pop_place_along(ty_dot(off, frame->axis[2]) / frame->step.z, frame->size[2], slice, 2, &place);
+        return place;
+    }
+    const int32_t n = frame->size[0];
+    const size_t row = (size_t)n + 2, slice = row * row;
+    const float distance = sqrtf(ty_maxf(ty_dot(off, off), 1e-30f)), held = ty_maxf(distance, ty_maxf(least, 1e-6f));
+    float u, v;
+    ty_octahedral_map(distance > 1e-12f ? off : ty_vec_make(0.0f, 0.0f, 1.0f), &u, &v);
+    ty_pop_place_along((u + 1.0f) * 0.5f * (float)n + 1.0f, n + 2, 1, 0, &place);
+    ty_pop_place_along((v + 1.0f) * 0.5f * (float)n + 1.0f, n + 2, row, 1, &place);
+    ty_pop_place_along(ty_logf(distance / frame->inner) / frame->growth, frame->size[2], slice, 2, &place);
+    place.spread = 1.0f / (held * held);
+    return place;
+}
 
 #endif
