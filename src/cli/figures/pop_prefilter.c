@@ -9,7 +9,7 @@ static const char* const row_titles[ROWS] = {"path tracing", "without prefilteri
 static const char slab_text[] =
     "{\"tyndall\": 1,"
     " \"camera\": {\"position\": [0, 0, 6], \"target\": [0, 0, 0], \"fov_y\": 32, \"resolution\": [160, 160],"
-    "  \"exposure\": -1},"
+    "  \"exposure\": -2},"
     " \"media\": [{\"name\": \"slab\", \"bounds\": [[-1.5, -1.5, -0.1], [1.5, 1.5, 0.1]], \"sigma_s\": 40,"
     "  \"sigma_a\": 0.05}]}";
 

@@ -23,7 +23,8 @@ static const char* const row_titles[1 + VARIANTS] = {"path tracing", "split", "p
 
 static const char scene_text[] =
     "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_y\": 36, \"resolution\": [200, 200]},"
+    " \"camera\": {\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_y\": 36, \"resolution\": [200, 200],"
+    "  \"exposure\": -1},"
     " \"media\": [{\"name\": \"sphere\", \"bounds\": {\"sphere\": {\"center\": [0, 0, 0], \"radius\": 2.5}},"
     "  \"sigma_s\": [0.8, 1, 1.3], \"sigma_a\": 0}],"
     " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"intensity\": 10}]}";

@@ -10,7 +10,7 @@ static const char* const titles[VARIANTS] = {"without VPLs", "64 VPLs"};
 static const char room_text[] =
     "{\"tyndall\": 1,"
     " \"camera\": {\"position\": [0, 1.1, 5.2], \"target\": [0, 0.75, 0], \"fov_y\": 36, \"resolution\": [256, 192],"
-    "  \"exposure\": 1.5},"
+    "  \"exposure\": 0.2},"
     " \"media\": [{\"name\": \"mist\", \"bounds\": [[-1.8, 0.01, -1.2], [1.8, 2, 1.2]], \"sigma_s\": 0.5, \"sigma_a\": "
     "0.02,"
     "  \"g\": 0.3}],"

@@ -89,9 +89,8 @@ enum { ROOM_WIDTH = 256, ROOM_HEIGHT = 128 };
 static const struct {
     double azimuth, elevation, width, height;
     float color[3];
-} windows[] = {{-100, 12, 14, 16, {7, 8, 10}},
-               {-64, 12, 14, 16, {7, 8, 10}},
-               {45, 25, 10, 8, {14, 9, 5}},
+} windows[] = {{-104, 6, 5, 10, {7, 8, 10}}, {-91, 6, 5, 10, {7, 8, 10}},       {-78, 6, 5, 10, {7, 8, 10}},
+               {-65, 6, 5, 10, {7, 8, 10}},  {-97, -9, 1.5, 1.5, {90, 60, 30}}, {45, 25, 8, 6, {14, 9, 5}},
                {160, 50, 16, 9, {5, 6, 7}}};
 enum { WINDOWS = sizeof windows / sizeof windows[0] };
 
@@ -132,7 +131,8 @@ ty_result pop_make_scene(figure_run* run, const char* text, const char* const* o
 
 static const char smoke_text[] =
     "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 1, 24], \"target\": [0, 0, 0], \"fov_y\": 27, \"resolution\": [256, 256]},"
+    " \"camera\": {\"position\": [0, 1, 24], \"target\": [0, 0, 0], \"fov_y\": 27, \"resolution\": [256, 256],"
+    "  \"exposure\": -1.5},"
     " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-5, -5, -5], [5, 5, 5]],"
     "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 4, \"octaves\": "
     "4,"
