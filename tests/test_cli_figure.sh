@@ -8,6 +8,7 @@ test_list() {
   said out.txt '^screen-leaking +Screen-space scattering'
   said out.txt '^screen-table '
   said out.txt '^fld-point +Flux-limited diffusion'
+  said out.txt '^pop-lobes +Principal-ordinates propagation'
   expect 0 figure --help
   said out.txt '^  screen-photo '
   said out.txt '--quick'
@@ -57,6 +58,20 @@ test_diffusion() {
   said made/fld-point.csv '^"albedo 1, CDA, Eq. 27 on the faces","largest error to Eq. 27, from 4 cells on",1,0\.0'
   said made/fld-nebulae.csv '^"nebulae, FLD",converged,1,1,1,0$'
   said made/fld-albedo.csv '^"albedo 0.1, CDA",mean ratio,1,[01]\.'
+}
+
+# Ordinates: whatever needs no data is made without.
+test_ordinates() {
+  expect 0 figure pop -o made --quick --size 24x20 --spp 2
+  said err.txt '^tyndall: pop-animation is skipped: it needs volumes/plume'
+  for name in prefilter importance residuum sphere smoke lobes iterations ordinates clouds surfaces; do
+    figure_files "pop-$name"
+  done
+  said made/pop-lobes.csv '^"g 0.7, split",mean ratio of fluence,1,[0-9.]+,1,0\.07$'
+  said made/pop-lobes.csv '^"g 0.96, published",mean ratio of fluence,1,[0-9.]+,4\.2,$'
+  said made/pop-residuum.csv '^full propagation,iterations,1,100,,$'
+  said made/pop-iterations.csv '^1024 iterations,light not yet propagated,1,[0-9.e-]+,,$'
+  said made/pop-ordinates.csv '^"216 ordinates, with importance",mean ratio,1,[0-9.]+,,$'
 }
 
 test_refusals() {

@@ -93,13 +93,11 @@ static ty_pop_def typical_def(const bench_session* bench, ty_pop_mode mode) {
 
 /* ---- the fraction of what the processor could do ---- */
 
-/* Floating-point operations of one cell, channel and iteration, by Eq. 2-8 without what a neighbour could share; a
- * square root and a division count as one each. Its own patches (Eq. 2-3): the two square roots, 1 + a^2 -+ 2 a cos,
- * their reciprocals, the factor before them and the three differences, 16. For each of six neighbours: what comes from
- * it, L T f, 2, its sum, 1, its new mean cosine, 1, and the weighted sum of that, 2: 36. The mean of cosines, 1. What
- * passed, and what of it is seen (Eq. 7-8): 1 + a^2 - 2 a cos, its power of -3/2, 1 - a^2, the product, the sums: 12.
- */
-enum { OPERATIONS = 16 + 36 + 1 + 12 };
+/* Floating-point operations of one cell, channel and iteration (method/pop/grid_kernel.c, lobe.k.h); a division counts
+ * as one. What a lobe gives to its neighbours: the patches of Eq. 2-3 with two inverse roots of 9 each, 42; light and
+ * light times its mean cosine for front, sides and back with half of the way's losses, 12. What a cell takes: sums over
+ * six neighbours and the other half, 14; the new mean cosine and what passed, 4; what of it is seen (Eq. 7-8), 24. */
+enum { OPERATIONS = 42 + 12 + 14 + 4 + 24 };
 
 static double propagation_gflops(const timed* t) {
     const double cells = (double)t->stats.size[0] * t->stats.size[1] * t->stats.size[2];

@@ -36,7 +36,7 @@ static ty_result fill_frame(figure_run* run, int frame, figure_picture pictures[
         snprintf(item, sizeof item, "frame %d, %s", frames[frame], row_titles[row]);
         result = pop_render(run, item, scene, row == 1 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)
-            result = pop_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL,
+            result = pop_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false,
                               plot_sheet_cell(sheet, row, frame), &errors);
         if (result == TY_OK && row == 1)
             result = figure_expect(run, item, "mean ratio of split", "1", errors.mean_ratio, 1, 0.1);

@@ -137,17 +137,22 @@ static ty_result run_column(figure_run* run, int column, pop_truth* truth, doubl
 }
 
 /* From radiance to radii: cube roots, so that what a lobe fills is about the light in it, the greatest of the truth's
- * as long as it may be. */
+ * as long as it may be. The published mode's are made as bright as the truth's. */
 static void set_radii(slice* s) {
+    double sums[SHOWN] = {0};
     float most = 0;
-    for (int i = 0; i < RAYS; ++i) most = fmaxf(most, s->values[0][i]);
     for (int m = 0; m < SHOWN; ++m)
-        for (int i = 0; i < RAYS; ++i) s->values[m][i] = 0.95f * cbrtf(fmaxf(0, s->values[m][i]) / most);
+        for (int i = 0; i < RAYS; ++i) sums[m] += (double)s->values[m][i];
+    for (int i = 0; i < RAYS; ++i) most = fmaxf(most, s->values[0][i]);
+    for (int m = 0; m < SHOWN; ++m) {
+        const float factor = (float)(m == SHOWN - 1 ? sums[0] / sums[m] : 1) / most;
+        for (int i = 0; i < RAYS; ++i) s->values[m][i] = 0.95f * cbrtf(fmaxf(0, s->values[m][i] * factor));
+    }
 }
 
 static void show_slice(int column, const slice* s, plot_lobes* out) {
     static const char* const titles[COSINES] = {"g = 0", "g = 0.7", "g = 0.96"};
-    static const char* const names[SHOWN] = {"path tracing", "split", "published"};
+    static const char* const names[SHOWN] = {"path tracing", "split", "published, made as bright"};
     *out = (plot_lobes){.title = titles[column],
                         .rows = LATTICE,
                         .columns = LATTICE,
@@ -194,8 +199,9 @@ ty_result figure_pop_lobes(figure_run* run) {
     free(truth);
     snprintf(run->caption, sizeof run->caption,
              "A cube of 1 m, σs = 4/m, nothing absorbed, light from above, 16³ cells. Radiance by direction of light "
-             "that has scattered, in the slice through the middle; lengths are its cube root, so that published, "
-             "several times too bright, is not off the page. Below: fluence of such light in all cells; relative RMSEs "
+             "that has scattered, in the slice through the middle; lengths are its cube root, and "
+             "the published mode's are made as bright as path tracing's. Below: fluence of such light in all cells; "
+             "relative RMSEs "
              "are without the truth's own noise. As published light counts once for every cell that it came through "
              "(collided mends that), and moves one cell a step, as if it scattered in each.");
     return result;

@@ -24,7 +24,7 @@ static ty_result fill_cell(figure_run* run, ty_scene* scene, int row, int column
     snprintf(item, sizeof item, "%d ordinates, %s", (int)counts[column], choices[row]);
     ty_result result = pop_render(run, item, scene, &settings, size, &picture, NULL);
     if (result == TY_OK)
-        result = pop_show(run, item, scene, &picture, truth, plot_sheet_cell(sheet, row, 1 + column), errors);
+        result = pop_show(run, item, scene, &picture, truth, false, plot_sheet_cell(sheet, row, 1 + column), errors);
     figure_free_picture(&picture);
     return result;
 }
@@ -35,7 +35,7 @@ static ty_result fill_sheet(figure_run* run, ty_scene* scene, plot_sheet* sheet,
     figure_view_size(run, WIDTH, WIDTH, size);
     ty_result result = pop_render(run, "path tracing", scene, NULL, size, &truth, NULL);
     if (result == TY_OK)
-        result = pop_show(run, "path tracing", scene, &truth, NULL, plot_sheet_cell(sheet, 0, 0), NULL);
+        result = pop_show(run, "path tracing", scene, &truth, NULL, false, plot_sheet_cell(sheet, 0, 0), NULL);
     for (int row = 0; row < 2; ++row)
         for (int column = 0; column < COUNTS && result == TY_OK; ++column)
             result = fill_cell(run, scene, row, column, size, &truth, sheet, &errors->of[row][column]);
@@ -110,7 +110,7 @@ ty_result figure_pop_importance(figure_run* run) {
         settings[0] = settings[1] = ty_scene_render_settings(scene).pop;
         settings[0].ordinates = settings[1].ordinates = FEW;
         settings[0].importance = false;
-        const pop_variant variants[2] = {{choices[0], &settings[0]}, {choices[1], &settings[1]}};
+        const pop_variant variants[2] = {{choices[0], &settings[0], false}, {choices[1], &settings[1], false}};
         result = pop_show_variants(run, "g 0.98, 27 ordinates", scene, variants, 2, size, FEW_PICTURE_WIDTH, errors);
     }
     if (result == TY_OK)

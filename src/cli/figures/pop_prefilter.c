@@ -1,7 +1,7 @@
 /* Fig. 6 of the paper: thin slabs before windows; ordinates as lines, and as wide as what they stand for. */
 #include "cli/figures/pop_view.h"
 
-enum { COSINES = 4, ROWS = 3, WIDTH = 160, PICTURE_WIDTH = 280 };
+enum { COSINES = 4, ROWS = 3, WIDTH = 160, PICTURE_WIDTH = 280, ORDINATES = 27 };
 
 static const double cosines[COSINES] = {0.95, 0.98, 0.99, 0.999};
 static const char* const row_titles[ROWS] = {"path tracing", "without prefiltering", "with prefiltering"};
@@ -27,10 +27,11 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {
         char item[FIGURE_NAME_SIZE];
         ty_pop_settings settings = ty_scene_render_settings(scene).pop;
         settings.prefilter = row == 1 ? 0 : 1;
+        settings.ordinates = ORDINATES;
         snprintf(item, sizeof item, "g %g, %s", cosines[column], row_titles[row]);
         result = pop_render(run, item, scene, row > 0 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)
-            result = pop_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL,
+            result = pop_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false,
                               plot_sheet_cell(sheet, row, column), NULL);
     }
     for (int row = 0; row < ROWS; ++row) figure_free_picture(&pictures[row]);
@@ -47,9 +48,9 @@ ty_result figure_pop_prefilter(figure_run* run) {
     if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
     plot_free_sheet(&sheet);
     snprintf(run->caption, sizeof run->caption,
-             "A slab 0.2 m thick, σs = 40/m, before the windows of a room; 64 ordinates. Without prefiltering each "
+             "A slab 0.2 m thick, σs = 40/m, before the windows of a room; %d ordinates. Without prefiltering each "
              "ordinate shows where scattering widens its light little. Errors are of means over %d × %d pixels, the "
              "relative RMSE without the truth's own noise.",
-             FIGURE_BLOCK, FIGURE_BLOCK);
+             ORDINATES, FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }

@@ -47,7 +47,7 @@ static ty_result show(figure_run* run, ty_scene* scene) {
         settings[i].ordinates = variants[i].ordinates;
         settings[i].resolution = run->options->quick ? variants[i].resolution / 2 : variants[i].resolution;
         settings[i].iterations = variants[i].iterations;
-        shown[i] = (pop_variant){variants[i].title, &settings[i]};
+        shown[i] = (pop_variant){variants[i].title, &settings[i], i >= 2};
     }
     ty_result result = pop_show_variants(run, "smoke", scene, shown, VARIANTS, size, PICTURE_WIDTH, errors);
     for (int i = 0; i < 2 && result == TY_OK; ++i)

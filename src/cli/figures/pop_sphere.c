@@ -82,7 +82,7 @@ static ty_result fill_chart(figure_run* run, const ty_scene* scene, const char* 
     double(*fluence)[3] = calloc(POP_CELLS_MAX, sizeof *fluence);
     ty_result result = truths != NULL && fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) result = pop_path_fluence(run, scene, &cube, SAMPLES, &truths[0]);
-    if (result == TY_OK) result = pop_path_fluence(run, scene, &line, 64 * SAMPLES, &truths[1]);
+    if (result == TY_OK) result = pop_path_fluence(run, scene, &line, 256 * SAMPLES, &truths[1]);
     if (result == TY_OK) add_series(chart, "path tracing", (const double(*)[3])truths[1].scattered, PLOT_DOTS);
     for (int v = 0; v < VARIANTS && result == TY_OK; ++v) {
         char own[FIGURE_NAME_SIZE];
@@ -112,7 +112,7 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet, plo
         if (row > 0) snprintf(settings.mode, sizeof settings.mode, "%s", mode_names[row - 1]);
         result = pop_render(run, own, scene, row > 0 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)
-            result = pop_show(run, own, scene, &pictures[row], row > 0 ? &pictures[0] : NULL,
+            result = pop_show(run, own, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, row == 2,
                               plot_sheet_cell(sheet, row, column), &errors);
         if (result == TY_OK && row == 1)
             result = figure_expect(run, own, "mean ratio of the picture", "1", errors.mean_ratio, 1, 0.1);
@@ -147,8 +147,9 @@ ty_result figure_pop_sphere(figure_run* run) {
     free(charts);
     snprintf(run->caption, sizeof run->caption,
              "A point light in the middle of a sphere of radius 2.5 m, σs = {0.8, 1, 1.3}/m, nothing absorbed, on %d³ "
-             "cells of a radial grid. As published light is too bright: it counts once for every cell that it came "
-             "through. Errors of pictures are of means over %d × %d pixels; relative RMSEs are without the truth's own "
+             "cells of a radial grid. As published light is far too bright (it counts once for every cell that it came "
+             "through, and is trapped); these pictures are made as bright as path tracing's. Errors of pictures are of "
+             "means over %d × %d pixels; relative RMSEs are without the truth's own "
              "noise.",
              run->options->quick ? RESOLUTION / 4 : RESOLUTION, FIGURE_BLOCK, FIGURE_BLOCK);
     return result;

@@ -28,14 +28,16 @@ void pop_format_error(double error, char out[16]) {
 }
 
 ty_result pop_show(figure_run* run, const char* item, const ty_scene* scene, const figure_picture* picture,
-                   const figure_picture* truth, plot_cell* cell, figure_errors* errors) {
-    figure_errors own;
-    ty_result result =
-        plot_picture_of_image(run->session->context, picture->image, ty_scene_camera(scene).exposure, &cell->picture);
-    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s", picture->seconds);
-    if (result != TY_OK || truth == NULL) return result;
-    result = figure_compare(run, item, picture, truth, &own);
+                   const figure_picture* truth, bool level, plot_cell* cell, figure_errors* errors) {
+    figure_errors own = {.mean_ratio = 1};
+    double exposure = ty_scene_camera(scene).exposure;
+    ty_result result = truth != NULL ? figure_compare(run, item, picture, truth, &own) : TY_OK;
+    if (level) exposure -= log2(own.mean_ratio);
+    if (result == TY_OK)
+        result = plot_picture_of_image(run->session->context, picture->image, exposure, &cell->picture);
     if (result != TY_OK) return result;
+    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s%s", picture->seconds, level ? "; made as bright" : "");
+    if (truth == NULL) return TY_OK;
     char error[16];
     pop_format_error(own.relative_rmse, error);
     snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %s", own.mean_ratio, error);
@@ -51,7 +53,8 @@ static ty_result show_variant(figure_run* run, const char* item, ty_scene* scene
     snprintf(own, sizeof own, "%s, %s", item, variant->title);
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", variant->title);
     ty_result result = pop_render(run, own, scene, variant->settings, size, picture, NULL);
-    if (result == TY_OK) result = pop_show(run, own, scene, picture, truth, plot_sheet_cell(sheet, 0, column), errors);
+    if (result == TY_OK)
+        result = pop_show(run, own, scene, picture, truth, variant->level, plot_sheet_cell(sheet, 0, column), errors);
     if (result != TY_OK || truth == NULL) return result;
     return figure_error_map(run, picture->image, truth->image, figure_block(truth->image),
                             &plot_sheet_cell(sheet, 1, column)->picture);
@@ -59,7 +62,7 @@ static ty_result show_variant(figure_run* run, const char* item, ty_scene* scene
 
 ty_result pop_show_variants(figure_run* run, const char* item, ty_scene* scene, const pop_variant* variants, int count,
                             const int32_t size[2], double picture_width, figure_errors* errors) {
-    static const pop_variant path = {"path tracing", NULL};
+    static const pop_variant path = {"path tracing", NULL, false};
     plot_sheet sheet;
     figure_picture truth = {0};
     ty_result result = plot_create_sheet(2, 1 + count, picture_width, &sheet);

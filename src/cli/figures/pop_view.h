@@ -8,15 +8,17 @@
 typedef struct pop_variant {
     const char* title;
     const ty_pop_settings* settings;
+    bool level; /* shown as bright as the truth */
 } pop_variant;
 
 /* Notes the time, and of pop that before the march. stats may be NULL. */
 ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const ty_pop_settings* settings,
                      const int32_t size[2], figure_picture* out, ty_pop_stats* stats);
 
-/* Shows a picture in a cell, and below it its time and, with a truth, how far it is from that. errors may be NULL. */
+/* Shows a picture in a cell, and below it its time and, with a truth, how far it is from that. errors may be NULL.
+ * level: made as bright as the truth, which is said. */
 ty_result pop_show(figure_run* run, const char* item, const ty_scene* scene, const figure_picture* picture,
-                   const figure_picture* truth, plot_cell* cell, figure_errors* errors);
+                   const figure_picture* truth, bool level, plot_cell* cell, figure_errors* errors);
 
 /* A sheet of one scene: path tracing and variants beside one another, and below them their errors; put on the page with
  * the colour bar. errors: one for each variant. */
