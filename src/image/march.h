@@ -5,7 +5,7 @@
 #define TY_IMAGE_MARCH_H
 
 #include "direct/single.k.h"
-#include "image/field.h"
+#include "direct/field.h"
 
 #include <tyndall/path.h>
 

@@ -96,7 +96,7 @@ static void describe_field(const ty_light_field* field, ty_single_light* single)
 
 static ty_result light_field(ty_fld_job* job, float* const extinction[3], const group* g, ty_light_field* field) {
     return ty_uncollided_add_watched(job->scene, job->fine, extinction, &job->sources[g->first], g->count, field,
-                                     ty_fld_report, &job->progress);
+                                     ty_part_report, &job->progress);
 }
 
 /* The groups that have fields of their own, then all others together. */
@@ -107,7 +107,7 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
     job->progress.share = share / ty_maxf(1, (float)count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         ty_light_field** field = &light->beam[groups[i].own ? light->light_count : TY_FLD_OWN_MAX];
-        result = ty_fld_show_progress(job, "direct light");
+        result = ty_part_show(&job->progress, "direct light");
         if (result == TY_OK && *field == NULL)
             result =
                 make_field(job, groups[i].own ? &groups[i] : groups, groups[i].own ? 1 : count, groups[i].own, field);
