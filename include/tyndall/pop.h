@@ -9,6 +9,7 @@
 
 #include <tyndall/base.h>
 #include <tyndall/image.h>
+#include <tyndall/path.h>
 #include <tyndall/scene.h>
 
 #ifdef __cplusplus

@@ -26,6 +26,12 @@ typedef struct ty_single_light {
  * 0, which is exact for isotropic scattering. */
 enum { TY_SINGLE_BEAM = 0, TY_SINGLE_LAMP = 1, TY_SINGLE_MANY = 2 };
 
+/* A channel's fluence of a light, without its factor. */
+TY_FN TY_GLOBAL const float* ty_single_plane(const ty_single_light* light, int32_t channel, float* factor) {
+    *factor = light->color[channel];
+    return light->fluence[light->shared != 0 ? 0 : channel];
+}
+
 /* A point between the middles of cells; beyond the outer ones light is as it is there. */
 typedef struct ty_cell_point {
     size_t base;    /* the lowest of eight cells */

@@ -22,7 +22,7 @@ static void add_beams(const fluence_job* job, const int32_t cell[3], int c, doub
     for (int32_t l = 0; l < light->light_count; ++l) {
         const ty_single_light* single = &light->lights[l];
         float factor;
-        const float* plane = ty_fld_beam_plane(single, c, &factor);
+        const float* plane = ty_single_plane(single, c, &factor);
         double own = 0;
         ty_cover_add(&light->direct_box, axes, &plane, 1, (double)factor, &own);
         *fluence += own;

@@ -42,8 +42,6 @@ ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
 ty_result ty_fld_sample_media(ty_fld_job* job);
 /* Uncollided light of all sources on fine cells, and what of it scatters, on coarse ones. */
 ty_result ty_fld_light_directly(ty_fld_job* job);
-/* A channel's fluence of a light, without its factor. */
-const float* ty_fld_beam_plane(const ty_single_light* light, int channel, float* factor);
 /* The diffuse light of all channels. */
 ty_result ty_fld_diffuse(ty_fld_job* job);
 

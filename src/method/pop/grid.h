@@ -22,6 +22,7 @@ typedef struct ty_pop_light {
      * transmittance, without and with the light that scattering sends on (below). Propagated: for each band of
      * iterations and channel, an array of the light that passed, and one of it times its mean cosine. */
     float* lobes;
+    size_t lobe_floats;
     int32_t bands;  /* propagated: TY_POP_BANDS at most */
     int32_t planes; /* split: of the medium */
 } ty_pop_light;
