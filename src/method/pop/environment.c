@@ -126,6 +126,10 @@ static void add_cell(const table_job* job, int32_t column, int32_t row, light_su
     add_light(job, radiance, turn, down, row_solid_angle(row, job->size[1]) / job->size[0], sum);
 }
 
+static double importance_at(const float* map, float u, float v) {
+    return (double)ty_pop_map_at(map, TY_POP_IMPORTANCE_WIDTH, TY_POP_IMPORTANCE_HEIGHT, u, v);
+}
+
 static void sum_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const table_job* job = user;
@@ -137,7 +141,7 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
         *sum = (light_sum){.mass = 0};
         add_cell(job, column, row, sum);
         const float u = ((float)column + 0.5f) / (float)width - job->environment->turns;
-        const double weight = job->importance != NULL ? (double)ty_pop_importance_at(job->importance, u, v) : 1;
+        const double weight = job->importance != NULL ? importance_at(job->importance, u, v) : 1;
         sum->mass = luminance(sum->color) * (FLOOR + (1 - FLOOR) * weight);
     }
 }

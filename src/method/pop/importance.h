@@ -6,9 +6,8 @@
 
 #include <tyndall/pop.h>
 
-/* Between the middles of a map's texels, around the sphere; u: any, v in [0, 1] from the top. */
-TY_FN float ty_pop_importance_at(const float* map, float u, float v) {
-    const int32_t width = TY_POP_IMPORTANCE_WIDTH, height = TY_POP_IMPORTANCE_HEIGHT;
+/* Between the middles of the texels of an equirectangular map; u: any, v in [0, 1] from the top. */
+TY_FN float ty_pop_map_at(const float* map, int32_t width, int32_t height, float u, float v) {
     const float x = (u - floorf(u)) * (float)width - 0.5f;
     const float y = ty_clampf(v * (float)height - 0.5f, 0.0f, (float)(height - 1));
     const int32_t left = (int32_t)floorf(x), top = (int32_t)y, bottom = top + 1 < height ? top + 1 : top;
