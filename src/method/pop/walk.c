@@ -1,0 +1,352 @@
+/* Modes published and collided: cells of an ordinate's grid pass their light on to their neighbours. */
+#include "method/pop/slab.h"
+
+#include "base/context.h"
+#include "base/float_mode.h"
+#include "method/pop/lobe.k.h"
+
+#include <math.h>
+
+enum { TY_POP_ITERATIONS_MAX = 10000 };
+
+/* ---- sizes ---- */
+
+/* Which band iteration m, from 1 on, is in. */
+static int32_t band_of(int32_t m) {
+    int32_t band = 0;
+    while (band < TY_POP_BANDS - 1 && (1 << band) < m) ++band;
+    return band;
+}
+
+size_t ty_pop_lobe_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes, int32_t iterations) {
+    const size_t bands = (size_t)band_of(iterations) + 1;
+    const size_t arrays = def->mode == TY_POP_MODE_SPLIT ? 3 : 1 + 2 * bands;
+    return (size_t)planes * arrays * ty_pop_cells(frame);
+}
+
+/* Slices have a ring of cells without medium around them. */
+static size_t slice_floats(const ty_pop_frame* frame) {
+    return ((size_t)frame->size[0] + 2) * ((size_t)frame->size[1] + 2);
+}
+
+size_t ty_pop_scratch_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes) {
+    if (def->mode == TY_POP_MODE_SPLIT) return 0;
+    const size_t slice = slice_floats(frame), slices = (size_t)frame->size[2];
+    return slice * (slices * (TY_POP_WALK_PLANE_ARRAYS * (size_t)planes + TY_POP_WALK_ARRAYS) + TY_POP_WALK_SLICES);
+}
+
+/* ---- arrays ---- */
+
+/* Of all cells, slices with a ring. */
+typedef struct plane_arrays {
+    float* light;             /* fluence not passed on yet, per color */
+    float *pass[2], *keep[2]; /* ty_pop_half_cells */
+    float* uncollided;
+    float* again; /* mean cosine of what scatters towards the eye; 1: light is seen as it is (Eq. 8) */
+} plane_arrays;
+
+typedef struct walk {
+    const ty_pop_grid_kernels* kernels;
+    const ty_grid_medium* medium;
+    ty_pop_light* light;
+    ty_pop_mode mode;
+    int32_t iterations, row;
+    size_t slice, all; /* floats of a slice and of an array */
+    plane_arrays planes[3];
+    float *cosine, *fluence, *seen, *mu;
+    ty_pop_handed handed[3]; /* of slices, by turns */
+    ty_pop_columns columns;
+    ty_pop_slab slab;
+    ty_pop_transmittance through;
+    ty_pop_look look;
+    float mean[3][TY_POP_BLOCK]; /* of each plane, in the slab */
+} walk;
+
+static float* take_floats(float** next, size_t count) {
+    float* floats = *next;
+    *next += count;
+    return floats;
+}
+
+static void lay_out(walk* w, float* scratch) {
+    memset(scratch, 0,
+           sizeof *scratch * (w->all * (TY_POP_WALK_PLANE_ARRAYS * (size_t)w->medium->planes + TY_POP_WALK_ARRAYS) +
+                              w->slice * TY_POP_WALK_SLICES));
+    for (int32_t p = 0; p < w->medium->planes; ++p) {
+        plane_arrays* plane = &w->planes[p];
+        float** const arrays[TY_POP_WALK_PLANE_ARRAYS] = {&plane->light,   &plane->pass[0], &plane->pass[1],
+                                                          &plane->keep[0], &plane->keep[1], &plane->uncollided,
+                                                          &plane->again};
+        for (int a = 0; a < TY_POP_WALK_PLANE_ARRAYS; ++a) *arrays[a] = take_floats(&scratch, w->all);
+    }
+    float** const shared[TY_POP_WALK_ARRAYS] = {&w->cosine, &w->fluence, &w->seen, &w->mu};
+    for (int a = 0; a < TY_POP_WALK_ARRAYS; ++a) *shared[a] = take_floats(&scratch, w->all);
+    for (int i = 0; i < 3; ++i) {
+        ty_pop_handed* h = &w->handed[i];
+        float** const handed[6] = {&h->front, &h->side, &h->back, &h->front_turned, &h->side_turned, &h->back_turned};
+        for (int a = 0; a < 6; ++a) *handed[a] = take_floats(&scratch, w->slice);
+    }
+}
+
+/* Where a column's cell of slice k is. */
+static size_t place_of(const walk* w, int32_t column, int32_t k) {
+    const int32_t n = w->light->frame.size[0];
+    return w->slice * (size_t)k + (size_t)(column % n + 1 + w->row * (column / n + 1));
+}
+
+/* ---- what light starts from ---- */
+
+/* What half a cell of that length does. Eq. 4 in modes published: cosines times g^(sigma_s dx); exactly it is
+ * e^(-(1 - g) sigma_s dx), over the Poisson number of scatterings. */
+static float keep_of(const walk* w, float scattering, float g, float half) {
+    const float loss = w->mode == TY_POP_MODE_PUBLISHED ? -ty_logf(ty_clampf(g, 1e-35f, 1)) : 1 - g;
+    return ty_expf(-loss * scattering * half);
+}
+
+/* Coefficients count as far as cells are in the medium's box. across: from cell to cell beside it, m. */
+static void set_cell(walk* w, int32_t p, int32_t i, int32_t k, float length, float across) {
+    const ty_pop_slab* s = &w->slab;
+    const plane_arrays* plane = &w->planes[p];
+    const size_t at = place_of(w, w->columns.first + i, k);
+    const float half[2] = {0.5f * s->length[i], 0.5f * across * s->length[i] / length};
+    const float scattering = s->scattering[p][i], absorption = s->extinction[p][i] - scattering, g = s->g[p][i];
+    for (int side = 0; side < 2; ++side) {
+        plane->pass[side][at] = ty_expf(-absorption * half[side]);
+        plane->keep[side][at] = keep_of(w, scattering, g, half[side]);
+    }
+    plane->uncollided[at] = w->mean[p][i];
+    plane->light[at] = w->mean[p][i] * (w->mode == TY_POP_MODE_COLLIDED ? scattering * s->length[i] : 1);
+    plane->again[at] = w->mode == TY_POP_MODE_COLLIDED ? g : 1;
+}
+
+static float across_of(const ty_pop_frame* frame, int32_t k) {
+    if (frame->kind == TY_POP_PARALLEL) return 0.5f * (frame->step.x + frame->step.y);
+    return ty_pop_radius(frame, (float)k + 0.5f) * sqrtf(4 * TY_PI) / (float)frame->size[0];
+}
+
+static void start_columns(walk* w) {
+    const ty_pop_frame* frame = &w->light->frame;
+    ty_pop_transmittance_begin(w->kernels, 1, &w->slab, &w->through);
+    for (int32_t p = 0; p < w->medium->planes; ++p) w->through.mean[p][0] = w->mean[p];
+    for (int32_t k = 0; k < frame->size[2]; ++k) {
+        ty_pop_slab_enter(w->kernels, k, &w->slab);
+        w->kernels->light(&w->slab);
+        w->kernels->pass(&w->slab, &w->through);
+        w->kernels->look(&w->slab, &w->look);
+        const float length = ty_pop_length(frame, k), across = across_of(frame, k);
+        for (int32_t i = 0; i < w->columns.count; ++i) {
+            w->mu[place_of(w, w->columns.first + i, k)] = w->look.mu[i];
+            for (int32_t p = 0; p < w->medium->planes; ++p) set_cell(w, p, i, k, length, across);
+        }
+    }
+}
+
+/* ---- iterations ---- */
+
+/* What cells beyond the map's edges hand in is what lies there. */
+static void wrap_side(const walk* w, float* side) {
+    const int32_t n = w->light->frame.size[0], row = w->row;
+    for (int32_t i = 0; i < n; ++i) {
+        side[i + 1] = side[n - i + row];
+        side[i + 1 + row * (n + 1)] = side[n - i + row * n];
+        side[row * (i + 1)] = side[1 + row * (n - i)];
+        side[n + 1 + row * (i + 1)] = side[n + row * (n - i)];
+    }
+}
+
+static ty_pop_half_cells half_cells(const plane_arrays* plane, size_t at) {
+    return (ty_pop_half_cells){{plane->pass[0] + at, plane->pass[1] + at}, {plane->keep[0] + at, plane->keep[1] + at}};
+}
+
+/* Beyond the ends of the grid there is nothing. */
+static void give_slice(const walk* w, const plane_arrays* plane, int32_t k) {
+    const ty_pop_handed* out = &w->handed[(k + 3) % 3];
+    if (k < 0 || k >= w->light->frame.size[2]) {
+        memset(out->front, 0, 6 * w->slice * sizeof *out->front);
+        return;
+    }
+    const size_t at = w->slice * (size_t)k;
+    const ty_pop_give give = {(int32_t)w->slice, half_cells(plane, at), plane->light + at, w->cosine + at, *out};
+    w->kernels->give(&give);
+    if (w->light->frame.kind == TY_POP_PARALLEL) return;
+    wrap_side(w, out->side);
+    wrap_side(w, out->side_turned);
+}
+
+static void take_slice(const walk* w, const plane_arrays* plane, int32_t k) {
+    const size_t at = w->slice * (size_t)k;
+    const ty_pop_take take = {.row = w->row,
+                              .begin = w->row,
+                              .end = (int32_t)w->slice - w->row,
+                              .half = half_cells(plane, at),
+                              .before = w->handed[(k + 2) % 3],
+                              .beside = w->handed[k % 3],
+                              .after = w->handed[(k + 1) % 3],
+                              .mu = w->mu + at,
+                              .again = plane->again + at,
+                              .light = plane->light + at,
+                              .cosine = w->cosine + at,
+                              .fluence = w->fluence + at,
+                              .seen = w->seen + at};
+    w->kernels->take(&take);
+}
+
+/* A slice takes once those around it have handed on what they had. */
+static void iterate(const walk* w, const plane_arrays* plane) {
+    give_slice(w, plane, -1);
+    give_slice(w, plane, 0);
+    for (int32_t k = 0; k < w->light->frame.size[2]; ++k) {
+        give_slice(w, plane, k + 1);
+        take_slice(w, plane, k);
+    }
+}
+
+/* ---- what comes of it ---- */
+
+static float* lobe_array(const walk* w, int32_t p, int32_t number) {
+    const size_t arrays = 1 + 2 * (size_t)w->light->bands;
+    return w->light->lobes + ((size_t)p * arrays + (size_t)number) * ty_pop_cells(&w->light->frame);
+}
+
+/* Adds a slice array's cells to a kept one's, times another's unless it is NULL. */
+static void keep_array(const walk* w, const float* from, const float* times, float* to) {
+    const ty_pop_frame* frame = &w->light->frame;
+    const int32_t columns = frame->size[0] * frame->size[1];
+    for (int32_t k = 0; k < frame->size[2]; ++k)
+        for (int32_t i = 0; i < columns; ++i) {
+            const size_t at = place_of(w, i, k);
+            to[(size_t)columns * (size_t)k + (size_t)i] += times != NULL ? from[at] * times[at] : from[at];
+        }
+}
+
+static void keep_band(const walk* w, int32_t p, int32_t band) {
+    if (w->light->lobes == NULL) return;
+    keep_array(w, w->planes[p].light, NULL, lobe_array(w, p, 1 + 2 * band));
+    keep_array(w, w->planes[p].light, w->cosine, lobe_array(w, p, 2 + 2 * band));
+}
+
+/* What a plane's light begins with. L_acc begins with 0 in mode published: what was in the cells before the first
+ * iteration has not scattered. In mode collided it has, once, and is seen, and so is what has not. */
+static void begin_plane(walk* w, int32_t p) {
+    const plane_arrays* plane = &w->planes[p];
+    const float cosine = w->light->ordinate.cosine;
+    const bool collided = w->mode == TY_POP_MODE_COLLIDED;
+    if (w->light->lobes != NULL) keep_array(w, plane->uncollided, NULL, lobe_array(w, p, 0));
+    for (size_t i = 0; i < w->all; ++i) {
+        const float uncollided = plane->uncollided[i], light = collided ? plane->light[i] : 0, own = plane->again[i];
+        w->cosine[i] = collided ? cosine * own : cosine;
+        w->fluence[i] = uncollided + light;
+        w->seen[i] =
+            collided ? uncollided * ty_pop_hg(w->mu[i], cosine * own) + light * ty_pop_hg(w->mu[i], cosine * own * own)
+                     : 0;
+    }
+    if (collided) keep_band(w, p, 0);
+}
+
+/* A plane's share of `seen`, for the channels that it is of. */
+static void end_plane(const walk* w, int32_t p) {
+    const ty_pop_light* light = w->light;
+    const ty_pop_frame* frame = &light->frame;
+    const int32_t n = frame->size[0], ring = ty_pop_ring(frame), end = light->planes == 3 ? p + 1 : 3;
+    for (int32_t k = 0; k < frame->size[2]; ++k)
+        for (int32_t i = 0; i < n * frame->size[1]; ++i) {
+            const size_t at = place_of(w, i, k);
+            float* seen = ty_pop_seen_slab(light, k) +
+                          (size_t)light->floats * (size_t)(i % n + ring + (n + 2 * ring) * (i / n + ring));
+            for (int32_t c = p; c < end; ++c) {
+                seen[c] = light->ordinate.color[c] * w->seen[at];
+                seen[3 + c] = light->ordinate.color[c] * w->fluence[at];
+                if (light->floats == TY_POP_SEEN_LEFT) seen[8 + c] = light->ordinate.color[c] * w->planes[p].light[at];
+            }
+        }
+}
+
+/* Fluence times volume of what plane p has not passed on, over cells and the plane's channels. */
+static double light_in(const walk* w, int32_t p) {
+    const ty_pop_frame* frame = &w->light->frame;
+    const float* color = w->light->ordinate.color;
+    const double colors = w->light->planes == 3 ? (double)color[p] : (double)(color[0] + color[1] + color[2]);
+    const double section = frame->kind == TY_POP_RADIAL ? 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1])
+                                                        : (double)frame->step.x * (double)frame->step.y;
+    double sum = 0;
+    for (int32_t k = 0; k < frame->size[2]; ++k) {
+        double slice = 0;
+        for (size_t i = 0; i < w->slice; ++i) slice += (double)w->planes[p].light[w->slice * (size_t)k + i];
+        sum += slice * (double)ty_pop_length(frame, k);
+    }
+    return sum * section * colors;
+}
+
+static void walk_plane(walk* w, int32_t p, ty_pop_walk_stats* stats) {
+    stats->entered += light_in(w, p);
+    begin_plane(w, p);
+    for (int32_t m = 1; m <= w->iterations; ++m) {
+        iterate(w, &w->planes[p]);
+        keep_band(w, p, band_of(m));
+    }
+    stats->left += light_in(w, p);
+    end_plane(w, p);
+}
+
+static void begin_walk(const ty_scene* scene, const float eye[3], float* scratch, walk* w) {
+    const ty_pop_frame* frame = &w->light->frame;
+    w->row = frame->size[0] + 2;
+    w->slice = slice_floats(frame);
+    w->all = w->slice * (size_t)frame->size[2];
+    lay_out(w, scratch);
+    ty_pop_slab_setup(w->medium, &w->columns, &w->slab);
+    ty_pop_look_setup(w->medium, eye, w->light, &w->look);
+    for (int32_t first = 0; first < frame->size[0] * frame->size[1]; first += TY_POP_BLOCK) {
+        ty_pop_columns_begin(scene, w->medium, w->light, first, &w->columns);
+        start_columns(w);
+    }
+}
+
+void ty_pop_walk(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium, const float eye[3],
+                 int32_t iterations, float* scratch, ty_pop_light* light, ty_pop_walk_stats* stats) {
+    const double began = ty_wall_seconds();
+    const unsigned state = ty_flush_denormals();
+    walk w;
+    w.kernels = ty_pop_grid_kernels_best();
+    w.medium = medium;
+    w.light = light;
+    w.mode = def->mode;
+    w.iterations = iterations;
+    *stats = (ty_pop_walk_stats){0};
+    light->mode = def->mode;
+    light->planes = medium->planes;
+    light->bands = band_of(iterations) + 1;
+    memset(light->seen, 0, ty_pop_seen_floats(&light->frame, light->floats) * sizeof *light->seen);
+    if (light->lobes != NULL)
+        memset(light->lobes, 0,
+               ty_pop_lobe_floats(&light->frame, def, light->planes, iterations) * sizeof *light->lobes);
+    begin_walk(scene, eye, scratch, &w);
+    stats->initial_seconds = ty_wall_seconds() - began;
+    for (int32_t p = 0; p < medium->planes; ++p) walk_plane(&w, p, stats);
+    ty_pop_fill_ring(light);
+    stats->propagation_seconds = ty_wall_seconds() - began - stats->initial_seconds;
+    ty_restore_denormals(state);
+}
+
+/* ---- how long ---- */
+
+/* The larger of the coefficients' Eq. 10. */
+int32_t ty_pop_walk_length(const ty_pop_def* def, const ty_grid_medium* medium, float cosine, float step) {
+    double most = def->resolution;
+    for (int32_t p = 0; p < medium->planes && def->residuum > 0; ++p) {
+        double scattering = 0, turned = 0;
+        size_t cells = 0;
+        for (size_t i = 0; i < medium->cells; ++i) {
+            const double sigma = (double)medium->scattering[p][i];
+            scattering += sigma;
+            turned += sigma * (double)medium->g[p][i];
+            cells += sigma > 0 ? 1 : 0;
+        }
+        if (!(turned > 0)) continue;
+        const double g = turned / scattering, per_metre = scattering / (double)cells;
+        const double loss = def->mode == TY_POP_MODE_PUBLISHED ? -log(g) : 1 - g;
+        const double iterations = (log((double)cosine) - log(def->residuum)) / (loss * per_metre * (double)step);
+        if (iterations > most) most = iterations;
+    }
+    return (int32_t)fmin(ceil(most), TY_POP_ITERATIONS_MAX);
+}
