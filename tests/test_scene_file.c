@@ -430,7 +430,11 @@ static const char every_key[] =
     "\"balance\":false},"
     "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"streaming\":1,\"boundary\":\"dirichlet\",\"solver\":\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
-    "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5}}}";
+    "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5},"
+    "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"sharp\":false,\"direct\":40,\"ordinates\":27,"
+    "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"clamp\":0.1,"
+    "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"streaming\":0.7,\"tolerance\":1e-2,\"spp\":3,"
+    "\"step\":0.25}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
@@ -475,6 +479,13 @@ static void test_every_key_is_accepted(void** state) {
     assert_true(fld.larsen_power == 3 && fld.streaming == 1 && fld.relaxation == 1.5 && fld.tolerance == 1e-3);
     assert_true(fld.sigma_eps == 0.1 && fld.ratio == 2 && fld.step == 0.5 && fld.iterations == 9);
     assert_true(fld.resolution == 32 && fld.environment_beams == 8 && fld.surface_points == 4 && fld.spp == 2);
+    const ty_pop_settings pop = ty_scene_render_settings(scene).pop;
+    assert_string_equal(pop.mode, "collided");
+    assert_true(pop.resolution == 16 && pop.merged == 24 && pop.direct == 40 && pop.ordinates == 27);
+    assert_true(!pop.sharp && !pop.importance && pop.prefilter == 0.5 && pop.clamp == 0.1 && pop.residuum == 0.2);
+    assert_true(pop.surface_points == 5 && pop.vpls == 7 && pop.shadow_texels == 32);
+    assert_true(pop.iterations == 11 && pop.residuum_iterations == 12 && pop.spp == 3);
+    assert_true(pop.streaming == 0.7 && pop.tolerance == 1e-2 && pop.step == 0.25);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }

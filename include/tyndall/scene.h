@@ -303,14 +303,30 @@ typedef struct ty_fld_settings {
     int32_t spp; /* rays per pixel */
 } ty_fld_settings;
 
+/* ty_pop_def in words; 0 for what it calls its own choice. */
+typedef struct ty_pop_settings {
+    char mode[16]; /* "split" (default), "published" (the paper's) or "collided" */
+    int32_t resolution, merged, direct;
+    bool sharp;
+    int32_t ordinates;
+    double prefilter;
+    bool importance;
+    int32_t surface_points, vpls, shadow_texels;
+    double clamp;
+    int32_t iterations, residuum_iterations;
+    double residuum, streaming, tolerance, step;
+    int32_t spp; /* rays per pixel */
+} ty_pop_settings;
+
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16]; /* "path" (default), "screen", "fld" or "cda" (fld without limiter) */
+    char method[16]; /* "path" (default), "screen", "fld", "cda" (fld without limiter) or "pop" */
     int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
     uint64_t seed;   /* default 0 */
     ty_path_settings path;
     ty_screen_settings screen;
     ty_fld_settings fld;
+    ty_pop_settings pop;
 } ty_render_settings;
 
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);

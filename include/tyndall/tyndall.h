@@ -8,6 +8,7 @@
 #include <tyndall/image.h>
 #include <tyndall/io.h>
 #include <tyndall/path.h>
+#include <tyndall/pop.h>
 #include <tyndall/scene.h>
 #include <tyndall/screen.h>
 

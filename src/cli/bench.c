@@ -18,6 +18,7 @@ static const bench_entry benches[] = {
     {"rays", "rays per second through a mesh, beside a bare loop over Embree", bench_rays},
     {"screen", "screen-space scattering, beside streaming its bytes and its reference", bench_screen},
     {"fld", "flux-limited diffusion: its solvers, and images beside path", bench_fld},
+    {"pop", "principal-ordinates propagation: its stages, and how they grow", bench_pop},
     {"load", "reading volumes of every format", bench_load},
 };
 enum { BENCH_COUNT = sizeof benches / sizeof benches[0] };
@@ -82,7 +83,7 @@ int cli_bench(int count, char** arguments) {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &options.json, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, NULL},
         {"size", 0, CLI_SIZE, "WxH", "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million; "
-         "fld: 1024x1024)",
+         "fld, pop: 1024x1024)",
          options.size, 0, 0, &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, NULL},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024, NULL},

@@ -26,8 +26,11 @@ int bench_direct(const bench_session* bench);
 int bench_rays(const bench_session* bench);
 int bench_screen(const bench_session* bench);
 int bench_fld(const bench_session* bench);
+int bench_pop(const bench_session* bench);
 int bench_load(const bench_session* bench);
 
+/* What all threads together do of multiply-adds, 1e9 operations/s: the median of a few runs. 0: no memory. */
+double bench_fma_gflops(ty_context* context);
 /* The middle one of count values (the mean of the middle two); sorts them. */
 double bench_median(double* values, int count);
 

@@ -54,6 +54,18 @@ static double fma_gflops(ty_context* context, int64_t threads, work* works) {
     return 1e-9 * (double)threads * FMA_ROUNDS * works[0].operations_per_round / (cli_wall_seconds() - start);
 }
 
+double bench_fma_gflops(ty_context* context) {
+    const int64_t threads = ty_context_threads(context);
+    work* works = calloc((size_t)threads, sizeof *works);
+    const char* isa;
+    double gflops[RUNS];
+    if (works == NULL) return 0;
+    for (int64_t i = 0; i < threads; ++i) works[i].fma = choose_fma(&isa);
+    for (int run = -1; run < RUNS; ++run) gflops[run < 0 ? 0 : run] = fma_gflops(context, threads, works);
+    free(works);
+    return bench_median(gflops, RUNS);
+}
+
 /* Medians, after one run that does not count. */
 static void measure_threads(ty_context* context, int64_t threads, work* works, const bench_memory* memory, int all,
                             machine* out) {

@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-static const cli_method* const methods[] = {&cli_method_path, &cli_method_screen, &cli_method_fld, &cli_method_cda};
+static const cli_method* const methods[] = {&cli_method_path, &cli_method_screen, &cli_method_fld, &cli_method_cda,
+                                            &cli_method_pop};
 enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
 const cli_method* cli_find_method(const char* command, const char* name) {
@@ -28,4 +29,10 @@ int cli_check_request(cli_session* session, const ty_scene* scene, const cli_met
                                method->name);
     const ty_result result = method->check != NULL ? method->check(scene) : TY_OK;
     return result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
+}
+
+int32_t cli_word_index(const char* word, const char* const* words, int32_t count) {
+    for (int32_t i = 0; i < count; ++i)
+        if (strcmp(word, words[i]) == 0) return i;
+    return 0;
 }

@@ -43,6 +43,18 @@ static void print_fld_line(const cli_report* report) {
            report->method, report->width, report->height, fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2],
            fld->converged ? "" : ", not converged", report->own_seconds, fld->medium_seconds, fld->direct_seconds,
            fld->solve_seconds, fld->march_seconds);
+}
+
+static void print_pop_line(const cli_report* report) {
+    const ty_pop_stats* pop = &report->pop;
+    const int32_t *own = pop->size, *merged = pop->merged_size;
+    printf("%s: %dx%d, %d ordinates of %dx%dx%d cells, %dx%dx%d merged%s, %.2f s (before the march %.3f, march %.3f)\n",
+           report->method, report->width, report->height, pop->ordinates, own[0], own[1], own[2], merged[0], merged[1],
+           merged[2], pop->converged ? "" : ", not converged", report->own_seconds, pop->seconds - pop->march_seconds,
+           pop->march_seconds);
+}
+
+static void print_surfaces_line(const cli_report* report) {
     if (report->path.seconds > report->own_seconds)
         printf("surfaces: %.4g spp of path, %.2f s\n", report->path.spp, report->path.seconds - report->own_seconds);
 }
@@ -57,8 +69,11 @@ static void print_path_line(const cli_report* report) {
 static void print_closing_lines(const render_options* options, const cli_report* report) {
     if (report->fld.isa != NULL)
         print_fld_line(report);
+    else if (report->pop.isa != NULL)
+        print_pop_line(report);
     else
         print_path_line(report);
+    if (report->fld.isa != NULL || report->pop.isa != NULL) print_surfaces_line(report);
     printf("wrote %s\n", options->output);
     if (options->png != NULL) printf("wrote %s\n", options->png);
 }
@@ -172,8 +187,8 @@ int cli_render(int count, char** arguments) {
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld or cda (default: what the scene says)", &options.method, 0,
-         0, NULL},
+        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld, cda or pop (default: what the scene says)", &options.method,
+         0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,

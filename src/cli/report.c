@@ -27,6 +27,39 @@ static void fld_stats(json_writer* json, const ty_fld_stats* fld) {
     json_close_object(json);
 }
 
+static void pop_stats(json_writer* json, const ty_pop_stats* pop) {
+    const struct {
+        const char* name;
+        double seconds;
+    } parts[] = {
+        {"medium_seconds", pop->medium_seconds},
+        {"importance_seconds", pop->importance_seconds},
+        {"ordinate_seconds", pop->ordinate_seconds},
+        {"vpl_seconds", pop->vpl_seconds},
+        {"direct_seconds", pop->direct_seconds},
+        {"initial_seconds", pop->initial_seconds},
+        {"propagation_seconds", pop->propagation_seconds},
+        {"residuum_seconds", pop->residuum_seconds},
+        {"merge_seconds", pop->merge_seconds},
+        {"march_seconds", pop->march_seconds},
+    };
+    json_open_object(json, "pop");
+    json_integer(json, "ordinates", pop->ordinates);
+    json_integer(json, "vpls", pop->vpls);
+    json_numbers(json, "size", (const double[]){pop->size[0], pop->size[1], pop->size[2]}, 3);
+    json_numbers(json, "merged_size", (const double[]){pop->merged_size[0], pop->merged_size[1], pop->merged_size[2]},
+                 3);
+    json_integer(json, "planes", pop->planes);
+    json_integer(json, "iterations", pop->iterations);
+    json_integer(json, "residuum_iterations", pop->residuum_iterations);
+    json_bool(json, "converged", pop->converged);
+    json_number(json, "left", pop->left);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) json_number(json, parts[i].name, parts[i].seconds);
+    json_number(json, "bytes", pop->bytes);
+    json_text(json, "isa", pop->isa);
+    json_close_object(json);
+}
+
 void cli_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
     json_text(json, "method", report->method);
@@ -55,6 +88,7 @@ void cli_report_stats(json_writer* json, const void* user) {
         json_close_object(json);
     }
     if (report->fld.isa != NULL) fld_stats(json, &report->fld);
+    if (report->pop.isa != NULL) pop_stats(json, &report->pop);
     json_number(json, "load_seconds", report->load_seconds);
     json_number(json, "render_seconds", report->path.seconds);
     json_number(json, "render_cpu_seconds", report->path.cpu_seconds);

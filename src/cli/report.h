@@ -14,6 +14,7 @@ typedef struct cli_report {
     double own_seconds;     /* without the path-traced image that the method starts from */
     ty_screen_stats screen; /* method screen alone */
     ty_fld_stats fld;       /* methods fld and cda alone */
+    ty_pop_stats pop;       /* method pop alone */
     uint64_t seed;
     int32_t width, height;
     double load_seconds;

@@ -43,6 +43,21 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .step = 1,
                                                    .environment_beams = 64,
                                                    .surface_points = 16,
+                                                   .spp = 1},
+                                           .pop = {.mode = "split",
+                                                   .resolution = 20,
+                                                   .sharp = true,
+                                                   .ordinates = 64,
+                                                   .prefilter = 1,
+                                                   .importance = true,
+                                                   .surface_points = 16,
+                                                   .vpls = 64,
+                                                   .shadow_texels = 128,
+                                                   .clamp = 0.05,
+                                                   .residuum = 0.1,
+                                                   .streaming = 0.55,
+                                                   .tolerance = 3e-4,
+                                                   .step = 1,
                                                    .spp = 1}};
     *out = scene;
     return TY_OK;

@@ -26,8 +26,8 @@ static ty_result load(figure_run* run, int column, ty_scene** out) {
 }
 
 static ty_result fill_method(figure_run* run, const ty_scene* scene, int column, fld_method method,
-                             const int32_t size[2], fld_picture* picture, const fld_picture* truth, plot_sheet* sheet,
-                             plot_chart charts[CHARTS], fld_errors* errors) {
+                             const int32_t size[2], figure_picture* picture, const figure_picture* truth,
+                             plot_sheet* sheet, plot_chart charts[CHARTS], figure_errors* errors) {
     char item[FIGURE_NAME_SIZE];
     plot_cell* cell = plot_sheet_cell(sheet, method, column);
     snprintf(item, sizeof item, "albedo %g, %s", albedos[column], fld_method_titles[method]);
@@ -36,7 +36,7 @@ static ty_result fill_method(figure_run* run, const ty_scene* scene, int column,
         result = plot_picture_of_image(run->session->context, picture->image, exposure_of(scene, albedos[column]),
                                        &cell->picture);
     if (result != TY_OK || method == FLD_PATH) return result;
-    result = fld_compare(run, item, picture, truth, errors);
+    result = figure_compare(run, item, picture, truth, errors);
     snprintf(cell->lines[0], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %.3f", errors->mean_ratio,
              errors->relative_rmse);
     plot_add_point(&charts[0].series[method - 1], albedos[column], errors->mean_ratio, 0);
@@ -47,10 +47,10 @@ static ty_result fill_method(figure_run* run, const ty_scene* scene, int column,
 static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet, plot_chart charts[CHARTS]) {
     int32_t size[2];
     ty_scene* scene = NULL;
-    fld_picture pictures[FLD_METHODS] = {0};
-    fld_errors errors[FLD_METHODS] = {0};
+    figure_picture pictures[FLD_METHODS] = {0};
+    figure_errors errors[FLD_METHODS] = {0};
     char item[FIGURE_NAME_SIZE];
-    fld_view_size(run, WIDTH, WIDTH, size);
+    figure_view_size(run, WIDTH, WIDTH, size);
     ty_result result = load(run, column, &scene);
     for (fld_method method = 0; method < FLD_METHODS && result == TY_OK; ++method)
         result = fill_method(run, scene, column, method, size, &pictures[method], &pictures[FLD_PATH], sheet, charts,
@@ -58,7 +58,7 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet, plo
     snprintf(item, sizeof item, "albedo %g", albedos[column]);
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", item);
     if (result == TY_OK) result = fld_expect_better(run, item, &errors[FLD_LIMITED], &errors[FLD_CLASSICAL]);
-    for (int method = 0; method < FLD_METHODS; ++method) fld_free_picture(&pictures[method]);
+    for (int method = 0; method < FLD_METHODS; ++method) figure_free_picture(&pictures[method]);
     ty_scene_destroy(scene);
     return result;
 }
@@ -97,6 +97,6 @@ ty_result figure_fld_albedo(figure_run* run) {
         "The builtin scene nebulae of %d³ voxels, diffusion solved on half of them along each side. Each column "
         "has an exposure of its own. Errors are of means over %d × %d pixels, the relative RMSE without the truth's "
         "own noise.",
-        run->options->quick ? VOXELS_QUICK : VOXELS, FLD_BLOCK, FLD_BLOCK);
+        run->options->quick ? VOXELS_QUICK : VOXELS, FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }

@@ -26,7 +26,7 @@ ty_result figure_fld_nebulae(figure_run* run) {
         "The builtin scene nebulae, albedo 0.9, lit from above: an arch with a ball in its shadow, in vacuum. "
         "Diffusion is solved on a third of the voxels along each side. Errors are of means over %d × %d pixels, the "
         "relative RMSE without the truth's own noise.",
-        FLD_BLOCK, FLD_BLOCK);
+        FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }
 
@@ -39,7 +39,7 @@ static const struct {
 } grids[GRIDS] = {{"full resolution", 1}, {"half resolution", 2}, {"quarter resolution", 4}};
 
 /* The coarsest is the default, and the paper's. */
-static ty_result compare_grids(figure_run* run, int grid, const fld_picture* picture, const fld_picture* full,
+static ty_result compare_grids(figure_run* run, int grid, const figure_picture* picture, const figure_picture* full,
                                plot_cell* cell) {
     ty_difference difference;
     const bool judged = grid == GRIDS - 1 && !run->options->quick;
@@ -55,10 +55,10 @@ static ty_result compare_grids(figure_run* run, int grid, const fld_picture* pic
     return TY_OK;
 }
 
-static ty_result fill_grid(figure_run* run, int grid, const int32_t size[2], fld_picture pictures[GRIDS],
+static ty_result fill_grid(figure_run* run, int grid, const int32_t size[2], figure_picture pictures[GRIDS],
                            plot_sheet* sheet) {
     ty_scene* scene = NULL;
-    fld_picture* picture = &pictures[grid];
+    figure_picture* picture = &pictures[grid];
     plot_cell* cell = plot_sheet_cell(sheet, 0, grid);
     const int voxels = run->options->quick ? VOXELS_QUICK : VOXELS;
     ty_result result = load(run, voxels, grids[grid].ratio, &scene);
@@ -76,8 +76,8 @@ static ty_result fill_grid(figure_run* run, int grid, const int32_t size[2], fld
 ty_result figure_fld_resolution(figure_run* run) {
     int32_t size[2];
     plot_sheet sheet;
-    fld_picture pictures[GRIDS] = {0};
-    fld_view_size(run, WIDTH, WIDTH, size);
+    figure_picture pictures[GRIDS] = {0};
+    figure_view_size(run, WIDTH, WIDTH, size);
     ty_result result = plot_create_sheet(2, GRIDS, PICTURE_WIDTH, &sheet);
     if (result != TY_OK) return result;
     snprintf(sheet.row_titles[1], PLOT_LABEL_SIZE, "to full resolution");
@@ -86,7 +86,7 @@ ty_result figure_fld_resolution(figure_run* run) {
         plot_page_sheet(&run->page, &sheet);
         plot_page_color_bar(&run->page, &figure_error_scale);
     }
-    for (int grid = 0; grid < GRIDS; ++grid) fld_free_picture(&pictures[grid]);
+    for (int grid = 0; grid < GRIDS; ++grid) figure_free_picture(&pictures[grid]);
     plot_free_sheet(&sheet);
     snprintf(run->caption, sizeof run->caption,
              "The builtin scene nebulae of %d³ voxels. Light that scatters more than once is solved for on as many "

@@ -54,7 +54,7 @@ ty_result figure_fld_ct(figure_run* run) {
         run->caption, sizeof run->caption,
         "A head of 64 × 64 × 93 voxels (the paper's is not free), extinction and albedo by transfer functions, lit "
         "from one side. Errors are of means over %d × %d pixels, the relative RMSE without the truth's own noise.",
-        FLD_BLOCK, FLD_BLOCK);
+        FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }
 
@@ -65,6 +65,6 @@ ty_result figure_fld_fire(figure_run* run) {
         "Simulated smoke with an external light that glows as black bodies do (the paper's is not free, and has an "
         "albedo of 1, with which nothing glows). Errors are of means over %d × %d pixels, the relative RMSE without "
         "the truth's own noise.",
-        FLD_BLOCK, FLD_BLOCK);
+        FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }

@@ -86,6 +86,28 @@ static void read_fld(const json_t* fld, ty_fld_settings* settings) {
     ty_read_int(fld, "spp", &settings->spp);
 }
 
+static void read_pop(const json_t* pop, ty_pop_settings* settings) {
+    read_word(pop, "mode", settings->mode);
+    ty_read_int(pop, "resolution", &settings->resolution);
+    ty_read_int(pop, "merged", &settings->merged);
+    ty_read_bool(pop, "sharp", &settings->sharp);
+    ty_read_int(pop, "direct", &settings->direct);
+    ty_read_int(pop, "ordinates", &settings->ordinates);
+    ty_read_number(pop, "prefilter", &settings->prefilter);
+    ty_read_bool(pop, "importance", &settings->importance);
+    ty_read_int(pop, "surface_points", &settings->surface_points);
+    ty_read_int(pop, "vpls", &settings->vpls);
+    ty_read_int(pop, "shadow_texels", &settings->shadow_texels);
+    ty_read_number(pop, "clamp", &settings->clamp);
+    ty_read_int(pop, "iterations", &settings->iterations);
+    ty_read_number(pop, "residuum", &settings->residuum);
+    ty_read_int(pop, "residuum_iterations", &settings->residuum_iterations);
+    ty_read_number(pop, "streaming", &settings->streaming);
+    ty_read_number(pop, "tolerance", &settings->tolerance);
+    ty_read_int(pop, "spp", &settings->spp);
+    ty_read_number(pop, "step", &settings->step);
+}
+
 static void read_screen(const json_t* screen, ty_screen_settings* settings) {
     read_word(screen, "variant", settings->variant);
     read_word(screen, "spread", settings->spread);
@@ -106,6 +128,7 @@ static void read_render(const ty_scene_reader* reader) {
     ty_read_int(json_object_get(render, "path"), "max_depth", &settings.path.max_depth);
     read_screen(json_object_get(render, "screen"), &settings.screen);
     read_fld(json_object_get(render, "fld"), &settings.fld);
+    read_pop(json_object_get(render, "pop"), &settings.pop);
     ty_scene_set_render_settings(reader->scene, &settings);
 }
 

@@ -1,0 +1,65 @@
+/* Rendering by methods that figures compare, and comparing them. */
+#include "cli/figures/view.h"
+
+#include <math.h>
+
+enum { SAMPLES = 64, SAMPLES_QUICK = 4, PAPER_SAMPLES = 1000 };
+
+void figure_view_size(const figure_run* run, int32_t width, int32_t height, int32_t size[2]) {
+    const figure_options* options = run->options;
+    const int32_t part = options->quick ? 4 : 1;
+    size[0] = options->size[0] > 0 ? options->size[0] : width / part;
+    size[1] = options->size[0] > 0 ? options->size[1] : height / part;
+}
+
+void figure_free_picture(figure_picture* picture) {
+    ty_image_destroy(picture->image);
+    picture->image = NULL;
+}
+
+ty_result figure_render(figure_run* run, const char* item, const ty_scene* scene, const cli_method* method,
+                        const int32_t size[2], figure_picture* out, cli_report* report) {
+    const cli_request request = {.spp = figure_samples(run, run->options->quick ? SAMPLES_QUICK : SAMPLES),
+                                 .seed = run->session->common.seed,
+                                 .width = size[0],
+                                 .height = size[1],
+                                 .aovs = method == &cli_method_path ? TY_AOV_VARIANCE : 0};
+    figure_picture picture = {.samples = request.spp};
+    *report = (cli_report){0};
+    ty_result result = method->render(run->session, scene, &request, &picture.image, report);
+    picture.seconds = report->own_seconds;
+    if (result == TY_OK) result = figure_note(run, item, "time", "s", picture.seconds);
+    if (result == TY_OK)
+        *out = picture;
+    else
+        figure_free_picture(&picture);
+    return result;
+}
+
+int32_t figure_block(const ty_image* image) {
+    return ty_image_width(image) < FIGURE_BLOCK || ty_image_height(image) < FIGURE_BLOCK ? 1 : FIGURE_BLOCK;
+}
+
+double figure_paper_seconds(const figure_picture* truth) {
+    return truth->seconds * PAPER_SAMPLES / truth->samples;
+}
+
+ty_result figure_compare(figure_run* run, const char* item, const figure_picture* picture, const figure_picture* truth,
+                         figure_errors* out) {
+    ty_difference difference;
+    double noise[4];
+    const int32_t block = figure_block(truth->image);
+    ty_result result = ty_image_compare(run->session->context, picture->image, truth->image, block, &difference);
+    if (result != TY_OK) return result;
+    figure_noise(truth->image, block, noise);
+    const double mean = difference.rmse[3] / difference.relative_rmse[3];
+    out->mean_ratio = difference.mean_ratio[3];
+    out->rel_mse = difference.rel_mse[3];
+    out->relative_rmse = figure_without_noise(difference.rmse[3], noise[3]) / mean;
+    result = figure_note(run, item, "mean ratio", "1", out->mean_ratio);
+    if (result == TY_OK) result = figure_note(run, item, "relative RMSE", "1", out->relative_rmse);
+    if (result == TY_OK) result = figure_note(run, item, "relMSE, with noise", "1", out->rel_mse);
+    if (result != TY_OK) return result;
+    return figure_note(run, item, "times faster than 1000 paths a pixel", "1",
+                       figure_paper_seconds(truth) / picture->seconds);
+}

@@ -1,0 +1,40 @@
+/* Scenes by a method, and how far its picture is from a path-traced one. */
+#ifndef TY_CLI_FIGURES_VIEW_H
+#define TY_CLI_FIGURES_VIEW_H
+
+#include "cli/figures/figure.h"
+#include "cli/methods.h"
+
+/* What errors are means over, against the truth's noise: blocks of so many pixels squared. */
+enum { FIGURE_BLOCK = 4 };
+
+typedef struct figure_picture {
+    ty_image* image; /* path traced ones have variance */
+    double seconds;
+    int32_t samples; /* paths per pixel */
+} figure_picture;
+
+/* How a picture differs from the path-traced one. */
+typedef struct figure_errors {
+    double mean_ratio;
+    double relative_rmse; /* without the truth's noise; NaN: that is all there is */
+    double rel_mse;
+} figure_errors;
+
+/* The size of pictures: what the options say, or width x height, a quarter of it when quick. */
+void figure_view_size(const figure_run* run, int32_t width, int32_t height, int32_t size[2]);
+
+/* Renders a scene. Notes the time. report: what it did. */
+ty_result figure_render(figure_run* run, const char* item, const ty_scene* scene, const cli_method* method,
+                        const int32_t size[2], figure_picture* out, cli_report* report);
+void figure_free_picture(figure_picture* picture);
+
+/* Blocks that a picture of this size has. */
+int32_t figure_block(const ty_image* image);
+/* Compares with the path-traced picture, and notes what comes of it. */
+ty_result figure_compare(figure_run* run, const char* item, const figure_picture* picture, const figure_picture* truth,
+                         figure_errors* out);
+/* Seconds that so many paths a pixel would take where a path-traced picture took what it did. */
+double figure_paper_seconds(const figure_picture* truth);
+
+#endif

@@ -1,0 +1,203 @@
+#!/usr/bin/env bash
+# tyndall render and compare by pop from outside: options, modes, channels, surfaces, messages, interrupts.
+# usage: test_cli_pop.sh TYNDALL DATA (empties the current folder)
+. "$(dirname "$0")/cli.sh"
+
+small='--size 24x16 -D render.pop.resolution=8 -D render.pop.ordinates=8 -q'
+
+# pop SCENE OUT ARGUMENT...: a small image, by pop.
+pop() {
+  scene=$1
+  out=$2
+  shift 2
+  # shellcheck disable=SC2086 # options
+  expect 0 render "$scene" -o "$out" --method pop $small "$@"
+}
+
+different() {
+  expect 0 diff "$1" "$2"
+  unsaid out.txt '^values that differ: 0$'
+}
+
+test_scenes_name_the_method() {
+  pop fog.json asked.exr
+  expect 0 render fog.json -o named.exr --size 24x16 -q \
+    -D 'render={"method": "pop", "pop": {"resolution": 8, "ordinates": 8}}'
+  same asked.exr named.exr
+  pop fog.json again.exr --threads 1
+  same asked.exr again.exr
+}
+
+# Every key changes what it should, or nothing at all.
+test_options() {
+  pop fog.json plain.exr
+  for option in mode=published mode=collided resolution=10 merged=8 sharp=false direct=8 ordinates=5 prefilter=0 \
+    importance=false streaming=1 spp=4 step=0.3; do
+    pop fog.json other.exr -D "render.pop.$option"
+    different plain.exr other.exr
+  done
+  for option in mode=split merged=16 sharp=true direct=64 prefilter=1 importance=true surface_points=9 vpls=9 clamp=0.2 \
+    shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 streaming=0.55 spp=1 step=1; do
+    pop fog.json other.exr -D "render.pop.$option"
+    same plain.exr other.exr
+  done
+  pop fog.json seeded.exr --seed 3
+  different plain.exr seeded.exr
+}
+
+# What the paper's modes alone heed, and what the diffusion alone heeds.
+test_modes() {
+  for mode in published collided; do
+    pop fog.json walked.exr -D render.pop.mode=$mode
+    for option in iterations=2 residuum=0 residuum_iterations=1; do
+      pop fog.json other.exr -D render.pop.mode=$mode -D "render.pop.$option"
+      different walked.exr other.exr
+    done
+    for option in streaming=1 tolerance=1e-2 sharp=false direct=8; do
+      pop fog.json other.exr -D render.pop.mode=$mode -D "render.pop.$option"
+      same walked.exr other.exr
+    done
+  done
+  pop fog.json published.exr -D render.pop.mode=published
+  pop fog.json collided.exr -D render.pop.mode=collided
+  different published.exr collided.exr
+}
+
+# Surfaces come from paths, and light the medium.
+test_surfaces() {
+  pop room.json few.exr --spp 1 --aov depth
+  pop room.json many.exr --spp 16
+  different few.exr many.exr
+  expect 0 info few.exr
+  said out.txt '^depth.Z  *[0-9.]+  *[1-9]'
+  for option in vpls=0 vpls=9 shadow_texels=16 clamp=0.5 surface_points=2; do
+    pop room.json other.exr --spp 1 -D "render.pop.$option"
+    different few.exr other.exr
+  done
+}
+
+test_wrong_options() {
+  while read -r option words; do
+    usage_error "$words" render fog.json -o no.exr --method pop -D "render.pop.$option"
+    absent no.exr
+  done << 'END'
+mod=split did you mean .*mode
+mode=splitt did you mean .*split
+resolution=3 render.pop.resolution: 3 is outside \[4, 128\]
+resolution=129 render.pop.resolution
+merged=3 pop.merged: 3 is outside \[4, 512\]
+merged=513 render.pop.merged
+direct=3 pop.direct: 3 is outside \[4, 1024\]
+direct=1025 render.pop.direct
+sharp=1 render.pop.sharp
+ordinates=0 render.pop.ordinates
+ordinates=4097 render.pop.ordinates
+prefilter=-1 render.pop.prefilter
+prefilter=17 render.pop.prefilter
+importance=2 render.pop.importance
+surface_points=0 render.pop.surface_points
+vpls=4097 render.pop.vpls
+shadow_texels=8 render.pop.shadow_texels
+clamp=2 render.pop.clamp
+iterations=-1 render.pop.iterations
+residuum=2 render.pop.residuum
+residuum_iterations=10001 render.pop.residuum_iterations
+streaming=0 render.pop.streaming
+tolerance=1 render.pop.tolerance
+spp=65 render.pop.spp
+step=9 render.pop.step
+END
+}
+
+test_channels() {
+  pop fog.json all.exr --aov single,multiple,transmittance,depth
+  expect 0 info all.exr
+  for channel in R G B single.R multiple.B transmittance.G depth.Z; do said out.txt "^$channel "; done
+  pop fog.json plain.exr
+  same all.exr plain.exr
+  for aov in normal albedo; do
+    usage_error "--aov: the method pop has no '$aov'" render fog.json -o no.exr --method pop --aov $aov
+  done
+  usage_error '--crop: the method pop renders whole frames' render fog.json -o no.exr --method pop --crop 0,0,8x8
+  absent no.exr
+}
+
+test_statistics() {
+  for mode in split published; do
+    pop room.json out.exr --stats stats.json -D render.pop.mode=$mode
+    valid_json stats.json
+    said stats.json '"method": "pop"'
+    for name in size merged_size; do said stats.json "\"$name\": \\["; done
+    for name in ordinates vpls planes iterations residuum_iterations left bytes medium_seconds importance_seconds \
+      ordinate_seconds vpl_seconds direct_seconds initial_seconds propagation_seconds residuum_seconds merge_seconds \
+      march_seconds; do
+      said stats.json "\"$name\": [0-9.e-]+"
+    done
+    said stats.json '"vpls": [1-9]'
+    said stats.json '"converged": true'
+    unsaid stats.json 'nan|inf'
+  done
+  expect 0 render fog.json -o out.exr --method pop --size 24x16 -D render.pop.resolution=8 -D render.pop.ordinates=9
+  said out.txt '9 ordinates of 8x8x8 cells, 16x16x16 merged, '
+  unsaid out.txt '^surfaces'
+  expect 0 render room.json -o out.exr --method pop --size 24x16 -D render.pop.resolution=8 --spp 2
+  said out.txt '^surfaces: 2 spp of path'
+  expect 0 render fog.json -o out.exr --method pop --size 24x16 -D render.pop.mode=published \
+    -D render.pop.resolution=8 -D render.pop.residuum_iterations=1
+  said out.txt 'not converged'
+}
+
+test_compare() {
+  expect 0 compare fog.json --methods path,fld,pop --size 16x16 --spp 4 -D render.pop.resolution=8 -o compared -q
+  for name in path fld pop; do present compared/$name.exr; done
+}
+
+test_scenes_without_media() {
+  usage_error 'pop: the scene has no media' render empty.json -o no.exr --method pop
+  absent no.exr
+}
+
+test_interrupt() {
+  for mode in split published; do
+    start render builtin:cloud_sky -o cut.exr --png cut.png --method pop --size 4096x4096 -D render.pop.spp=16 \
+      -D render.pop.resolution=48 -D render.pop.ordinates=512 -D render.pop.mode=$mode
+    kill -INT "$process"
+    finished 130
+    absent cut.exr
+    absent cut.png
+  done
+}
+
+cat > fog.json << 'END'
+{
+  "tyndall": 1,
+  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
+  "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": [2, 3, 4], "sigma_a": 0.1, "g": 0.6}],
+  "lights": [
+    {"type": "directional", "direction": [-1, -2, -0.5], "irradiance": 1},
+    {"type": "environment", "radiance": [0.1, 0.2, 0.3]}
+  ]
+}
+END
+cat > room.json << 'END'
+{
+  "tyndall": 1,
+  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
+  "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 0.5, "sigma_a": 0.1}],
+  "lights": [
+    {"type": "point", "position": [0, 1.5, 0], "intensity": 3},
+    {"type": "area", "origin": [-0.5, 2, -0.5], "u": [1, 0, 0], "v": [0, 0, 1], "radiance": 1}
+  ],
+  "geometry": [
+    {"quad": {"origin": [-5, -1, 5], "u": [10, 0, 0], "v": [0, 0, -10]}, "material": {"albedo": 0.5}},
+    {"sphere": {"center": [0, -0.4, 0], "radius": 0.5}, "material": {"albedo": 0.8}}
+  ]
+}
+END
+cat > empty.json << 'END'
+{"tyndall": 1, "camera": {"position": [0, 1, 5], "target": [0, 0, 0]}}
+END
+
+for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
+no_temporary_files
+finish 180
