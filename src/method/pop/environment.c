@@ -26,15 +26,22 @@ typedef struct light_sum {
     double solid_angle; /* sr */
 } light_sum;
 
+/* A row of texels, or of cells. */
+typedef struct table_line {
+    double across, height; /* of its directions */
+    double solid_angle;    /* of a column, sr */
+} table_line;
+
 typedef struct table_job {
     const ty_environment_view* environment;
     const float* importance; /* NULL: even */
     int32_t size[2];
-    int32_t texels[2];  /* of a cell; 0: cells are finer than the map, which is looked up in their middle */
-    const float* turns; /* cosine and sine of each column of texels, or of cells */
-    light_sum* sums;    /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
-    int32_t shift;      /* of columns: where the sphere is cut open */
-    double dark;        /* luminance that differences of sums cannot be told from 0 by */
+    int32_t texels[2];       /* of a cell; 0: cells are finer than the map, which is looked up in their middle */
+    const float* turns;      /* cosine and sine of each column of texels, or of cells */
+    const table_line* lines; /* as finely */
+    light_sum* sums;         /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
+    int32_t shift;           /* of columns: where the sphere is cut open */
+    double dark;             /* luminance that differences of sums cannot be told from 0 by */
 } table_job;
 
 typedef struct part {
@@ -65,46 +72,31 @@ static double length_of(const double v[3]) {
 
 /* ---- the table ---- */
 
-static double row_solid_angle(int32_t row, int32_t height) {
-    return 2 * pi * (cos(pi * row / height) - cos(pi * (row + 1) / height));
-}
-
-/* Adds light that comes from the direction at `turn` (cosine and sine) of a row at angle `down` from the top. */
-static void add_light(const table_job* job, const float radiance[3], const float turn[2], double down, double weight,
-                      light_sum* sum) {
-    double color[3];
-    for (int c = 0; c < 3; ++c) color[c] = weight * (double)radiance[c];
-    const double bright = luminance(color), across = bright * sin(down);
-    const double along[2] = {across * (double)turn[0], across * (double)turn[1]};
+/* Adds light of a row: its color, and its luminance times cosine and sine of the turn (0, 1) and by itself (2). */
+static void add_light(const table_job* job, const table_line* line, const float color[3], const float along[3],
+                      double scale, int32_t columns, light_sum* sum) {
+    const double weight = scale * line->solid_angle, across = weight * line->across;
+    const double height = weight * line->height * (double)along[2];
     const bool z_up = job->environment->up == 2;
-    for (int c = 0; c < 3; ++c) sum->color[c] += color[c];
-    sum->flow[0] += along[0];
-    sum->flow[1] += z_up ? along[1] : bright * cos(down);
-    sum->flow[2] += z_up ? bright * cos(down) : -along[1];
-    sum->solid_angle += weight;
+    for (int c = 0; c < 3; ++c) sum->color[c] += weight * (double)color[c];
+    sum->flow[0] += across * (double)along[0];
+    sum->flow[1] += z_up ? across * (double)along[1] : height;
+    sum->flow[2] += z_up ? height : -across * (double)along[1];
+    sum->solid_angle += line->solid_angle * columns;
 }
 
-/* A stretch of a row of texels as one direction each along the row: sines and cosines are the row's. */
 static void add_texels(const table_job* job, int32_t row, int32_t begin, int32_t end, light_sum* sum) {
     const ty_environment_view* env = job->environment;
-    const double weight = row_solid_angle(row, env->height) / env->width, down = pi * (row + 0.5) / env->height;
     const float* texel = env->pixels + 3 * ((size_t)env->width * (size_t)row + (size_t)begin);
-    float color[3] = {0, 0, 0}, along[2] = {0, 0}, bright = 0;
+    float color[3] = {0, 0, 0}, along[3] = {0, 0, 0};
     for (int32_t x = begin; x < end; ++x, texel += 3) {
         const float light = 0.2126f * texel[0] + 0.7152f * texel[1] + 0.0722f * texel[2];
         for (int c = 0; c < 3; ++c) color[c] += texel[c];
         along[0] += light * job->turns[2 * x];
         along[1] += light * job->turns[2 * x + 1];
-        bright += light;
+        along[2] += light;
     }
-    const double scale = weight * (double)env->scale, across = scale * sin(down);
-    const double height = scale * cos(down) * (double)bright;
-    const bool z_up = env->up == 2;
-    for (int c = 0; c < 3; ++c) sum->color[c] += scale * (double)color[c];
-    sum->flow[0] += across * (double)along[0];
-    sum->flow[1] += z_up ? across * (double)along[1] : height;
-    sum->flow[2] += z_up ? height : -across * (double)along[1];
-    sum->solid_angle += weight * (end - begin);
+    add_light(job, &job->lines[row], color, along, (double)env->scale, end - begin, sum);
 }
 
 static void add_cell(const table_job* job, int32_t column, int32_t row, light_sum* sum) {
@@ -116,14 +108,15 @@ static void add_cell(const table_job* job, int32_t column, int32_t row, light_su
         for (int32_t y = top; y < bottom; ++y) add_texels(job, y, left, right, sum);
         return;
     }
-    const double down = pi * (row + 0.5) / job->size[1];
     const float* turn = job->turns + 2 * column;
-    const float across = (float)sin(down), height = (float)cos(down);
-    float radiance[3];
+    const float across = (float)job->lines[row].across, height = (float)job->lines[row].height;
     const ty_vec look = env->up == 2 ? ty_vec_make(across * turn[0], across * turn[1], height)
                                      : ty_vec_make(across * turn[0], height, -across * turn[1]);
+    float radiance[3];
     ty_environment_radiance(env, look, radiance);
-    add_light(job, radiance, turn, down, row_solid_angle(row, job->size[1]) / job->size[0], sum);
+    const float bright = 0.2126f * radiance[0] + 0.7152f * radiance[1] + 0.0722f * radiance[2];
+    const float along[3] = {bright * turn[0], bright * turn[1], bright};
+    add_light(job, &job->lines[row], radiance, along, 1, 1, sum);
 }
 
 static double importance_at(const float* map, float u, float v) {
@@ -186,6 +179,14 @@ static void fill_turns(const table_job* job, int32_t columns, float* turns) {
         const double angle = 2 * pi * (0.5 - (x + 0.5) / columns + (double)job->environment->turns);
         turns[2 * x] = (float)cos(angle);
         turns[2 * x + 1] = (float)sin(angle);
+    }
+}
+
+static void fill_lines(int32_t columns, int32_t rows, table_line* lines) {
+    for (int32_t y = 0; y < rows; ++y) {
+        const double down = pi * (y + 0.5) / rows;
+        lines[y] = (table_line){.across = sin(down), .height = cos(down)};
+        lines[y].solid_angle = 2 * pi * (cos(pi * y / rows) - cos(pi * (y + 1) / rows)) / columns;
     }
 }
 
@@ -284,18 +285,23 @@ ty_result ty_pop_environment_ordinates(const ty_scene* scene, const ty_pop_def* 
     choose_size(&job);
     job.shift = (int32_t)(ty_mix64(def->seed + ty_mix64((uint64_t)light + 1)) % (uint64_t)job.size[0]);
     const int32_t columns = job.texels[0] > 0 ? job.environment->width : job.size[0];
+    const int32_t rows = job.texels[0] > 0 ? job.environment->height : job.size[1];
     const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->ordinates;
     float* turns = ty_alloc_array(context, (size_t)columns, 2 * sizeof(float), false);
+    table_line* lines = ty_alloc_array(context, (size_t)rows, sizeof *lines, false);
     job.sums = ty_alloc_array(context, corners, sizeof *job.sums, false);
     part* parts = ty_alloc_array(context, wanted, sizeof *parts, false);
-    const bool enough = turns != NULL && job.sums != NULL && parts != NULL;
+    const bool enough = turns != NULL && lines != NULL && job.sums != NULL && parts != NULL;
     if (enough) {
         fill_turns(&job, columns, turns);
+        fill_lines(columns, rows, lines);
         job.turns = turns;
+        job.lines = lines;
         ty_parallel_flushed(context, job.size[1], sum_row, &job);
         *count = write_ordinates(scene, def, light, &job, parts, out);
     }
     ty_free_array(context, turns, (size_t)columns, 2 * sizeof(float));
+    ty_free_array(context, lines, (size_t)rows, sizeof *lines);
     ty_free_array(context, job.sums, corners, sizeof *job.sums);
     ty_free_array(context, parts, wanted, sizeof *parts);
     return enough ? TY_OK : TY_ERROR_MEMORY;
