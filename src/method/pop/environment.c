@@ -14,7 +14,7 @@ enum { TABLE_WIDTH = 256, TABLE_HEIGHT = 128 };
 enum { CUTS = 24 };
 
 /* Of a cell's mass, the part that importance does not decide: nothing bright is left to one ordinate. */
-static const double FLOOR = 0.1;
+static const double FLOOR = 0.03;
 
 static const double pi = 3.14159265358979323846;
 
