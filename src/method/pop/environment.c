@@ -7,14 +7,11 @@
 #include "method/pop/importance.h"
 #include "scene/scene.h"
 
-/* Cells of the table that parts are cut along, at most; a light's texels are summed up in them. */
-enum { TABLE_WIDTH = 256, TABLE_HEIGHT = 128 };
-
 /* Places along each side of a part where it may be cut. */
 enum { CUTS = 24 };
 
 /* Of a cell's mass, the part that importance does not decide: nothing bright is left to one ordinate. */
-static const double FLOOR = 0.1;
+static const double FLOOR = 0.03;
 
 static const double pi = 3.14159265358979323846;
 
@@ -29,12 +26,10 @@ typedef struct light_sum {
 typedef struct table_job {
     const ty_environment_view* environment;
     const float* importance; /* NULL: even */
-    int32_t size[2];
-    int32_t texels[2];  /* of a cell; 0: cells are finer than the map, which is looked up in their middle */
-    const float* turns; /* cosine and sine of each column of texels, or of cells */
-    light_sum* sums;    /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
-    int32_t shift;      /* of columns: where the sphere is cut open */
-    double dark;        /* luminance that differences of sums cannot be told from 0 by */
+    int32_t size[2];         /* cells */
+    light_sum* sums;         /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
+    int32_t shift;           /* of columns: where the sphere is cut open */
+    double dark;             /* luminance that differences of sums cannot be told from 0 by */
 } table_job;
 
 typedef struct part {
@@ -65,67 +60,6 @@ static double length_of(const double v[3]) {
 
 /* ---- the table ---- */
 
-static double row_solid_angle(int32_t row, int32_t height) {
-    return 2 * pi * (cos(pi * row / height) - cos(pi * (row + 1) / height));
-}
-
-/* Adds light that comes from the direction at `turn` (cosine and sine) of a row at angle `down` from the top. */
-static void add_light(const table_job* job, const float radiance[3], const float turn[2], double down, double weight,
-                      light_sum* sum) {
-    double color[3];
-    for (int c = 0; c < 3; ++c) color[c] = weight * (double)radiance[c];
-    const double bright = luminance(color), across = bright * sin(down);
-    const double along[2] = {across * (double)turn[0], across * (double)turn[1]};
-    const bool z_up = job->environment->up == 2;
-    for (int c = 0; c < 3; ++c) sum->color[c] += color[c];
-    sum->flow[0] += along[0];
-    sum->flow[1] += z_up ? along[1] : bright * cos(down);
-    sum->flow[2] += z_up ? bright * cos(down) : -along[1];
-    sum->solid_angle += weight;
-}
-
-/* A stretch of a row of texels as one direction each along the row: sines and cosines are the row's. */
-static void add_texels(const table_job* job, int32_t row, int32_t begin, int32_t end, light_sum* sum) {
-    const ty_environment_view* env = job->environment;
-    const double weight = row_solid_angle(row, env->height) / env->width, down = pi * (row + 0.5) / env->height;
-    const float* texel = env->pixels + 3 * ((size_t)env->width * (size_t)row + (size_t)begin);
-    float color[3] = {0, 0, 0}, along[2] = {0, 0}, bright = 0;
-    for (int32_t x = begin; x < end; ++x, texel += 3) {
-        const float light = 0.2126f * texel[0] + 0.7152f * texel[1] + 0.0722f * texel[2];
-        for (int c = 0; c < 3; ++c) color[c] += texel[c];
-        along[0] += light * job->turns[2 * x];
-        along[1] += light * job->turns[2 * x + 1];
-        bright += light;
-    }
-    const double scale = weight * (double)env->scale, across = scale * sin(down);
-    const double height = scale * cos(down) * (double)bright;
-    const bool z_up = env->up == 2;
-    for (int c = 0; c < 3; ++c) sum->color[c] += scale * (double)color[c];
-    sum->flow[0] += across * (double)along[0];
-    sum->flow[1] += z_up ? across * (double)along[1] : height;
-    sum->flow[2] += z_up ? height : -across * (double)along[1];
-    sum->solid_angle += weight * (end - begin);
-}
-
-static void add_cell(const table_job* job, int32_t column, int32_t row, light_sum* sum) {
-    const ty_environment_view* env = job->environment;
-    if (job->texels[0] > 0) {
-        const int32_t left = column * job->texels[0], top = row * job->texels[1];
-        const int32_t right = left + job->texels[0] < env->width ? left + job->texels[0] : env->width;
-        const int32_t bottom = top + job->texels[1] < env->height ? top + job->texels[1] : env->height;
-        for (int32_t y = top; y < bottom; ++y) add_texels(job, y, left, right, sum);
-        return;
-    }
-    const double down = pi * (row + 0.5) / job->size[1];
-    const float* turn = job->turns + 2 * column;
-    const float across = (float)sin(down), height = (float)cos(down);
-    float radiance[3];
-    const ty_vec look = env->up == 2 ? ty_vec_make(across * turn[0], across * turn[1], height)
-                                     : ty_vec_make(across * turn[0], height, -across * turn[1]);
-    ty_environment_radiance(env, look, radiance);
-    add_light(job, radiance, turn, down, row_solid_angle(row, job->size[1]) / job->size[0], sum);
-}
-
 static double importance_at(const float* map, float u, float v) {
     return (double)ty_pop_map_at(map, TY_POP_IMPORTANCE_WIDTH, TY_POP_IMPORTANCE_HEIGHT, u, v);
 }
@@ -133,14 +67,20 @@ static double importance_at(const float* map, float u, float v) {
 static void sum_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const table_job* job = user;
+    const ty_environment_view* env = job->environment;
     const int32_t row = (int32_t)index, width = job->size[0];
     light_sum* sums = job->sums + (size_t)(width + 1) * (size_t)(row + 1) + 1;
+    const ty_environment_cell* cells = env->cells + (size_t)width * (size_t)row;
     const float v = ((float)row + 0.5f) / (float)job->size[1];
     for (int32_t column = 0; column < width; ++column) {
+        const ty_environment_cell* cell = &cells[column];
+        const double flow[3] = {(double)cell->flow[0], (double)cell->flow[1], (double)cell->flow[2]};
+        const bool z_up = env->up == 2;
         light_sum* sum = &sums[(column + job->shift) % width];
-        *sum = (light_sum){.mass = 0};
-        add_cell(job, column, row, sum);
-        const float u = ((float)column + 0.5f) / (float)width - job->environment->turns;
+        *sum = (light_sum){.color = {(double)cell->color[0], (double)cell->color[1], (double)cell->color[2]},
+                           .flow = {flow[0], z_up ? flow[1] : flow[2], z_up ? flow[2] : -flow[1]},
+                           .solid_angle = (double)cell->solid_angle};
+        const float u = ((float)column + 0.5f) / (float)width - env->turns;
         const double weight = job->importance != NULL ? importance_at(job->importance, u, v) : 1;
         sum->mass = luminance(sum->color) * (FLOOR + (1 - FLOOR) * weight);
     }
@@ -166,27 +106,6 @@ static light_sum sum_of(const table_job* job, const int32_t from[2], const int32
     const light_sum* bottom = job->sums + row * (size_t)to[1];
     const light_sum above = sum_up(top[to[0]], &top[from[0]], -1);
     return sum_up(sum_up(bottom[to[0]], &bottom[from[0]], -1), &above, -1);
-}
-
-/* Cells are whole texels of large maps; of others, and of even radiance, they are all the table has. */
-static void choose_size(table_job* job) {
-    const ty_environment_view* env = job->environment;
-    job->size[0] = TABLE_WIDTH;
-    job->size[1] = TABLE_HEIGHT;
-    job->texels[0] = job->texels[1] = 0;
-    if (env->pixels == NULL || env->width < TABLE_WIDTH || env->height < TABLE_HEIGHT) return;
-    job->texels[0] = (env->width + TABLE_WIDTH - 1) / TABLE_WIDTH;
-    job->texels[1] = (env->height + TABLE_HEIGHT - 1) / TABLE_HEIGHT;
-    job->size[0] = (env->width + job->texels[0] - 1) / job->texels[0];
-    job->size[1] = (env->height + job->texels[1] - 1) / job->texels[1];
-}
-
-static void fill_turns(const table_job* job, int32_t columns, float* turns) {
-    for (int32_t x = 0; x < columns; ++x) {
-        const double angle = 2 * pi * (0.5 - (x + 0.5) / columns + (double)job->environment->turns);
-        turns[2 * x] = (float)cos(angle);
-        turns[2 * x + 1] = (float)sin(angle);
-    }
 }
 
 /* ---- parts ---- */
@@ -279,23 +198,20 @@ static int32_t write_ordinates(const ty_scene* scene, const ty_pop_def* def, int
 ty_result ty_pop_environment_ordinates(const ty_scene* scene, const ty_pop_def* def, int32_t light,
                                        const float* importance, ty_pop_ordinate* out, int32_t* count) {
     ty_context* context = scene->context;
-    table_job job = {.environment = &scene->view.lights.lights[light].environment, .importance = importance};
-    *count = 0;
-    choose_size(&job);
-    job.shift = (int32_t)(ty_mix64(def->seed + ty_mix64((uint64_t)light + 1)) % (uint64_t)job.size[0]);
-    const int32_t columns = job.texels[0] > 0 ? job.environment->width : job.size[0];
+    const ty_environment_view* environment = &scene->view.lights.lights[light].environment;
+    table_job job = {.environment = environment,
+                     .importance = importance,
+                     .size = {environment->cells_width, environment->cells_height}};
     const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->ordinates;
-    float* turns = ty_alloc_array(context, (size_t)columns, 2 * sizeof(float), false);
+    job.shift = (int32_t)(ty_mix64(def->seed + ty_mix64((uint64_t)light + 1)) % (uint64_t)job.size[0]);
     job.sums = ty_alloc_array(context, corners, sizeof *job.sums, false);
     part* parts = ty_alloc_array(context, wanted, sizeof *parts, false);
-    const bool enough = turns != NULL && job.sums != NULL && parts != NULL;
+    const bool enough = job.sums != NULL && parts != NULL;
+    *count = 0;
     if (enough) {
-        fill_turns(&job, columns, turns);
-        job.turns = turns;
         ty_parallel_flushed(context, job.size[1], sum_row, &job);
         *count = write_ordinates(scene, def, light, &job, parts, out);
     }
-    ty_free_array(context, turns, (size_t)columns, 2 * sizeof(float));
     ty_free_array(context, job.sums, corners, sizeof *job.sums);
     ty_free_array(context, parts, wanted, sizeof *parts);
     return enough ? TY_OK : TY_ERROR_MEMORY;

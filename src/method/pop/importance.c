@@ -42,7 +42,9 @@ typedef struct gaze_job {
     float look[3][DIRECTIONS]; /* unit */
     ty_vec ray[COLUMNS * COLUMNS];
     ty_pop_glance glances[COLUMNS * COLUMNS][GROUPS];
-    float out[BLOCKS][DIRECTIONS]; /* transmittance of the ways out */
+    float aside[BLOCKS];               /* of glances */
+    float out[BLOCKS][DIRECTIONS];     /* transmittance of the ways out, of light that keeps its direction */
+    float outward[BLOCKS][DIRECTIONS]; /* and of light that has none */
     float seen[DIRECTIONS];
     float smooth[DIRECTIONS];
 } gaze_job;
@@ -143,8 +145,8 @@ static int32_t block_of(int32_t column, int32_t row, int32_t group) {
     return group + GROUPS * (column / ACROSS + blocks * (row / ACROSS));
 }
 
-/* Where a block's importance is, in the mean; false where there is none. */
-static bool place_block(const gaze_job* job, int32_t block, ty_vec* place) {
+/* Where a block's importance is, in the mean, and what turns aside; false where there is none. */
+static bool place_block(gaze_job* job, int32_t block, ty_vec* place) {
     const int32_t blocks = COLUMNS / ACROSS, group = block % GROUPS;
     const int32_t left = ACROSS * (block / GROUPS % blocks), top = ACROSS * (block / GROUPS / blocks);
     float weight = 0.0f;
@@ -154,6 +156,7 @@ static bool place_block(const gaze_job* job, int32_t block, ty_vec* place) {
             const ty_pop_glance* glance = &job->glances[COLUMNS * row + column][group];
             weight += glance->straight + glance->forward;
             *place = ty_add(*place, glance->place);
+            job->aside[block] += glance->aside;
         }
     if (!(weight > 0.0f)) return false;
     *place = ty_scale(*place, 1.0f / weight);
@@ -173,44 +176,53 @@ static float way_to_side(const ty_pop_murk_view* murk, ty_vec point, ty_vec way)
     return ty_maxf(0.0f, nearest);
 }
 
-/* Of light that keeps its direction, as ordinates carry it. */
-static float transmittance_out(const gaze_job* job, ty_vec point, ty_vec way) {
+/* Optical depth, reduced, as ordinates carry light; what surfaces are before counts as deep. */
+static float depth_outward(const gaze_job* job, ty_vec point, ty_vec way) {
     const float length = way_to_side(&job->murk, point, way) / WAY_STEPS;
     float tau = 0.0f;
-    if (job->scene->view.mesh != NULL && ty_mesh_occluded(job->scene->view.mesh, point, way, TY_FLOAT_MAX)) return 0.0f;
+    if (job->scene->view.mesh != NULL && ty_mesh_occluded(job->scene->view.mesh, point, way, TY_FLOAT_MAX))
+        return TY_FLOAT_MAX;
     for (int32_t i = 0; i < WAY_STEPS; ++i) {
         const ty_pop_murk murk = ty_pop_murk_at(&job->murk, ty_mad(point, way, ((float)i + 0.5f) * length));
         tau += length * ty_pop_murk_reduced(&murk, 1);
     }
-    return ty_decay(tau);
+    return tau;
 }
 
+static void refine_ways(const float* coarse, float* out) {
+    for (int32_t i = 0; i < DIRECTIONS; ++i)
+        out[i] = ty_pop_map_at(coarse, WAYS_WIDTH, WAYS_HEIGHT, ((float)(i % WIDTH) + 0.5f) / WIDTH,
+                               ((float)(i / WIDTH) + 0.5f) / HEIGHT);
+}
+
+/* Light without a direction gets through a layer as in two-stream diffusion. */
 static void follow_ways(void* user, int64_t index, int32_t worker) {
     (void)worker;
     gaze_job* job = user;
-    float coarse[WAYS_WIDTH * WAYS_HEIGHT];
+    float straight[WAYS_WIDTH * WAYS_HEIGHT], diffuse[WAYS_WIDTH * WAYS_HEIGHT];
     ty_vec place;
     if (!place_block(job, (int32_t)index, &place)) return;
-    for (int32_t i = 0; i < WAYS_WIDTH * WAYS_HEIGHT; ++i)
-        coarse[i] = transmittance_out(job, place,
-                                      look_at(job->scene->up, i % WAYS_WIDTH, i / WAYS_WIDTH, WAYS_WIDTH, WAYS_HEIGHT));
-    for (int32_t i = 0; i < DIRECTIONS; ++i)
-        job->out[index][i] = ty_pop_map_at(coarse, WAYS_WIDTH, WAYS_HEIGHT, ((float)(i % WIDTH) + 0.5f) / WIDTH,
-                                           ((float)(i / WIDTH) + 0.5f) / HEIGHT);
+    for (int32_t i = 0; i < WAYS_WIDTH * WAYS_HEIGHT; ++i) {
+        const ty_vec way = look_at(job->scene->up, i % WAYS_WIDTH, i / WAYS_WIDTH, WAYS_WIDTH, WAYS_HEIGHT);
+        const float tau = depth_outward(job, place, way);
+        straight[i] = ty_decay(tau);
+        diffuse[i] = 1.0f / (1.0f + 0.75f * tau);
+    }
+    refine_ways(straight, job->out[index]);
+    refine_ways(diffuse, job->outward[index]);
 }
 
 /* Adds what one lobe sees of each direction of a row of the map. */
 static void add_glance(gaze_job* job, const ty_pop_glance* glance, ty_vec ray, const float* out, int32_t row) {
     if (!(glance->straight + glance->forward > 0.0f)) return;
     const ty_pop_lobe lobe = ty_pop_lobe_of(glance);
-    const float even = TY_INV_4PI * glance->aside;
     const int32_t first = WIDTH * row;
     const float *x = job->look[0] + first, *y = job->look[1] + first, *z = job->look[2] + first;
     float* seen = job->seen + first;
 #pragma omp simd
     for (int32_t i = 0; i < WIDTH; ++i) {
         const float mu = x[i] * ray.x + y[i] * ray.y + z[i] * ray.z;
-        seen[i] += ty_pop_lobe_at(&lobe, mu) * out[first + i] + even;
+        seen[i] += ty_pop_lobe_at(&lobe, mu) * out[first + i];
     }
 }
 
@@ -224,6 +236,9 @@ static void see_row(void* user, int64_t index, int32_t worker) {
                 add_glance(job, &job->glances[at][group], job->ray[at], job->out[block_of(column, row, group)],
                            (int32_t)index);
             }
+    for (int32_t block = 0; block < BLOCKS; ++block)
+        for (int32_t i = WIDTH * (int32_t)index; i < WIDTH * ((int32_t)index + 1); ++i)
+            job->seen[i] += TY_INV_4PI * job->aside[block] * job->outward[block][i];
 }
 
 /* ---- the map ---- */

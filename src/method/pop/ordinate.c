@@ -113,15 +113,14 @@ static void measure_box(ordinate_list* list, const ty_grid_box* box) {
     list->longest = (float)longest;
 }
 
-/* Lists in memory of just their size. */
-static ty_result hand_over(ty_context* context, ordinate_list* list, int64_t capacity, ty_pop_ordinate** out,
-                           int32_t* count) {
-    ty_pop_ordinate* exact = ty_alloc_array(context, (size_t)list->count, sizeof *exact, false);
-    if (exact != NULL) memcpy(exact, list->items, (size_t)list->count * sizeof *exact);
-    ty_free_array(context, list->items, (size_t)capacity, sizeof *list->items);
+ty_result ty_pop_ordinates_hand_over(ty_context* context, ty_pop_ordinate* items, int64_t capacity, int32_t filled,
+                                     ty_pop_ordinate** out, int32_t* count) {
+    ty_pop_ordinate* exact = ty_alloc_array(context, (size_t)filled, sizeof *exact, false);
+    if (exact != NULL) memcpy(exact, items, (size_t)filled * sizeof *exact);
+    ty_free_array(context, items, (size_t)capacity, sizeof *items);
     if (exact == NULL) return TY_ERROR_MEMORY;
     *out = exact;
-    *count = list->count;
+    *count = filled;
     return TY_OK;
 }
 
@@ -145,7 +144,8 @@ ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, 
     ty_sources_destroy(scene->context, sources, source_count);
     if (list.items == NULL) return result;
     if (result == TY_OK) result = add_environments(&list, importance);
-    if (result == TY_OK) return hand_over(scene->context, &list, capacity, out, count);
+    if (result == TY_OK)
+        return ty_pop_ordinates_hand_over(scene->context, list.items, capacity, list.count, out, count);
     ty_free_array(scene->context, list.items, (size_t)capacity, sizeof *list.items);
     return result;
 }

@@ -36,8 +36,18 @@ ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, 
                                   const float* importance, ty_pop_ordinate** out, int32_t* count);
 void ty_pop_ordinates_destroy(ty_context* context, ty_pop_ordinate* ordinates, int32_t count);
 
-/* Virtual point lights of the scene's surfaces as seen by its directional, point and spot lights, behind the medium:
- * at most def->vpls. *out as above. */
+/* Ends a list of `capacity` items of which `filled` are: they move to memory of just their size, and the list goes,
+ * whatever happens. */
+ty_result ty_pop_ordinates_hand_over(ty_context* context, ty_pop_ordinate* items, int64_t capacity, int32_t filled,
+                                     ty_pop_ordinate** out, int32_t* count);
+
+/* Virtual point lights of the scene's surfaces as seen by its directional, point and spot lights, behind the medium (in
+ * split mode by its reduced extinction: what surfaces are lit by is all light that keeps its direction): at most
+ * def->vpls. All light that surfaces which face some of the medium's box reflect (of directional lights: within eight
+ * of its longest sides) is shared out among them, neighbours together, in equal parts by luminance, cosine and
+ * distance; each VPL stands where the surface is nearest to the middle of its part, and its a_n is (1 - w / N)^beta
+ * with w / N the part of the sphere that its share of the surfaces takes, seen from the middle of the medium: bright or
+ * far, it is small. *out as above. */
 ty_result ty_pop_vpls_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
                              ty_pop_ordinate** out, int32_t* count);
 
