@@ -4,7 +4,7 @@
 #include "method/pop/merge.h"
 #include "method/pop/merge_kernel.h"
 
-enum { SIDE = 4, ROWS = SIDE * SIDE, LEFT = 4 };
+enum { SLABS = 4, LEFT = 4, SLAB_CELLS = TY_POP_MERGE_ROWS * TY_POP_MERGE_RUN };
 
 const ty_pop_merge_kernels* ty_pop_merge_kernels_best(void) {
 #if TY_ISA_X86
@@ -25,30 +25,34 @@ typedef struct work {
     int32_t blocks;       /* along y */
 } work;
 
-/* A block of up to SIDE x SIDE rows of cells from x0, y0, z0 on. */
+/* A block of cells. Slabs' sums are one after another, rows without gaps. */
 typedef struct block {
     int32_t lower[3], size[3];
-    _Alignas(64) float sums[ROWS][TY_POP_MERGE_RUN * TY_POP_MERGE_SUMS];
-    float left[ROWS][TY_POP_MERGE_RUN * LEFT];
+    _Alignas(64) float sums[SLABS][SLAB_CELLS * TY_POP_MERGE_SUMS];
+    float left[SLABS][SLAB_CELLS * LEFT];
 } block;
 
+static double step_along(const ty_grid_box* box, int axis) {
+    return (box->upper[axis] - box->lower[axis]) / box->size[axis];
+}
+
 static float middle(const ty_grid_box* box, int axis, int32_t cell) {
-    const double step = (box->upper[axis] - box->lower[axis]) / box->size[axis];
-    return (float)(box->lower[axis] + (cell + 0.5) * step);
+    return (float)(box->lower[axis] + (cell + 0.5) * step_along(box, axis));
 }
 
 static void add_light(const work* w, const ty_pop_light* light, block* b) {
     const ty_grid_box* box = &w->merged->box;
-    for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
-        const int32_t y = b->lower[1] + row % b->size[1], z = b->lower[2] + row / b->size[1];
-        const ty_pop_merge_row cells = {
+    for (int32_t z = 0; z < b->size[2]; ++z) {
+        const ty_pop_merge_rows rows = {
             .count = b->size[0],
-            .first = ty_vec_make(middle(box, 0, b->lower[0]), middle(box, 1, y), middle(box, 2, z)),
-            .step = (float)((box->upper[0] - box->lower[0]) / box->size[0]),
-            .sums = b->sums[row],
-            .left = w->merged->left[0] != NULL ? b->left[row] : NULL,
+            .rows = b->size[1],
+            .first =
+                ty_vec_make(middle(box, 0, b->lower[0]), middle(box, 1, b->lower[1]), middle(box, 2, b->lower[2] + z)),
+            .step = {(float)step_along(box, 0), (float)step_along(box, 1)},
+            .sums = b->sums[z],
+            .left = w->merged->left[0] != NULL ? b->left[z] : NULL,
         };
-        w->kernels->merge(light, &cells);
+        w->kernels->merge(light, &rows);
     }
 }
 
@@ -62,17 +66,28 @@ static int32_t flux_place(int axis, int channel) {
 }
 
 static void add_block(const block* b, ty_pop_merged* merged) {
-    const int32_t* size = merged->box.size;
+    const int32_t *size = merged->box.size, count = b->size[0];
     for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
-        const int32_t y = b->lower[1] + row % b->size[1], z = b->lower[2] + row / b->size[1];
-        const size_t first = ((size_t)z * (size_t)size[1] + (size_t)y) * (size_t)size[0] + (size_t)b->lower[0];
+        const int32_t y = row % b->size[1], z = row / b->size[1];
+        const float *sums = b->sums[z] + TY_POP_MERGE_SUMS * y * count, *left = b->left[z] + LEFT * y * count;
+        const size_t first =
+            ((size_t)(b->lower[2] + z) * (size_t)size[1] + (size_t)(b->lower[1] + y)) * (size_t)size[0] +
+            (size_t)b->lower[0];
         for (int c = 0; c < 3; ++c) {
-            add_row(b->sums[row], TY_POP_MERGE_SUMS, c, b->size[0], merged->seen[c] + first);
-            add_row(b->sums[row], TY_POP_MERGE_SUMS, 3 + c, b->size[0], merged->fluence[c] + first);
-            if (merged->left[c] != NULL) add_row(b->left[row], LEFT, c, b->size[0], merged->left[c] + first);
+            add_row(sums, TY_POP_MERGE_SUMS, c, count, merged->seen[c] + first);
+            add_row(sums, TY_POP_MERGE_SUMS, 3 + c, count, merged->fluence[c] + first);
+            if (merged->left[c] != NULL) add_row(left, LEFT, c, count, merged->left[c] + first);
             for (int a = 0; a < 3 && merged->flux[c][a] != NULL; ++a)
-                add_row(b->sums[row], TY_POP_MERGE_SUMS, flux_place(a, c), b->size[0], merged->flux[c][a] + first);
+                add_row(sums, TY_POP_MERGE_SUMS, flux_place(a, c), count, merged->flux[c][a] + first);
         }
+    }
+}
+
+static void clear(block* b, bool left) {
+    const size_t cells = (size_t)b->size[0] * (size_t)b->size[1];
+    for (int32_t z = 0; z < b->size[2]; ++z) {
+        memset(b->sums[z], 0, TY_POP_MERGE_SUMS * cells * sizeof(float));
+        if (left) memset(b->left[z], 0, LEFT * cells * sizeof(float));
     }
 }
 
@@ -84,20 +99,30 @@ static void merge_block(void* user, int64_t index, int32_t worker) {
     const work* w = user;
     const int32_t* size = w->merged->box.size;
     const int32_t run = (int32_t)(index % w->runs), rest = (int32_t)(index / w->runs);
-    block b = {.lower = {run * w->length, rest % w->blocks * SIDE, rest / w->blocks * SIDE}};
+    const int32_t most[3] = {w->length, TY_POP_MERGE_ROWS, SLABS}, at[3] = {run, rest % w->blocks, rest / w->blocks};
+    block b;
     (void)worker;
-    b.size[0] = least(w->length, size[0] - b.lower[0]);
-    for (int a = 1; a < 3; ++a) b.size[a] = least(SIDE, size[a] - b.lower[a]);
+    for (int a = 0; a < 3; ++a) {
+        b.lower[a] = at[a] * most[a];
+        b.size[a] = least(most[a], size[a] - b.lower[a]);
+    }
+    clear(&b, w->merged->left[0] != NULL);
     for (int32_t l = 0; l < w->count; ++l) add_light(w, &w->lights[l], &b);
     add_block(&b, w->merged);
 }
 
 void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {
     const int32_t* size = merged->box.size;
-    work w = {ty_pop_merge_kernels_best(), lights, count, merged, 0, 0, (size[1] + SIDE - 1) / SIDE};
+    work w = {ty_pop_merge_kernels_best(),
+              lights,
+              count,
+              merged,
+              0,
+              0,
+              (size[1] + TY_POP_MERGE_ROWS - 1) / TY_POP_MERGE_ROWS};
     const int32_t runs = (size[0] + TY_POP_MERGE_RUN - 1) / TY_POP_MERGE_RUN;
     w.length = (size[0] + runs - 1) / runs;
     w.runs = (size[0] + w.length - 1) / w.length;
-    const int64_t slabs = (size[2] + SIDE - 1) / SIDE;
+    const int64_t slabs = (size[2] + SLABS - 1) / SLABS;
     ty_parallel_flushed(context, slabs * w.blocks * w.runs, merge_block, &w);
 }

@@ -6,18 +6,19 @@
 
 enum {
     TY_POP_MERGE_RUN = 64, /* cells of a row at most */
+    TY_POP_MERGE_ROWS = 4, /* at most, at once: what is known of their places before the first of them is added */
     TY_POP_MERGE_SUMS = 16 /* floats of a merged cell: seen (R, G, B), fluence (R, G, B), blue flux along z, 1 unused,
                               flux along x (R, G, B), along y (R, G, B), along z (R, G) */
 };
 
-/* Merged cells along x. */
-typedef struct ty_pop_merge_row {
-    int32_t count;
-    ty_vec first; /* the middle of the first, m */
-    float step;   /* from one middle to the next along x, m */
-    float* sums;  /* TY_POP_MERGE_SUMS a cell, aligned to 64 bytes */
-    float* left;  /* 4 a cell: not passed on (R, G, B), 1 unused; NULL: not asked for */
-} ty_pop_merge_row;
+/* Rows of merged cells along x, one after another along y. */
+typedef struct ty_pop_merge_rows {
+    int32_t count, rows; /* cells of a row */
+    ty_vec first;        /* the middle of the first, m */
+    float step[2];       /* from one middle to the next along x and y, m */
+    float* sums;         /* TY_POP_MERGE_SUMS a cell, aligned to 64 bytes */
+    float* left;         /* 4 a cell: not passed on (R, G, B), 1 unused; NULL: not asked for */
+} ty_pop_merge_rows;
 
 /* A row of the residuum: light in it and beside it, and e^(-sigma_a dx / 2) of the same cells, dx along each axis.
  * Cells around the box are there, and dark. */
@@ -31,7 +32,7 @@ typedef struct ty_pop_residuum_row {
 } ty_pop_residuum_row;
 
 typedef struct ty_pop_merge_kernels {
-    void (*merge)(const ty_pop_light* light, const ty_pop_merge_row* row);
+    void (*merge)(const ty_pop_light* light, const ty_pop_merge_rows* rows);
     float (*pass)(const ty_pop_residuum_row* row); /* gives the sum of what came in */
 } ty_pop_merge_kernels;
 
