@@ -152,10 +152,10 @@ void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, c
     const ty_pop_frame* frame = &light->frame;
     const ty_pop_ordinate* ordinate = &light->ordinate;
     const ty_scene_view* view = scene != NULL ? ty_scene_get_view(scene) : NULL;
-    const int32_t all = frame->size[0] * frame->size[1];
+    const int32_t all = frame->size[0] * frame->size[1], whole = TY_POP_BLOCK / frame->size[0] * frame->size[0];
     columns->frame = frame;
     columns->first = first;
-    columns->count = all - first < TY_POP_BLOCK ? all - first : TY_POP_BLOCK;
+    columns->count = all - first < whole ? all - first : whole;
     columns->shaded = view != NULL && view->mesh != NULL && ordinate->shadowed != 0;
     columns->spreads = frame->kind == TY_POP_PARALLEL && ordinate->kind == TY_POP_RADIAL;
     const float lamp[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};

@@ -70,7 +70,7 @@ void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const flo
     light->bands = 0;
     memset(light->seen, 0, ty_pop_seen_floats(&light->frame, light->floats) * sizeof *light->seen);
     begin(medium, eye, light, &s);
-    for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += TY_POP_BLOCK) {
+    for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += s.columns.count) {
         ty_pop_columns_begin(scene, medium, light, first, &s.columns);
         sweep_columns(&s);
     }
