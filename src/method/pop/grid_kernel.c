@@ -108,6 +108,20 @@ static void sample(ty_pop_slab* slab) {
             find_coefficients(slab, p, &at);
 }
 
+static float misfit(const float* plane, const float* other, float multiple, int32_t cells) {
+    float most = 0.0f;
+#pragma omp simd reduction(max : most)
+    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, fabsf(plane[i] - multiple * other[i]));
+    return most;
+}
+
+static float unevenness(const float* g, const float* scattering, float value, int32_t cells) {
+    float most = 0.0f;
+#pragma omp simd reduction(max : most)
+    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, scattering[i] > 0.0f ? fabsf(g[i] - value) : 0.0f);
+    return most;
+}
+
 /* ---- light before the medium ---- */
 
 /* The share of a slab that is before a surface. */
@@ -253,6 +267,13 @@ static void begin(const ty_pop_begin* b) {
     }
 }
 
+static float sum(const float* values, int32_t count) {
+    float total = 0.0f;
+#pragma omp simd reduction(+ : total)
+    for (int32_t i = 0; i < count; ++i) total += values[i];
+    return total;
+}
+
 static void give(const ty_pop_give* give) {
     const float *light = give->light, *cosine = give->cosine;
     const float *pass_along = give->half.pass[0], *pass_across = give->half.pass[1];
@@ -291,21 +312,24 @@ static void take(const ty_pop_take* take) {
             (side_turned[i - 1] + side_turned[i + 1] + side_turned[i - row] + side_turned[i + row]);
         const float along = pass_along[i] * (front[i] + back[i]);
         const float turned_along = keep_along[i] * pass_along[i] * (front_turned[i] + back_turned[i]);
-        const float sum = along + across;
-        const float a = (turned_along + turned_across) / ty_maxf(sum, 1e-30f);
-        light[i] = sum;
+        const float all = along + across;
+        const float a = (turned_along + turned_across) / ty_maxf(all, 1e-30f);
+        light[i] = all;
         cosine[i] = a;
-        fluence[i] += sum;
-        seen[i] += sum * ty_pop_hg(mu[i], a * again[i]);
+        fluence[i] += all;
+        seen[i] += all * ty_pop_hg(mu[i], a * again[i]);
     }
 }
 
-const ty_pop_grid_kernels TY_JOIN(ty_pop_grid_kernels_, TY_ISA) = {.sample = sample,
+const ty_pop_grid_kernels TY_JOIN(ty_pop_grid_kernels_, TY_ISA) = {.misfit = misfit,
+                                                                   .unevenness = unevenness,
+                                                                   .sample = sample,
                                                                    .light = light,
                                                                    .pass = pass,
                                                                    .look = look,
                                                                    .scatter = scatter,
                                                                    .start = start,
                                                                    .begin = begin,
+                                                                   .sum = sum,
                                                                    .give = give,
                                                                    .take = take};

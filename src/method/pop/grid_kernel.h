@@ -86,6 +86,10 @@ typedef struct ty_pop_take {
 } ty_pop_take;
 
 typedef struct ty_pop_grid_kernels {
+    /* The most by which a plane is not a multiple of another, and by which g is not a value where there is scattering.
+     */
+    float (*misfit)(const float* plane, const float* other, float multiple, int32_t cells);
+    float (*unevenness)(const float* g, const float* scattering, float value, int32_t cells);
     void (*sample)(ty_pop_slab* slab);
     void (*light)(ty_pop_slab* slab);
     void (*pass)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
@@ -93,6 +97,7 @@ typedef struct ty_pop_grid_kernels {
     void (*scatter)(const ty_pop_slab* slab, ty_pop_look* look);
     void (*start)(const ty_pop_slab* slab, ty_pop_start* start);
     void (*begin)(const ty_pop_begin* begin);
+    float (*sum)(const float* values, int32_t count);
     void (*give)(const ty_pop_give* give);
     void (*take)(const ty_pop_take* take);
 } ty_pop_grid_kernels;

@@ -43,7 +43,7 @@ static void write_seen(const sweep* s, int32_t k) {
 static void begin(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light, sweep* s) {
     s->kernels = ty_pop_grid_kernels_best();
     s->light = light;
-    ty_pop_slab_setup(medium, &s->columns, &s->slab);
+    ty_pop_slab_setup(s->kernels, medium, &s->columns, &s->slab);
     ty_pop_look_setup(medium, eye, light, &s->look);
 }
 

@@ -62,6 +62,17 @@ typedef struct walk {
     float mean[3][TY_POP_BLOCK]; /* of each plane, in the slab */
 } walk;
 
+/* How far it is from a cell to the next beside it, as part of how far it is to the one in front. */
+static float across_of(const ty_pop_frame* frame, int32_t k) {
+    if (frame->kind == TY_POP_PARALLEL) return 0.5f * (frame->step.x + frame->step.y) / frame->step.z;
+    return ty_pop_radius(frame, (float)k + 0.5f) * sqrtf(4 * TY_PI) / ((float)frame->size[0] * ty_pop_length(frame, k));
+}
+
+/* Whether cells are as good as cubes, so that factors are the same along and across. */
+static bool is_cubic(const ty_pop_frame* frame) {
+    return fabsf(across_of(frame, frame->size[2] / 2) - 1) < 0.01f;
+}
+
 static float* take_floats(float** next, size_t count) {
     float* floats = *next;
     *next += count;
@@ -78,6 +89,9 @@ static void lay_out(walk* w, float* scratch) {
                                                           &plane->keep[0], &plane->keep[1], &plane->uncollided,
                                                           &plane->again};
         for (int a = 0; a < TY_POP_WALK_PLANE_ARRAYS; ++a) *arrays[a] = take_floats(&scratch, w->all);
+        if (!is_cubic(&w->light->frame)) continue;
+        plane->pass[1] = plane->pass[0];
+        plane->keep[1] = plane->keep[0];
     }
     float** const shared[TY_POP_WALK_ARRAYS] = {&w->cosine, &w->fluence, &w->seen, &w->mu};
     for (int a = 0; a < TY_POP_WALK_ARRAYS; ++a) *shared[a] = take_floats(&scratch, w->all);
@@ -102,12 +116,6 @@ static void store(const walk* w, const float* from, int32_t k, float* to) {
         memcpy(to + place_of(w, (w->columns.first + i) / n, k), from + i, (size_t)n * sizeof *to);
 }
 
-/* From a cell to the next beside it, m. */
-static float across_of(const ty_pop_frame* frame, int32_t k) {
-    if (frame->kind == TY_POP_PARALLEL) return 0.5f * (frame->step.x + frame->step.y);
-    return ty_pop_radius(frame, (float)k + 0.5f) * sqrtf(4 * TY_PI) / (float)frame->size[0];
-}
-
 static void start_plane(walk* w, int32_t p, int32_t k) {
     const ty_pop_frame* frame = &w->light->frame;
     const plane_arrays* plane = &w->planes[p];
@@ -115,12 +123,12 @@ static void start_plane(walk* w, int32_t p, int32_t k) {
     start.collided = w->mode == TY_POP_MODE_COLLIDED;
     start.plane = p;
     start.mean = w->mean[p];
-    start.across = across_of(frame, k) / ty_pop_length(frame, k);
+    start.across = across_of(frame, k);
     w->kernels->start(&w->slab, &start);
     store(w, start.light, k, plane->light);
     store(w, start.again, k, plane->again);
     store(w, start.mean, k, plane->uncollided);
-    for (int side = 0; side < 2; ++side) {
+    for (int side = 0; side < (plane->pass[0] == plane->pass[1] ? 1 : 2); ++side) {
         store(w, start.pass[side], k, plane->pass[side]);
         store(w, start.keep[side], k, plane->keep[side]);
     }
@@ -278,9 +286,8 @@ static double light_in(const walk* w, int32_t p) {
                                                         : (double)frame->step.x * (double)frame->step.y;
     double sum = 0;
     for (int32_t k = 0; k < frame->size[2]; ++k) {
-        double slice = 0;
-        for (size_t i = 0; i < w->slice; ++i) slice += (double)w->planes[p].light[w->slice * (size_t)k + i];
-        sum += slice * (double)ty_pop_length(frame, k);
+        const float* slice = w->planes[p].light + w->slice * (size_t)k;
+        sum += (double)w->kernels->sum(slice, (int32_t)w->slice) * (double)ty_pop_length(frame, k);
     }
     return sum * section * colors;
 }
@@ -302,7 +309,7 @@ static void begin_walk(const ty_scene* scene, const float eye[3], float* scratch
     w->slice = slice_floats(frame);
     w->all = w->slice * (size_t)frame->size[2];
     lay_out(w, scratch);
-    ty_pop_slab_setup(w->medium, &w->columns, &w->slab);
+    ty_pop_slab_setup(w->kernels, w->medium, &w->columns, &w->slab);
     ty_pop_look_setup(w->medium, eye, w->light, &w->look);
     for (int32_t first = 0; first < frame->size[0] * frame->size[1]; first += w->columns.count) {
         ty_pop_columns_begin(scene, w->medium, w->light, first, &w->columns);
