@@ -335,6 +335,31 @@ static void test_shadows(void** state) {
     }
 }
 
+/* A point of a floor far away lights the medium above the floor: its own surface does not shade it. */
+static void test_floor(void** state) {
+    const ty_medium_def medium = pop_cube(1, 0, 0);
+    for (int distance = 2; distance <= 20; distance += 6) {
+        ty_scene* scene = scene_of(*state, &medium);
+        ty_shape_def floor = ty_default_shape_def();
+        set3(floor.origin, -50, -0.5, -50);
+        set3(floor.u, 0, 0, 100);
+        set3(floor.v, 100, 0, 0);
+        check_result(*state, ty_scene_add_shape(scene, &floor));
+        ty_pop_ordinate light = point_light(distance, -0.5, 0.3);
+        light.direction = ty_vec_make(0, 1, 0);
+        light.profile = TY_POP_COSINE;
+        light.shadowed = 1;
+        pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 12, 1);
+        pop_run(&made);
+        for (int32_t k = 0; k < 12; ++k)
+            for (int32_t i = 0; i < 144; ++i) {
+                const ty_vec at = ty_pop_middle(&made.light.frame, i % 12, i / 12, k);
+                if (at.y > 0 && at.y < 1) assert_true(pop_seen(&made.light, i % 12, i / 12, k)[3] > 0);
+            }
+        pop_end(&made);
+    }
+}
+
 static void test_profiles(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     ty_scene* scene = scene_of(*state, &medium);
@@ -439,8 +464,8 @@ int main(void) {
         cmocka_unit_test(test_axis_frame),  cmocka_unit_test(test_slanted_frame), cmocka_unit_test(test_radial_frame),
         cmocka_unit_test(test_homogeneous), cmocka_unit_test(test_moments),       cmocka_unit_test(test_patches),
         cmocka_unit_test(test_see),         cmocka_unit_test(test_seen_value),    cmocka_unit_test(test_radiance),
-        cmocka_unit_test(test_shadows),     cmocka_unit_test(test_profiles),      cmocka_unit_test(test_afar),
-        cmocka_unit_test(test_extremes),    cmocka_unit_test(test_one_density),
+        cmocka_unit_test(test_shadows),     cmocka_unit_test(test_floor),         cmocka_unit_test(test_profiles),
+        cmocka_unit_test(test_afar),        cmocka_unit_test(test_extremes),      cmocka_unit_test(test_one_density),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }
