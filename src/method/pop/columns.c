@@ -4,15 +4,16 @@
 #include "direct/source.h"
 #include "scene/scene.h"
 
-/* A ray of a column; its place in the column is 0.5, 0.5 in the middle. */
 typedef struct column_ray {
     double origin[3], way[3]; /* m; unit */
+    double start;             /* where along the column its origin is, m */
 } column_ray;
 
+/* A ray along a column; u, v: where in it, 0.5 in the middle. */
 static column_ray ray_of(const ty_pop_frame* frame, int32_t column, double u, double v) {
-    const double i = column % frame->size[0] + u, j = column / frame->size[0] + v; // NOLINT: whole columns and rows
+    const double i = column % frame->size[0] + u, j = column / frame->size[0] + v;
     const float origin[3] = {frame->origin.x, frame->origin.y, frame->origin.z};
-    column_ray ray;
+    column_ray ray = {.start = 0};
     ty_vec way = frame->axis[2];
     if (frame->kind == TY_POP_RADIAL)
         way = ty_octahedral_direction((float)(2 * i / frame->size[0] - 1), (float)(2 * j / frame->size[1] - 1));
@@ -57,8 +58,8 @@ static float profile_of(const ty_scene_view* view, const ty_pop_ordinate* ordina
     return ty_source_profile(&view->lights.lights[ordinate->light], mu);
 }
 
-/* The ray that light from a point takes to a column's middle, half way along a parallel grid. */
-static column_ray ray_from_point(const ty_pop_frame* frame, const ty_pop_ordinate* ordinate, const column_ray* ray) {
+/* The ray on which light comes: from a lamp afar, to the middle of the column's length. */
+static column_ray lit_ray(const ty_pop_frame* frame, const ty_pop_ordinate* ordinate, const column_ray* ray) {
     if (frame->kind == TY_POP_RADIAL || ordinate->kind == TY_POP_PARALLEL) return *ray;
     const float point[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};
     const double half = 0.5 * (double)frame->step.z * frame->size[2];
@@ -70,6 +71,7 @@ static column_ray ray_from_point(const ty_pop_frame* frame, const ty_pop_ordinat
         square += from.way[a] * from.way[a];
     }
     for (int a = 0; a < 3; ++a) from.way[a] /= sqrt(square);
+    from.start = half - sqrt(square);
     return from;
 }
 
@@ -84,55 +86,59 @@ static double reach_back(const ty_scene* scene, const ty_grid_box* box) {
     return 2 * sqrt(square);
 }
 
-/* Of a lamp, off the surface that it may be a point of. */
-static double begin_lamp(const ty_grid_box* box, const ty_pop_ordinate* ordinate, column_ray* ray) {
-    if (ordinate->profile != TY_POP_COSINE) return 0;
-    const float normal[3] = {ordinate->direction.x, ordinate->direction.y, ordinate->direction.z};
+/* Off the surface that a lamp may be a point of, m. */
+static double lift_of(const ty_grid_box* box) {
     double least = INFINITY;
     for (int a = 0; a < 3; ++a) least = fmin(least, box->upper[a] - box->lower[a]);
-    for (int a = 0; a < 3; ++a) ray->origin[a] += 1e-4 * least * (double)normal[a];
-    return 0;
+    return 1e-4 * least;
 }
 
-/* Rays of parallel grids for a lamp afar begin at the lamp's plane across the light's way. */
-static double begin_afar(const ty_pop_ordinate* ordinate, column_ray* ray) {
-    const float point[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};
-    double along = 0;
-    for (int a = 0; a < 3; ++a) along += (ray->origin[a] - (double)point[a]) * ray->way[a];
-    for (int a = 0; a < 3; ++a) ray->origin[a] -= along * ray->way[a];
-    return along;
-}
-
-static void trace(const ty_scene* scene, const ty_grid_medium* medium, const ty_pop_light* light, int32_t number,
-                  ty_pop_columns* columns) {
-    const ty_scene_view* view = ty_scene_get_view(scene);
+/* The ray on which a part of a column is shaded. */
+static column_ray shadow_ray(const ty_scene* scene, const ty_grid_box* box, const ty_pop_light* light, int32_t column,
+                             int32_t number) {
     const ty_pop_ordinate* ordinate = &light->ordinate;
-    const double back = ordinate->kind == TY_POP_PARALLEL ? reach_back(scene, &medium->box) : 0;
     const double u = 0.25 + 0.5 * (number % 2), v = number < 2 ? 0.25 : 0.75;
-    for (int32_t from = 0; from < columns->count; from += TY_PACKET) {
-        const int32_t count = columns->count - from < TY_PACKET ? columns->count - from : TY_PACKET;
-        ty_ray rays[TY_PACKET];
-        ty_hit hits[TY_PACKET];
-        double upstream[TY_PACKET];
-        for (int32_t i = 0; i < count; ++i) {
-            column_ray ray = ray_of(columns->frame, columns->first + from + i, u, v);
-            upstream[i] = back;
-            for (int a = 0; a < 3; ++a) ray.origin[a] -= back * ray.way[a];
-            if (columns->spreads)
-                upstream[i] = begin_afar(ordinate, &ray);
-            else if (ordinate->kind == TY_POP_RADIAL)
-                upstream[i] = begin_lamp(&medium->box, ordinate, &ray);
-            for (int a = 0; a < 3; ++a) {
-                rays[i].origin[a] = (float)ray.origin[a];
-                rays[i].direction[a] = (float)ray.way[a];
-            }
-            rays[i].far = TY_FLOAT_MAX;
-        }
-        ty_mesh_intersect_packet(view->mesh, rays, count, hits);
-        for (int32_t i = 0; i < count; ++i)
-            columns->hit[number][from + i] =
-                hits[i].surface < 0 ? TY_FLOAT_MAX : (float)((double)hits[i].distance - upstream[i]);
+    const column_ray along = ray_of(&light->frame, column, u, v);
+    column_ray ray = lit_ray(&light->frame, ordinate, &along);
+    if (ordinate->kind == TY_POP_PARALLEL) {
+        ray.start = -reach_back(scene, box);
+        for (int a = 0; a < 3; ++a) ray.origin[a] += ray.start * ray.way[a];
+    } else if (ordinate->profile == TY_POP_COSINE) {
+        const float normal[3] = {ordinate->direction.x, ordinate->direction.y, ordinate->direction.z};
+        for (int a = 0; a < 3; ++a) ray.origin[a] += lift_of(box) * (double)normal[a];
     }
+    return ray;
+}
+
+/* One ray of each of some columns, a packet at most. */
+static void trace(const ty_scene* scene, const ty_grid_box* box, const ty_pop_light* light, const int32_t columns[2],
+                  int32_t number, float* hit) {
+    const int32_t count = columns[1] - columns[0];
+    ty_ray rays[TY_PACKET];
+    ty_hit hits[TY_PACKET];
+    double start[TY_PACKET];
+    for (int32_t i = 0; i < count; ++i) {
+        const column_ray ray = shadow_ray(scene, box, light, columns[0] + i, number);
+        for (int a = 0; a < 3; ++a) {
+            rays[i].origin[a] = (float)ray.origin[a];
+            rays[i].direction[a] = (float)ray.way[a];
+        }
+        rays[i].far = TY_FLOAT_MAX;
+        start[i] = ray.start;
+    }
+    ty_mesh_intersect_packet(ty_scene_get_view(scene)->mesh, rays, count, hits);
+    for (int32_t i = 0; i < count; ++i)
+        hit[i] = hits[i].surface < 0 ? TY_FLOAT_MAX : (float)((double)hits[i].distance + start[i]);
+}
+
+static void trace_all(const ty_scene* scene, const ty_grid_box* box, const ty_pop_light* light,
+                      ty_pop_columns* columns) {
+    const int32_t end = columns->first + columns->count;
+    for (int32_t ray = 0; ray < TY_POP_RAYS; ++ray)
+        for (int32_t first = columns->first; first < end; first += TY_PACKET) {
+            const int32_t range[2] = {first, end - first < TY_PACKET ? end : first + TY_PACKET};
+            trace(scene, box, light, range, ray, columns->hit[ray] + (first - columns->first));
+        }
 }
 
 /* ---- all of it ---- */
@@ -152,10 +158,10 @@ void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, c
     const ty_pop_frame* frame = &light->frame;
     const ty_pop_ordinate* ordinate = &light->ordinate;
     const ty_scene_view* view = scene != NULL ? ty_scene_get_view(scene) : NULL;
-    const int32_t all = frame->size[0] * frame->size[1];
+    const int32_t all = frame->size[0] * frame->size[1], whole = TY_POP_BLOCK / frame->size[0] * frame->size[0];
     columns->frame = frame;
     columns->first = first;
-    columns->count = all - first < TY_POP_BLOCK ? all - first : TY_POP_BLOCK;
+    columns->count = all - first < whole ? all - first : whole;
     columns->shaded = view != NULL && view->mesh != NULL && ordinate->shadowed != 0;
     columns->spreads = frame->kind == TY_POP_PARALLEL && ordinate->kind == TY_POP_RADIAL;
     const float lamp[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};
@@ -169,10 +175,10 @@ void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, c
             columns->way[a][i] = (float)ray.way[a];
         }
         if (view == NULL) continue;
-        const column_ray lit = ray_from_point(frame, ordinate, &ray);
+        const column_ray lit = lit_ray(frame, ordinate, &ray);
         columns->profile[i] = profile_of(view, ordinate, &lit);
     }
-    for (int32_t ray = 0; ray < TY_POP_RAYS && columns->shaded; ++ray) trace(scene, medium, light, ray, columns);
+    if (columns->shaded != 0) trace_all(scene, &medium->box, light, columns);
 }
 
 void ty_pop_fill_ring(const ty_pop_light* light) {

@@ -4,10 +4,10 @@
 
 #include "method/pop/grid.h"
 
-enum { TY_POP_BLOCK = 256, TY_POP_RAYS = 4 };
+enum { TY_POP_BLOCK = 256, /* TY_POP_CELLS_MAX at least */ TY_POP_RAYS = 4 };
 
-/* Columns first..first + count of a grid, in order of cells. Lengths along them, m, begin at the grid's first cells
- * (parallel) or at its point (radial). */
+/* Columns first..first + count of a grid, whole rows, in order of cells. Lengths along them, m, begin at the grid's
+ * first cells (parallel) or at its point (radial). */
 typedef struct ty_pop_columns {
     const ty_pop_frame* frame;
     int32_t first, count;

@@ -67,12 +67,59 @@ static void find_coefficients(ty_pop_slab* slab, int32_t plane, const corners* a
     }
 }
 
+/* The same where all coefficients are multiples of one plane, and g is even. */
+static void find_density(const ty_pop_slab* slab, const corners* at, float density[TY_POP_BLOCK]) {
+    const float* plane = slab->medium->extinction[0];
+#pragma omp simd
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        float sum = 0.0f;
+        for (int32_t corner = 0; corner < 8; ++corner) {
+            const float x = at->share[0][i], y = at->share[1][i], z = at->share[2][i];
+            const float weight = ((corner & 1) != 0 ? x : 1.0f - x) * ((corner & 2) != 0 ? y : 1.0f - y) *
+                                 ((corner & 4) != 0 ? z : 1.0f - z);
+            sum += weight * plane[at->base[i] + ((corner & 1) != 0 ? at->next[0][i] : 0) +
+                                  ((corner & 2) != 0 ? at->next[1][i] : 0) + ((corner & 4) != 0 ? at->next[2][i] : 0)];
+        }
+        density[i] = sum;
+    }
+}
+
+static void multiply_density(ty_pop_slab* slab, int32_t plane, const float density[TY_POP_BLOCK]) {
+    const float sigma_t = slab->multiple[0][plane], sigma_s = slab->multiple[1][plane], even = slab->usual_g[plane];
+    float *extinction = slab->extinction[plane], *scattering = slab->scattering[plane], *g = slab->g[plane];
+#pragma omp simd
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        extinction[i] = sigma_t * density[i];
+        scattering[i] = sigma_s * density[i];
+        g[i] = even;
+    }
+}
+
 static void sample(ty_pop_slab* slab) {
-    float middle[TY_POP_BLOCK];
+    float middle[TY_POP_BLOCK], density[TY_POP_BLOCK];
     corners at;
     find_lengths(slab, middle);
     find_corners(slab, middle, &at);
-    for (int32_t p = 0; p < slab->medium->planes; ++p) find_coefficients(slab, p, &at);
+    if (slab->multiples != 0) find_density(slab, &at, density);
+    for (int32_t p = 0; p < slab->medium->planes; ++p)
+        if (slab->multiples != 0)
+            multiply_density(slab, p, density);
+        else
+            find_coefficients(slab, p, &at);
+}
+
+static float misfit(const float* plane, const float* other, float multiple, int32_t cells) {
+    float most = 0.0f;
+#pragma omp simd reduction(max : most)
+    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, fabsf(plane[i] - multiple * other[i]));
+    return most;
+}
+
+static float unevenness(const float* g, const float* scattering, float value, int32_t cells) {
+    float most = 0.0f;
+#pragma omp simd reduction(max : most)
+    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, scattering[i] > 0.0f ? fabsf(g[i] - value) : 0.0f);
+    return most;
 }
 
 /* ---- light before the medium ---- */
@@ -116,19 +163,33 @@ static void light(ty_pop_slab* slab) {
 
 /* ---- in the medium ---- */
 
+/* Extinction less what scattering sends on: sigma_t - g^order sigma_s, of order 0 sigma_t. */
+static void reduce(const ty_pop_slab* slab, int32_t plane, int32_t order, float sigma[TY_POP_BLOCK]) {
+    const float *g = slab->g[plane], *extinction = slab->extinction[plane], *scattering = slab->scattering[plane];
+    const float linear = order == 1 ? 1.0f : 0.0f, square = order == 2 ? 1.0f : 0.0f;
+#pragma omp simd
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        const float forward = ty_maxf(0.0f, g[i]);
+        sigma[i] = ty_maxf(0.0f, extinction[i] - forward * (linear + square * forward) * scattering[i]);
+    }
+}
+
+static void pass_order(const ty_pop_slab* slab, const float sigma[TY_POP_BLOCK], float* along, float* mean) {
+    const float *length = slab->length, *lit = slab->lit;
+#pragma omp simd
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        const float depth = sigma[i] * length[i], decay = ty_decay(depth), before = along[i];
+        mean[i] = before * ty_mean_decay(depth, decay) * lit[i];
+        along[i] = before * decay;
+    }
+}
+
 static void pass(const ty_pop_slab* slab, ty_pop_transmittance* t) {
+    float sigma[TY_POP_BLOCK];
     for (int32_t p = 0; p < slab->medium->planes; ++p)
         for (int32_t order = 0; order < t->orders; ++order) {
-            float *along = t->along[p][order], *mean = t->mean[p][order];
-            const float *g = slab->g[p], *extinction = slab->extinction[p], *scattering = slab->scattering[p];
-#pragma omp simd
-            for (int32_t i = 0; i < slab->columns->count; ++i) {
-                const float forward = ty_maxf(0.0f, g[i]), kept = order == 0 ? 0.0f : (order == 1 ? 1.0f : forward);
-                const float sigma = ty_maxf(0.0f, extinction[i] - kept * forward * scattering[i]);
-                const float depth = sigma * slab->length[i], decay = ty_decay(depth);
-                mean[i] = along[i] * ty_mean_decay(depth, decay) * slab->lit[i];
-                along[i] *= decay;
-            }
+            reduce(slab, p, order, sigma);
+            pass_order(slab, sigma, t->along[p][order], t->mean[p][order]);
         }
 }
 
@@ -146,19 +207,72 @@ static void look(const ty_pop_slab* slab, ty_pop_look* l) {
     }
 }
 
-static void scatter(const ty_pop_slab* slab, ty_pop_look* l) {
-    for (int32_t p = 0; p < slab->medium->planes; ++p) {
-        const float *u = l->mean[p][0], *r = l->mean[p][1], *s = l->mean[p][2], cosine = l->cosine;
+static void scatter_plane(const ty_pop_slab* slab, int32_t plane, ty_pop_look* l) {
+    const float *u = l->mean[plane][0], *r = l->mean[plane][1], *s = l->mean[plane][2], *g = slab->g[plane];
+    const float cosine = l->cosine, *mu = l->mu;
+    float* radiance = l->radiance[plane];
 #pragma omp simd
-        for (int32_t i = 0; i < slab->columns->count; ++i) {
-            const float once = cosine * slab->g[p][i];
-            l->radiance[p][i] =
-                u[i] * ty_pop_hg(l->mu[i], once) + ty_pop_lobe_forward(l->mu[i], u[i], r[i], s[i], once);
-        }
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        const float once = cosine * g[i];
+        radiance[i] = u[i] * ty_pop_hg(mu[i], once) + ty_pop_lobe_forward(mu[i], u[i], r[i], s[i], once);
     }
 }
 
+static void scatter(const ty_pop_slab* slab, ty_pop_look* l) {
+    for (int32_t p = 0; p < slab->medium->planes; ++p) scatter_plane(slab, p, l);
+}
+
 /* ---- from cell to cell ---- */
+
+static void fill_half(const ty_pop_slab* slab, float share, const float* loss, const float* absorption,
+                      float* pass_half, float* keep_half) {
+    const float* length = slab->length;
+#pragma omp simd
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        const float half = 0.5f * share * length[i];
+        pass_half[i] = ty_decay(absorption[i] * half);
+        keep_half[i] = ty_decay(loss[i] * half);
+    }
+}
+
+static void start(const ty_pop_slab* slab, ty_pop_start* s) {
+    float loss[TY_POP_BLOCK], absorption[TY_POP_BLOCK];
+    const float *extinction = slab->extinction[s->plane], *scattering = slab->scattering[s->plane];
+    const float *g = slab->g[s->plane], *mean = s->mean, *length = slab->length;
+    const float eq4 = s->collided != 0 ? 0.0f : 1.0f;
+    float *light = s->light, *again = s->again;
+#pragma omp simd
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        const float by_power = -ty_logf(ty_clampf(g[i], 1e-35f, 1.0f));
+        const float exactly = 1.0f - g[i], sigma = scattering[i];
+        absorption[i] = extinction[i] - sigma;
+        loss[i] = sigma * (eq4 * by_power + (1.0f - eq4) * exactly);
+        light[i] = mean[i] * (eq4 + (1.0f - eq4) * sigma * length[i]);
+        again[i] = eq4 + (1.0f - eq4) * g[i];
+    }
+    fill_half(slab, 1.0f, loss, absorption, s->pass[0], s->keep[0]);
+    fill_half(slab, s->across, loss, absorption, s->pass[1], s->keep[1]);
+}
+
+static void begin(const ty_pop_begin* b) {
+    const float *uncollided = b->uncollided, *light = b->light, *again = b->again, *mu = b->mu, start = b->cosine;
+    float *cosine = b->cosines, *fluence = b->fluence, *seen = b->seen;
+    const float collided = b->collided != 0 ? 1.0f : 0.0f;
+#pragma omp simd
+    for (int32_t i = 0; i < b->count; ++i) {
+        const float once = start * again[i], new = collided *light[i];
+        cosine[i] = once;
+        fluence[i] = uncollided[i] + new;
+        seen[i] = collided * uncollided[i] * ty_pop_hg(mu[i], once) + new* ty_pop_hg(mu[i], once * again[i]);
+    }
+}
+
+static float sum(const float* values, int32_t count) {
+    float total = 0.0f;
+#pragma omp simd reduction(+ : total)
+    for (int32_t i = 0; i < count; ++i) total += values[i];
+    return total;
+}
 
 static void give(const ty_pop_give* give) {
     const float *light = give->light, *cosine = give->cosine;
@@ -198,14 +312,24 @@ static void take(const ty_pop_take* take) {
             (side_turned[i - 1] + side_turned[i + 1] + side_turned[i - row] + side_turned[i + row]);
         const float along = pass_along[i] * (front[i] + back[i]);
         const float turned_along = keep_along[i] * pass_along[i] * (front_turned[i] + back_turned[i]);
-        const float sum = along + across;
-        const float a = (turned_along + turned_across) / ty_maxf(sum, 1e-30f);
-        light[i] = sum;
+        const float all = along + across;
+        const float a = (turned_along + turned_across) / ty_maxf(all, 1e-30f);
+        light[i] = all;
         cosine[i] = a;
-        fluence[i] += sum;
-        seen[i] += sum * ty_pop_hg(mu[i], a * again[i]);
+        fluence[i] += all;
+        seen[i] += all * ty_pop_hg(mu[i], a * again[i]);
     }
 }
 
-const ty_pop_grid_kernels TY_JOIN(ty_pop_grid_kernels_, TY_ISA) = {
-    .sample = sample, .light = light, .pass = pass, .look = look, .scatter = scatter, .give = give, .take = take};
+const ty_pop_grid_kernels TY_JOIN(ty_pop_grid_kernels_, TY_ISA) = {.misfit = misfit,
+                                                                   .unevenness = unevenness,
+                                                                   .sample = sample,
+                                                                   .light = light,
+                                                                   .pass = pass,
+                                                                   .look = look,
+                                                                   .scatter = scatter,
+                                                                   .start = start,
+                                                                   .begin = begin,
+                                                                   .sum = sum,
+                                                                   .give = give,
+                                                                   .take = take};

@@ -8,10 +8,12 @@
 typedef struct ty_pop_slab {
     const ty_pop_columns* columns;
     const ty_grid_medium* medium;
-    float ends[2];              /* m along columns */
-    float middle;               /* of its cells, m along columns */
-    float per_metre[3];         /* the medium's cells */
-    float usual_g[3];           /* per plane; where nothing scatters */
+    float ends[2];        /* m along columns */
+    float middle;         /* of its cells, m along columns */
+    float per_metre[3];   /* the medium's cells */
+    float usual_g[3];     /* per plane; where nothing scatters */
+    int32_t multiples;    /* whether g is that everywhere, and all coefficients are plane 0's extinction times these: */
+    float multiple[2][3]; /* extinction and scattering, per plane */
     float length[TY_POP_BLOCK]; /* of the part in the box, m */
     float extinction[3][TY_POP_BLOCK], scattering[3][TY_POP_BLOCK], g[3][TY_POP_BLOCK];
     float lit[TY_POP_BLOCK]; /* light before the medium, as a share of the ordinate's color; in parallel grids of a lamp
@@ -48,6 +50,24 @@ typedef struct ty_pop_handed {
     float *front, *side, *back, *front_turned, *side_turned, *back_turned;
 } ty_pop_handed;
 
+/* What the walk starts from in a slab. */
+typedef struct ty_pop_start {
+    int32_t collided; /* whether mode is; else it is published */
+    int32_t plane;
+    float across;      /* how far it is to the next cell beside, as part of the slab's thickness */
+    const float* mean; /* light that has not scattered, with surfaces' shadows */
+    float light[TY_POP_BLOCK], again[TY_POP_BLOCK]; /* as in ty_pop_take */
+    float pass[2][TY_POP_BLOCK], keep[2][TY_POP_BLOCK];
+} ty_pop_start;
+
+/* What has been seen of it before the first iteration. */
+typedef struct ty_pop_begin {
+    int32_t count, collided;
+    float cosine; /* a_n */
+    const float *uncollided, *light, *again, *mu;
+    float *cosines, *fluence, *seen;
+} ty_pop_begin;
+
 typedef struct ty_pop_give {
     int32_t count;
     ty_pop_half_cells half;
@@ -66,11 +86,18 @@ typedef struct ty_pop_take {
 } ty_pop_take;
 
 typedef struct ty_pop_grid_kernels {
+    /* The most by which a plane is not a multiple of another, and by which g is not a value where there is scattering.
+     */
+    float (*misfit)(const float* plane, const float* other, float multiple, int32_t cells);
+    float (*unevenness)(const float* g, const float* scattering, float value, int32_t cells);
     void (*sample)(ty_pop_slab* slab);
     void (*light)(ty_pop_slab* slab);
     void (*pass)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
     void (*look)(const ty_pop_slab* slab, ty_pop_look* look);
     void (*scatter)(const ty_pop_slab* slab, ty_pop_look* look);
+    void (*start)(const ty_pop_slab* slab, ty_pop_start* start);
+    void (*begin)(const ty_pop_begin* begin);
+    float (*sum)(const float* values, int32_t count);
     void (*give)(const ty_pop_give* give);
     void (*take)(const ty_pop_take* take);
 } ty_pop_grid_kernels;

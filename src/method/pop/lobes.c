@@ -62,9 +62,9 @@ void ty_pop_see(const ty_grid_medium* medium, const float eye[3], ty_pop_light* 
     glance g = {.light = light};
     const ty_pop_grid_kernels* kernels = ty_pop_grid_kernels_best();
     const unsigned state = ty_flush_denormals();
-    ty_pop_slab_setup(medium, &g.columns, &g.slab);
+    ty_pop_slab_setup(kernels, medium, &g.columns, &g.slab);
     ty_pop_look_setup(medium, eye, light, &g.look);
-    for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += TY_POP_BLOCK) {
+    for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += g.columns.count) {
         ty_pop_columns_begin(NULL, medium, light, first, &g.columns);
         for (int32_t k = 0; k < light->frame.size[2]; ++k) see_slab(kernels, &g, k);
     }

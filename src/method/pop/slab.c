@@ -23,11 +23,34 @@ static float mean_g(const ty_grid_medium* medium, int32_t plane) {
     return scattering > 0 ? (float)(turned / scattering) : 0;
 }
 
-void ty_pop_slab_setup(const ty_grid_medium* medium, const ty_pop_columns* columns, ty_pop_slab* slab) {
+/* A medium of one density and of one g for each channel, which is what most are, takes one lookup. */
+static bool find_multiples(const ty_pop_grid_kernels* kernels, const ty_grid_medium* medium, ty_pop_slab* slab) {
+    const float* density = medium->extinction[0];
+    const int32_t cells = (int32_t)medium->cells;
+    size_t most = 0;
+    for (size_t i = 0; i < medium->cells; ++i)
+        if (density[i] > density[most]) most = i;
+    if (!(density[most] > 0)) return false;
+    for (int32_t p = 0; p < medium->planes; ++p) {
+        const float* const planes[2] = {medium->extinction[p], medium->scattering[p]};
+        for (int i = 0; i < 2; ++i) {
+            slab->multiple[i][p] = planes[i][most] / density[most];
+            if (kernels->misfit(planes[i], density, slab->multiple[i][p], cells) > 1e-6f * planes[i][most])
+                return false;
+        }
+        slab->usual_g[p] = medium->g[p][most];
+        if (kernels->unevenness(medium->g[p], medium->scattering[p], slab->usual_g[p], cells) > 1e-6f) return false;
+    }
+    return true;
+}
+
+void ty_pop_slab_setup(const ty_pop_grid_kernels* kernels, const ty_grid_medium* medium, const ty_pop_columns* columns,
+                       ty_pop_slab* slab) {
     slab->columns = columns;
     slab->medium = medium;
     for (int a = 0; a < 3; ++a) slab->per_metre[a] = (float)(1 / medium->cell[a]);
-    for (int32_t p = 0; p < medium->planes; ++p) slab->usual_g[p] = mean_g(medium, p);
+    slab->multiples = find_multiples(kernels, medium, slab);
+    for (int32_t p = 0; p < medium->planes && slab->multiples == 0; ++p) slab->usual_g[p] = mean_g(medium, p);
 }
 
 void ty_pop_slab_enter(const ty_pop_grid_kernels* kernels, int32_t k, ty_pop_slab* slab) {

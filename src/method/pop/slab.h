@@ -5,7 +5,8 @@
 #include "method/pop/grid_kernel.h"
 
 /* columns may be filled in later. */
-void ty_pop_slab_setup(const ty_grid_medium* medium, const ty_pop_columns* columns, ty_pop_slab* slab);
+void ty_pop_slab_setup(const ty_pop_grid_kernels* kernels, const ty_grid_medium* medium, const ty_pop_columns* columns,
+                       ty_pop_slab* slab);
 /* Slab k of the grid, -1: what is before the first of a radial one, and the medium in it. */
 void ty_pop_slab_enter(const ty_pop_grid_kernels* kernels, int32_t k, ty_pop_slab* slab);
 /* Transmittances of 1, and through what is before the first slab. */

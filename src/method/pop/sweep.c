@@ -43,7 +43,7 @@ static void write_seen(const sweep* s, int32_t k) {
 static void begin(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light, sweep* s) {
     s->kernels = ty_pop_grid_kernels_best();
     s->light = light;
-    ty_pop_slab_setup(medium, &s->columns, &s->slab);
+    ty_pop_slab_setup(s->kernels, medium, &s->columns, &s->slab);
     ty_pop_look_setup(medium, eye, light, &s->look);
 }
 
@@ -70,7 +70,7 @@ void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const flo
     light->bands = 0;
     memset(light->seen, 0, ty_pop_seen_floats(&light->frame, light->floats) * sizeof *light->seen);
     begin(medium, eye, light, &s);
-    for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += TY_POP_BLOCK) {
+    for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += s.columns.count) {
         ty_pop_columns_begin(scene, medium, light, first, &s.columns);
         sweep_columns(&s);
     }

@@ -62,6 +62,17 @@ typedef struct walk {
     float mean[3][TY_POP_BLOCK]; /* of each plane, in the slab */
 } walk;
 
+/* How far it is from a cell to the next beside it, as part of how far it is to the one in front. */
+static float across_of(const ty_pop_frame* frame, int32_t k) {
+    if (frame->kind == TY_POP_PARALLEL) return 0.5f * (frame->step.x + frame->step.y) / frame->step.z;
+    return ty_pop_radius(frame, (float)k + 0.5f) * sqrtf(4 * TY_PI) / ((float)frame->size[0] * ty_pop_length(frame, k));
+}
+
+/* Whether cells are as good as cubes, so that factors are the same along and across. */
+static bool is_cubic(const ty_pop_frame* frame) {
+    return fabsf(across_of(frame, frame->size[2] / 2) - 1) < 0.01f;
+}
+
 static float* take_floats(float** next, size_t count) {
     float* floats = *next;
     *next += count;
@@ -78,6 +89,9 @@ static void lay_out(walk* w, float* scratch) {
                                                           &plane->keep[0], &plane->keep[1], &plane->uncollided,
                                                           &plane->again};
         for (int a = 0; a < TY_POP_WALK_PLANE_ARRAYS; ++a) *arrays[a] = take_floats(&scratch, w->all);
+        if (!is_cubic(&w->light->frame)) continue;
+        plane->pass[1] = plane->pass[0];
+        plane->keep[1] = plane->keep[0];
     }
     float** const shared[TY_POP_WALK_ARRAYS] = {&w->cosine, &w->fluence, &w->seen, &w->mu};
     for (int a = 0; a < TY_POP_WALK_ARRAYS; ++a) *shared[a] = take_floats(&scratch, w->all);
@@ -88,40 +102,36 @@ static void lay_out(walk* w, float* scratch) {
     }
 }
 
-/* Where a column's cell of slice k is. */
-static size_t place_of(const walk* w, int32_t column, int32_t k) {
-    const int32_t n = w->light->frame.size[0];
-    return w->slice * (size_t)k + (size_t)(column % n + 1 + w->row * (column / n + 1));
+/* Where a row of cells is. */
+static size_t place_of(const walk* w, int32_t j, int32_t k) {
+    return w->slice * (size_t)k + (size_t)(w->row * (j + 1) + 1);
 }
 
 /* ---- what light starts from ---- */
 
-/* What half a cell of that length does. Eq. 4 in modes published: cosines times g^(sigma_s dx); exactly it is
- * e^(-(1 - g) sigma_s dx), over the Poisson number of scatterings. */
-static float keep_of(const walk* w, float scattering, float g, float half) {
-    const float loss = w->mode == TY_POP_MODE_PUBLISHED ? -ty_logf(ty_clampf(g, 1e-35f, 1)) : 1 - g;
-    return ty_expf(-loss * scattering * half);
+/* The block's columns of slice k. */
+static void store(const walk* w, const float* from, int32_t k, float* to) {
+    const int32_t n = w->light->frame.size[0];
+    for (int32_t i = 0; i < w->columns.count; i += n)
+        memcpy(to + place_of(w, (w->columns.first + i) / n, k), from + i, (size_t)n * sizeof *to);
 }
 
-/* Coefficients count as far as cells are in the medium's box. across: from cell to cell beside it, m. */
-static void set_cell(walk* w, int32_t p, int32_t i, int32_t k, float length, float across) {
-    const ty_pop_slab* s = &w->slab;
+static void start_plane(walk* w, int32_t p, int32_t k) {
+    const ty_pop_frame* frame = &w->light->frame;
     const plane_arrays* plane = &w->planes[p];
-    const size_t at = place_of(w, w->columns.first + i, k);
-    const float half[2] = {0.5f * s->length[i], 0.5f * across * s->length[i] / length};
-    const float scattering = s->scattering[p][i], absorption = s->extinction[p][i] - scattering, g = s->g[p][i];
-    for (int side = 0; side < 2; ++side) {
-        plane->pass[side][at] = ty_expf(-absorption * half[side]);
-        plane->keep[side][at] = keep_of(w, scattering, g, half[side]);
+    ty_pop_start start;
+    start.collided = w->mode == TY_POP_MODE_COLLIDED;
+    start.plane = p;
+    start.mean = w->mean[p];
+    start.across = across_of(frame, k);
+    w->kernels->start(&w->slab, &start);
+    store(w, start.light, k, plane->light);
+    store(w, start.again, k, plane->again);
+    store(w, start.mean, k, plane->uncollided);
+    for (int side = 0; side < (plane->pass[0] == plane->pass[1] ? 1 : 2); ++side) {
+        store(w, start.pass[side], k, plane->pass[side]);
+        store(w, start.keep[side], k, plane->keep[side]);
     }
-    plane->uncollided[at] = w->mean[p][i];
-    plane->light[at] = w->mean[p][i] * (w->mode == TY_POP_MODE_COLLIDED ? scattering * s->length[i] : 1);
-    plane->again[at] = w->mode == TY_POP_MODE_COLLIDED ? g : 1;
-}
-
-static float across_of(const ty_pop_frame* frame, int32_t k) {
-    if (frame->kind == TY_POP_PARALLEL) return 0.5f * (frame->step.x + frame->step.y);
-    return ty_pop_radius(frame, (float)k + 0.5f) * sqrtf(4 * TY_PI) / (float)frame->size[0];
 }
 
 static void start_columns(walk* w) {
@@ -133,11 +143,8 @@ static void start_columns(walk* w) {
         w->kernels->light(&w->slab);
         w->kernels->pass(&w->slab, &w->through);
         w->kernels->look(&w->slab, &w->look);
-        const float length = ty_pop_length(frame, k), across = across_of(frame, k);
-        for (int32_t i = 0; i < w->columns.count; ++i) {
-            w->mu[place_of(w, w->columns.first + i, k)] = w->look.mu[i];
-            for (int32_t p = 0; p < w->medium->planes; ++p) set_cell(w, p, i, k, length, across);
-        }
+        store(w, w->look.mu, k, w->mu);
+        for (int32_t p = 0; p < w->medium->planes; ++p) start_plane(w, p, k);
     }
 }
 
@@ -208,57 +215,66 @@ static float* lobe_array(const walk* w, int32_t p, int32_t number) {
     return w->light->lobes + ((size_t)p * arrays + (size_t)number) * ty_pop_cells(&w->light->frame);
 }
 
-/* Adds a slice array's cells to a kept one's, times another's unless it is NULL. */
-static void keep_array(const walk* w, const float* from, const float* times, float* to) {
-    const ty_pop_frame* frame = &w->light->frame;
-    const int32_t columns = frame->size[0] * frame->size[1];
-    for (int32_t k = 0; k < frame->size[2]; ++k)
-        for (int32_t i = 0; i < columns; ++i) {
-            const size_t at = place_of(w, i, k);
-            to[(size_t)columns * (size_t)k + (size_t)i] += times != NULL ? from[at] * times[at] : from[at];
-        }
+static void copy_array(const walk* w, const float* from, float* to) {
+    const int32_t* size = w->light->frame.size;
+    for (int32_t row = 0; row < size[1] * size[2]; ++row, to += size[0])
+        memcpy(to, from + place_of(w, row % size[1], row / size[1]), (size_t)size[0] * sizeof *to);
 }
 
 static void keep_band(const walk* w, int32_t p, int32_t band) {
     if (w->light->lobes == NULL) return;
-    keep_array(w, w->planes[p].light, NULL, lobe_array(w, p, 1 + 2 * band));
-    keep_array(w, w->planes[p].light, w->cosine, lobe_array(w, p, 2 + 2 * band));
+    const int32_t* size = w->light->frame.size;
+    float *passed = lobe_array(w, p, 1 + 2 * band), *turned = lobe_array(w, p, 2 + 2 * band);
+    for (int32_t row = 0; row < size[1] * size[2]; ++row, passed += size[0], turned += size[0]) {
+        const size_t at = place_of(w, row % size[1], row / size[1]);
+        const float *light = w->planes[p].light + at, *cosine = w->cosine + at;
+        for (int32_t i = 0; i < size[0]; ++i) {
+            passed[i] += light[i];
+            turned[i] += light[i] * cosine[i];
+        }
+    }
 }
 
 /* What a plane's light begins with. L_acc begins with 0 in mode published: what was in the cells before the first
  * iteration has not scattered. In mode collided it has, once, and is seen, and so is what has not. */
-static void begin_plane(walk* w, int32_t p) {
+static void begin_plane(const walk* w, int32_t p) {
     const plane_arrays* plane = &w->planes[p];
-    const float cosine = w->light->ordinate.cosine;
     const bool collided = w->mode == TY_POP_MODE_COLLIDED;
-    if (w->light->lobes != NULL) keep_array(w, plane->uncollided, NULL, lobe_array(w, p, 0));
-    for (size_t i = 0; i < w->all; ++i) {
-        const float uncollided = plane->uncollided[i], light = collided ? plane->light[i] : 0, own = plane->again[i];
-        w->cosine[i] = collided ? cosine * own : cosine;
-        w->fluence[i] = uncollided + light;
-        w->seen[i] =
-            collided ? uncollided * ty_pop_hg(w->mu[i], cosine * own) + light * ty_pop_hg(w->mu[i], cosine * own * own)
-                     : 0;
-    }
+    const ty_pop_begin begin = {.count = (int32_t)w->all,
+                                .collided = collided,
+                                .cosine = w->light->ordinate.cosine,
+                                .uncollided = plane->uncollided,
+                                .light = plane->light,
+                                .again = plane->again,
+                                .mu = w->mu,
+                                .cosines = w->cosine,
+                                .fluence = w->fluence,
+                                .seen = w->seen};
+    w->kernels->begin(&begin);
+    if (w->light->lobes != NULL) copy_array(w, plane->uncollided, lobe_array(w, p, 0));
     if (collided) keep_band(w, p, 0);
 }
 
-/* A plane's share of `seen`, for the channels that it is of. */
-static void end_plane(const walk* w, int32_t p) {
+/* A row of a plane's share of `seen`, for channels p..end. */
+static void write_row(const walk* w, int32_t p, int32_t end, size_t at, float* seen) {
     const ty_pop_light* light = w->light;
-    const ty_pop_frame* frame = &light->frame;
-    const int32_t n = frame->size[0], ring = ty_pop_ring(frame), end = light->planes == 3 ? p + 1 : 3;
-    for (int32_t k = 0; k < frame->size[2]; ++k)
-        for (int32_t i = 0; i < n * frame->size[1]; ++i) {
-            const size_t at = place_of(w, i, k);
-            float* seen = ty_pop_seen_slab(light, k) +
-                          (size_t)light->floats * (size_t)(i % n + ring + (n + 2 * ring) * (i / n + ring));
-            for (int32_t c = p; c < end; ++c) {
-                seen[c] = light->ordinate.color[c] * w->seen[at];
-                seen[3 + c] = light->ordinate.color[c] * w->fluence[at];
-                if (light->floats == TY_POP_SEEN_LEFT) seen[8 + c] = light->ordinate.color[c] * w->planes[p].light[at];
-            }
+    const float* left = w->planes[p].light + at;
+    const bool keeps = light->floats == TY_POP_SEEN_LEFT;
+    for (int32_t i = 0; i < light->frame.size[0]; ++i, seen += light->floats)
+        for (int32_t c = p; c < end; ++c) {
+            seen[c] = light->ordinate.color[c] * w->seen[at + (size_t)i];
+            seen[3 + c] = light->ordinate.color[c] * w->fluence[at + (size_t)i];
+            if (keeps) seen[8 + c] = light->ordinate.color[c] * left[i];
         }
+}
+
+static void end_plane(const walk* w, int32_t p) {
+    const ty_pop_frame* frame = &w->light->frame;
+    const int32_t ring = ty_pop_ring(frame), row = frame->size[0] + 2 * ring;
+    for (int32_t k = 0; k < frame->size[2]; ++k)
+        for (int32_t j = 0; j < frame->size[1]; ++j)
+            write_row(w, p, w->light->planes == 3 ? p + 1 : 3, place_of(w, j, k),
+                      ty_pop_seen_slab(w->light, k) + (size_t)w->light->floats * (size_t)(ring + row * (j + ring)));
 }
 
 /* Fluence times volume of what plane p has not passed on, over cells and the plane's channels. */
@@ -270,9 +286,8 @@ static double light_in(const walk* w, int32_t p) {
                                                         : (double)frame->step.x * (double)frame->step.y;
     double sum = 0;
     for (int32_t k = 0; k < frame->size[2]; ++k) {
-        double slice = 0;
-        for (size_t i = 0; i < w->slice; ++i) slice += (double)w->planes[p].light[w->slice * (size_t)k + i];
-        sum += slice * (double)ty_pop_length(frame, k);
+        const float* slice = w->planes[p].light + w->slice * (size_t)k;
+        sum += (double)w->kernels->sum(slice, (int32_t)w->slice) * (double)ty_pop_length(frame, k);
     }
     return sum * section * colors;
 }
@@ -294,9 +309,9 @@ static void begin_walk(const ty_scene* scene, const float eye[3], float* scratch
     w->slice = slice_floats(frame);
     w->all = w->slice * (size_t)frame->size[2];
     lay_out(w, scratch);
-    ty_pop_slab_setup(w->medium, &w->columns, &w->slab);
+    ty_pop_slab_setup(w->kernels, w->medium, &w->columns, &w->slab);
     ty_pop_look_setup(w->medium, eye, w->light, &w->look);
-    for (int32_t first = 0; first < frame->size[0] * frame->size[1]; first += TY_POP_BLOCK) {
+    for (int32_t first = 0; first < frame->size[0] * frame->size[1]; first += w->columns.count) {
         ty_pop_columns_begin(scene, w->medium, w->light, first, &w->columns);
         start_columns(w);
     }
