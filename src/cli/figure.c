@@ -22,6 +22,17 @@ static const figure_entry figures[] = {
     {"fld-albedo", "Flux-limited diffusion: albedo 0.1 to 1 (Fig. 7)", figure_fld_albedo},
     {"fld-ct", "Flux-limited diffusion: a CT scan with a transfer function (Fig. 8)", figure_fld_ct},
     {"fld-fire", "Flux-limited diffusion: a plume that glows (Fig. 9)", figure_fld_fire},
+    {"pop-prefilter", "Principal-ordinates propagation: thin slabs, prefiltered (Fig. 6)", figure_pop_prefilter},
+    {"pop-importance", "Principal-ordinates propagation: few ordinates, where they count (Fig. 7)", figure_pop_importance},
+    {"pop-residuum", "Principal-ordinates propagation: isotropic light in one grid (Fig. 8)", figure_pop_residuum},
+    {"pop-sphere", "Principal-ordinates propagation: a point light in a sphere (Fig. 10)", figure_pop_sphere},
+    {"pop-smoke", "Principal-ordinates propagation: smoke in an environment (Fig. 11)", figure_pop_smoke},
+    {"pop-lobes", "Principal-ordinates propagation: where light goes in a cube (Fig. 12)", figure_pop_lobes},
+    {"pop-iterations", "Principal-ordinates propagation: how the propagation converges (Fig. 13)", figure_pop_iterations},
+    {"pop-ordinates", "Principal-ordinates propagation: numbers of ordinates and importance (Fig. 14)", figure_pop_ordinates},
+    {"pop-clouds", "Principal-ordinates propagation: clouds, anisotropic and not (Fig. 15)", figure_pop_clouds},
+    {"pop-animation", "Principal-ordinates propagation: a plume, frame by frame (Fig. 16)", figure_pop_animation},
+    {"pop-surfaces", "Principal-ordinates propagation: a solid in a medium (Fig. 17)", figure_pop_surfaces},
     {"screen-leaking", "Screen-space scattering: what keeps light from leaking (Fig. 6)", figure_screen_leaking},
     {"screen-thickness", "Screen-space scattering: optical thickness 2 to 8 (Fig. 7)", figure_screen_thickness},
     {"screen-truth", "Screen-space scattering: against path tracing (Fig. 8)", figure_screen_truth},
@@ -112,7 +123,7 @@ int cli_figure(int count, char** arguments) {
         {"data", 0, CLI_TEXT, "DIR", "third-party images and volumes (default: the environment variable TYNDALL_DATA)",
          &options.data, 0, 0, NULL},
     };
-    char details[2048];
+    char details[4096];
     list_figures(details, sizeof details);
     const cli_syntax syntax = {"figure",
                                "NAME|all|list -o DIR",

@@ -37,12 +37,29 @@ void plot_page_sheet(plot_page* page, const plot_sheet* sheet) {
     advance(page, plot_draw_sheet(page->canvas, MARGIN, page->y, sheet));
 }
 
+/* Room for the next of several things side by side. */
+static double beside(const plot_extent* all) {
+    return all->width > 0 ? all->width + 2 * GAP : 0;
+}
+
+static void add_beside(plot_extent* all, double left, plot_extent one) {
+    *all = (plot_extent){left + one.width, fmax(all->height, one.height)};
+}
+
 void plot_page_charts(plot_page* page, const plot_chart* charts, int count) {
     plot_extent all = {0};
     for (int i = 0; i < count; ++i) {
-        const double left = all.width + (i > 0 ? 2 * GAP : 0);
-        const plot_extent one = plot_draw_chart(page->canvas, MARGIN + left, page->y, &charts[i]);
-        all = (plot_extent){left + one.width, fmax(all.height, one.height)};
+        const double left = beside(&all);
+        add_beside(&all, left, plot_draw_chart(page->canvas, MARGIN + left, page->y, &charts[i]));
+    }
+    advance(page, all);
+}
+
+void plot_page_lobes(plot_page* page, const plot_lobes* lobes, int count) {
+    plot_extent all = {0};
+    for (int i = 0; i < count; ++i) {
+        const double left = beside(&all);
+        add_beside(&all, left, plot_draw_lobes(page->canvas, MARGIN + left, page->y, &lobes[i]));
     }
     advance(page, all);
 }

@@ -3,6 +3,7 @@
 #define TY_PLOT_PAGE_H
 
 #include "plot/chart.h"
+#include "plot/lobes.h"
 #include "plot/sheet.h"
 #include "plot/table.h"
 
@@ -18,6 +19,7 @@ void plot_free_page(plot_page* page);
 void plot_page_sheet(plot_page* page, const plot_sheet* sheet);
 /* Side by side. */
 void plot_page_charts(plot_page* page, const plot_chart* charts, int count);
+void plot_page_lobes(plot_page* page, const plot_lobes* lobes, int count);
 void plot_page_table(plot_page* page, const plot_table* table);
 void plot_page_color_bar(plot_page* page, const plot_scale* scale);
 

@@ -31,10 +31,20 @@ ty_result figure_expect(figure_run* run, const char* item, const char* name, con
     return TY_OK;
 }
 
-bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]) {
+static bool data_path(const figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]) {
     const char* folder = run->options->data;
     snprintf(path, FIGURE_PATH_SIZE, "%s/%s", folder == NULL ? "" : folder, name);
-    if (folder != NULL && access(path, R_OK) == 0) return true;
+    return folder != NULL && access(path, R_OK) == 0;
+}
+
+bool figure_has_data(const figure_run* run, const char* name) {
+    char path[FIGURE_PATH_SIZE];
+    return data_path(run, name, path);
+}
+
+bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]) {
+    const char* folder = run->options->data;
+    if (data_path(run, name, path)) return true;
     cli_progress_clear(&run->session->progress);
     if (folder == NULL)
         cli_fail(CLI_USAGE, "%s is skipped: it needs %s; give its folder with --data or TYNDALL_DATA", run->name, name);

@@ -42,6 +42,8 @@ ty_result figure_expect(figure_run* run, const char* item, const char* name, con
 /* The path of a file of third-party data. Where there is none, a line on stderr says so, the run is marked as skipped,
  * and false comes back. */
 bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]);
+/* Whether it is there, for figures that can do without. */
+bool figure_has_data(const figure_run* run, const char* name);
 
 /* TY_CANCELLED once the user has interrupted: for work that takes no progress callback. */
 ty_result figure_check_interrupt(void);
@@ -73,6 +75,17 @@ ty_result figure_fld_resolution(figure_run* run);
 ty_result figure_fld_albedo(figure_run* run);
 ty_result figure_fld_ct(figure_run* run);
 ty_result figure_fld_fire(figure_run* run);
+ty_result figure_pop_prefilter(figure_run* run);
+ty_result figure_pop_importance(figure_run* run);
+ty_result figure_pop_residuum(figure_run* run);
+ty_result figure_pop_sphere(figure_run* run);
+ty_result figure_pop_smoke(figure_run* run);
+ty_result figure_pop_lobes(figure_run* run);
+ty_result figure_pop_iterations(figure_run* run);
+ty_result figure_pop_ordinates(figure_run* run);
+ty_result figure_pop_clouds(figure_run* run);
+ty_result figure_pop_animation(figure_run* run);
+ty_result figure_pop_surfaces(figure_run* run);
 ty_result figure_screen_leaking(figure_run* run);
 ty_result figure_screen_thickness(figure_run* run);
 ty_result figure_screen_truth(figure_run* run);

@@ -1,0 +1,90 @@
+/* Fig. 8 of the paper: light that has become isotropic goes on in one grid for all ordinates. */
+#include "cli/figures/pop_view.h"
+
+#include <math.h>
+
+enum { VARIANTS = 2, WIDTH = 192, PICTURE_WIDTH = 340, RESOLUTION = 16, FULL = 100 };
+
+static const char* const titles[VARIANTS] = {"full propagation", "isotropic residuum"};
+
+/* Milk in 4 m, so that cells are the paper's 0.25 m. */
+static const char* const overrides[] = {"media[0].sigma_s=[0.91,1.07,1.25]",
+                                        "media[0].sigma_a=[0.00091,0.00107,0.00125]", "media[0].g=0.95",
+                                        "media[0].bounds=[[-2,-2,-2],[2,2,2]]", "camera.position=[0,0.4,9.6]"};
+enum { OVERRIDES = sizeof overrides / sizeof overrides[0] };
+
+static double propagation_seconds(const ty_pop_stats* stats) {
+    return stats->propagation_seconds + stats->residuum_seconds;
+}
+
+static ty_result render_variant(figure_run* run, ty_scene* scene, int variant, const int32_t size[2],
+                                figure_picture* picture, plot_cell* cell, ty_pop_stats* stats) {
+    ty_pop_settings settings = ty_scene_render_settings(scene).pop;
+    snprintf(settings.mode, sizeof settings.mode, "published");
+    settings.resolution = RESOLUTION;
+    settings.iterations = variant == 0 ? FULL : 0;
+    settings.residuum = variant == 0 ? 0 : 0.1;
+    ty_result result = pop_render(run, titles[variant], scene, &settings, size, picture, stats);
+    if (result == TY_OK) result = pop_show(run, titles[variant], scene, picture, NULL, cell, NULL);
+    if (result == TY_OK)
+        result = figure_note(run, titles[variant], "time of propagation", "s", propagation_seconds(stats));
+    if (result == TY_OK) result = figure_note(run, titles[variant], "iterations", "1", stats->iterations);
+    if (result == TY_OK)
+        result = figure_note(run, titles[variant], "iterations in one grid", "1", stats->residuum_iterations);
+    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%d iterations and %d in one grid", (int)stats->iterations,
+             (int)stats->residuum_iterations);
+    snprintf(cell->lines[1], PLOT_LABEL_SIZE, "propagation %.3g ms", 1e3 * propagation_seconds(stats));
+    return result;
+}
+
+/* The paper is about four times as fast and sees no difference; the issue asks for 3 and 0.03. */
+static ty_result compare(figure_run* run, const figure_picture pictures[VARIANTS], const ty_pop_stats stats[VARIANTS],
+                         plot_cell* cell) {
+    ty_difference difference;
+    const double faster = propagation_seconds(&stats[0]) / propagation_seconds(&stats[1]);
+    ty_result result = ty_image_compare(run->session->context, pictures[1].image, pictures[0].image, 1, &difference);
+    if (result == TY_OK) result = figure_expect(run, titles[1], "times faster", "1", faster, 4, 1);
+    if (result == TY_OK)
+        result = figure_expect(run, titles[1], "relative RMSE to full propagation", "1", difference.relative_rmse[3], 0,
+                               0.03);
+    if (result == TY_OK)
+        result = figure_note(run, titles[1], "mean ratio to full propagation", "1", difference.mean_ratio[3]);
+    if (result == TY_OK) result = figure_error_map(run, pictures[1].image, pictures[0].image, 1, &cell->picture);
+    if (result != TY_OK) return result;
+    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.1f times faster", faster);
+    snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %.3f", difference.mean_ratio[3],
+             difference.relative_rmse[3]);
+    return TY_OK;
+}
+
+ty_result figure_pop_residuum(figure_run* run) {
+    int32_t size[2];
+    ty_scene* scene = NULL;
+    plot_sheet sheet;
+    figure_picture pictures[VARIANTS] = {0};
+    ty_pop_stats stats[VARIANTS];
+    figure_view_size(run, WIDTH, WIDTH, size);
+    ty_result result = plot_create_sheet(1, VARIANTS + 1, PICTURE_WIDTH, &sheet);
+    if (result != TY_OK) return result;
+    result = pop_make_smoke(run, overrides, OVERRIDES, &scene);
+    for (int i = 0; i < VARIANTS && result == TY_OK; ++i) {
+        snprintf(sheet.column_titles[i], PLOT_LABEL_SIZE, "%s", titles[i]);
+        result = render_variant(run, scene, i, size, &pictures[i], plot_sheet_cell(&sheet, 0, i), &stats[i]);
+    }
+    snprintf(sheet.column_titles[VARIANTS], PLOT_LABEL_SIZE, "difference");
+    if (result == TY_OK) result = compare(run, pictures, stats, plot_sheet_cell(&sheet, 0, VARIANTS));
+    if (result == TY_OK) {
+        plot_page_sheet(&run->page, &sheet);
+        plot_page_color_bar(&run->page, &figure_error_scale);
+    }
+    for (int i = 0; i < VARIANTS; ++i) figure_free_picture(&pictures[i]);
+    ty_scene_destroy(scene);
+    plot_free_sheet(&sheet);
+    snprintf(
+        run->caption, sizeof run->caption,
+        "The published mode. Milk, σs = {0.91, 1.07, 1.25}/m, albedo 0.999, g = 0.95, in a lump of noise of 4 m, 64 "
+        "ordinates of %d³ cells, after %d iterations, and after as many as make light isotropic (Eq. 10), the rest "
+        "of it in one grid.",
+        RESOLUTION, FULL);
+    return result;
+}
