@@ -1,5 +1,5 @@
 /* Light that cells of ordinates' grids pass on to their neighbours. */
-#include "pop_maker.h"
+#include "pop_grid_maker.h"
 
 #include "method/pop/lobe.k.h"
 

@@ -1,5 +1,5 @@
 /* The paper's walk from cell to cell against path tracing: how much too bright it is, shown openly. */
-#include "pop_maker.h"
+#include "pop_grid_maker.h"
 
 #include <stdio.h>
 
