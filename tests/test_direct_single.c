@@ -39,8 +39,10 @@ static float scattered(const ty_single_light* light, ty_vec point, ty_vec way, f
     const float per_cell = CELLS / 2.0f, gs[3] = {g, g, g};
     const ty_vec cells = ty_scale(ty_add(point, ty_vec_make(1, 1, 1)), per_cell);
     const ty_cell_point at = ty_cell_locate(size, cells);
-    float out[3] = {0, 0, 0};
-    ty_single_scattered(light, point, &at, way, gs, out);
+    static const float whole[TY_SINGLE_FLUENCES][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
+    float out[3] = {0, 0, 0}, again[3] = {0, 0, 0};
+    ty_single_scattered(light, point, &at, way, whole, gs, out, again);
+    assert_true(again[1] == 0);
     return out[1];
 }
 
@@ -86,11 +88,49 @@ static void lamps_scatter_from_where_they_are(void** state) {
     direct_end(&made);
 }
 
+/* What a beam in a medium of mean cosine g has become behind the optical depth tau of scattering. */
+static ty_forward forward_behind(double tau, double g) {
+    return (ty_forward){(float)exp(-tau), (float)exp(-tau * (1 - g)), (float)exp(-tau * (1 - g * g)), 1};
+}
+
+/* Moments 0, 1 and 2 of what scatters once more are those of the small-angle solution: R, g R and g^2 S. */
+static void lobes_keep_moments(void** state) {
+    (void)state;
+    const double depths[] = {0.01, 1, 6}, cosines[] = {0, 0.3, 0.9};
+    for (int i = 0; i < 9; ++i) {
+        const double g = cosines[i % 3];
+        const ty_forward light = forward_behind(depths[i / 3], g);
+        double moment[3] = {0, 0, 0};
+        const int steps = 200000;
+        for (int s = 0; s < steps; ++s) {
+            const double mu = -1 + (s + 0.5) * 2 / steps, legendre[3] = {1, mu, 1.5 * mu * mu - 0.5};
+            const float sum =
+                ty_forward_straight(light, (float)mu, (float)g) + ty_forward_scattered(light, (float)mu, (float)g);
+            for (int l = 0; l < 3; ++l) moment[l] += (double)sum * legendre[l] * 12.566370614359172 / steps;
+        }
+        assert_close(moment[0], (double)light.kept, 2e-3 * (double)light.kept);
+        assert_close(moment[1], g * (double)light.kept, 2e-3 * (double)light.kept);
+        assert_close(moment[2], g * g * (double)light.bent, 2e-3 * (double)light.kept);
+    }
+}
+
+/* In thin media lobes are light that scattered once, with the phase function of two scatterings towards the eye. */
+static void thin_lobes_are_double_scattering(void** state) {
+    (void)state;
+    const ty_forward light = forward_behind(1e-3, 0.6);
+    for (int i = 0; i < 5; ++i) {
+        const double mu = -1 + i * 0.5, uniform = (1 - 0.6) * 1e-3 / 12.566370614359172;
+        /* What is even of it belongs to the diffuse light. */
+        const double expected = 1e-3 * henyey_greenstein(mu, 0.36) - uniform;
+        assert_close((double)ty_forward_scattered(light, (float)mu, 0.6f), expected, 0.01 * 1e-3);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(beams_keep_their_phase_function),
-        cmocka_unit_test(many_lights_together),
-        cmocka_unit_test(lamps_scatter_from_where_they_are),
+        cmocka_unit_test(beams_keep_their_phase_function),   cmocka_unit_test(many_lights_together),
+        cmocka_unit_test(lamps_scatter_from_where_they_are), cmocka_unit_test(lobes_keep_moments),
+        cmocka_unit_test(thin_lobes_are_double_scattering),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

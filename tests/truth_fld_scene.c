@@ -1,62 +1,7 @@
 /* Images by flux-limited diffusion against path tracing, in absolute units, and against classical diffusion, over
  * blocks of pixels. `single` is more than it is by path tracing: with the reduced beam, light that scattering sent
  * nearly straight on is still uncollided. */
-#include "truth.h"
-
-enum { BLOCK = 6, DETAILS = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE };
-
-/* A scene of the project's, and how near its images come. */
-typedef struct scene_case {
-    const char* path;
-    const char* data;         /* the file of TYNDALL_DATA that its first medium is read from; NULL: none */
-    const char* overrides[2]; /* "key=value", the first with %s for that file; NULL: none */
-    int32_t width, height, spp;
-    double rmse;    /* relative, at most */
-    double quarter; /* the same of a quarter of the resolution against all of it; 0: not looked at */
-} scene_case;
-
-static ty_scene* read_case(ty_context* context, const scene_case* c) {
-    ty_scene* scene = NULL;
-    char path[1024], data[1024], file[1200];
-    const char* overrides[2];
-    int32_t count = 0;
-    if (c->data != NULL) {
-        snprintf(file, sizeof file, c->overrides[0], data_path(c->data, data));
-        overrides[count++] = file;
-    }
-    if (c->overrides[1] != NULL) overrides[count++] = c->overrides[1];
-    snprintf(path, sizeof path, "%s%s", c->data == NULL ? "" : TYNDALL_SOURCE_DIR "/", c->path);
-    must(context, ty_scene_load(context, path, overrides, count, &scene));
-    return scene;
-}
-
-static ty_path_def path_def(const scene_case* c) {
-    ty_path_def def = ty_default_path_def();
-    def.width = c->width;
-    def.height = c->height;
-    def.spp = c->spp;
-    return def;
-}
-
-static ty_image* path_image(const ty_scene* scene, const scene_case* c, uint64_t seed) {
-    ty_path_def def = path_def(c);
-    ty_image* image = NULL;
-    def.aovs = DETAILS;
-    def.seed = seed;
-    must(ty_scene_context(scene), ty_path_render(scene, &def, &image, NULL));
-    return image;
-}
-
-/* What surfaces send through the media; NULL where there are none. */
-static ty_image* surfaces_of(const ty_scene* scene, const scene_case* c) {
-    const ty_scene_info info = ty_scene_get_info(scene);
-    if (info.shapes + info.meshes == 0) return NULL;
-    ty_path_def def = path_def(c);
-    ty_image* image = NULL;
-    def.unscattered = true;
-    must(ty_scene_context(scene), ty_path_render(scene, &def, &image, NULL));
-    return image;
-}
+#include "truth_scene.h"
 
 static ty_image* fld_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces, ty_fld_limiter limiter,
                            double ratio) {
@@ -128,8 +73,6 @@ static void check_case(ty_context* context, const scene_case* c) {
     ty_image_destroy(other);
     ty_scene_destroy(scene);
 }
-
-#define DENSITY "media[0].density.file=\"%s\""
 
 static void cube_scattering_evenly(void** state) {
     check_case(*state, &(scene_case){"builtin:cube_g0", NULL, {NULL}, 48, 48, 256, 0.12, 0});

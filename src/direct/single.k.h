@@ -3,6 +3,7 @@
 #define TY_DIRECT_SINGLE_K_H
 
 #include "direct/beam.k.h"
+#include "direct/forward.k.h"
 #include "scene/medium.k.h"
 #include "scene/phase.k.h"
 
@@ -11,6 +12,10 @@ typedef struct ty_single_light {
     int32_t kind;  /* one of the below */
     ty_vec toward; /* TY_SINGLE_BEAM: the way light travels, unit; TY_SINGLE_LAMP: where it comes from, m */
     TY_GLOBAL const float* fluence[3]; /* per channel, W m^-2 */
+    TY_GLOBAL const float*
+        straight[3];                /* TY_SINGLE_BEAM and _LAMP, where lobes is set: U of forward.k.h; fluence is R */
+    TY_GLOBAL const float* bent[3]; /* S */
+    int32_t lobes;                  /* whether these are there; else all of fluence comes along one line */
     TY_GLOBAL const float* flux[3][3]; /* TY_SINGLE_MANY: along x, y, z */
     int32_t shared;                    /* whether all channels are the first one's planes, times color (as in a
                                           ty_light_field of one plane) */
@@ -20,6 +25,12 @@ typedef struct ty_single_light {
 /* Of TY_SINGLE_MANY only the mean direction is known: light scatters as (fluence + 3 g flux . way) / (4 pi), not below
  * 0, which is exact for isotropic scattering. */
 enum { TY_SINGLE_BEAM = 0, TY_SINGLE_LAMP = 1, TY_SINGLE_MANY = 2 };
+
+/* A channel's fluence of a light, without its factor. */
+TY_FN TY_GLOBAL const float* ty_single_plane(const ty_single_light* light, int32_t channel, float* factor) {
+    *factor = light->color[channel];
+    return light->fluence[light->shared != 0 ? 0 : channel];
+}
 
 /* A point between the middles of cells; beyond the outer ones light is as it is there. */
 typedef struct ty_cell_point {
@@ -55,9 +66,49 @@ TY_FN float ty_cell_value(TY_GLOBAL const float* plane, const ty_cell_point* p) 
     return ty_share_between(layer[0], layer[1], p->share[2]);
 }
 
-/* Light that a point scatters along `way`, per scattering coefficient. */
+/* Which of a light's fluences passes: R (all of it, where there are no lobes), U and S. */
+enum { TY_SINGLE_KEPT = 0, TY_SINGLE_STRAIGHT = 1, TY_SINGLE_BENT = 2, TY_SINGLE_FLUENCES = 3 };
+
+/* A light with lobes: adds what its three fluences, times passing, scatter at cosine mu, for the first time and again.
+ */
+TY_FN void ty_single_forward(const ty_single_light* light, const ty_cell_point* at, float mu,
+                             const float passing[TY_SINGLE_FLUENCES][3], const float g[3], float scattered[3],
+                             float again[3]) {
+    const int32_t planes = light->shared != 0 ? 1 : 3;
+    float fluence[TY_SINGLE_FLUENCES][3];
+    for (int32_t c = 0; c < planes; ++c) {
+        fluence[TY_SINGLE_KEPT][c] = ty_cell_value(light->fluence[c], at);
+        fluence[TY_SINGLE_STRAIGHT][c] = ty_cell_value(light->straight[c], at);
+        fluence[TY_SINGLE_BENT][c] = ty_cell_value(light->bent[c], at);
+    }
+    for (int32_t c = 2; c >= 0; --c) {
+        const int32_t plane = planes == 1 ? 0 : c;
+        const float color = planes == 1 ? light->color[c] : 1.0f;
+        const ty_forward forward = {fluence[TY_SINGLE_STRAIGHT][plane] * passing[TY_SINGLE_STRAIGHT][c],
+                                    fluence[TY_SINGLE_KEPT][plane] * passing[TY_SINGLE_KEPT][c],
+                                    fluence[TY_SINGLE_BENT][plane] * passing[TY_SINGLE_BENT][c], 1.0f};
+        scattered[c] += color * ty_forward_straight(forward, mu, g[c]);
+        again[c] += color * ty_forward_scattered(forward, mu, g[c]);
+    }
+}
+
+/* The cosine between light's way at a point and `way`. */
+TY_FN float ty_single_cosine(const ty_single_light* light, ty_vec point, ty_vec way) {
+    if (light->kind != TY_SINGLE_LAMP) return ty_dot(light->toward, way);
+    const ty_vec off = ty_sub(point, light->toward);
+    return ty_dot(off, way) / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
+}
+
+/* Light that a point scatters along `way`, per scattering coefficient; of lights with lobes, what scatters there for
+ * the first time, and `again` what is part of the multiply scattered light (which may be below 0). passing: times which
+ * the light's fluences are there. */
 TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const ty_cell_point* at, ty_vec way,
-                               const float g[3], float scattered[3]) {
+                               const float passing[TY_SINGLE_FLUENCES][3], const float g[3], float scattered[3],
+                               float again[3]) {
+    if (light->lobes != 0) {
+        ty_single_forward(light, at, ty_single_cosine(light, point, way), passing, g, scattered, again);
+        return;
+    }
     const int32_t planes = light->shared != 0 ? 1 : 3;
     float fluence[3], forward[3] = {0.0f, 0.0f, 0.0f};
     for (int32_t c = 0; c < planes; ++c) {
@@ -72,19 +123,15 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
     }
     if (light->kind == TY_SINGLE_MANY) {
         for (int32_t c = 0; c < 3; ++c)
-            scattered[c] += TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
+            scattered[c] +=
+                passing[TY_SINGLE_KEPT][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
     }
-    ty_vec from = light->toward;
-    if (light->kind == TY_SINGLE_LAMP) {
-        const ty_vec off = ty_sub(point, light->toward);
-        from = ty_scale(off, 1.0f / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f)));
-    }
-    const float mu = ty_dot(from, way);
+    const float mu = ty_single_cosine(light, point, way);
     float phase = 0.0f;
     for (int32_t c = 0; c < 3; ++c) {
         if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);
-        scattered[c] += phase * fluence[c];
+        scattered[c] += passing[TY_SINGLE_KEPT][c] * phase * fluence[c];
     }
 }
 

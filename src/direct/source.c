@@ -80,6 +80,7 @@ static void add_surface_point(source_list* list, int32_t index, uint32_t sample,
     ty_random random = ty_random_begin(&list->sobol, list->def.seed, item, sample);
     const float u = ty_random_next(&random), v = ty_random_next(&random);
     ty_source* source = append(list, TY_SOURCE_LAMP, index);
+    source->area = area;
     for (int c = 0; c < 3; ++c) source->color[c] = light->color[c] * area;
     if (light->kind == TY_KIND_SPHERE) {
         source->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1 - 2 * u, v);

@@ -16,6 +16,7 @@ typedef struct ty_source {
     ty_vec direction; /* beams: the way light travels; points on surfaces: the unit normal, else as the light has it */
     ty_vec position;  /* lamps, m */
     int32_t alone;    /* lamps: whether the light is this one point, not one of many on a surface */
+    float area;       /* lamps: of the surface that the point stands for, m^2; 0: none */
 } ty_source;
 
 typedef struct ty_source_def {

@@ -20,7 +20,8 @@ typedef struct ty_march_request {
     int32_t reduced; /* as in ty_march_def */
     int32_t has_field;
     ty_upsample_view field;
-    int32_t has_background; /* whether environments are seen */
+    ty_upsample_view surface_field; /* what surfaces in the field's box are lit by */
+    int32_t has_background;         /* whether environments are seen */
 } ty_march_request;
 
 /* Sums over the rays of a pixel. */

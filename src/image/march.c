@@ -16,13 +16,18 @@ enum { TILE = 16, SPP_MAX = 64 };
 
 static const double progress_interval = 0.1;
 
+/* A field's cells, as ty_upsample_view has them. */
+typedef struct march_cells {
+    float* floats;
+    size_t count;
+} march_cells;
+
 typedef struct march_job {
     ty_context* context;
     const ty_march_def* def;
     ty_march_request request;
     ty_march_kernel kernel;
-    float* cells; /* of the field, as ty_upsample_view has them */
-    size_t cell_floats;
+    march_cells cells, surface_cells; /* of the fields */
     ty_image* image;
     const float* unscattered[3]; /* planes of def->unscattered; NULL: none */
     int32_t columns, rows;       /* of tiles */
@@ -48,8 +53,7 @@ static ty_result check_box(ty_context* context, const char* what, const ty_grid_
     return TY_OK;
 }
 
-static ty_result check_field(ty_context* context, const ty_march_def* def) {
-    const ty_source_field* field = def->field;
+static ty_result check_field(ty_context* context, const ty_source_field* field) {
     if (field->term_count != 1 && field->term_count != TY_FIELD_TERMS)
         return ty_fail(context, TY_ERROR_ARGUMENT, "march.field: %d terms are neither 1 nor %d", (int)field->term_count,
                        (int)TY_FIELD_TERMS);
@@ -86,7 +90,8 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
     if (result == TY_OK)
         result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
     if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);
-    if (result == TY_OK && def->field != NULL) result = check_field(context, def);
+    if (result == TY_OK && def->field != NULL) result = check_field(context, def->field);
+    if (result == TY_OK && def->surface_field != NULL) result = check_field(context, def->surface_field);
     if (result == TY_OK && def->unscattered != NULL) result = check_unscattered(context, def);
     return result;
 }
@@ -117,15 +122,21 @@ static ty_cell_place place_cells(const ty_grid_box* box) {
     return place;
 }
 
+typedef struct pack_job {
+    const ty_source_field* field;
+    ty_upsample_view* view;
+    float* cells;
+} pack_job;
+
 static void pack_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
-    const march_job* job = user;
-    const ty_source_field* field = job->def->field;
+    const pack_job* pack = user;
+    const ty_source_field* field = pack->field;
     const size_t plane = (size_t)field->box.size[0] * (size_t)field->box.size[1];
-    const ty_upsample_view* view = &job->request.field;
+    const ty_upsample_view* view = pack->view;
     const int32_t terms = view->terms, guide = view->channels * terms;
     for (size_t i = (size_t)z * plane; i < (size_t)(z + 1) * plane; ++i) {
-        float* cell = job->cells + i * (size_t)view->floats;
+        float* cell = pack->cells + i * (size_t)view->floats;
         for (int c = 0; c < view->channels; ++c)
             for (int t = 0; t < terms; ++t) cell[c * terms + t] = field->terms[c][t][i];
         cell[guide] = field->guide != NULL ? field->guide[i] : 0;
@@ -134,9 +145,7 @@ static void pack_plane(void* user, int64_t z, int32_t worker) {
 }
 
 /* Brings a cell's terms together, so that one look finds them in a cache line. */
-static ty_result pack_field(march_job* job) {
-    const ty_source_field* field = job->def->field;
-    ty_upsample_view* view = &job->request.field;
+static ty_result pack_field(march_job* job, const ty_source_field* field, march_cells* cells, ty_upsample_view* view) {
     const int32_t* size = field->box.size;
     view->place = place_cells(&field->box);
     view->channels = field->shared ? 1 : 3;
@@ -147,13 +156,24 @@ static ty_result pack_field(march_job* job) {
     for (int c = 0; c < 3; ++c) view->color[c] = field->shared ? field->color[c] : 1;
     const double guided = job->def->guided;
     view->sharpness = guided > 0 && field->guide != NULL ? (float)(1 / (2 * guided * guided)) : 0;
-    job->cell_floats = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
-    job->cells = ty_alloc_array(job->context, job->cell_floats, sizeof *job->cells, false);
-    if (job->cells == NULL) return TY_ERROR_MEMORY;
-    view->cells = job->cells;
-    job->request.has_field = 1;
-    ty_parallel_for(job->context, size[2], pack_plane, job);
+    cells->count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2] * (size_t)view->floats;
+    cells->floats = ty_alloc_array(job->context, cells->count, sizeof(float), false);
+    if (cells->floats == NULL) return TY_ERROR_MEMORY;
+    view->cells = cells->floats;
+    pack_job pack = {field, view, cells->floats};
+    ty_parallel_for(job->context, size[2], pack_plane, &pack);
     return TY_OK;
+}
+
+static ty_result pack_fields(march_job* job) {
+    const ty_march_def* def = job->def;
+    ty_march_request* request = &job->request;
+    if (def->field == NULL) return TY_OK;
+    request->has_field = 1;
+    const ty_result result = pack_field(job, def->field, &job->cells, &request->field);
+    request->surface_field = request->field;
+    if (result != TY_OK || def->surface_field == NULL) return result;
+    return pack_field(job, def->surface_field, &job->surface_cells, &request->surface_field);
 }
 
 static ty_result prepare(march_job* job, const ty_scene* scene) {
@@ -172,7 +192,7 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->lights = def->lights;
     request->light_count = def->light_count;
     request->reduced = def->reduced ? 1 : 0;
-    return def->field != NULL ? pack_field(job) : TY_OK;
+    return pack_fields(job);
 }
 
 /* ---- pixels ---- */
@@ -189,11 +209,11 @@ static float pixel_value(const march_job* job, uint32_t aov, int c, const ty_mar
     case TY_AOV_TRANSMITTANCE: return pixel->transmittance[c] * share;
     case TY_AOV_DEPTH: return pixel->hits > 0 ? pixel->depth / pixel->hits : 0;
     case TY_AOV_SINGLE: return pixel->single[c] * share;
-    case TY_AOV_MULTIPLE: return pixel->multiple[c] * share;
+    case TY_AOV_MULTIPLE: return ty_maxf(0, pixel->multiple[c] * share);
     default: break;
     }
     const float behind = job->unscattered[c] != NULL ? job->unscattered[c][index] : 0;
-    return (pixel->unscattered[c] + pixel->single[c] + pixel->multiple[c]) * share + behind;
+    return (pixel->unscattered[c] + pixel->single[c] + ty_maxf(0, pixel->multiple[c])) * share + behind;
 }
 
 static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t end, const ty_march_pixel* pixels) {
@@ -266,7 +286,8 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
     if (result == TY_OK) result = prepare(&job, scene);
     if (result == TY_OK) result = create_image(&job);
     if (result == TY_OK) result = march(&job);
-    ty_free_array(job.context, job.cells, job.cell_floats, sizeof *job.cells);
+    ty_free_array(job.context, job.cells.floats, job.cells.count, sizeof(float));
+    ty_free_array(job.context, job.surface_cells.floats, job.surface_cells.count, sizeof(float));
     if (result != TY_OK) {
         ty_image_destroy(job.image);
         *out = NULL;

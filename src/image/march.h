@@ -5,7 +5,7 @@
 #define TY_IMAGE_MARCH_H
 
 #include "direct/single.k.h"
-#include "image/field.h"
+#include "direct/field.h"
 
 #include <tyndall/path.h>
 
@@ -28,11 +28,12 @@ typedef struct ty_march_def {
     int32_t light_count;           /* 0..TY_MARCH_LIGHTS_MAX */
     bool reduced; /* whether that light lost only what scatters aside on its way, sigma_t - g sigma_s for g above 0 (a
                      reduced beam); default false: sigma_t */
-    const ty_source_field* field; /* multiply scattered light; NULL (default): none */
-    const ty_image* unscattered;  /* R, G, B: radiance that no medium scattered, extinction by media included, in the
-                                     same pixels; NULL (default): the environment behind the media's transmittance,
-                                     and surfaces show only the scattered light that they reflect, which is there with
-                                     an image, too */
+    const ty_source_field* field;         /* multiply scattered light; NULL (default): none */
+    const ty_source_field* surface_field; /* what of it surfaces are lit by; NULL (default): field */
+    const ty_image* unscattered; /* R, G, B: radiance that no medium scattered, extinction by media included, in the
+                                    same pixels; NULL (default): the environment behind the media's transmittance,
+                                    and surfaces show only the scattered light that they reflect, which is there with
+                                    an image, too */
     ty_progress_fn progress;
     void* progress_user;
 } ty_march_def;

@@ -61,13 +61,14 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     }
     if (request->light_count == 0) return;
     const ty_vec way = ty_scale(ray->direction, -1.0f);
-    float scattered[3] = {0.0f, 0.0f, 0.0f};
-    for (int32_t i = 0; i < request->light_count; ++i) {
-        float light[3] = {0.0f, 0.0f, 0.0f};
-        ty_single_scattered(&request->lights[i], point, &lights[i].at, way, g, light);
-        for (int32_t c = 0; c < 3; ++c) scattered[c] += lights[i].passing[c] * light[c];
+    float scattered[3] = {0.0f, 0.0f, 0.0f}, again[3] = {0.0f, 0.0f, 0.0f};
+    for (int32_t i = 0; i < request->light_count; ++i)
+        ty_single_scattered(&request->lights[i], point, &lights[i].at, way, lights[i].passing, g, scattered, again);
+    for (int32_t c = 0; c < 3; ++c) {
+        const float seen = reach[c] * track->amount * sigma_s[c];
+        ray->light.single[c] += seen * scattered[c];
+        ray->light.multiple[c] += seen * again[c];
     }
-    for (int32_t c = 0; c < 3; ++c) ray->light.single[c] += reach[c] * track->amount * sigma_s[c] * scattered[c];
 }
 
 /* What the step's optical depths are, and where in it light is looked up: where its matter is in the mean, moved by how

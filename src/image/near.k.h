@@ -16,8 +16,8 @@ enum { TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
 
 /* A light as it is seen from a point. */
 typedef struct ty_near_light {
-    ty_cell_point at; /* where its fluence is taken */
-    float passing[3]; /* what comes from there */
+    ty_cell_point at;                     /* where its fluences are taken */
+    float passing[TY_SINGLE_FLUENCES][3]; /* what of each comes from there */
 } ty_near_light;
 
 /* The integral of a medium's density between two distances along a ray, m. extinction: about what it is there, 1/m. */
@@ -37,17 +37,21 @@ TY_FN float ty_near_amount(TY_GLOBAL const ty_medium_view* medium, ty_vec from, 
     return sum * part;
 }
 
-/* Adds the optical depth of a medium between two distances along a ray, as beams lose light. */
+/* Adds the optical depths of a medium between two distances along a ray, as beams' fluences lose light. */
 TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_medium_view* medium, ty_vec from,
-                         ty_vec toward, float enter, float leave, float extinction, float depth[3]) {
+                         ty_vec toward, float enter, float leave, float extinction,
+                         float depth[TY_SINGLE_FLUENCES][3]) {
     const float amount = ty_near_amount(medium, from, toward, enter, leave, extinction);
     const ty_vec middle = ty_mad(from, toward, 0.5f * (enter + leave));
     float sigma_s[3], g[3];
     ty_medium_sigma_s(medium, middle, sigma_s);
     ty_medium_g(medium, middle, g);
     for (int32_t c = 0; c < 3; ++c) {
-        const float forward = request->reduced != 0 ? ty_maxf(0.0f, g[c]) * sigma_s[c] : 0.0f;
-        depth[c] += amount * ty_maxf(0.0f, medium->sigma_t[c] - forward);
+        const float forward = ty_maxf(0.0f, g[c]) * sigma_s[c], sigma_t = medium->sigma_t[c];
+        const float kept = request->reduced != 0 ? sigma_t - forward : sigma_t;
+        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, kept);
+        depth[TY_SINGLE_STRAIGHT][c] += amount * sigma_t;
+        depth[TY_SINGLE_BENT][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * forward);
     }
 }
 
@@ -69,7 +73,7 @@ TY_FN bool ty_near_inside(TY_GLOBAL const ty_medium_view* medium, ty_vec point) 
 
 /* The optical depth of all media from a point up to some distance. */
 TY_FN void ty_near_depths(TY_GLOBAL const ty_march_request* request, ty_vec from, ty_vec toward, float far,
-                          float extinction, float depth[3]) {
+                          float extinction, float depth[TY_SINGLE_FLUENCES][3]) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
     const ty_vec end = ty_mad(from, toward, far);
     for (int32_t m = 0; m < scene->medium_count; ++m) {
@@ -107,10 +111,12 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     if (!ty_near_in_box(from, first, last)) return false;
     if (!ty_near_in_box(ty_mad(from, cells, far), first, last)) ty_clip_box(from, cells, first, last, &near, &far);
     if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
-    float depth[3] = {0.0f, 0.0f, 0.0f};
+    float depth[TY_SINGLE_FLUENCES][3];
+    memset(depth, 0, sizeof depth);
     ty_near_depths(request, point, toward, far, extinction, depth);
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
-    for (int32_t c = 0; c < 3; ++c) out->passing[c] = spread * spread * ty_decay(depth[c]);
+    for (int32_t f = 0; f < (light->lobes != 0 ? TY_SINGLE_FLUENCES : 1); ++f)
+        for (int32_t c = 0; c < 3; ++c) out->passing[f][c] = spread * spread * ty_decay(depth[f][c]);
     out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, far));
     return true;
 }
@@ -127,7 +133,8 @@ TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point,
         if (thick && light->kind != TY_SINGLE_MANY && ty_near_follow(request, light, point, extinction, &lights[i]))
             continue;
         lights[i].at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
-        for (int32_t c = 0; c < 3; ++c) lights[i].passing[c] = 1.0f;
+        for (int32_t f = 0; f < TY_SINGLE_FLUENCES; ++f)
+            for (int32_t c = 0; c < 3; ++c) lights[i].passing[f][c] = 1.0f;
     }
 }
 

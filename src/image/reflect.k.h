@@ -42,11 +42,11 @@ TY_FN void ty_reflect(TY_GLOBAL const ty_march_request* request, ty_march_ray* r
     const float most = ty_maxf(transmittance[0] * point.albedo[0],
                                ty_maxf(transmittance[1] * point.albedo[1], transmittance[2] * point.albedo[2]));
     if (!(most > 0.0f)) return;
-    const ty_vec cells = ty_cell_coordinates(&request->field.place, hit->position);
+    const ty_vec cells = ty_cell_coordinates(&request->surface_field.place, hit->position);
     const uint32_t before = ray->steps;
     ray->steps = 0;
-    if (ty_cell_inside(&request->field.place, cells))
-        ty_upsample_irradiance(&request->field, cells, point.normal, irradiance);
+    if (ty_cell_inside(&request->surface_field.place, cells))
+        ty_upsample_irradiance(&request->surface_field, cells, point.normal, irradiance);
     else
         ray->steps = ty_reflect_gather(request, ray, hit, &point, offset, irradiance);
     ray->steps += before;

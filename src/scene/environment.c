@@ -131,6 +131,7 @@ ty_result ty_environment_create(ty_context* context, const ty_light_def* def, ty
         result = copy_map(context, env, def->image);
         if (result == TY_OK) result = build_tables(context, env);
     }
+    if (result == TY_OK) result = ty_environment_make_cells(context, env);
     if (result != TY_OK) {
         ty_environment_destroy(context, env);
         return result;
@@ -144,6 +145,7 @@ void ty_environment_destroy(ty_context* context, ty_environment* env) {
     ty_free_array(context, env->pixels, pixel_count(env), 3 * sizeof(float));
     ty_free_array(context, env->rows, (size_t)env->table_height + 1, sizeof(float));
     ty_free_array(context, env->columns, ((size_t)env->table_width + 1) * (size_t)env->table_height, sizeof(float));
+    ty_free_array(context, env->cells, ty_environment_cell_count(env), sizeof *env->cells);
     ty_free_array(context, env, 1, sizeof *env);
 }
 
@@ -160,10 +162,14 @@ ty_environment_view ty_environment_get_view(const ty_environment* env, ty_axis u
         .turns = env->rotation_turns,
         .scale = env->scale,
         .constant = {env->mean[0], env->mean[1], env->mean[2]},
+        .cells = env->cells,
+        .cells_width = env->cells_width,
+        .cells_height = env->cells_height,
     };
 }
 
 size_t ty_environment_bytes(const ty_environment* env) {
-    return sizeof *env + sizeof(float) * (3 * pixel_count(env) + (size_t)env->table_height + 1 +
-                                          ((size_t)env->table_width + 1) * (size_t)env->table_height);
+    return sizeof *env + ty_environment_cell_count(env) * sizeof *env->cells +
+           sizeof(float) * (3 * pixel_count(env) + (size_t)env->table_height + 1 +
+                            ((size_t)env->table_width + 1) * (size_t)env->table_height);
 }

@@ -12,6 +12,8 @@ typedef struct ty_environment {
     float* rows;    /* cumulative, table_height + 1 */
     float* columns; /* cumulative per row, table_height x (table_width + 1) */
     int32_t width, height, table_width, table_height;
+    ty_environment_cell* cells;
+    int32_t cells_width, cells_height;
     float rotation_turns;
     float scale;
     float mean[3]; /* radiance, over the sphere, scale included */
@@ -21,5 +23,11 @@ ty_result ty_environment_create(ty_context* context, const ty_light_def* def, ty
 void ty_environment_destroy(ty_context* context, ty_environment* environment);
 ty_environment_view ty_environment_get_view(const ty_environment* environment, ty_axis up);
 size_t ty_environment_bytes(const ty_environment* environment);
+
+/* Fills in cells: what methods need that cut environments up for each frame. */
+ty_result ty_environment_make_cells(ty_context* context, ty_environment* environment);
+static inline size_t ty_environment_cell_count(const ty_environment* environment) {
+    return (size_t)environment->cells_width * (size_t)environment->cells_height;
+}
 
 #endif

@@ -5,6 +5,14 @@
 #include "base/vector.k.h"
 #include "scene/phase.k.h"
 
+/* The light of a part of the sphere, in cells of about 1.4 degrees. */
+typedef struct ty_environment_cell {
+    float color[3];    /* integral of radiance over solid angle, W m^-2 */
+    float flow[3];     /* of luminance times the direction one looks along: x, across x and up, up (where z is up: x, y,
+                          z; where y is: x, -z, y) */
+    float solid_angle; /* sr */
+} ty_environment_cell;
+
 typedef struct ty_environment_view {
     TY_GLOBAL const float* pixels; /* 3 per texel; NULL: constant */
     TY_GLOBAL const float* rows;
@@ -14,7 +22,9 @@ typedef struct ty_environment_view {
     int32_t up;                        /* 1: y, 2: z */
     float turns;                       /* rotation about the up axis, counter-clockwise from above */
     float scale;
-    float constant[3]; /* radiance where pixels is NULL */
+    float constant[3];                          /* radiance where pixels is NULL; else its mean over the sphere */
+    TY_GLOBAL const ty_environment_cell* cells; /* row by row, as pixels are */
+    int32_t cells_width, cells_height;
 } ty_environment_view;
 
 /* Angle of (x, y) in turns, (-0.5, 0.5], to 2e-6 (minimax polynomial on [0, 1]). */

@@ -3,12 +3,11 @@
 #include "method/fld/job.h"
 
 #include "base/context.h"
+#include "direct/turned.h"
 #include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>
-
-enum { CHUNK = 1 << 15 };
 
 /* Relative difference up to which colors are multiples of each other. */
 static const float alike = 1e-6f;
@@ -96,7 +95,7 @@ static void describe_field(const ty_light_field* field, ty_single_light* single)
 
 static ty_result light_field(ty_fld_job* job, float* const extinction[3], const group* g, ty_light_field* field) {
     return ty_uncollided_add_watched(job->scene, job->fine, extinction, &job->sources[g->first], g->count, field,
-                                     ty_fld_report, &job->progress);
+                                     ty_part_report, &job->progress);
 }
 
 /* The groups that have fields of their own, then all others together. */
@@ -107,7 +106,7 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
     job->progress.share = share / ty_maxf(1, (float)count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         ty_light_field** field = &light->beam[groups[i].own ? light->light_count : TY_FLD_OWN_MAX];
-        result = ty_fld_show_progress(job, "direct light");
+        result = ty_part_show(&job->progress, "direct light");
         if (result == TY_OK && *field == NULL)
             result =
                 make_field(job, groups[i].own ? &groups[i] : groups, groups[i].own ? 1 : count, groups[i].own, field);
@@ -146,37 +145,6 @@ static ty_result light_all(ty_fld_job* job, float* const extinction[3]) {
 
 /* ---- what scatters of it ---- */
 
-const float* ty_fld_beam_plane(const ty_single_light* light, int channel, float* factor) {
-    *factor = light->color[channel];
-    return light->fluence[light->shared != 0 ? 0 : channel];
-}
-
-typedef struct source_job {
-    const ty_fld_job* job;
-    float* out; /* q, a channel on fine cells */
-    int32_t channel;
-} source_job;
-
-static void scatter_chunk(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const source_job* s = user;
-    const ty_grid_medium* medium = s->job->fine;
-    const ty_fld* light = s->job->light;
-    const int32_t plane = medium->planes == 3 ? s->channel : 0;
-    const float* scattering = medium->scattering[plane];
-    const float* g = medium->g[plane];
-    const float forward = s->job->def->beam == TY_FLD_BEAM_REDUCED ? 1.0f : 0.0f;
-    const size_t begin = (size_t)index * CHUNK;
-    const size_t end = medium->cells - begin < CHUNK ? medium->cells : begin + CHUNK;
-    for (size_t i = begin; i < end; ++i) s->out[i] = 0;
-    for (int32_t l = 0; l < light->light_count; ++l) {
-        float factor;
-        const float* fluence = ty_fld_beam_plane(&light->lights[l], s->channel, &factor);
-        for (size_t i = begin; i < end; ++i) s->out[i] += factor * fluence[i];
-    }
-    for (size_t i = begin; i < end; ++i) s->out[i] *= scattering[i] * (1.0f - forward * ty_maxf(g[i], 0.0f));
-}
-
 static ty_result find_sources(ty_fld_job* job) {
     float* fine = ty_alloc_array(job->context, job->fine->cells, sizeof *fine, false);
     if (fine == NULL) return TY_ERROR_MEMORY;
@@ -187,21 +155,12 @@ static ty_result find_sources(ty_fld_job* job) {
             result = TY_ERROR_MEMORY;
             break;
         }
-        source_job s = {.job = job, .out = fine, .channel = c};
-        ty_parallel_for(job->context, (int64_t)((job->fine->cells + CHUNK - 1) / CHUNK), scatter_chunk, &s);
+        ty_turned_find(job->fine, job->light->lights, job->light->light_count, c,
+                       job->def->beam == TY_FLD_BEAM_REDUCED, fine);
         ty_grid_average(job->context, fine, job->fine->box.size, job->coarse->box.size, job->source[c]);
     }
     ty_free_array(job->context, fine, job->fine->cells, sizeof *fine);
     return result;
-}
-
-/* Light loses to the beam what scatters aside; of media that scatter backwards, all that scatters. */
-static void reduce(const ty_grid_medium* medium, ty_fld_beam beam, float* const planes[3]) {
-    for (int32_t p = 0; p < medium->planes; ++p)
-        for (size_t i = 0; i < medium->cells; ++i) {
-            const float forward = beam == TY_FLD_BEAM_REDUCED ? ty_maxf(medium->g[p][i], 0.0f) : 0.0f;
-            planes[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - forward * medium->scattering[p][i]);
-        }
 }
 
 ty_result ty_fld_light_directly(ty_fld_job* job) {
@@ -214,7 +173,7 @@ ty_result ty_fld_light_directly(ty_fld_job* job) {
         extinction[p] = ty_alloc_array(job->context, fine->cells, sizeof(float), false);
         if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
     }
-    if (result == TY_OK) reduce(fine, job->def->beam, extinction);
+    if (result == TY_OK) ty_turned_extinction(fine, job->def->beam == TY_FLD_BEAM_REDUCED ? 1 : 0, extinction);
     if (result == TY_OK) result = light_all(job, extinction);
     for (int32_t p = 0; p < fine->planes; ++p) ty_free_array(job->context, extinction[p], fine->cells, sizeof(float));
     return result == TY_OK ? find_sources(job) : result;

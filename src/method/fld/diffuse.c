@@ -1,244 +1,40 @@
-/* The diffuse light: one solve a channel (Eq. 20), and the field that is made of it. */
+/* The diffuse light: what fld's options say of its solves. */
 #include "method/fld/job.h"
 
-#include "base/context.h"
-#include "solve/diffusion.h"
-
-#include <math.h>
 #include <string.h>
 
-/* Relative difference of sources up to which one channel is a multiple of another. */
-static const float alike = 1e-6f;
-
-/* Light that enters a cell many free paths thick scatters within one of its surface and mostly leaves again, but for
- * the equations it comes from the cell's middle and piles up there: fluence would grow with thickness, without bound.
- * What a thick medium sends back depends on its albedo alone, so cells of more than this many transport mean free paths
- * are made that thin. Their fluence is then that of a surface; what passes through a medium of such cells is too much,
- * of little. */
-static const double thickest = 1.5;
-
-/* What the solves of all channels share. */
-typedef struct solve_work {
-    float* extinction[3]; /* sigma_t (1 - albedo g), 1/m */
-    float* absorption[3];
-    void* memory;
-    size_t memory_size;
-    ty_diffusion_def def;
-} solve_work;
-
-static ty_diffusion_def make_def(const ty_fld_job* job) {
+static ty_diffusion_def make_def(const ty_fld_def* fld) {
     static const ty_limiter limiters[] = {TY_LIMITER_NONE,    TY_LIMITER_SUM,    TY_LIMITER_MAX,
                                           TY_LIMITER_KERSHAW, TY_LIMITER_LARSEN, TY_LIMITER_LEVERMORE_POMRANING};
     static const ty_boundary_kind boundaries[] = {TY_BOUNDARY_MARSHAK, TY_BOUNDARY_DIRICHLET};
     static const ty_diffusion_solver solvers[] = {TY_DIFFUSION_MULTIGRID, TY_DIFFUSION_SOR, TY_DIFFUSION_SOR_FLOAT};
     ty_diffusion_def def = ty_default_diffusion_def();
-    memcpy(def.size, job->coarse->box.size, sizeof def.size);
-    memcpy(def.cell, job->coarse->cell, sizeof def.cell);
-    def.least_extinction = job->def->sigma_eps;
-    def.limiter = limiters[job->def->limiter];
-    def.larsen_power = job->def->larsen_power;
-    def.streaming = job->def->streaming;
-    for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[job->def->boundary];
-    def.solver = solvers[job->def->solver];
-    def.relaxation = job->def->relaxation;
-    def.tolerance = job->def->tolerance;
-    def.iterations = job->def->iterations;
-    def.progress = ty_fld_report;
+    def.least_extinction = fld->sigma_eps;
+    def.limiter = limiters[fld->limiter];
+    def.larsen_power = fld->larsen_power;
+    def.streaming = fld->streaming;
+    for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[fld->boundary];
+    def.solver = solvers[fld->solver];
+    def.relaxation = fld->relaxation;
+    def.tolerance = fld->tolerance;
+    def.iterations = fld->iterations;
     return def;
 }
 
-static ty_result begin_work(ty_fld_job* job, solve_work* work) {
-    const ty_grid_medium* medium = job->coarse;
-    work->def = make_def(job);
-    bool whole = true;
-    for (int32_t p = 0; p < medium->planes && whole; ++p) {
-        work->extinction[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
-        work->absorption[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
-        whole = work->extinction[p] != NULL && work->absorption[p] != NULL;
-    }
-    work->memory_size = ty_diffusion_memory(&work->def);
-    if (whole) work->memory = ty_alloc_array(job->context, work->memory_size, 1, false);
-    return work->memory != NULL ? TY_OK : TY_ERROR_MEMORY;
-}
-
-static void end_work(const ty_fld_job* job, solve_work* work) {
-    for (int32_t p = 0; p < job->coarse->planes; ++p) {
-        ty_free_array(job->context, work->extinction[p], job->coarse->cells, sizeof(float));
-        ty_free_array(job->context, work->absorption[p], job->coarse->cells, sizeof(float));
-    }
-    ty_free_array(job->context, work->memory, work->memory_size, 1);
-}
-
-/* Makes a plane of cells at most `thickest`, with their albedo as it is, and gives channels first..end what they emit.
- */
-static void thin_cells(const ty_fld_job* job, const solve_work* work, int32_t plane, int32_t first, int32_t end) {
-    const ty_grid_medium* medium = job->coarse;
-    const double side = fmin(medium->cell[0], fmin(medium->cell[1], medium->cell[2]));
-    const float most = (float)(thickest / side);
-    for (size_t i = 0; i < medium->cells; ++i) {
-        const float extinction = work->extinction[plane][i], part = extinction > most ? most / extinction : 1.0f;
-        work->extinction[plane][i] = extinction * part;
-        work->absorption[plane][i] *= part;
-        for (int32_t c = first; c < end && medium->emission[c] != NULL; ++c)
-            job->source[c][i] += medium->emission[c][i] * part;
-    }
-}
-
-/* The paper takes media as isotropic. */
-static void find_coefficients(const ty_fld_job* job, const solve_work* work) {
-    const ty_grid_medium* medium = job->coarse;
-    if (job->def->beam == TY_FLD_BEAM_REDUCED) ty_grid_medium_reduce(medium, 1, work->extinction);
-    for (int32_t p = 0; p < medium->planes; ++p) {
-        if (job->def->beam == TY_FLD_BEAM_PUBLISHED)
-            memcpy(work->extinction[p], medium->extinction[p], medium->cells * sizeof(float));
-        for (size_t i = 0; i < medium->cells; ++i)
-            work->absorption[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - medium->scattering[p][i]);
-        if (medium->planes == 3)
-            thin_cells(job, work, p, p, p + 1);
-        else
-            thin_cells(job, work, p, 0, 3);
-    }
-}
-
-/* Whether a channel's light is `factor` times that of another: its source is, and the media are gray. */
-static bool is_multiple(const ty_fld_job* job, int32_t channel, int32_t of, float* factor) {
-    const float* a = job->source[channel];
-    const float* b = job->source[of];
-    double sums[2] = {0, 0};
-    if (job->coarse->planes == 3) return false;
-    for (size_t i = 0; i < job->coarse->cells; ++i) {
-        sums[0] += (double)a[i];
-        sums[1] += (double)b[i];
-    }
-    if (!(sums[1] > 0)) return false;
-    *factor = (float)(sums[0] / sums[1]);
-    for (size_t i = 0; i < job->coarse->cells; ++i)
-        if (fabsf(a[i] - *factor * b[i]) > alike * ty_maxf(a[i], *factor * b[i])) return false;
-    return true;
-}
-
-static void scale_channel(ty_fld_job* job, int32_t channel, int32_t of, float factor) {
-    ty_fld_stats* stats = &job->stats;
-    const ty_fld* light = job->light;
-    for (int t = 0; t < TY_FIELD_TERMS; ++t)
-        for (size_t i = 0; i < light->cells; ++i) light->terms[channel][t][i] = factor * light->terms[of][t][i];
-    stats->emitted[channel] = (double)factor * stats->emitted[of];
-    stats->absorbed[channel] = (double)factor * stats->absorbed[of];
-    stats->leaving[channel] = (double)factor * stats->leaving[of];
-    stats->residual[channel] = stats->residual[of];
-}
-
-/* Limiters bound what flows by what there is (R F <= 1) with the gradient between a cell's neighbours; the mean of what
- * its faces let through can be a little more. */
-static void limit_flux(float* const terms[TY_FIELD_TERMS], size_t cells) {
-    for (size_t i = 0; i < cells; ++i) {
-        const float square = terms[1][i] * terms[1][i] + terms[2][i] * terms[2][i] + terms[3][i] * terms[3][i];
-        const float most = 3 * terms[0][i];
-        if (square <= most * most) continue;
-        const float factor = most / sqrtf(square);
-        for (int t = 1; t < TY_FIELD_TERMS; ++t) terms[t][i] *= factor;
-    }
-}
-
-/* The diffuse radiance (phi + 3 E . way) / (4 pi) (Eq. 9) from fluence and the flux through faces that are where the
- * terms will be: a cell's is the mean of its two faces along each axis. */
-static void make_terms(ty_fld_job* job, int32_t channel) {
-    const int32_t* size = job->coarse->box.size;
-    float* const* terms = job->light->terms[channel];
-    const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
-    for (size_t i = 0; i < job->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
-    for (int a = 0; a < 3; ++a) {
-        /* Along its own axis an array of faces is one longer, so that no face is overwritten before it is read. */
-        const size_t slab = step[a] * (size_t)size[a];
-        for (size_t i = 0; i < job->light->cells; ++i) {
-            const size_t face = i + i / slab * step[a];
-            terms[1 + a][i] = 1.5f * TY_INV_4PI * (terms[1 + a][face] + terms[1 + a][face + step[a]]);
-        }
-    }
-    limit_flux(terms, job->light->cells);
-}
-
-static ty_result solve_channel(ty_fld_job* job, solve_work* work, int32_t channel) {
-    const int32_t plane = job->coarse->planes == 3 ? channel : 0;
-    ty_fld_stats* stats = &job->stats;
-    ty_diffusion_def* def = &work->def;
-    def->extinction = work->extinction[plane];
-    def->absorption = work->absorption[plane];
-    def->source = job->source[channel];
-    def->progress_user = &job->progress;
-    def->memory = work->memory;
-    float* const* terms = job->light->terms[channel];
-    const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
-    ty_diffusion_stats solved = {0};
-    const ty_result result = ty_diffusion_solve(job->context, def, &out, &solved);
-    if (result != TY_OK) return result;
-    stats->converged = stats->converged && solved.converged;
-    stats->iterations[channel] = solved.iterations;
-    stats->cycles[channel] = solved.cycles;
-    stats->residual[channel] = solved.residual;
-    stats->work[channel] = solved.work;
-    stats->emitted[channel] = solved.emitted;
-    stats->absorbed[channel] = solved.absorbed;
-    stats->leaving[channel] = solved.leaving;
-    make_terms(job, channel);
-    return TY_OK;
-}
-
-static ty_result solve_channels(ty_fld_job* job, solve_work* work) {
-    const double from = job->progress.from, share = job->progress.share;
-    ty_result result = TY_OK;
-    job->stats.converged = true;
-    job->light->shared = true;
-    for (int32_t c = 0; c < 3 && result == TY_OK; ++c) {
-        float factor = 1;
-        job->progress.from = from + share * c / 3;
-        job->progress.share = share / 3;
-        bool solved = false;
-        for (int32_t of = 0; of < c && !solved; ++of) {
-            solved = is_multiple(job, c, of, &factor);
-            if (solved) scale_channel(job, c, of, factor);
-            if (!solved && of == 0) job->light->shared = false;
-        }
-        job->light->color[c] = factor;
-        if (!solved) result = ty_fld_show_progress(job, "fluence");
-        if (!solved && result == TY_OK) result = solve_channel(job, work, c);
-    }
-    return result;
-}
-
-static bool scatters_evenly(const ty_grid_medium* medium) {
-    for (int32_t p = 0; p < medium->planes; ++p)
-        for (size_t i = 0; i < medium->cells; ++i)
-            if (medium->g[p][i] != 0) return false;
-    return true;
-}
-
-static ty_result take_field(ty_fld_job* job) {
-    ty_fld* light = job->light;
-    const ty_grid_medium* medium = job->coarse;
-    light->guide = ty_alloc_array(job->context, light->cells, sizeof(float), true);
-    if (light->guide == NULL) return TY_ERROR_MEMORY;
-    for (int32_t p = 0; p < medium->planes; ++p)
-        for (size_t i = 0; i < light->cells; ++i) light->guide[i] += medium->extinction[p][i] / (float)medium->planes;
-    light->even = scatters_evenly(medium);
-    for (int c = 0; c < 3; ++c) {
-        for (int t = 0; t < TY_FIELD_TERMS; ++t) {
-            light->terms[c][t] = ty_alloc_array(job->context, ty_fld_term_size(light, t), sizeof(float), true);
-            if (light->terms[c][t] == NULL) return TY_ERROR_MEMORY;
-        }
-    }
-    return TY_OK;
-}
-
 ty_result ty_fld_diffuse(ty_fld_job* job) {
-    solve_work work = {.memory = NULL};
-    ty_result result = take_field(job);
-    if (result == TY_OK) result = begin_work(job, &work);
-    if (result == TY_OK) {
-        find_coefficients(job, &work);
-        result = solve_channels(job, &work);
-    }
-    job->stats.bytes = (double)work.memory_size;
-    end_work(job, &work);
+    const ty_diffusion_def def = make_def(job->def);
+    ty_fld_stats* stats = &job->stats;
+    ty_diffuse_stats solved = {.converged = false};
+    const ty_result result = ty_diffuse_light_solve(&def, job->def->beam == TY_FLD_BEAM_REDUCED, job->coarse,
+                                                    job->source, &job->progress, &job->light->diffuse, &solved);
+    stats->converged = solved.converged;
+    stats->bytes = solved.bytes;
+    memcpy(stats->iterations, solved.iterations, sizeof stats->iterations);
+    memcpy(stats->cycles, solved.cycles, sizeof stats->cycles);
+    memcpy(stats->residual, solved.residual, sizeof stats->residual);
+    memcpy(stats->work, solved.work, sizeof stats->work);
+    memcpy(stats->emitted, solved.emitted, sizeof stats->emitted);
+    memcpy(stats->absorbed, solved.absorbed, sizeof stats->absorbed);
+    memcpy(stats->leaving, solved.leaving, sizeof stats->leaving);
     return result;
 }

@@ -39,8 +39,6 @@ ty_result ty_fld_sample_media(ty_fld_job* job) {
     result = ty_grid_medium_resize(job->fine, size, &job->coarse);
     if (result != TY_OK) return result;
     job->light->direct_box = box;
-    job->light->box = job->coarse->box;
-    job->light->cells = job->coarse->cells;
     memcpy(job->stats.direct_size, box.size, sizeof box.size);
     memcpy(job->stats.diffusion_size, size, sizeof size);
     job->stats.planes = job->fine->planes;

@@ -10,26 +10,32 @@ enum { TY_POP_SEEN = 8, TY_POP_SEEN_LEFT = 12 };
 
 /* What merging needs of each cell, in this order: radiance that scatters towards the eye per scattering coefficient (R,
  * G, B; W m^-2 sr^-1), fluence of light that has kept its direction (R, G, B; W m^-2; propagated: of all that went
- * through the cell), 2 unused; of propagated light fluence not yet passed on (R, G, B), 1 unused. Of radial ordinates
- * all are times the square of the distance, m^2. Radial grids have a ring of one cell around i and j, which repeats
+ * through the cell), 2 unused; of propagated light fluence not yet passed on (R, G, B), 1 unused. In radial grids all
+ * are times the square of the distance, m^2. Radial grids have a ring of one cell around i and j, which repeats
  * what lies across the map's edges, so that all cells can be looked up between. */
 typedef struct ty_pop_light {
     ty_pop_ordinate ordinate;
     ty_pop_frame frame;
     int32_t floats; /* TY_POP_SEEN, TY_POP_SEEN_LEFT */
     float* seen;
-    /* Kept lobes, else NULL, cells without a ring. Split: for each plane of the medium three arrays of cells:
-     * transmittance, without and with the light that scattering sends on (below). Propagated: for each band of
-     * iterations and channel, an array of the light that passed, and one of it times its mean cosine. */
+    /* Kept lobes, else NULL, cells without a ring; all are times the ordinate's color. For each plane of the medium,
+     * split: three arrays of cells, transmittance without and with the light that scattering sends on (below).
+     * Propagated: an array of the light that has not scattered, and for each band of iterations one of the light that
+     * passed, and one of it times its mean cosine. Shadows, profiles and in parallel grids of lamps 1 / r^2 are in. */
     float* lobes;
+    size_t lobe_floats;
+    /* Set by what fills in the light: */
+    ty_pop_mode mode;
     int32_t bands;  /* propagated: TY_POP_BANDS at most */
-    int32_t planes; /* split: of the medium */
+    int32_t planes; /* of the medium */
 } ty_pop_light;
 
 /* Iterations are kept in bands: 1, 2, 3-4, 5-8, ... so that few of them hold all. */
 enum { TY_POP_BANDS = 12 };
 
-/* The grid that spans a box: `resolution` cells along each axis. */
+/* The grid that spans a box: `resolution` cells along each axis. Radial ordinates so far from the box that it would be
+ * within few columns get a parallel grid, along the way from the point to the box's middle; their light falls with
+ * distance in it all the same. */
 void ty_pop_frame_fit(const ty_grid_box* box, const ty_pop_ordinate* ordinate, int32_t resolution, ty_pop_frame* out);
 
 /* Floats of a light's seen and lobes, and of the scratch that the calls below need. */

@@ -20,19 +20,34 @@ typedef struct ty_pop_ordinate {
     float cosine;     /* a_n: mean cosine of the light that comes in about its direction, 0..1; 1: it is a line */
     float least;      /* radial: the distance below which 1 / r^2 is held, m */
     int32_t profile;  /* radial */
-    int32_t light;    /* TY_POP_SPOT: which of the scene's lights it is */
+    int32_t light;    /* which of ty_light_set.lights it is part of; of VPLs: that lights the surface */
     int32_t shadowed; /* whether surfaces of the scene cast shadows from it */
 } ty_pop_ordinate;
 
-/* All ordinates of a scene but, in a sharp split, those lights that go through fine cells (`sharp` of them, in the
- * order of the scene's lights: directional, point and spot). Environment lights as importance says: a map as
- * ty_pop_importance's, NULL: all alike. Scratch is the context's. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/* Whether a light (an index into ty_light_set.lights) goes through fine cells instead of being an ordinate: in a sharp
+ * split, the first eight directional, point and spot lights. */
+bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light);
+
+/* All ordinates of a scene but sharp lights and black ones. Directional lights are one each, and so are point and spot
+ * lights; area lights, spheres and glowing triangles are points with the cosine's profile (two of them, back to back,
+ * where triangles glow on both sides). Environment lights as importance says: a map as ty_pop_importance's, NULL: all
+ * alike. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
                                   const float* importance, ty_pop_ordinate** out, int32_t* count);
 void ty_pop_ordinates_destroy(ty_context* context, ty_pop_ordinate* ordinates, int32_t count);
 
-/* Virtual point lights of the scene's surfaces as seen by its directional, point and spot lights, behind the medium:
- * at most def->vpls. *out as above. */
+/* Ends a list of `capacity` items of which `filled` are: they move to memory of just their size, and the list goes,
+ * whatever happens. */
+ty_result ty_pop_ordinates_hand_over(ty_context* context, ty_pop_ordinate* items, int64_t capacity, int32_t filled,
+                                     ty_pop_ordinate** out, int32_t* count);
+
+/* Virtual point lights of the scene's surfaces as seen by its directional, point and spot lights, behind the medium (in
+ * split mode by its reduced extinction: what surfaces are lit by is all light that keeps its direction): at most
+ * def->vpls. All light that surfaces which face some of the medium's box reflect (of directional lights: within eight
+ * of its longest sides) is shared out among them, neighbours together, in equal parts by luminance, cosine and
+ * distance; each VPL stands where the surface is nearest to the middle of its part, and its a_n is (1 - w / N)^beta
+ * with w / N the part of the sphere that its share of the surfaces takes, seen from the middle of the medium: bright or
+ * far, it is small. *out as above. */
 ty_result ty_pop_vpls_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
                              ty_pop_ordinate** out, int32_t* count);
 

@@ -1,6 +1,6 @@
 /* Source fields: what every volume method hands to the marcher. */
-#ifndef TY_IMAGE_FIELD_H
-#define TY_IMAGE_FIELD_H
+#ifndef TY_DIRECT_FIELD_H
+#define TY_DIRECT_FIELD_H
 
 #include "direct/grid_medium.h"
 

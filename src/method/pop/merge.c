@@ -1,0 +1,128 @@
+/* All ordinates' light in one grid, block by block: what a block needs of a light stays in the caches. */
+#include "base/isa.h"
+#include "base/parallel.h"
+#include "method/pop/merge.h"
+#include "method/pop/merge_kernel.h"
+
+enum { SLABS = 4, LEFT = 4, SLAB_CELLS = TY_POP_MERGE_ROWS * TY_POP_MERGE_RUN };
+
+const ty_pop_merge_kernels* ty_pop_merge_kernels_best(void) {
+#if TY_ISA_X86
+    static const ty_pop_merge_kernels* const kernels[TY_ISA_COUNT] = {
+        &ty_pop_merge_kernels_v1, &ty_pop_merge_kernels_v3, &ty_pop_merge_kernels_v4};
+    return kernels[ty_best_isa()];
+#else
+    return &ty_pop_merge_kernels_v1;
+#endif
+}
+
+typedef struct work {
+    const ty_pop_merge_kernels* kernels;
+    const ty_pop_light* lights;
+    int32_t count;
+    ty_pop_merged* merged;
+    int32_t runs, length; /* rows are cut into as many, of so many cells at most */
+    int32_t blocks;       /* along y */
+} work;
+
+/* A block of cells. Slabs' sums are one after another, rows without gaps. */
+typedef struct block {
+    int32_t lower[3], size[3];
+    _Alignas(64) float sums[SLABS][SLAB_CELLS * TY_POP_MERGE_SUMS];
+    float left[SLABS][SLAB_CELLS * LEFT];
+} block;
+
+static double step_along(const ty_grid_box* box, int axis) {
+    return (box->upper[axis] - box->lower[axis]) / box->size[axis];
+}
+
+static float middle(const ty_grid_box* box, int axis, int32_t cell) {
+    return (float)(box->lower[axis] + (cell + 0.5) * step_along(box, axis));
+}
+
+static void add_light(const work* w, const ty_pop_light* light, block* b) {
+    const ty_grid_box* box = &w->merged->box;
+    for (int32_t z = 0; z < b->size[2]; ++z) {
+        const ty_pop_merge_rows rows = {
+            .count = b->size[0],
+            .rows = b->size[1],
+            .first =
+                ty_vec_make(middle(box, 0, b->lower[0]), middle(box, 1, b->lower[1]), middle(box, 2, b->lower[2] + z)),
+            .step = {(float)step_along(box, 0), (float)step_along(box, 1)},
+            .sums = b->sums[z],
+            .left = w->merged->left[0] != NULL ? b->left[z] : NULL,
+        };
+        w->kernels->merge(light, &rows);
+    }
+}
+
+static void add_row(const float* sums, int32_t stride, int32_t place, int32_t count, float* out) {
+    for (int32_t n = 0; n < count; ++n) out[n] += sums[n * stride + place];
+}
+
+/* Where a channel's flux along x, y and z is among a cell's sums. */
+static int32_t flux_place(int axis, int channel) {
+    return axis == 2 && channel == 2 ? 6 : 8 + 3 * axis + channel;
+}
+
+static void add_block(const block* b, ty_pop_merged* merged) {
+    const int32_t *size = merged->box.size, count = b->size[0];
+    for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
+        const int32_t y = row % b->size[1], z = row / b->size[1];
+        const float *sums = b->sums[z] + TY_POP_MERGE_SUMS * y * count, *left = b->left[z] + LEFT * y * count;
+        const size_t first =
+            ((size_t)(b->lower[2] + z) * (size_t)size[1] + (size_t)(b->lower[1] + y)) * (size_t)size[0] +
+            (size_t)b->lower[0];
+        for (int c = 0; c < 3; ++c) {
+            add_row(sums, TY_POP_MERGE_SUMS, c, count, merged->seen[c] + first);
+            add_row(sums, TY_POP_MERGE_SUMS, 3 + c, count, merged->fluence[c] + first);
+            if (merged->left[c] != NULL) add_row(left, LEFT, c, count, merged->left[c] + first);
+            for (int a = 0; a < 3 && merged->flux[c][a] != NULL; ++a)
+                add_row(sums, TY_POP_MERGE_SUMS, flux_place(a, c), count, merged->flux[c][a] + first);
+        }
+    }
+}
+
+static void clear(block* b, bool left) {
+    const size_t cells = (size_t)b->size[0] * (size_t)b->size[1];
+    for (int32_t z = 0; z < b->size[2]; ++z) {
+        memset(b->sums[z], 0, TY_POP_MERGE_SUMS * cells * sizeof(float));
+        if (left) memset(b->left[z], 0, LEFT * cells * sizeof(float));
+    }
+}
+
+static int32_t least(int32_t a, int32_t b) {
+    return a < b ? a : b;
+}
+
+static void merge_block(void* user, int64_t index, int32_t worker) {
+    const work* w = user;
+    const int32_t* size = w->merged->box.size;
+    const int32_t run = (int32_t)(index % w->runs), rest = (int32_t)(index / w->runs);
+    const int32_t most[3] = {w->length, TY_POP_MERGE_ROWS, SLABS}, at[3] = {run, rest % w->blocks, rest / w->blocks};
+    block b;
+    (void)worker;
+    for (int a = 0; a < 3; ++a) {
+        b.lower[a] = at[a] * most[a];
+        b.size[a] = least(most[a], size[a] - b.lower[a]);
+    }
+    clear(&b, w->merged->left[0] != NULL);
+    for (int32_t l = 0; l < w->count; ++l) add_light(w, &w->lights[l], &b);
+    add_block(&b, w->merged);
+}
+
+void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {
+    const int32_t* size = merged->box.size;
+    work w = {ty_pop_merge_kernels_best(),
+              lights,
+              count,
+              merged,
+              0,
+              0,
+              (size[1] + TY_POP_MERGE_ROWS - 1) / TY_POP_MERGE_ROWS};
+    const int32_t runs = (size[0] + TY_POP_MERGE_RUN - 1) / TY_POP_MERGE_RUN;
+    w.length = (size[0] + runs - 1) / runs;
+    w.runs = (size[0] + w.length - 1) / w.length;
+    const int64_t slabs = (size[2] + SLABS - 1) / SLABS;
+    ty_parallel_flushed(context, slabs * w.blocks * w.runs, merge_block, &w);
+}

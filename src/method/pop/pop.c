@@ -1,0 +1,251 @@
+/* Entry points. */
+#include "base/context.h"
+#include "base/isa.h"
+#include "image/march.h"
+#include "method/pop/job.h"
+
+#include <string.h>
+
+/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
+static const double medium_until = 0.15, sharp_until = 0.3, ordinates_until = 0.7, solve_share = 0.5;
+
+/* ---- solving ---- */
+
+static void end_job(ty_pop_job* job) {
+    if (job->medium != NULL)
+        for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->medium->cells, sizeof(float));
+    ty_grid_medium_destroy(job->medium);
+    ty_grid_medium_destroy(job->fine);
+}
+
+static ty_result take_sources(ty_pop_job* job) {
+    for (int c = 0; c < 3; ++c) {
+        job->source[c] = ty_alloc_array(job->context, job->medium->cells, sizeof(float), true);
+        if (job->source[c] == NULL) return TY_ERROR_MEMORY;
+    }
+    return TY_OK;
+}
+
+static ty_result run_parts(ty_pop_job* job, double share) {
+    const double begun = ty_wall_seconds();
+    ty_result result = ty_part_next(&job->progress, "media", share * medium_until);
+    if (result == TY_OK) result = ty_pop_sample_media(job);
+    if (result == TY_OK) result = take_sources(job);
+    job->stats.medium_seconds = ty_wall_seconds() - begun;
+    const double lit = ty_wall_seconds();
+    if (result == TY_OK) result = ty_part_next(&job->progress, "direct light", share * sharp_until);
+    if (result == TY_OK) result = ty_pop_light_sharply(job);
+    job->stats.direct_seconds = ty_wall_seconds() - lit;
+    if (result == TY_OK) result = ty_part_next(&job->progress, "ordinates", share * ordinates_until);
+    if (result == TY_OK) result = ty_pop_light_ordinates(job);
+    if (result == TY_OK) result = ty_part_next(&job->progress, "fluence", share);
+    if (result == TY_OK && job->def->mode == TY_POP_MODE_SPLIT) result = ty_pop_diffuse(job);
+    return result;
+}
+
+static void place_eye(const ty_scene* scene, float eye[3]) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    for (int a = 0; a < 3; ++a) eye[a] = (float)camera.position[a];
+}
+
+/* share: of the caller's progress that the solve is. */
+static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double share, ty_pop** out, ty_pop_stats* stats) {
+    ty_context* context = ty_scene_context(scene);
+    ty_result result = ty_pop_check(context, def);
+    if (result != TY_OK) return result;
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    if (view == NULL) return TY_ERROR_ARGUMENT;
+    if (view->medium_count == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "pop: the scene has no media");
+    ty_pop_job job = {.context = context, .scene = scene, .def = def};
+    job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
+    job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
+    if (job.light == NULL) return TY_ERROR_MEMORY;
+    job.light->context = context;
+    job.light->def = *def;
+    place_eye(scene, job.light->eye);
+    result = run_parts(&job, share);
+    job.stats.seconds = ty_wall_seconds() - job.progress.begun;
+    job.stats.isa = ty_isa_name(ty_best_isa());
+    end_job(&job);
+    if (result != TY_OK) {
+        ty_pop_destroy(job.light);
+        return result;
+    }
+    if (stats != NULL) *stats = job.stats;
+    *out = job.light;
+    return TY_OK;
+}
+
+ty_result ty_pop_solve(const ty_scene* scene, const ty_pop_def* def, ty_pop** out, ty_pop_stats* stats) {
+    *out = NULL;
+    return solve(scene, def, 1, out, stats);
+}
+
+void ty_pop_destroy(ty_pop* light) {
+    if (light == NULL) return;
+    ty_context* context = light->context;
+    for (int i = 0; i < TY_POP_SHARP_MAX; ++i)
+        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) ty_light_field_destroy(light->fields[i][f]);
+    for (int32_t i = 0; i < light->count; ++i)
+        ty_free_array(context, light->ordinates[i].lobes, light->ordinates[i].lobe_floats, sizeof(float));
+    ty_free_array(context, light->ordinates, (size_t)light->count, sizeof *light->ordinates);
+    ty_pop_merged_destroy(context, &light->merged);
+    ty_pop_merged_destroy(context, &light->residuum);
+    ty_diffuse_light_destroy(light->diffuse);
+    ty_grid_medium_destroy(light->medium);
+    ty_free_array(context, light->guide, light->cells, sizeof(float));
+    ty_free_array(context, light, 1, sizeof *light);
+}
+
+/* ---- images ---- */
+
+/* Fields that are made for one image. */
+typedef struct fields {
+    ty_source_field seen, surfaces;
+    float* terms[3][TY_FIELD_TERMS]; /* of what is seen */
+    float* incident[3];              /* published modes: the mean radiance, for surfaces */
+} fields;
+
+static void free_fields(const ty_pop* light, fields* f) {
+    for (int c = 0; c < 3; ++c) {
+        for (int t = 0; t < TY_FIELD_TERMS; ++t)
+            ty_free_array(light->context, f->terms[c][t], light->cells, sizeof(float));
+        ty_free_array(light->context, f->incident[c], light->cells, sizeof(float));
+    }
+}
+
+/* A term of what is seen: the diffuse light's, and of the first what ordinates send towards the eye. */
+static void fill_term(const ty_pop* light, int c, int t, float* out) {
+    if (light->diffuse != NULL) {
+        const bool shared = light->diffuse->shared;
+        const float* from = light->diffuse->terms[shared ? 0 : c][t];
+        const float factor = shared ? light->diffuse->color[c] : 1;
+        for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];
+    }
+    if (t > 0) return;
+    for (size_t i = 0; i < light->cells; ++i) out[i] += light->merged.seen[c][i];
+    if (light->residuum.seen[c] != NULL)
+        for (size_t i = 0; i < light->cells; ++i) out[i] += light->residuum.seen[c][i];
+}
+
+static ty_result make_seen(const ty_pop* light, fields* f) {
+    f->seen = (ty_source_field){.box = light->merged.box,
+                                .term_count = light->diffuse != NULL && !light->diffuse->even ? TY_FIELD_TERMS : 1,
+                                .guide = light->guide};
+    for (int c = 0; c < 3; ++c)
+        for (int t = 0; t < f->seen.term_count; ++t) {
+            f->terms[c][t] = ty_alloc_array(light->context, light->cells, sizeof(float), true);
+            if (f->terms[c][t] == NULL) return TY_ERROR_MEMORY;
+            fill_term(light, c, t, f->terms[c][t]);
+            f->seen.terms[c][t] = f->terms[c][t];
+        }
+    return TY_OK;
+}
+
+static ty_result make_incident(const ty_pop* light, fields* f) {
+    f->surfaces = (ty_source_field){.box = light->merged.box, .term_count = 1, .guide = light->guide};
+    for (int c = 0; c < 3; ++c) {
+        f->incident[c] = ty_alloc_array(light->context, light->cells, sizeof(float), true);
+        if (f->incident[c] == NULL) return TY_ERROR_MEMORY;
+        for (size_t i = 0; i < light->cells; ++i) {
+            f->incident[c][i] = light->merged.fluence[c][i] * TY_INV_4PI;
+            if (light->residuum.fluence[c] != NULL) f->incident[c][i] += light->residuum.fluence[c][i] * TY_INV_4PI;
+        }
+        f->surfaces.terms[c][0] = f->incident[c];
+    }
+    return TY_OK;
+}
+
+static ty_result make_fields(const ty_pop* light, bool surfaces, fields* f) {
+    if (light->diffuse != NULL) f->surfaces = ty_diffuse_light_field(light->diffuse, true);
+    if (light->count == 0 && light->diffuse != NULL) {
+        f->seen = ty_diffuse_light_field(light->diffuse, surfaces);
+        return TY_OK;
+    }
+    const ty_result result = make_seen(light, f);
+    return result == TY_OK && light->diffuse == NULL ? make_incident(light, f) : result;
+}
+
+static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_part_progress progress,
+                       ty_image** out, ty_pop_stats* stats) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const double begun = ty_wall_seconds();
+    fields f = {.seen = {.term_count = 0}};
+    ty_march_def march = ty_default_march_def();
+    march.width = def->width > 0 ? def->width : camera.resolution[0];
+    march.height = def->width > 0 ? def->height : camera.resolution[1];
+    march.spp = def->spp;
+    march.seed = def->seed;
+    march.step = def->step;
+    march.aovs = def->aovs;
+    march.light_box = light->fine_box;
+    march.lights = light->lights;
+    march.light_count = light->light_count;
+    march.reduced = true;
+    march.unscattered = def->unscattered;
+    march.progress = ty_part_report;
+    march.progress_user = &progress;
+    march.field = &f.seen;
+    march.surface_field = &f.surfaces;
+    ty_result result = make_fields(light, ty_scene_get_view(scene)->mesh != NULL, &f);
+    if (result == TY_OK) result = ty_march(scene, &march, out, NULL);
+    free_fields(light, &f);
+    if (result == TY_OK && stats != NULL) {
+        stats->march_seconds = ty_wall_seconds() - begun;
+        stats->seconds += stats->march_seconds;
+    }
+    return result;
+}
+
+/* Looks at the light from the scene's camera. */
+static ty_result turn_to_camera(ty_pop* light, const ty_scene* scene) {
+    float eye[3];
+    place_eye(scene, eye);
+    if (memcmp(eye, light->eye, sizeof eye) == 0 || light->count == 0) return TY_OK;
+    if (light->def.keep_lobes) return ty_pop_see_from(light, eye);
+    return ty_fail(light->context, TY_ERROR_ARGUMENT,
+                   "pop: solved for a camera at (%g, %g, %g), and this one is at (%g, %g, %g); keep_lobes is for that",
+                   (double)light->eye[0], (double)light->eye[1], (double)light->eye[2], (double)eye[0], (double)eye[1],
+                   (double)eye[2]);
+}
+
+ty_result ty_pop_view(ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
+                      ty_pop_stats* stats) {
+    *out = NULL;
+    ty_result result = ty_pop_check(ty_scene_context(scene), def);
+    if (result == TY_OK) result = turn_to_camera(light, scene);
+    if (result != TY_OK) return result;
+    return march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, stats);
+}
+
+ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image** out, ty_pop_stats* stats) {
+    *out = NULL;
+    ty_pop* light = NULL;
+    ty_pop_stats own = {0};
+    const double begun = ty_wall_seconds();
+    ty_result result = solve(scene, def, solve_share, &light, &own);
+    if (result != TY_OK) return result;
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
+    progress.begun = begun;
+    result = march(light, scene, def, progress, out, &own);
+    ty_pop_destroy(light);
+    if (stats != NULL) *stats = own;
+    return result;
+}
+
+/* ---- importance ---- */
+
+ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float* map) {
+    ty_context* context = ty_scene_context(scene);
+    ty_pop light = {.context = context};
+    ty_pop_job job = {.context = context, .scene = scene, .def = def, .light = &light};
+    ty_result result = ty_pop_check(context, def);
+    if (result == TY_OK && (ty_scene_get_view(scene) == NULL || ty_scene_get_view(scene)->medium_count == 0))
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop: the scene has no media");
+    if (result == TY_OK) result = ty_pop_sample_media(&job);
+    if (result == TY_OK) result = ty_pop_importance_find(scene, def, light.medium, map);
+    ty_grid_medium_destroy(light.medium);
+    ty_free_array(context, light.guide, light.cells, sizeof(float));
+    end_job(&job);
+    return result;
+}

@@ -1,0 +1,102 @@
+/* Directional, point and spot lights on cells as fine as the medium's: what goes straight through, and what scatters
+ * and keeps its direction. */
+#include "base/context.h"
+#include "direct/turned.h"
+#include "method/pop/job.h"
+
+#include <math.h>
+
+/* Which scattering the extinction of each fluence leaves out. */
+static const int32_t orders[TY_SINGLE_FLUENCES] = {
+    [TY_SINGLE_KEPT] = 1, [TY_SINGLE_STRAIGHT] = 0, [TY_SINGLE_BENT] = 2};
+
+static bool scatters_forwards(const ty_grid_medium* medium) {
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i)
+            if (medium->g[p][i] > 0) return true;
+    return false;
+}
+
+static ty_result make_field(const ty_grid_medium* medium, const ty_source* source, ty_light_field** out) {
+    const float* color = source->color;
+    return medium->planes == 1 ? ty_light_field_create_shared(medium, false, color, out)
+                               : ty_light_field_create(medium, false, out);
+}
+
+static void describe(const ty_source* source, ty_light_field* const fields[TY_SINGLE_FLUENCES], ty_single_light* out) {
+    const ty_light_field* kept = fields[TY_SINGLE_KEPT];
+    *out = (ty_single_light){.kind = source->kind == TY_SOURCE_BEAM ? TY_SINGLE_BEAM : TY_SINGLE_LAMP,
+                             .toward = source->kind == TY_SOURCE_BEAM ? source->direction : source->position,
+                             .shared = kept->planes == 1,
+                             .lobes = fields[TY_SINGLE_STRAIGHT] != NULL};
+    for (int c = 0; c < 3; ++c) {
+        out->color[c] = kept->planes == 1 ? kept->color[c] : 1;
+        out->fluence[c] = kept->fluence[c];
+        out->straight[c] = out->lobes != 0 ? fields[TY_SINGLE_STRAIGHT]->fluence[c] : NULL;
+        out->bent[c] = out->lobes != 0 ? fields[TY_SINGLE_BENT]->fluence[c] : NULL;
+    }
+}
+
+/* One light: its reduced beam, and where media scatter forwards its two others. */
+static ty_result light_one(ty_pop_job* job, const ty_source* source, float* const extinction[TY_SINGLE_FLUENCES][3],
+                           int32_t fluences) {
+    ty_pop* light = job->light;
+    ty_light_field** fields = light->fields[light->light_count];
+    ty_result result = TY_OK;
+    for (int32_t f = 0; f < fluences && result == TY_OK; ++f) {
+        result = make_field(job->fine, source, &fields[f]);
+        if (result == TY_OK)
+            result = ty_uncollided_add_watched(job->scene, job->fine, extinction[f], source, 1, fields[f],
+                                               ty_part_report, &job->progress);
+    }
+    if (result == TY_OK) describe(source, fields, &light->lights[light->light_count]);
+    ++light->light_count;
+    return result;
+}
+
+static ty_result light_all(ty_pop_job* job, float* const extinction[TY_SINGLE_FLUENCES][3], int32_t fluences) {
+    const ty_source_def def = {.environment = 1, .surface = 1, .seed = job->def->seed};
+    ty_source* sources = NULL;
+    int32_t count = 0;
+    ty_result result = ty_sources_create(job->scene, &def, &sources, &count);
+    for (int32_t i = 0; i < count && result == TY_OK; ++i)
+        if (ty_pop_is_sharp(job->scene, job->def, sources[i].light))
+            result = light_one(job, &sources[i], extinction, fluences);
+    ty_sources_destroy(job->context, sources, count);
+    return result;
+}
+
+static ty_result find_extinctions(ty_pop_job* job, float* extinction[TY_SINGLE_FLUENCES][3], int32_t fluences) {
+    for (int32_t f = 0; f < fluences; ++f) {
+        for (int32_t p = 0; p < job->fine->planes; ++p) {
+            extinction[f][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
+            if (extinction[f][p] == NULL) return TY_ERROR_MEMORY;
+        }
+        ty_turned_extinction(job->fine, orders[f], extinction[f]);
+    }
+    return TY_OK;
+}
+
+/* What turns aside, as means over merged cells. */
+static ty_result turn_aside(ty_pop_job* job) {
+    float* fine = ty_alloc_array(job->context, job->fine->cells, sizeof *fine, false);
+    if (fine == NULL) return TY_ERROR_MEMORY;
+    for (int32_t c = 0; c < 3; ++c) {
+        ty_turned_find(job->fine, job->light->lights, job->light->light_count, c, true, fine);
+        ty_grid_average(job->context, fine, job->fine->box.size, job->medium->box.size, job->source[c]);
+    }
+    ty_free_array(job->context, fine, job->fine->cells, sizeof *fine);
+    return TY_OK;
+}
+
+ty_result ty_pop_light_sharply(ty_pop_job* job) {
+    float* extinction[TY_SINGLE_FLUENCES][3] = {{NULL}};
+    if (job->fine == NULL) return TY_OK;
+    const int32_t fluences = scatters_forwards(job->fine) ? TY_SINGLE_FLUENCES : 1;
+    ty_result result = find_extinctions(job, extinction, fluences);
+    if (result == TY_OK) result = light_all(job, extinction, fluences);
+    for (int32_t f = 0; f < fluences; ++f)
+        for (int32_t p = 0; p < job->fine->planes; ++p)
+            ty_free_array(job->context, extinction[f][p], job->fine->cells, sizeof(float));
+    return result == TY_OK ? turn_aside(job) : result;
+}

@@ -1,0 +1,79 @@
+/* Split mode: transmittances along an ordinate's columns, and what is seen of the light. */
+#include "method/pop/slab.h"
+
+#include "base/float_mode.h"
+
+typedef struct sweep {
+    const ty_pop_grid_kernels* kernels;
+    ty_pop_light* light;
+    ty_pop_columns columns;
+    ty_pop_slab slab;
+    ty_pop_transmittance through;
+    ty_pop_look look;
+    float means[3][3][TY_POP_BLOCK]; /* where lobes are not kept */
+} sweep;
+
+/* Where slab k's means go. */
+static void place_means(sweep* s, int32_t k) {
+    const ty_pop_frame* frame = &s->light->frame;
+    const size_t cells = ty_pop_cells(frame), slice = cells / (size_t)frame->size[2];
+    for (size_t p = 0; p < (size_t)s->light->planes; ++p)
+        for (size_t order = 0; order < 3; ++order) {
+            float* mean = s->means[p][order];
+            if (s->light->lobes != NULL)
+                mean = s->light->lobes + (3 * p + order) * cells + slice * (size_t)k + (size_t)s->columns.first;
+            s->through.mean[p][order] = mean;
+            s->look.mean[p][order] = mean;
+        }
+}
+
+static void write_seen(const sweep* s, int32_t k) {
+    const ty_pop_light* light = s->light;
+    float* slab = ty_pop_seen_slab(light, k);
+    for (int32_t i = 0; i < s->columns.count; ++i) {
+        float* seen = slab + (size_t)light->floats * (size_t)s->columns.cell[i];
+        for (int32_t c = 0; c < 3; ++c) {
+            const int32_t p = light->planes == 3 ? c : 0;
+            seen[c] = light->ordinate.color[c] * s->look.radiance[p][i];
+            seen[3 + c] = light->ordinate.color[c] * s->look.mean[p][1][i];
+        }
+    }
+}
+
+static void begin(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light, sweep* s) {
+    s->kernels = ty_pop_grid_kernels_best();
+    s->light = light;
+    ty_pop_slab_setup(s->kernels, medium, &s->columns, &s->slab);
+    ty_pop_look_setup(medium, eye, light, &s->look);
+}
+
+static void sweep_columns(sweep* s) {
+    ty_pop_transmittance_begin(s->kernels, 3, &s->slab, &s->through);
+    for (int32_t k = 0; k < s->light->frame.size[2]; ++k) {
+        ty_pop_slab_enter(s->kernels, k, &s->slab);
+        s->kernels->light(&s->slab);
+        place_means(s, k);
+        s->kernels->pass(&s->slab, &s->through);
+        s->kernels->look(&s->slab, &s->look);
+        s->kernels->scatter(&s->slab, &s->look);
+        write_seen(s, k);
+    }
+}
+
+void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], float* scratch,
+                  ty_pop_light* light) {
+    (void)scratch; /* a block of columns fits the stack */
+    sweep s;
+    const unsigned state = ty_flush_denormals();
+    light->mode = TY_POP_MODE_SPLIT;
+    light->planes = medium->planes;
+    light->bands = 0;
+    memset(light->seen, 0, ty_pop_seen_floats(&light->frame, light->floats) * sizeof *light->seen);
+    begin(medium, eye, light, &s);
+    for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += s.columns.count) {
+        ty_pop_columns_begin(scene, medium, light, first, &s.columns);
+        sweep_columns(&s);
+    }
+    ty_pop_fill_ring(light);
+    ty_restore_denormals(state);
+}

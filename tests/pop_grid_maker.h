@@ -1,0 +1,93 @@
+/* What tests of ordinates' grids share. */
+#ifndef TY_TESTS_POP_GRID_MAKER_H
+#define TY_TESTS_POP_GRID_MAKER_H
+
+#include "base/context.h"
+#include "direct_maker.h"
+#include "method/pop/grid.h"
+
+/* A scene of one box, and an ordinate's light in it. */
+typedef struct pop_case {
+    ty_scene* scene;
+    ty_grid_medium* medium;
+    ty_pop_def def;
+    ty_pop_light light;
+    ty_pop_walk_stats walked;
+    int32_t iterations;
+    float* scratch;
+    float eye[3];
+} pop_case;
+
+static inline ty_pop_ordinate parallel_light(double x, double y, double z) {
+    ty_pop_ordinate ordinate = {.kind = TY_POP_PARALLEL, .color = {1, 1, 1}, .cosine = 1};
+    ordinate.direction = ty_normalize(ty_vec_make((float)x, (float)y, (float)z));
+    return ordinate;
+}
+
+static inline ty_pop_ordinate point_light(double x, double y, double z) {
+    ty_pop_ordinate ordinate = {.kind = TY_POP_RADIAL, .color = {1, 1, 1}, .cosine = 1};
+    ordinate.position = ty_vec_make((float)x, (float)y, (float)z);
+    ordinate.direction = ty_vec_make(0, 0, 1);
+    return ordinate;
+}
+
+/* The unit cube. */
+static inline ty_medium_def pop_cube(double sigma_s, double sigma_a, double g) {
+    const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
+    ty_medium_def medium = box_medium(low, high, (float)sigma_s, (float)sigma_a);
+    for (int c = 0; c < 3; ++c) medium.g[c] = (float)g;
+    return medium;
+}
+
+/* Takes over the scene, with all in it. */
+static inline pop_case pop_begin(ty_scene* scene, const ty_pop_ordinate* ordinate, ty_pop_mode mode, int32_t resolution,
+                                 int32_t iterations) {
+    pop_case made = {.scene = scene, .iterations = iterations, .eye = {0.3f, 0.4f, 5}};
+    ty_context* context = ty_scene_context(scene);
+    ty_grid_box box;
+    check_result(context, ty_scene_commit(scene));
+    check_result(context, ty_grid_box_fit(scene, resolution, &box));
+    check_result(context, ty_grid_medium_create(scene, &box, &made.medium));
+    made.def = (ty_pop_def){.resolution = resolution, .residuum = 0.1};
+    made.def.mode = mode;
+    made.light.ordinate = *ordinate;
+    made.light.floats = mode == TY_POP_MODE_SPLIT ? TY_POP_SEEN : TY_POP_SEEN_LEFT;
+    ty_pop_frame_fit(&box, ordinate, resolution, &made.light.frame);
+    const ty_pop_frame* frame = &made.light.frame;
+    const int32_t planes = made.medium->planes;
+    made.light.seen = calloc(ty_pop_seen_floats(frame, made.light.floats), sizeof(float));
+    made.light.lobes = calloc(ty_pop_lobe_floats(frame, &made.def, planes, iterations), sizeof(float));
+    made.scratch = calloc(ty_pop_scratch_floats(frame, &made.def, planes) + 1, sizeof(float));
+    assert_true(made.light.seen != NULL && made.light.lobes != NULL && made.scratch != NULL);
+    return made;
+}
+
+static inline void pop_run(pop_case* made) {
+    if (made->def.mode == TY_POP_MODE_SPLIT)
+        ty_pop_sweep(made->scene, made->medium, made->eye, made->scratch, &made->light);
+    else
+        ty_pop_walk(made->scene, &made->def, made->medium, made->eye, made->iterations, made->scratch, &made->light,
+                    &made->walked);
+}
+
+static inline void pop_end(pop_case* made) {
+    ty_grid_medium_destroy(made->medium);
+    ty_scene_destroy(made->scene);
+    free(made->light.seen);
+    free(made->light.lobes);
+    free(made->scratch);
+}
+
+static inline size_t pop_cells(const ty_pop_frame* frame) {
+    return (size_t)frame->size[0] * (size_t)frame->size[1] * (size_t)frame->size[2];
+}
+
+/* The floats of a cell of `seen`. */
+static inline const float* pop_seen(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
+    const int32_t ring = ty_pop_ring(&light->frame), row = light->frame.size[0] + 2 * ring;
+    const int32_t rows = light->frame.size[1] + 2 * ring;
+    return light->seen +
+           (size_t)light->floats * ((size_t)(i + ring) + (size_t)row * ((size_t)(j + ring) + (size_t)rows * (size_t)k));
+}
+
+#endif

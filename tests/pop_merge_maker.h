@@ -1,0 +1,116 @@
+/* What tests of merging share: frames about boxes, lights on them, and merged grids. */
+#ifndef TY_TESTS_POP_MERGE_MAKER_H
+#define TY_TESTS_POP_MERGE_MAKER_H
+
+#include "checks.h"
+#include "method/pop/merge.h"
+
+static inline float* new_floats(size_t count) {
+    float* values = calloc(count, sizeof *values);
+    assert_non_null(values);
+    return values;
+}
+
+/* Half of what a box's sides cover along a direction, m. */
+static inline float half_width(const ty_grid_box* box, ty_vec axis) {
+    const double parts[3] = {(double)axis.x, (double)axis.y, (double)axis.z};
+    double width = 0;
+    for (int a = 0; a < 3; ++a) width += fabs(parts[a]) * (box->upper[a] - box->lower[a]);
+    return (float)(0.5 * width);
+}
+
+static inline ty_vec box_middle(const ty_grid_box* box) {
+    return ty_vec_make((float)(0.5 * (box->lower[0] + box->upper[0])), (float)(0.5 * (box->lower[1] + box->upper[1])),
+                       (float)(0.5 * (box->lower[2] + box->upper[2])));
+}
+
+/* Spans a box; i, j, k of different sizes. */
+static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec direction, int32_t floats) {
+    ty_pop_light light = {.ordinate = {.kind = TY_POP_PARALLEL, .direction = direction, .cosine = 1}, .floats = floats};
+    ty_pop_frame* frame = &light.frame;
+    *frame = (ty_pop_frame){.kind = TY_POP_PARALLEL, .size = {9, 10, 11}};
+    ty_frame(direction, &frame->axis[0], &frame->axis[1]);
+    frame->axis[2] = direction;
+    frame->origin = box_middle(box);
+    float half[3];
+    for (int a = 0; a < 3; ++a) {
+        half[a] = half_width(box, frame->axis[a]);
+        frame->origin = ty_mad(frame->origin, frame->axis[a], -half[a]);
+    }
+    frame->step = ty_vec_make(2 * half[0] / 9, 2 * half[1] / 10, 2 * half[2] / 11);
+    light.seen = new_floats((size_t)floats * ty_pop_ringed_cells(frame));
+    return light;
+}
+
+static inline ty_pop_light radial_light(ty_vec position, int32_t side, int32_t shells, float inner, float outer,
+                                        int32_t floats) {
+    ty_pop_light light = {.ordinate = {.kind = TY_POP_RADIAL, .position = position}, .floats = floats};
+    light.frame = (ty_pop_frame){.kind = TY_POP_RADIAL,
+                                 .size = {side, side, shells},
+                                 .origin = position,
+                                 .inner = inner,
+                                 .growth = logf(outer / inner) / (float)shells};
+    light.seen = new_floats((size_t)floats * ty_pop_ringed_cells(&light.frame));
+    return light;
+}
+
+static inline void free_light(ty_pop_light* light) {
+    free(light->seen);
+}
+
+/* What a light has in cell i, j, k, ring included (then i and j begin at -1). */
+static inline float* cell_of(const ty_pop_light* light, int32_t i, int32_t j, int32_t k) {
+    const int32_t ring = ty_pop_ring(&light->frame), row = light->frame.size[0] + 2 * ring;
+    const int32_t rows = light->frame.size[1] + 2 * ring;
+    return light->seen + (size_t)light->floats * (size_t)((k * rows + j + ring) * row + i + ring);
+}
+
+/* Fills each cell, its ring as what it repeats. */
+static inline void fill_light(const ty_pop_light* light,
+                              void (*fill)(const ty_pop_light*, ty_vec middle, float* cell)) {
+    const ty_pop_frame* frame = &light->frame;
+    const int32_t ring = ty_pop_ring(frame);
+    for (int32_t k = 0; k < frame->size[2]; ++k)
+        for (int32_t j = -ring; j < frame->size[1] + ring; ++j)
+            for (int32_t i = -ring; i < frame->size[0] + ring; ++i) {
+                int32_t from_i = i, from_j = j;
+                if (ring > 0) ty_octahedral_wrap(frame->size[0], &from_i, &from_j);
+                fill(light, ty_pop_middle(frame, from_i, from_j, k), cell_of(light, i, j, k));
+            }
+}
+
+static inline size_t box_cells(const ty_grid_box* box) {
+    return (size_t)box->size[0] * (size_t)box->size[1] * (size_t)box->size[2];
+}
+
+static inline ty_pop_merged make_merged(const ty_grid_box* box, bool left, bool flux) {
+    ty_pop_merged merged = {.box = *box};
+    const size_t cells = box_cells(box);
+    for (int c = 0; c < 3; ++c) {
+        merged.seen[c] = new_floats(cells);
+        merged.fluence[c] = new_floats(cells);
+        if (left) merged.left[c] = new_floats(cells);
+        for (int a = 0; a < 3 && flux; ++a) merged.flux[c][a] = new_floats(cells);
+    }
+    return merged;
+}
+
+static inline void free_merged(ty_pop_merged* merged) {
+    for (int c = 0; c < 3; ++c) {
+        free(merged->seen[c]);
+        free(merged->fluence[c]);
+        free(merged->left[c]);
+        for (int a = 0; a < 3; ++a) free(merged->flux[c][a]);
+    }
+}
+
+static inline ty_vec merged_middle(const ty_grid_box* box, size_t cell) {
+    const size_t row = (size_t)box->size[0], slice = row * (size_t)box->size[1];
+    const size_t at[3] = {cell % row, cell / row % (size_t)box->size[1], cell / slice};
+    double middle[3];
+    for (int a = 0; a < 3; ++a)
+        middle[a] = box->lower[a] + ((double)at[a] + 0.5) * (box->upper[a] - box->lower[a]) / box->size[a];
+    return ty_vec_make((float)middle[0], (float)middle[1], (float)middle[2]);
+}
+
+#endif

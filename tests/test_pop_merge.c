@@ -1,0 +1,381 @@
+/* Ordinates' light brought together in one grid, and what goes on there as isotropic light. */
+#include "pop_merge_maker.h"
+
+/* Cells of different sides; rows longer than one run of the kernel. */
+static const ty_grid_box slab = {{-1, 0.5, 2}, {3, 1.5, 3.25}, {70, 13, 9}};
+static const ty_grid_box cube = {{-1, -1, -1}, {1, 1, 1}, {15, 15, 15}};
+
+enum { DIRECTIONS = 12 };
+
+static ty_vec direction_of(int n) {
+    static const ty_vec axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    uint64_t state = (uint64_t)n;
+    return n < 6 ? axes[n] : random_unit(&state);
+}
+
+/* Whether a point is between middles of cells, where nothing is held to the grid's edge. */
+static bool is_inside(const ty_pop_frame* frame, ty_vec point) {
+    const float step[3] = {frame->step.x, frame->step.y, frame->step.z};
+    for (int a = 0; a < 3; ++a) {
+        const float at = ty_dot(ty_sub(point, frame->origin), frame->axis[a]) / step[a];
+        if (at < 0.5f || at > (float)frame->size[a] - 0.5f) return false;
+    }
+    return true;
+}
+
+static void merge(ty_context* context, const ty_pop_light* light, ty_pop_merged* merged) {
+    ty_pop_merge(context, light, 1, merged);
+}
+
+/* ---- interpolation ---- */
+
+static void fill_constant(const ty_pop_light* light, ty_vec middle, float* cell) {
+    (void)middle;
+    for (int n = 0; n < light->floats; ++n) cell[n] = (float)(n + 1);
+}
+
+/* Whatever the direction, everywhere in the box. */
+static void constants_stay(void** state) {
+    for (int d = 0; d < DIRECTIONS; ++d) {
+        ty_pop_light light = parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT);
+        ty_pop_merged merged = make_merged(&slab, true, true);
+        fill_light(&light, fill_constant);
+        merge(*state, &light, &merged);
+        for (size_t i = 0; i < box_cells(&slab); ++i)
+            for (int c = 0; c < 3; ++c) {
+                assert_close(merged.seen[c][i], c + 1, 1e-5);
+                assert_close(merged.fluence[c][i], c + 4, 1e-5);
+                assert_close(merged.left[c][i], c + 9, 1e-5);
+            }
+        free_merged(&merged);
+        free_light(&light);
+    }
+}
+
+static float slope(int n, ty_vec p) {
+    return 3 + (float)n + (1 - 0.2f * (float)n) * p.x + 2 * p.y - 0.7f * (float)n * p.z;
+}
+
+static void fill_slopes(const ty_pop_light* light, ty_vec middle, float* cell) {
+    for (int n = 0; n < light->floats; ++n) cell[n] = slope(n, middle);
+}
+
+static void slopes_stay_between_middles(void** state) {
+    for (int d = 0; d < DIRECTIONS; ++d)
+        for (int32_t floats = TY_POP_SEEN; floats <= TY_POP_SEEN_LEFT; floats += 4) {
+            ty_pop_light light = parallel_light(&slab, direction_of(d), floats);
+            ty_pop_merged merged = make_merged(&slab, floats == TY_POP_SEEN_LEFT, false);
+            int looked_at = 0;
+            fill_light(&light, fill_slopes);
+            merge(*state, &light, &merged);
+            for (size_t i = 0; i < box_cells(&slab); ++i) {
+                const ty_vec middle = merged_middle(&slab, i);
+                if (!is_inside(&light.frame, middle)) continue;
+                ++looked_at;
+                for (int c = 0; c < 3; ++c) {
+                    assert_close(merged.seen[c][i], slope(c, middle), 3e-5);
+                    assert_close(merged.fluence[c][i], slope(3 + c, middle), 3e-5);
+                    if (merged.left[c] != NULL) assert_close(merged.left[c][i], slope(8 + c, middle), 3e-5);
+                }
+            }
+            assert_true(looked_at > 1000);
+            free_merged(&merged);
+            free_light(&light);
+        }
+}
+
+static void fill_noise(const ty_pop_light* light, ty_vec middle, float* cell) {
+    uint64_t state = ty_bits_from_float(middle.x) ^ (uint64_t)ty_bits_from_float(middle.y + middle.z) << 20;
+    for (int n = 0; n < light->floats; ++n) cell[n] = (float)uniform(&state);
+}
+
+static float blend(const ty_pop_light* light, const ty_pop_place* place, int n) {
+    float sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        size_t cell = place->base;
+        float weight = place->spread;
+        for (int a = 0; a < 3; ++a) {
+            const bool upper = (corner >> a & 1) != 0;
+            cell += upper ? place->step[a] : 0;
+            weight *= upper ? place->share[a] : 1 - place->share[a];
+        }
+        sum += weight * light->seen[(size_t)light->floats * cell + (size_t)n];
+    }
+    return sum;
+}
+
+static void check_places(ty_context* context, const ty_pop_light* light) {
+    ty_pop_merged merged = make_merged(&slab, light->floats == TY_POP_SEEN_LEFT, false);
+    fill_light(light, fill_noise);
+    merge(context, light, &merged);
+    for (size_t i = 0; i < box_cells(&slab); ++i) {
+        const ty_pop_place place = ty_pop_locate(&light->frame, light->ordinate.least, merged_middle(&slab, i));
+        const double tolerance = 1e-4 * (double)ty_maxf(1, place.spread);
+        for (int c = 0; c < 3; ++c) {
+            assert_close(merged.seen[c][i], blend(light, &place, c), tolerance);
+            assert_close(merged.fluence[c][i], blend(light, &place, 3 + c), tolerance);
+            if (merged.left[c] != NULL) assert_close(merged.left[c][i], blend(light, &place, 8 + c), tolerance);
+        }
+    }
+    free_merged(&merged);
+}
+
+/* Cells, edges and rings included, are those that looking up a single point finds. */
+static void cells_lie_where_points_are(void** state) {
+    for (int d = 0; d < DIRECTIONS; ++d) {
+        ty_pop_light light = parallel_light(&slab, direction_of(d), d % 2 == 0 ? TY_POP_SEEN : TY_POP_SEEN_LEFT);
+        check_places(*state, &light);
+        free_light(&light);
+    }
+    static const ty_vec positions[] = {{0, 1, 2.5f}, {-3, 4, 1}, {0.9f, 0.7f, 8}};
+    for (int n = 0; n < 6; ++n) {
+        const bool single = n == 5;
+        ty_pop_light light = radial_light(positions[n % 3], 8, single ? 1 : 10, 0.05f, 5, n < 3 ? TY_POP_SEEN : 12);
+        light.ordinate.least = 0.5f;
+        check_places(*state, &light);
+        free_light(&light);
+    }
+}
+
+/* Points outside of a grid have what is at its edge. */
+static void points_outside_do_no_harm(void** state) {
+    static const ty_grid_box far = {{1e6, -1e9, 4}, {2e6, 1e9, 5e7}, {5, 6, 7}};
+    for (int d = 0; d < DIRECTIONS; ++d) {
+        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_SEEN),
+                                  radial_light(box_middle(&slab), 6, 6, 0.1f, 2, TY_POP_SEEN)};
+        ty_pop_merged merged = make_merged(&far, false, true);
+        for (int l = 0; l < 2; ++l) fill_light(&lights[l], fill_constant);
+        ty_pop_merge(*state, lights, 2, &merged);
+        for (size_t i = 0; i < box_cells(&far); ++i) assert_close(merged.fluence[2][i], 6, 1e-4);
+        free_merged(&merged);
+        for (int l = 0; l < 2; ++l) free_light(&lights[l]);
+    }
+}
+
+/* ---- what lights add ---- */
+
+static float* flux_of(const ty_pop_merged* merged, int channel, size_t cell, float out[3]) {
+    for (int a = 0; a < 3; ++a) out[a] = merged->flux[channel][a][cell];
+    return out;
+}
+
+static void a_beams_flux_is_its_fluence(void** state) {
+    for (int d = 0; d < DIRECTIONS; ++d) {
+        const ty_vec way = direction_of(d);
+        ty_pop_light light = parallel_light(&slab, way, TY_POP_SEEN);
+        ty_pop_merged merged = make_merged(&slab, false, true);
+        float flux[3];
+        fill_light(&light, fill_noise);
+        merge(*state, &light, &merged);
+        for (size_t i = 0; i < box_cells(&slab); ++i)
+            for (int c = 0; c < 3; ++c)
+                assert_vec_close(ty_vec_load(flux_of(&merged, c, i, flux)), ty_scale(way, merged.fluence[c][i]), 1e-6);
+        free_merged(&merged);
+        free_light(&light);
+    }
+}
+
+static void fill_intensity(const ty_pop_light* light, ty_vec middle, float* cell) {
+    (void)light;
+    (void)middle;
+    for (int c = 0; c < 3; ++c) cell[3 + c] = (float)(c + 1);
+}
+
+/* 1 / r^2, held near the lamp, and away from it. */
+static void lamps_spread(void** state) {
+    static const ty_vec lamp = {0.3f, -0.2f, 0.1f};
+    ty_pop_light light = radial_light(lamp, 8, 12, 0.05f, 3, TY_POP_SEEN);
+    ty_pop_merged merged = make_merged(&cube, false, true);
+    float flux[3];
+    light.ordinate.least = 0.25f;
+    fill_light(&light, fill_intensity);
+    merge(*state, &light, &merged);
+    for (size_t i = 0; i < box_cells(&cube); ++i) {
+        const ty_vec off = ty_sub(merged_middle(&cube, i), lamp);
+        const float distance = sqrtf(ty_dot(off, off)), held = ty_maxf(distance, 0.25f);
+        for (int c = 0; c < 3; ++c) {
+            const float expected = (float)(c + 1) / (held * held);
+            assert_close(merged.fluence[c][i], expected, 1e-5 * (double)expected);
+            assert_vec_close(ty_vec_load(flux_of(&merged, c, i, flux)), ty_scale(off, expected / distance),
+                             1e-5 * (double)expected);
+        }
+    }
+    free_merged(&merged);
+    free_light(&light);
+}
+
+enum { LIGHTS = 5 };
+
+static void make_lights(ty_pop_light lights[LIGHTS]) {
+    for (int l = 0; l < LIGHTS; ++l) {
+        lights[l] = l % 2 == 0 ? parallel_light(&slab, direction_of(6 + l), TY_POP_SEEN)
+                               : radial_light(direction_of(6 + l), 6, 7, 0.1f, 5, TY_POP_SEEN);
+        fill_light(&lights[l], fill_noise);
+    }
+}
+
+static void lights_add_up(void** state) {
+    ty_pop_light lights[LIGHTS];
+    make_lights(lights);
+    ty_pop_merged all = make_merged(&slab, false, true), one_by_one = make_merged(&slab, false, true);
+    ty_pop_merge(*state, lights, LIGHTS, &all);
+    for (int l = 0; l < LIGHTS; ++l) merge(*state, &lights[l], &one_by_one);
+    for (size_t i = 0; i < box_cells(&slab); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const double tolerance = 1e-5 * (1 + (double)all.fluence[c][i]);
+            assert_close(all.seen[c][i], one_by_one.seen[c][i], tolerance);
+            assert_close(all.fluence[c][i], one_by_one.fluence[c][i], tolerance);
+            for (int a = 0; a < 3; ++a) assert_close(all.flux[c][a][i], one_by_one.flux[c][a][i], tolerance);
+        }
+    free_merged(&all);
+    free_merged(&one_by_one);
+    for (int l = 0; l < LIGHTS; ++l) free_light(&lights[l]);
+}
+
+static void threads_make_no_difference(void** state) {
+    ty_pop_light lights[LIGHTS];
+    ty_pop_merged merged[2];
+    make_lights(lights);
+    for (int t = 0; t < 2; ++t) {
+        ty_context* context = make_context(1 + 2 * t);
+        merged[t] = make_merged(&slab, false, true);
+        ty_pop_merge(context, lights, LIGHTS, &merged[t]);
+        ty_context_destroy(context);
+    }
+    for (int c = 0; c < 3; ++c) {
+        assert_memory_equal(merged[0].seen[c], merged[1].seen[c], box_cells(&slab) * sizeof(float));
+        assert_memory_equal(merged[0].flux[c][2], merged[1].flux[c][2], box_cells(&slab) * sizeof(float));
+    }
+    for (int t = 0; t < 2; ++t) free_merged(&merged[t]);
+    for (int l = 0; l < LIGHTS; ++l) free_light(&lights[l]);
+    (void)state;
+}
+
+/* ---- the residuum ---- */
+
+/* A cube of 15 x 15 x 15 cells, lit in the middle. */
+typedef struct glow {
+    ty_grid_medium medium;
+    ty_pop_merged merged;
+} glow;
+
+static const size_t lit = (7 * 15 + 7) * 15 + 7;
+
+static glow make_glow(const float absorption[3]) {
+    glow g = {.medium = {.box = cube, .cells = box_cells(&cube), .planes = 3},
+              .merged = make_merged(&cube, true, false)};
+    for (int c = 0; c < 3; ++c) {
+        g.medium.cell[c] = 2.0 / 15;
+        g.medium.extinction[c] = new_floats(g.medium.cells);
+        g.medium.scattering[c] = new_floats(g.medium.cells);
+        for (size_t i = 0; i < g.medium.cells; ++i) {
+            g.medium.scattering[c][i] = 5;
+            g.medium.extinction[c][i] = 5 + absorption[c];
+        }
+        g.merged.left[c][lit] = (float)(c + 1);
+    }
+    return g;
+}
+
+static void free_glow(glow* g) {
+    for (int c = 0; c < 3; ++c) {
+        free(g->medium.extinction[c]);
+        free(g->medium.scattering[c]);
+    }
+    free_merged(&g->merged);
+}
+
+static double sum_of(const float* values) {
+    double sum = 0;
+    for (size_t i = 0; i < box_cells(&cube); ++i) sum += (double)values[i];
+    return sum;
+}
+
+/* Until it reaches the faces, what is left is what was not absorbed, and fluence is the sum of it. */
+static void residuum_is_absorbed_alone(void** state) {
+    static const float absorption[3] = {0, 0.5f, 3};
+    glow g = make_glow(absorption);
+    double left, expected_left = 0;
+    assert_int_equal(ty_pop_residuum(*state, &g.medium, 0, 7, &g.merged, &left), 7);
+    for (int c = 0; c < 3; ++c) {
+        const double pass = exp(-(double)absorption[c] * 2 / 15);
+        double through = 0;
+        for (int n = 1; n <= 7; ++n) through += (c + 1) * pow(pass, n);
+        expected_left += (c + 1) * pow(pass, 7);
+        assert_close(sum_of(g.merged.left[c]), (c + 1) * pow(pass, 7), 1e-5);
+        assert_close(sum_of(g.merged.fluence[c]), through, 1e-4);
+        assert_close(sum_of(g.merged.seen[c]), through / (4 * 3.14159265358979), 1e-5);
+    }
+    assert_close(left, expected_left / 6, 1e-6);
+    free_glow(&g);
+}
+
+/* What a pass takes away is what was beside faces, a sixth for each. */
+static void residuum_leaves_through_faces(void** state) {
+    static const float absorption[3] = {0, 0, 0};
+    glow g = make_glow(absorption);
+    double left, sum = 3;
+    for (int n = 0; n < 40; ++n) {
+        double leaving = 0;
+        for (int i = 0; i < 15 * 15 * 15; ++i) {
+            const int at[3] = {i % 15, i / 15 % 15, i / 225};
+            for (int a = 0; a < 3; ++a)
+                if (at[a] == 0 || at[a] == 14) leaving += (double)g.merged.left[2][i] / 6;
+        }
+        assert_int_equal(ty_pop_residuum(*state, &g.medium, 0, 1, &g.merged, &left), 1);
+        assert_close(sum_of(g.merged.left[2]), sum - leaving, 1e-5);
+        sum -= leaving;
+    }
+    assert_true(sum < 2.9);
+    free_glow(&g);
+}
+
+static void residuum_is_symmetric(void** state) {
+    static const float absorption[3] = {0, 0.5f, 3};
+    glow g = make_glow(absorption);
+    double left;
+    ty_pop_residuum(*state, &g.medium, 0, 30, &g.merged, &left);
+    for (int c = 0; c < 3; ++c)
+        for (int z = 0; z < 15; ++z)
+            for (int y = 0; y < 15; ++y)
+                for (int x = 0; x < 15; ++x) {
+                    const double value = (double)g.merged.fluence[c][(z * 15 + y) * 15 + x];
+                    assert_close(g.merged.fluence[c][(z * 15 + y) * 15 + 14 - x], value, 1e-6 * value);
+                    assert_close(g.merged.fluence[c][(x * 15 + z) * 15 + y], value, 1e-5 * value);
+                }
+    free_glow(&g);
+}
+
+static void residuum_ends(void** state) {
+    static const float absorption[3] = {0, 0.5f, 3};
+    glow g = make_glow(absorption);
+    double left;
+    const int32_t most = ty_pop_residuum(*state, &g.medium, 1e-3, 10000, &g.merged, &left);
+    assert_true(most > 20 && most < 2000);
+    assert_true(left > 0 && left <= 1e-3);
+    for (int c = 0; c < 3; ++c) assert_true(sum_of(g.merged.left[c]) <= 1e-3 * (c + 1));
+    free_glow(&g);
+    g = make_glow(absorption);
+    for (int c = 0; c < 3; ++c) g.merged.left[c][lit] = 0;
+    assert_int_equal(ty_pop_residuum(*state, &g.medium, 1e-3, 10, &g.merged, &left), 0);
+    assert_true(left == 0 && sum_of(g.merged.fluence[0]) == 0);
+    free_glow(&g);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constants_stay),
+        cmocka_unit_test(slopes_stay_between_middles),
+        cmocka_unit_test(cells_lie_where_points_are),
+        cmocka_unit_test(points_outside_do_no_harm),
+        cmocka_unit_test(a_beams_flux_is_its_fluence),
+        cmocka_unit_test(lamps_spread),
+        cmocka_unit_test(lights_add_up),
+        cmocka_unit_test(threads_make_no_difference),
+        cmocka_unit_test(residuum_is_absorbed_alone),
+        cmocka_unit_test(residuum_leaves_through_faces),
+        cmocka_unit_test(residuum_is_symmetric),
+        cmocka_unit_test(residuum_ends),
+    };
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}

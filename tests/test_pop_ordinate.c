@@ -1,0 +1,349 @@
+/* Lights as principal ordinates. */
+#include "base/random.k.h"
+#include "files.h"
+#include "method/pop/ordinate.h"
+#include "pop_maker.h"
+
+#include <tyndall/io.h>
+
+static const double pi = 3.14159265358979323846;
+enum { DIRECTIONS = TY_POP_IMPORTANCE_WIDTH * TY_POP_IMPORTANCE_HEIGHT };
+
+typedef struct found {
+    ty_context* context;
+    ty_pop_ordinate* items;
+    int32_t count;
+} found;
+
+static found find(ty_scene* scene, const ty_pop_def* def, const float* importance) {
+    found out = {.context = ty_scene_context(scene)};
+    ty_grid_box box;
+    check_result(out.context, ty_scene_commit(scene));
+    check_result(out.context, ty_grid_box_fit(scene, 16, &box));
+    check_result(out.context, ty_pop_ordinates_create(scene, def, &box, importance, &out.items, &out.count));
+    return out;
+}
+
+static void forget(found* f, ty_scene* scene) {
+    ty_pop_ordinates_destroy(f->context, f->items, f->count);
+    ty_scene_destroy(scene);
+}
+
+static void sum_colors(const found* f, double sum[3]) {
+    for (int c = 0; c < 3; ++c) sum[c] = 0;
+    for (int32_t i = 0; i < f->count; ++i)
+        for (int c = 0; c < 3; ++c) sum[c] += (double)f->items[i].color[c];
+}
+
+static void add_light(ty_scene* scene, ty_light_kind kind, double x, double y, double z) {
+    ty_light_def def = ty_default_light_def();
+    def.kind = kind;
+    set3(def.position, x, y, z);
+    set3(def.u, 0, 0, 1);
+    set3(def.v, 0.5, 0, 0);
+    check_result(ty_scene_context(scene), ty_scene_add_light(scene, &def));
+}
+
+/* ---- lights ---- */
+
+static void lights_by_kind(void** state) {
+    ty_scene* scene = pop_fog(*state, 1, 0);
+    ty_pop_def def = pop_def(8);
+    def.sharp = false;
+    direct_add_sun(scene, 0, -2, 0, 3);
+    add_light(scene, TY_LIGHT_POINT, 0, 4, 0);
+    add_light(scene, TY_LIGHT_SPOT, 0, 0, 4);
+    add_light(scene, TY_LIGHT_AREA, 0, -3, 0);
+    found f = find(scene, &def, NULL);
+    assert_int_equal(f.count, 3 + 16);
+    assert_int_equal(f.items[0].kind, TY_POP_PARALLEL);
+    assert_vec_close(f.items[0].direction, ty_vec_make(0, -1, 0), 1e-6);
+    assert_close((double)f.items[0].color[1], 3, 1e-6);
+    assert_close((double)f.items[0].cosine, 1, 0);
+    assert_int_equal(f.items[0].shadowed, 1); /* by the area light */
+    assert_int_equal(f.items[1].profile, TY_POP_EVEN);
+    assert_int_equal(f.items[2].profile, TY_POP_SPOT);
+    assert_int_equal(f.items[2].light, 2);
+    assert_true(f.items[1].least > 0 && f.items[1].least < 0.01f);
+    double sum = 0;
+    for (int i = 3; i < f.count; ++i) {
+        assert_int_equal(f.items[i].profile, TY_POP_COSINE);
+        assert_vec_close(f.items[i].direction, ty_vec_make(0, 1, 0), 1e-6);
+        assert_close((double)f.items[i].least, sqrt(0.5 / 16 / pi), 1e-6);
+        assert_true(f.items[i].position.y > -3 && f.items[i].position.y < -2.99f);
+        assert_true(f.items[i].cosine > 0.99f && f.items[i].cosine < 1);
+        sum += (double)f.items[i].color[0];
+    }
+    assert_close(sum, 0.5, 1e-6);
+    forget(&f, scene);
+}
+
+static void sharp_lights_are_left_out(void** state) {
+    ty_scene* scene = pop_fog(*state, 1, 0);
+    ty_pop_def def = pop_def(8);
+    for (int i = 0; i < 10; ++i) {
+        if (i == 4) add_light(scene, TY_LIGHT_AREA, 0, -3, 0);
+        add_light(scene, i % 2 == 0 ? TY_LIGHT_POINT : TY_LIGHT_DIRECTIONAL, i, 4, 0);
+    }
+    found f = find(scene, &def, NULL);
+    assert_int_equal(f.count, 16 + 2); /* the ninth and tenth are not sharp */
+    for (int i = 0; i < 8; ++i) assert_true(ty_pop_is_sharp(scene, &def, i));
+    for (int i = 8; i < 11; ++i) assert_false(ty_pop_is_sharp(scene, &def, i));
+    def.mode = TY_POP_MODE_COLLIDED;
+    assert_false(ty_pop_is_sharp(scene, &def, 0));
+    forget(&f, scene);
+}
+
+/* A triangle that glows on both sides is two lamps back to back, black lights none. */
+static void two_sides_and_none(void** state) {
+    static const float positions[9] = {0, 2, 0, 0, 2, 1, 1, 2, 0};
+    static const uint32_t indices[3] = {0, 1, 2};
+    ty_scene* scene = pop_fog(*state, 1, 0);
+    ty_mesh_def mesh = ty_default_mesh_def();
+    mesh.vertex_count = 3;
+    mesh.triangle_count = 1;
+    mesh.positions = positions;
+    mesh.indices = indices;
+    mesh.material.double_sided = true;
+    set3f(mesh.material.emission, 1, 1, 1);
+    check_result(*state, ty_scene_add_mesh(scene, &mesh));
+    direct_add_sun(scene, 0, -2, 0, 0);
+    ty_pop_def def = pop_def(8);
+    def.sharp = false;
+    found f = find(scene, &def, NULL);
+    assert_int_equal(f.count, 2 * 4 * 16);
+    double up = 0, down = 0;
+    for (int i = 0; i < f.count; ++i) {
+        const double color = (double)f.items[i].color[1];
+        up += f.items[i].direction.y > 0 ? color : 0;
+        down += f.items[i].direction.y < 0 ? color : 0;
+    }
+    assert_close(up, 0.5, 1e-5);
+    assert_close(down, 0.5, 1e-5);
+    forget(&f, scene);
+}
+
+/* ---- environments ---- */
+
+static void even_environments(void** state) {
+    static const int32_t counts[4] = {1, 8, 64, 216};
+    for (int n = 0; n < 4; ++n) {
+        ty_scene* scene = pop_fog(*state, 1, 0);
+        const ty_pop_def def = pop_def(counts[n]);
+        double sum[3], away[3] = {0, 0, 0}, cosine = 0;
+        pop_add_environment(scene, 0, 0, NULL, 0);
+        found f = find(scene, &def, NULL);
+        assert_int_equal(f.count, counts[n]);
+        sum_colors(&f, sum);
+        for (int c = 0; c < 3; ++c) assert_close(sum[c], 4 * pi * (c + 1), 1e-4 * (c + 1));
+        for (int32_t i = 0; i < f.count; ++i) {
+            const double share = (double)f.items[i].color[0] / (4 * pi);
+            const ty_vec direction = f.items[i].direction;
+            assert_close((double)ty_dot(direction, direction), 1, 1e-5);
+            away[0] += share * (double)(direction.x * f.items[i].cosine);
+            away[1] += share * (double)(direction.y * f.items[i].cosine);
+            away[2] += share * (double)(direction.z * f.items[i].cosine);
+            cosine += share * (double)f.items[i].cosine;
+            /* A cone of the same solid angle has the largest mean cosine there can be. */
+            assert_true((double)f.items[i].cosine <= 1 - share + 1e-3);
+        }
+        assert_true(fabs(away[0]) + fabs(away[1]) + fabs(away[2]) < 1e-3); /* no net flux */
+        assert_true(cosine > 1 - 1.7 / counts[n] - 1e-3 || counts[n] == 1);
+        forget(&f, scene);
+    }
+}
+
+/* One texel that is brighter than all the rest together: it is one ordinate, and where it is. */
+static void one_bright_texel(void** state) {
+    enum { WIDTH = 64, HEIGHT = 32 };
+    static float pixels[3 * WIDTH * HEIGHT];
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; ++i) pixels[i] = 0.01f;
+    const int column = 5, row = 9;
+    for (int c = 0; c < 3; ++c) pixels[3 * (WIDTH * row + column) + c] = 5000;
+    ty_scene* scene = pop_fog(*state, 1, 0);
+    const ty_pop_def def = pop_def(64);
+    double sum[3];
+    pop_add_environment(scene, WIDTH, HEIGHT, pixels, 0);
+    found f = find(scene, &def, NULL);
+    assert_true(f.count <= 64 && f.count > 32);
+    sum_colors(&f, sum);
+    const double texel = 2 * pi / WIDTH * (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT));
+    const double total = 0.01 * (4 * pi - texel) + 5000 * texel;
+    assert_close(sum[1] / total, 1, 1e-4);
+    const double angle = 2 * pi * ((column + 0.5) / WIDTH - 0.5), down = pi * (row + 0.5) / HEIGHT;
+    const ty_vec look = ty_vec_make((float)(sin(down) * cos(angle)), (float)cos(down), (float)(sin(down) * sin(angle)));
+    double there = 0;
+    for (int32_t i = 0; i < f.count; ++i)
+        if (-ty_dot(look, f.items[i].direction) > 0.99f) there += (double)f.items[i].color[1];
+    assert_close(there / total, 1, 0.01);
+    forget(&f, scene);
+}
+
+/* In the dark but for one texel of a large map: one ordinate, with no width. */
+static void a_sun_alone(void** state) {
+    enum { WIDTH = 1024, HEIGHT = 512 };
+    float* pixels = calloc(3 * WIDTH * HEIGHT, sizeof *pixels);
+    assert_non_null(pixels);
+    for (int c = 0; c < 3; ++c) pixels[3 * (WIDTH * 100 + 700) + c] = 1000;
+    ty_scene* scene = pop_fog(*state, 1, 0);
+    const ty_pop_def def = pop_def(64);
+    pop_add_environment(scene, WIDTH, HEIGHT, pixels, 30);
+    found f = find(scene, &def, NULL);
+    assert_int_equal(f.count, 1);
+    assert_true(f.items[0].cosine > 0.99999f);
+    const double texel = 2 * pi / WIDTH * (cos(pi * 100 / HEIGHT) - cos(pi * 101 / HEIGHT));
+    assert_close((double)f.items[0].color[2] / (1000 * texel), 1, 1e-4);
+    free(pixels);
+    forget(&f, scene);
+}
+
+static void black_environments(void** state) {
+    static const float pixels[3 * 2];
+    ty_scene* scene = pop_fog(*state, 1, 0);
+    const ty_pop_def def = pop_def(64);
+    pop_add_environment(scene, 2, 1, pixels, 0);
+    found f = find(scene, &def, NULL);
+    assert_int_equal(f.count, 0);
+    forget(&f, scene);
+}
+
+/* Irradiance on planes, by ordinates spread as prefiltering says and by the map itself. */
+static void hdr_maps(void** state) {
+    static const char* const names[3] = {"hdri/kiara_1_dawn_1k.hdr", "hdri/potsdamer_platz_1k.hdr",
+                                         "hdri/st_fagans_interior_1k.hdr"};
+    for (int n = 0; n < 3; ++n) {
+        char path[1024];
+        ty_image* image = NULL;
+        check_result(*state, ty_image_read(*state, data_path(names[n], path), &image));
+        ty_scene* scene = pop_fog(*state, 1, 0);
+        ty_light_def light = ty_default_light_def();
+        light.kind = TY_LIGHT_ENVIRONMENT;
+        light.image = image;
+        light.rotation = 75;
+        check_result(*state, ty_scene_add_light(scene, &light));
+        const ty_pop_def def = pop_def(64);
+        found f = find(scene, &def, NULL);
+        double sum[3], lost = 0;
+        float mean[3];
+        sum_colors(&f, sum);
+        ty_scene_environment(scene, mean);
+        for (int c = 0; c < 3; ++c) assert_close(sum[c] / (4 * pi * (double)mean[c]), 1, 1e-4);
+        assert_int_equal(f.count, 64);
+        for (int32_t i = 0; i < f.count; ++i) lost += (double)(f.items[i].color[1] * (1 - f.items[i].cosine)) / sum[1];
+        assert_true(lost < 1.7 / 64); /* less than an even sky's */
+        ty_image_destroy(image);
+        forget(&f, scene);
+    }
+}
+
+static void rotation_and_up_turn_ordinates(void** state) {
+    enum { WIDTH = 512, HEIGHT = 256 };
+    float* pixels = malloc(3 * WIDTH * HEIGHT * sizeof *pixels);
+    assert_non_null(pixels);
+    uint64_t random = 7;
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; ++i) pixels[i] = (float)uniform(&random);
+    ty_scene* straight = pop_fog(*state, 1, 0);
+    ty_scene* turned = pop_fog(*state, 1, 0);
+    const ty_pop_def def = pop_def(16);
+    pop_add_environment(straight, WIDTH, HEIGHT, pixels, 0);
+    pop_add_environment(turned, WIDTH, HEIGHT, pixels, 90);
+    found a = find(straight, &def, NULL), b = find(turned, &def, NULL);
+    assert_int_equal(a.count, b.count);
+    for (int32_t i = 0; i < a.count; ++i) {
+        const ty_vec d = a.items[i].direction; /* counter-clockwise from above: x goes to -z */
+        assert_vec_close(b.items[i].direction, ty_vec_make(d.z, d.y, -d.x), 1e-4);
+    }
+    free(pixels);
+    forget(&a, straight);
+    forget(&b, turned);
+}
+
+/* ---- importance ---- */
+
+/* Four times as much on one side draws more ordinates there, and changes no total. */
+static void importance_draws_ordinates(void** state) {
+    float importance[DIRECTIONS];
+    for (int i = 0; i < DIRECTIONS; ++i)
+        importance[i] = i % TY_POP_IMPORTANCE_WIDTH < TY_POP_IMPORTANCE_WIDTH / 2 ? 1.8f : 0.2f;
+    ty_scene* scene = pop_fog(*state, 1, 0);
+    const ty_pop_def def = pop_def(64);
+    pop_add_environment(scene, 0, 0, NULL, 0);
+    found f = find(scene, &def, importance);
+    int32_t important = 0;
+    double sum[3];
+    /* u < 1/2: behind -z, where one looks along -z. */
+    for (int32_t i = 0; i < f.count; ++i) important += f.items[i].direction.z > 0;
+    assert_true(important >= 42 && important <= 60);
+    sum_colors(&f, sum);
+    assert_close(sum[2], 4 * pi * 3, 1e-3);
+    forget(&f, scene);
+}
+
+static void seeds_and_threads(void** state) {
+    (void)state;
+    found f[3];
+    ty_scene* scenes[3];
+    ty_context* contexts[3];
+    ty_pop_def def = pop_def(27);
+    for (int i = 0; i < 3; ++i) {
+        contexts[i] = make_context(i == 0 ? 1 : 2);
+        scenes[i] = pop_fog(contexts[i], 1, 0);
+        add_light(scenes[i], TY_LIGHT_AREA, 0, -3, 0);
+        pop_add_environment(scenes[i], 0, 0, NULL, 0);
+        def.seed = i == 2;
+        f[i] = find(scenes[i], &def, NULL);
+    }
+    assert_int_equal(f[0].count, f[1].count);
+    assert_memory_equal(f[0].items, f[1].items, (size_t)f[0].count * sizeof *f[0].items);
+    assert_true(memcmp(f[0].items, f[2].items, (size_t)f[0].count * sizeof *f[0].items) != 0);
+    for (int i = 0; i < 3; ++i) {
+        forget(&f[i], scenes[i]);
+        ty_context_destroy(contexts[i]);
+    }
+}
+
+static void no_memory(void** state) {
+    (void)state;
+    for (int64_t at = 0;; ++at) {
+        strict_memory memory = {.limit = SIZE_MAX, .until_refusal = -1};
+        ty_context* context = strict_context(&memory);
+        ty_scene* scene = pop_fog(context, 1, 0);
+        const ty_pop_def def = pop_def(8);
+        ty_grid_box box;
+        ty_pop_ordinate* items = NULL;
+        int32_t count = 0;
+        pop_add_environment(scene, 0, 0, NULL, 0);
+        check_result(context, ty_scene_commit(scene));
+        check_result(context, ty_grid_box_fit(scene, 16, &box));
+        const size_t before = memory.used;
+        memory.until_refusal = at;
+        const ty_result result = ty_pop_ordinates_create(scene, &def, &box, NULL, &items, &count);
+        if (result == TY_OK) ty_pop_ordinates_destroy(context, items, count);
+        assert_int_equal(memory.used, before);
+        ty_scene_destroy(scene);
+        ty_context_destroy(context);
+        assert_int_equal(memory.used, 0);
+        if (result == TY_OK) break;
+        assert_int_equal(result, TY_ERROR_MEMORY);
+        assert_true(at < 50);
+    }
+}
+
+int main(void) {
+#define on_context(f) cmocka_unit_test_setup_teardown(f, start_context, stop_context)
+    const struct CMUnitTest tests[] = {
+        on_context(lights_by_kind),
+        on_context(sharp_lights_are_left_out),
+        on_context(two_sides_and_none),
+        on_context(even_environments),
+        on_context(one_bright_texel),
+        on_context(a_sun_alone),
+        on_context(black_environments),
+        on_context(hdr_maps),
+        on_context(rotation_and_up_turn_ordinates),
+        on_context(importance_draws_ordinates),
+        cmocka_unit_test(seeds_and_threads),
+        cmocka_unit_test(no_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

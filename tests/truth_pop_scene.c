@@ -1,0 +1,271 @@
+/* Images by principal ordinates against path tracing, in absolute units, and against flux-limited diffusion on cells of
+ * the same size, over blocks of pixels. */
+#include "truth_scene.h"
+
+#define ANISOTROPY "media[0].g=%g"
+
+static ty_pop_def pop_def(int32_t width, int32_t height) {
+    ty_pop_def def = ty_default_pop_def();
+    def.width = width;
+    def.height = height;
+    def.spp = 4;
+    return def;
+}
+
+static ty_image* pop_image(const ty_scene* scene, const ty_pop_def* def, ty_pop_stats* stats) {
+    ty_image* image = NULL;
+    must(ty_scene_context(scene), ty_pop_render(scene, def, &image, stats));
+    assert_true(stats->converged);
+    assert_finite(image);
+    return image;
+}
+
+static ty_image* fld_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces, int32_t resolution) {
+    ty_fld_def def = ty_default_fld_def();
+    ty_image* image = NULL;
+    def.width = c->width;
+    def.height = c->height;
+    def.spp = 4;
+    def.unscattered = surfaces;
+    def.resolution = resolution;
+    def.ratio = 1;
+    must(ty_scene_context(scene), ty_fld_render(scene, &def, &image, NULL));
+    return image;
+}
+
+static ty_difference compare(ty_context* context, const char* name, const ty_image* image, const ty_image* truth) {
+    ty_difference d;
+    must(context, ty_image_compare(context, image, truth, BLOCK, &d));
+    printf("  %-24s %.4f / %.4f (R %.4f, G %.4f, B %.4f)\n", name, d.mean_ratio[3], d.relative_rmse[3], d.mean_ratio[0],
+           d.mean_ratio[1], d.mean_ratio[2]);
+    return d;
+}
+
+/* ---- Fig. 10: a lamp in a ball ---- */
+
+static ty_scene* lamp_in_a_ball(ty_context* context, double g) {
+    ty_scene* scene = new_scene(context);
+    ty_medium_def ball = medium_sphere(2.5, 0, 0, g);
+    rgb(ball.sigma_s, 0.8, 1, 1.3);
+    add_medium(scene, &ball);
+    const ty_light_def lamp = light_of(TY_LIGHT_POINT, 1);
+    add_light(scene, &lamp);
+    set_camera(scene, 0, 0, 8, 45);
+    commit(scene);
+    return scene;
+}
+
+static void lamps_shine_through(void** state) {
+    static const double anisotropies[] = {0, 0.5, 0.9};
+    static const scene_case size = {.width = 48, .height = 48, .spp = 256};
+    for (int i = 0; i < 3; ++i) {
+        ty_scene* scene = lamp_in_a_ball(*state, anisotropies[i]);
+        ty_image* truth = path_image(scene, &size, 0);
+        printf("a lamp in a ball, g %.1f, mean ratio / relative RMSE:\n", anisotropies[i]);
+        for (int sharp = 0; sharp <= 1; ++sharp) {
+            ty_pop_def def = pop_def(48, 48);
+            ty_pop_stats stats;
+            def.sharp = sharp != 0;
+            ty_image* image = pop_image(scene, &def, &stats);
+            const ty_difference d = compare(*state, sharp != 0 ? "fine cells" : "shells", image, truth);
+            for (int c = 0; c < 4; ++c) assert_true(fabs(d.mean_ratio[c] - 1) <= 0.1);
+            ty_image_destroy(image);
+        }
+        ty_image_destroy(truth);
+        ty_scene_destroy(scene);
+    }
+}
+
+/* ---- measured clouds and smoke ---- */
+
+static void check_case(ty_context* context, const scene_case* c, const char* what) {
+    ty_scene* scene = read_case(context, c);
+    ty_image *truth = path_image(scene, c, 0), *surfaces = surfaces_of(scene, c);
+    ty_pop_def def = pop_def(c->width, c->height);
+    ty_pop_stats stats;
+    def.unscattered = surfaces;
+    ty_image* pop = pop_image(scene, &def, &stats);
+    int32_t longest = 0;
+    for (int a = 0; a < 3; ++a)
+        if (stats.merged_size[a] > longest) longest = stats.merged_size[a];
+    ty_image* fld = fld_image(scene, c, surfaces, longest);
+    printf("%s, %s, %s, mean ratio / relative RMSE:\n", c->path, what, c->overrides[1]);
+    const ty_difference of_pop = compare(context, "pop", pop, truth);
+    const ty_difference of_fld = compare(context, "fld", fld, truth);
+    assert_true(fabs(of_pop.mean_ratio[3] - 1) <= 0.1);
+    assert_true(of_pop.relative_rmse[3] < of_fld.relative_rmse[3]);
+    ty_image_destroy(pop);
+    ty_image_destroy(fld);
+    ty_image_destroy(surfaces);
+    ty_image_destroy(truth);
+    ty_scene_destroy(scene);
+}
+
+static const char cloud[] = "volumes/wdas_cloud_sixteenth.vdb", plume[] = "volumes/plume/plume_0042.vdb";
+static const char dawn[] = "hdri/kiara_1_dawn_1k.hdr";
+
+/* The sun alone, or a photographed sky: overrides for a scene whose first light is an environment. */
+static void check_lights(ty_context* context, const char* path, const char* data, int32_t width, int32_t height) {
+    static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.75,-0.5,-0.1],\"irradiance\":3}";
+    static const double anisotropies[] = {0.7, 0.9};
+    char file[1024], sky[1200], g[32];
+    snprintf(sky, sizeof sky, "lights[0]={\"type\":\"environment\",\"file\":\"%s\"}", data_path(dawn, file));
+    for (int i = 0; i < 2; ++i) {
+        snprintf(g, sizeof g, ANISOTROPY, anisotropies[i]);
+        check_case(context, &(scene_case){path, data, {DENSITY, g, sun}, width, height, 128, 0, 0}, "sun");
+        check_case(context, &(scene_case){path, data, {DENSITY, g, sky}, width, height, 128, 0, 0}, "photographed sky");
+    }
+}
+
+static void measured_cloud(void** state) {
+    check_lights(*state, "scenes/disney_cloud_sun.json", cloud, 48, 36);
+}
+
+static void smoke(void** state) {
+    check_lights(*state, "scenes/plume.json", plume, 36, 48);
+}
+
+/* ---- ordinates ---- */
+
+static ty_scene* cloud_at_dawn(ty_context* context, const char* g, scene_case* c) {
+    char file[1024], sky[1200];
+    snprintf(sky, sizeof sky, "lights[0].file=\"%s\"", data_path(dawn, file));
+    *c = (scene_case){"scenes/disney_cloud_dawn.json", cloud, {DENSITY, g, sky}, 48, 36, 256, 0, 0};
+    return read_case(context, c);
+}
+
+static void more_ordinates_are_better(void** state) {
+    static const int32_t counts[] = {8, 64, 216};
+    scene_case c;
+    ty_scene* scene = cloud_at_dawn(*state, "media[0].g=0.8", &c);
+    ty_image* truth = path_image(scene, &c, 0);
+    double last = INFINITY;
+    printf("a cloud at dawn, mean ratio / relative RMSE:\n");
+    for (int i = 0; i < 3; ++i) {
+        char name[32];
+        ty_pop_def def = pop_def(c.width, c.height);
+        ty_pop_stats stats;
+        def.ordinates = counts[i];
+        ty_image* image = pop_image(scene, &def, &stats);
+        snprintf(name, sizeof name, "%d ordinates", (int)counts[i]);
+        const ty_difference d = compare(*state, name, image, truth);
+        assert_true(d.relative_rmse[3] < last);
+        last = d.relative_rmse[3];
+        ty_image_destroy(image);
+    }
+    ty_image_destroy(truth);
+    ty_scene_destroy(scene);
+}
+
+/* The fluence in all of a box, times its volume. */
+static double light_in(const ty_scene* scene, const ty_pop_def* def) {
+    enum { SIDE = 16, NUMBERS = 3 * SIDE * SIDE * SIDE };
+    static const int32_t size[3] = {SIDE, SIDE, SIDE};
+    double lower[3], upper[3], sum = 0;
+    ty_pop* light = NULL;
+    double* fluence = new_numbers(NUMBERS);
+    const ty_scene_info info = ty_scene_get_info(scene);
+    for (int a = 0; a < 3; ++a) {
+        lower[a] = info.lower[a];
+        upper[a] = info.upper[a];
+    }
+    must(ty_scene_context(scene), ty_pop_solve(scene, def, &light, NULL));
+    must(ty_scene_context(scene), ty_pop_fluence(light, lower, upper, size, fluence, NULL));
+    for (int i = 0; i < NUMBERS; ++i) sum += fluence[i];
+    ty_pop_destroy(light);
+    free(fluence);
+    return sum;
+}
+
+/* Wider lobes, and the same light. */
+static void prefiltering_keeps_energy(void** state) {
+    scene_case c;
+    ty_scene* scene = cloud_at_dawn(*state, "media[0].g=0.9", &c);
+    ty_pop_def def = pop_def(c.width, c.height);
+    const double filtered = light_in(scene, &def);
+    def.prefilter = 0;
+    const double plain = light_in(scene, &def);
+    printf("a cloud at dawn, light in it with prefiltering over that without: %.5f\n", filtered / plain);
+    assert_true(fabs(filtered / plain - 1) <= 0.02);
+    ty_scene_destroy(scene);
+}
+
+/* ---- what must hold anywhere ---- */
+
+/* In the same light from everywhere nothing that absorbs nothing is to be seen. */
+static void check_furnace(ty_context* context, const char* name, const ty_medium_def* medium) {
+    ty_scene* scene = new_scene(context);
+    const ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 1);
+    ty_pop_def def = pop_def(48, 48);
+    ty_pop_stats stats;
+    double least = INFINITY, most = 0;
+    add_medium(scene, medium);
+    add_light(scene, &light);
+    set_camera(scene, 0, 0, 6, 30);
+    commit(scene);
+    ty_image* image = pop_image(scene, &def, &stats);
+    for (int y = 0; y < 48; y += BLOCK)
+        for (int x = 0; x < 48; x += BLOCK) {
+            double sum = 0;
+            for (int i = 0; i < BLOCK * BLOCK; ++i)
+                sum += (double)ty_image_plane_const(image, 1)[48 * (y + i / BLOCK) + x + i % BLOCK];
+            least = fmin(least, sum / (BLOCK * BLOCK));
+            most = fmax(most, sum / (BLOCK * BLOCK));
+        }
+    printf("white furnace, %s: %.4f to %.4f\n", name, least, most);
+    assert_true(least >= 0.9 && most <= 1.1);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
+static void white_furnace(void** state) {
+    static const double anisotropies[] = {0, 0.7, 0.9};
+    for (int i = 0; i < 3; ++i) {
+        const double g = anisotropies[i];
+        const ty_medium_def ball = medium_sphere(1, 5, 0, g), cube = medium_cube(1, 3, 0, g),
+                            dense = medium_cube(1, 20, 0, g);
+        char name[32];
+        snprintf(name, sizeof name, "ball, g %.1f", g);
+        check_furnace(*state, name, &ball);
+        snprintf(name, sizeof name, "cube, g %.1f", g);
+        check_furnace(*state, name, &cube);
+        snprintf(name, sizeof name, "dense cube, g %.1f", g);
+        check_furnace(*state, name, &dense);
+    }
+}
+
+/* No light, or none that has a colour. */
+static void nothing_comes_from_nothing(void** state) {
+    for (int lights = 0; lights < 3; ++lights) {
+        ty_scene* scene = new_scene(*state);
+        const ty_medium_def fog = medium_cube(1, 3, lights == 0 ? 0 : 1, 0.7);
+        const ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 0), lamp = light_of(TY_LIGHT_POINT, 0);
+        ty_pop_def def = pop_def(12, 12);
+        ty_pop_stats stats;
+        add_medium(scene, &fog);
+        if (lights > 0) add_light(scene, &sky);
+        if (lights > 1) add_light(scene, &lamp);
+        set_camera(scene, 0, 0, 6, 30);
+        commit(scene);
+        for (int mode = TY_POP_MODE_SPLIT; mode <= TY_POP_MODE_COLLIDED; ++mode) {
+            def.mode = (ty_pop_mode)mode;
+            ty_image* image = pop_image(scene, &def, &stats);
+            for (int i = 0; i < 12 * 12; ++i) assert_true(ty_image_plane_const(image, 1)[i] == 0);
+            ty_image_destroy(image);
+        }
+        ty_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lamps_shine_through),
+        cmocka_unit_test(measured_cloud),
+        cmocka_unit_test(smoke),
+        cmocka_unit_test(more_ordinates_are_better),
+        cmocka_unit_test(prefiltering_keeps_energy),
+        cmocka_unit_test(white_furnace),
+        cmocka_unit_test(nothing_comes_from_nothing),
+    };
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}

@@ -1,0 +1,65 @@
+/* The paper's walk from cell to cell against path tracing: how much too bright it is, shown openly. */
+#include "pop_grid_maker.h"
+
+#include <stdio.h>
+
+enum { SIDE = 16, CELLS = SIDE * SIDE * SIDE };
+
+static const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
+static const int32_t size[3] = {SIDE, SIDE, SIDE};
+
+/* sigma_s = 4/m and no absorption; light of 1 W m^-2 comes down. */
+static ty_scene* cube_in_light(ty_context* context, double g) {
+    ty_scene* scene = make_scene(context);
+    const ty_medium_def medium = pop_cube(4, 0, g);
+    check_result(context, ty_scene_add_medium(scene, &medium));
+    direct_add_sun(scene, 0, -1, 0, 1);
+    return scene;
+}
+
+/* The mean over the cube of the fluence of light that has scattered. */
+static double traced(ty_context* context, double g) {
+    ty_scene* scene = cube_in_light(context, g);
+    double* fluence = malloc(3 * CELLS * sizeof *fluence);
+    assert_non_null(fluence);
+    double sum = 0;
+    ty_path_def def = ty_default_path_def();
+    def.spp = 256;
+    check_result(context, ty_scene_commit(scene));
+    check_result(context, ty_path_fluence(scene, &def, low, high, size, fluence, NULL, NULL));
+    for (int i = 0; i < CELLS; ++i) sum += fluence[3 * i];
+    free(fluence);
+    ty_scene_destroy(scene);
+    return sum / CELLS - (1 - exp(-4)) / 4;
+}
+
+static double walked(ty_context* context, double g, ty_pop_mode mode, int32_t iterations) {
+    const ty_pop_ordinate light = parallel_light(0, -1, 0);
+    pop_case made = pop_begin(cube_in_light(context, g), &light, mode, SIDE, iterations);
+    pop_run(&made);
+    double sum = 0;
+    for (int32_t k = 0; k < SIDE; ++k)
+        for (int32_t i = 0; i < SIDE * SIDE; ++i) sum += (double)pop_seen(&made.light, i % SIDE, i / SIDE, k)[3];
+    pop_end(&made);
+    return sum / CELLS - (1 - exp(-4)) / 4;
+}
+
+/* Published: light is counted once for each cell that it came from, after as many iterations as there are cells along
+ * the way; collided: once it has all gone, which takes so long because cells trap it. */
+static void test_ratios(void** state) {
+    static const double anisotropies[3] = {0, 0.7, 0.96};
+    static const double published[3] = {4.6, 4.8, 4.2}, collided[3] = {3.6, 4.6, 1.19};
+    for (int i = 0; i < 3; ++i) {
+        const double g = anisotropies[i], truth = traced(*state, g);
+        const double first = walked(*state, g, TY_POP_MODE_PUBLISHED, SIDE) / truth;
+        const double second = walked(*state, g, TY_POP_MODE_COLLIDED, 1024) / truth;
+        printf("g %.2f: published %.3f, collided %.3f times the fluence of path tracing\n", g, first, second);
+        assert_close(first, published[i], 0.1 * published[i]);
+        assert_close(second, collided[i], 0.1 * collided[i]);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_ratios)};
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}
