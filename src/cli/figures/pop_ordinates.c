@@ -89,7 +89,7 @@ ty_result figure_pop_ordinates(figure_run* run) {
     plot_free_sheet(&sheet);
     free(chart);
     snprintf(run->caption, sizeof run->caption,
-             "Smoke of noise, σs = {2.9, 3.6, 4.2}/m, σa = {3.4, 3.35, 3.4}/m, g = 0.9, 10 m across, in a room with "
+             "Smoke of noise, σs = {2.9, 3.6, 4.2}/m, σa = {3.4, 3.35, 3.4}/m, g = 0.9, 2 m across, in a room with "
              "windows and a lamp; ordinates of 20³ cells. Errors are of means over %d × %d pixels, the relative RMSE "
              "without the truth's own noise.",
              FIGURE_BLOCK, FIGURE_BLOCK);
@@ -99,7 +99,7 @@ ty_result figure_pop_ordinates(figure_run* run) {
 /* ---- few ordinates ---- */
 
 ty_result figure_pop_importance(figure_run* run) {
-    static const char* const overrides[] = {"media[0].g=0.98", "media[0].sigma_s=4", "media[0].sigma_a=0.02"};
+    static const char* const overrides[] = {"media[0].g=0.98", "media[0].sigma_s=20", "media[0].sigma_a=0.1"};
     int32_t size[2];
     ty_scene* scene = NULL;
     figure_errors errors[2];
@@ -118,7 +118,7 @@ ty_result figure_pop_importance(figure_run* run) {
                                errors[1].relative_rmse / errors[0].relative_rmse, 0, 1);
     ty_scene_destroy(scene);
     snprintf(run->caption, sizeof run->caption,
-             "The smoke of pop-ordinates with σs = 4/m, σa = 0.02/m and g = 0.98, and %d ordinates. Importance prefers "
+             "The smoke of pop-ordinates with σs = 20/m, σa = 0.1/m and g = 0.98, and %d ordinates. Importance prefers "
              "directions whose light the camera sees most of, such as that of the windows behind the smoke. Errors are "
              "of means "
              "over %d × %d pixels.",

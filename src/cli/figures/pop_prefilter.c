@@ -1,10 +1,13 @@
 /* Fig. 6 of the paper: thin slabs before windows; ordinates as lines, and as wide as what they stand for. */
 #include "cli/figures/pop_view.h"
 
-enum { COSINES = 4, ROWS = 3, WIDTH = 160, PICTURE_WIDTH = 280, ORDINATES = 27 };
+enum { COSINES = 4, ROWS = 4, WIDTH = 160, PICTURE_WIDTH = 280, ORDINATES = 27 };
 
 static const double cosines[COSINES] = {0.95, 0.98, 0.99, 0.999};
-static const char* const row_titles[ROWS] = {"path tracing", "without prefiltering", "with prefiltering"};
+static const char* const row_titles[ROWS] = {"path tracing", "without prefiltering", "β = 1", "β = 16"};
+
+/* Beta of each row. */
+static const double betas[ROWS] = {0, 0, 1, 16};
 
 static const char slab_text[] =
     "{\"tyndall\": 1,"
@@ -26,7 +29,7 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {
     for (int row = 0; row < ROWS && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
         ty_pop_settings settings = ty_scene_render_settings(scene).pop;
-        settings.prefilter = row == 1 ? 0 : 1;
+        settings.prefilter = betas[row];
         settings.ordinates = ORDINATES;
         snprintf(item, sizeof item, "g %g, %s", cosines[column], row_titles[row]);
         result = pop_render(run, item, scene, row > 0 ? &settings : NULL, size, &pictures[row], NULL);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { VARIANTS = 2, WIDTH = 192, PICTURE_WIDTH = 340, RESOLUTION = 16, FULL = 100 };
+enum { VARIANTS = 2, WIDTH = 192, PICTURE_WIDTH = 340, RESOLUTION = 16, FULL = 1000 };
 
 static const char* const titles[VARIANTS] = {"full propagation", "isotropic residuum"};
 

@@ -134,9 +134,9 @@ ty_result pop_make_scene(figure_run* run, const char* text, const char* const* o
 
 static const char smoke_text[] =
     "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 1, 24], \"target\": [0, 0, 0], \"fov_y\": 27, \"resolution\": [256, 256],"
+    " \"camera\": {\"position\": [0, 0.2, 4.8], \"target\": [0, 0, 0], \"fov_y\": 27, \"resolution\": [256, 256],"
     "  \"exposure\": -1.5},"
-    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-5, -5, -5], [5, 5, 5]],"
+    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-1, -1, -1], [1, 1, 1]],"
     "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 4, \"octaves\": "
     "4,"
     "   \"coverage\": 0.5, \"sharpness\": 4}},"

@@ -29,7 +29,7 @@ ty_result pop_show_variants(figure_run* run, const char* item, ty_scene* scene, 
 ty_result pop_make_scene(figure_run* run, const char* text, const char* const* overrides, int32_t override_count,
                          ty_scene** out);
 
-/* Noise smoke, 10 m across, in such a room, with the paper's coefficients of Fig. 11. */
+/* Noise smoke, 2 m across, in such a room, with the paper's coefficients of Fig. 11. */
 ty_result pop_make_smoke(figure_run* run, const char* const* overrides, int32_t override_count, ty_scene** out);
 
 /* "0.123", or "< noise" for NaN. */
