@@ -3,9 +3,16 @@
 
 #include <math.h>
 
-enum { VARIANTS = 2, WIDTH = 192, PICTURE_WIDTH = 340, RESOLUTION = 16, FULL = 1000 };
+enum { VARIANTS = 3, WIDTH = 192, PICTURE_WIDTH = 340, RESOLUTION = 16, FULL = 1000 };
 
-static const char* const titles[VARIANTS] = {"full propagation", "isotropic residuum"};
+/* merged: cells of the one grid. */
+static const struct {
+    const char* title;
+    int32_t iterations, merged;
+    double residuum;
+} variants[VARIANTS] = {{"full propagation", FULL, 0, 0},
+                        {"isotropic residuum, 32³", 0, 2 * RESOLUTION, 0.1},
+                        {"isotropic residuum, 16³", 0, RESOLUTION, 0.1}};
 
 /* Milk in 4 m, so that cells are the paper's 0.25 m; ten times as dense, since only then Eq. 10 gives about the paper's
  * 20 iterations. */
@@ -26,15 +33,16 @@ static ty_result render_variant(figure_run* run, ty_scene* scene, int variant, c
     ty_pop_settings settings = ty_scene_render_settings(scene).pop;
     snprintf(settings.mode, sizeof settings.mode, "published");
     settings.resolution = RESOLUTION;
-    settings.iterations = variant == 0 ? FULL : 0;
-    settings.residuum = variant == 0 ? 0 : 0.1;
-    ty_result result = pop_render(run, titles[variant], scene, &settings, size, picture, stats);
-    if (result == TY_OK) result = pop_show(run, titles[variant], scene, picture, NULL, false, cell, NULL);
+    settings.iterations = variants[variant].iterations;
+    settings.residuum = variants[variant].residuum;
+    settings.merged = variants[variant].merged;
+    ty_result result = pop_render(run, variants[variant].title, scene, &settings, size, picture, stats);
+    if (result == TY_OK) result = pop_show(run, variants[variant].title, scene, picture, NULL, false, cell, NULL);
     if (result == TY_OK)
-        result = figure_note(run, titles[variant], "time of propagation", "s", propagation_seconds(stats));
-    if (result == TY_OK) result = figure_note(run, titles[variant], "iterations", "1", stats->iterations);
+        result = figure_note(run, variants[variant].title, "time of propagation", "s", propagation_seconds(stats));
+    if (result == TY_OK) result = figure_note(run, variants[variant].title, "iterations", "1", stats->iterations);
     if (result == TY_OK)
-        result = figure_note(run, titles[variant], "iterations in one grid", "1", stats->residuum_iterations);
+        result = figure_note(run, variants[variant].title, "iterations in one grid", "1", stats->residuum_iterations);
     snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%d iterations and %d in one grid", (int)stats->iterations,
              (int)stats->residuum_iterations);
     snprintf(cell->lines[1], PLOT_LABEL_SIZE, "propagation %.3g ms", 1e3 * propagation_seconds(stats));
@@ -42,18 +50,18 @@ static ty_result render_variant(figure_run* run, ty_scene* scene, int variant, c
 }
 
 /* The paper is about four times as fast and sees no difference; the issue asks for 3 and 0.03. */
-static ty_result compare(figure_run* run, const figure_picture pictures[VARIANTS], const ty_pop_stats stats[VARIANTS],
-                         plot_cell* cell) {
+static ty_result compare(figure_run* run, int variant, const figure_picture* picture, const figure_picture* full,
+                         double faster, plot_cell* cell) {
+    const char* item = variants[variant].title;
     ty_difference difference;
-    const double faster = propagation_seconds(&stats[0]) / propagation_seconds(&stats[1]);
-    ty_result result = ty_image_compare(run->session->context, pictures[1].image, pictures[0].image, 1, &difference);
-    if (result == TY_OK) result = figure_expect(run, titles[1], "times faster", "1", faster, 4, 1);
+    ty_result result = ty_image_compare(run->session->context, picture->image, full->image, 1, &difference);
+    if (result == TY_OK) result = figure_expect(run, item, "times faster", "1", faster, 4, 1);
     if (result == TY_OK)
-        result = figure_expect(run, titles[1], "relative RMSE to full propagation", "1", difference.relative_rmse[3], 0,
-                               0.03);
+        result =
+            figure_expect(run, item, "relative RMSE to full propagation", "1", difference.relative_rmse[3], 0, 0.03);
     if (result == TY_OK)
-        result = figure_note(run, titles[1], "mean ratio to full propagation", "1", difference.mean_ratio[3]);
-    if (result == TY_OK) result = figure_error_map(run, pictures[1].image, pictures[0].image, 1, &cell->picture);
+        result = figure_note(run, item, "mean ratio to full propagation", "1", difference.mean_ratio[3]);
+    if (result == TY_OK) result = figure_error_map(run, picture->image, full->image, 1, &cell->picture);
     if (result != TY_OK) return result;
     snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.1f times faster", faster);
     snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %.3f", difference.mean_ratio[3],
@@ -61,22 +69,32 @@ static ty_result compare(figure_run* run, const figure_picture pictures[VARIANTS
     return TY_OK;
 }
 
+static ty_result fill_column(figure_run* run, ty_scene* scene, int column, const int32_t size[2],
+                             figure_picture pictures[VARIANTS], double seconds[VARIANTS], plot_sheet* sheet) {
+    ty_pop_stats stats;
+    snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", variants[column].title);
+    const ty_result result =
+        render_variant(run, scene, column, size, &pictures[column], plot_sheet_cell(sheet, 0, column), &stats);
+    if (result != TY_OK) return result;
+    seconds[column] = propagation_seconds(&stats);
+    if (column == 0) return TY_OK;
+    return compare(run, column, &pictures[column], &pictures[0], seconds[0] / seconds[column],
+                   plot_sheet_cell(sheet, 1, column));
+}
+
 ty_result figure_pop_residuum(figure_run* run) {
     int32_t size[2];
     ty_scene* scene = NULL;
     plot_sheet sheet;
     figure_picture pictures[VARIANTS] = {0};
-    ty_pop_stats stats[VARIANTS];
+    double seconds[VARIANTS];
     figure_view_size(run, WIDTH, WIDTH, size);
-    ty_result result = plot_create_sheet(1, VARIANTS + 1, PICTURE_WIDTH, &sheet);
+    ty_result result = plot_create_sheet(2, VARIANTS, PICTURE_WIDTH, &sheet);
     if (result != TY_OK) return result;
+    snprintf(sheet.row_titles[1], PLOT_LABEL_SIZE, "to full propagation");
     result = pop_make_smoke(run, overrides, OVERRIDES, &scene);
-    for (int i = 0; i < VARIANTS && result == TY_OK; ++i) {
-        snprintf(sheet.column_titles[i], PLOT_LABEL_SIZE, "%s", titles[i]);
-        result = render_variant(run, scene, i, size, &pictures[i], plot_sheet_cell(&sheet, 0, i), &stats[i]);
-    }
-    snprintf(sheet.column_titles[VARIANTS], PLOT_LABEL_SIZE, "difference");
-    if (result == TY_OK) result = compare(run, pictures, stats, plot_sheet_cell(&sheet, 0, VARIANTS));
+    for (int i = 0; i < VARIANTS && result == TY_OK; ++i)
+        result = fill_column(run, scene, i, size, pictures, seconds, &sheet);
     if (result == TY_OK) {
         plot_page_sheet(&run->page, &sheet);
         plot_page_color_bar(&run->page, &figure_error_scale);
@@ -89,7 +107,9 @@ ty_result figure_pop_residuum(figure_run* run) {
         "The published mode. Milk, σs = {9.1, 10.7, 12.5}/m (ten times the paper's, since so Eq. 10 comes to about its "
         "20 iterations), albedo 0.999, g = 0.95, in a lump of noise of 4 m, 64 "
         "ordinates of %d³ cells, after %d iterations, and after as many as make light isotropic (Eq. 10), the rest "
-        "of it in one grid.",
+        "of it in one grid. Light that moves one cell a step gets along more slowly in a finer grid, and there is more "
+        "of "
+        "it then.",
         RESOLUTION, FULL);
     return result;
 }
