@@ -29,7 +29,8 @@ typedef struct ty_diffusion_job {
     int32_t level_count, stage_count;
     float *direction, *change; /* of conjugate gradients: p, and what phi changes by. Limited problems do without, and
                                   have D as their linear ones take it in `direction` */
-    float softening;           /* share of D that these are without where light streams; 0: none */
+    float softening;           /* share of D that these are without where light streams. 0: none, nor sweeps of coarser
+                                  stages */
 } ty_diffusion_job;
 
 /* A plane of ghosts and all around; returns where cell (0, 0, 0) is. */

@@ -18,8 +18,8 @@ static const float SOFTENING = 0.3f;
  * holds them up; coarser stages work for all limiters that are smooth; Picard's step alone always does. */
 typedef enum means { MEANS_PICARD = 0, MEANS_CORRECTED = 1, MEANS_SWEPT = 2 } means;
 /* Sweeps, which cost more than the rest of an iteration, pay if it leaves less than a share of the least residual so
- * far. It gains if it leaves less than a larger one: after so many in a row that do not, Picard's step is left alone.
- */
+ * far. It gains if it leaves less than a larger one: after so many in a row that do not, D is taken as it is and
+ * coarser stages are not swept; after as many more, Picard's step is left alone. */
 static const double SWEEPS_PAY = 0.33, GAIN = 0.9;
 enum { PATIENCE = 4 };
 
@@ -41,8 +41,10 @@ static void judge(picard* p, double residual) {
     if (p->means == MEANS_SWEPT && !(residual < SWEEPS_PAY * p->least)) p->means = MEANS_CORRECTED;
     p->least = fmin(p->least, residual);
     if (p->futile < PATIENCE) return;
-    p->means = MEANS_PICARD;
+    if (!(p->job->softening > 0)) p->means = MEANS_PICARD;
     p->job->softening = 0;
+    p->futile = 0;
+    p->least = residual;
 }
 
 static void sweep(const picard* p) {
