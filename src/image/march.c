@@ -7,6 +7,7 @@
 #include "image/aovs.h"
 #include "image/image.h"
 #include "image/kernel.h"
+#include "image/sharpen.h"
 #include "scene/check.h"
 
 #include <pthread.h>
@@ -153,7 +154,8 @@ static ty_result pack_field(march_job* job) {
     view->cells = job->cells;
     job->request.has_field = 1;
     ty_parallel_for(job->context, size[2], pack_plane, job);
-    return TY_OK;
+    if (!job->def->keeps_means) return TY_OK;
+    return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, job->cells);
 }
 
 static ty_result prepare(march_job* job, const ty_scene* scene) {

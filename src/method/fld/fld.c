@@ -108,7 +108,6 @@ void ty_fld_destroy(ty_fld* light) {
     for (int c = 0; c < 3; ++c)
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, light->terms[c][t], ty_fld_term_size(light, t), sizeof(float));
-    ty_free_array(light->context, light->guide, light->cells, sizeof(float));
     ty_free_array(light->context, light, 1, sizeof *light);
 }
 
@@ -118,8 +117,7 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
                       ty_image** out, ty_fld_stats* stats) {
     const ty_camera_def camera = ty_scene_camera(scene);
     const bool directed = !light->even || ty_scene_get_view(scene)->mesh != NULL;
-    ty_source_field field = {
-        .box = light->box, .term_count = directed ? TY_FIELD_TERMS : 1, .shared = light->shared, .guide = light->guide};
+    ty_source_field field = {.box = light->box, .term_count = directed ? TY_FIELD_TERMS : 1, .shared = light->shared};
     for (int c = 0; c < 3; ++c) {
         field.color[c] = light->color[c];
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];
@@ -136,6 +134,8 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
     march.light_count = light->light_count;
     march.reduced = light->reduced;
     march.field = &field;
+    march.guided = 0;
+    march.keeps_means = true;
     march.unscattered = def->unscattered;
     march.progress = ty_fld_report;
     march.progress_user = &progress;

@@ -23,7 +23,6 @@ struct ty_fld {
     float* terms[3][TY_FIELD_TERMS]; /* of diffuse light, as in ty_source_field; ty_fld_term_size each */
     bool shared;                     /* whether all channels are the first one's, times color */
     float color[3];
-    float* guide;
 };
 
 /* A part of the caller's progress. */
