@@ -255,7 +255,7 @@ static void start(const ty_pop_slab* slab, ty_pop_start* s) {
 }
 
 static void begin(const ty_pop_begin* b) {
-    const float *uncollided = b->uncollided, *light = b->light, *again = b->again, *mu = b->mu, start = b->cosine;
+    const float *uncollided = b->uncollided, *light = b->light, *again = b->again, *tilt = b->tilt, start = b->cosine;
     float *cosine = b->cosines, *fluence = b->fluence, *seen = b->seen;
     const float collided = b->collided != 0 ? 1.0f : 0.0f;
 #pragma omp simd
@@ -263,7 +263,8 @@ static void begin(const ty_pop_begin* b) {
         const float once = start * again[i], new = collided *light[i];
         cosine[i] = once;
         fluence[i] = uncollided[i] + new;
-        seen[i] = collided * uncollided[i] * ty_pop_hg(mu[i], once) + new* ty_pop_hg(mu[i], once * again[i]);
+        seen[i] = collided * uncollided[i] * ty_pop_hg_tilted(tilt[i], once) +
+                  new* ty_pop_hg_tilted(tilt[i], once * again[i]);
     }
 }
 
@@ -302,7 +303,7 @@ static void take(const ty_pop_take* take) {
     const float *front = take->before.front, *front_turned = take->before.front_turned;
     const float *back = take->after.back, *back_turned = take->after.back_turned;
     const float *side = take->beside.side, *side_turned = take->beside.side_turned;
-    const float *mu = take->mu, *again = take->again;
+    const float *tilt = take->tilt, *again = take->again;
     float *light = take->light, *cosine = take->cosine, *fluence = take->fluence, *seen = take->seen;
 #pragma omp simd
     for (int32_t i = take->begin; i < take->end; ++i) {
@@ -317,7 +318,7 @@ static void take(const ty_pop_take* take) {
         light[i] = all;
         cosine[i] = a;
         fluence[i] += all;
-        seen[i] += all * ty_pop_hg(mu[i], a * again[i]);
+        seen[i] += all * ty_pop_hg_tilted(tilt[i], a * again[i]);
     }
 }
 

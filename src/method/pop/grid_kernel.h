@@ -37,7 +37,7 @@ typedef struct ty_pop_look {
 } ty_pop_look;
 
 /* Modes published and collided. Slices of cells have a ring around them, in which factors and light are 0. */
-enum { TY_POP_WALK_PLANE_ARRAYS = 7, TY_POP_WALK_ARRAYS = 4, TY_POP_WALK_SLICES = 18 };
+enum { TY_POP_WALK_PLANE_ARRAYS = 7, TY_POP_WALK_ARRAYS = 4, TY_POP_WALK_SLICES = 19 };
 
 /* What half a cell does to light that comes in or goes out, along k and across: how much absorption leaves, and how
  * much scattering leaves of mean cosines. */
@@ -64,7 +64,7 @@ typedef struct ty_pop_start {
 typedef struct ty_pop_begin {
     int32_t count, collided;
     float cosine; /* a_n */
-    const float *uncollided, *light, *again, *mu;
+    const float *uncollided, *light, *again, *tilt;
     float *cosines, *fluence, *seen;
 } ty_pop_begin;
 
@@ -77,10 +77,11 @@ typedef struct ty_pop_give {
 
 typedef struct ty_pop_take {
     int32_t row;        /* cells of a row, ring included */
-    int32_t begin, end; /* cells; not the first and last row */
+    int32_t begin, end; /* cells; sides reach a row further */
     ty_pop_half_cells half;
     ty_pop_handed before, beside, after; /* slices k - 1, k, k + 1 */
-    const float *mu, *again;             /* towards the eye; mean cosine of what scatters there once more, 1: nothing */
+    const float *tilt,
+        *again; /* 2 (1 - mu) towards the eye; mean cosine of what scatters there once more, 1: nothing */
     float *light, *cosine;
     float *fluence, *seen; /* added to */
 } ty_pop_take;
