@@ -108,18 +108,20 @@ static void sample(ty_pop_slab* slab) {
             find_coefficients(slab, p, &at);
 }
 
-static float misfit(const float* plane, const float* other, float multiple, int32_t cells) {
-    float most = 0.0f;
-#pragma omp simd reduction(max : most)
-    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, fabsf(plane[i] - multiple * other[i]));
-    return most;
+/* Sums, as compilers have vectors for those. */
+static float misfit(const float* plane, const float* other, float multiple, float allowed, int32_t cells) {
+    float sum = 0.0f;
+#pragma omp simd reduction(+ : sum)
+    for (int32_t i = 0; i < cells; ++i) sum += ty_maxf(0.0f, fabsf(plane[i] - multiple * other[i]) - allowed);
+    return sum;
 }
 
-static float unevenness(const float* g, const float* scattering, float value, int32_t cells) {
-    float most = 0.0f;
-#pragma omp simd reduction(max : most)
-    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, scattering[i] > 0.0f ? fabsf(g[i] - value) : 0.0f);
-    return most;
+static float unevenness(const float* g, const float* scattering, float value, float allowed, int32_t cells) {
+    float sum = 0.0f;
+#pragma omp simd reduction(+ : sum)
+    for (int32_t i = 0; i < cells; ++i)
+        sum += scattering[i] > 0.0f ? ty_maxf(0.0f, fabsf(g[i] - value) - allowed) : 0.0f;
+    return sum;
 }
 
 /* ---- light before the medium ---- */

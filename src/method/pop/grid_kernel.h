@@ -87,10 +87,10 @@ typedef struct ty_pop_take {
 } ty_pop_take;
 
 typedef struct ty_pop_grid_kernels {
-    /* The most by which a plane is not a multiple of another, and by which g is not a value where there is scattering.
-     */
-    float (*misfit)(const float* plane, const float* other, float multiple, int32_t cells);
-    float (*unevenness)(const float* g, const float* scattering, float value, int32_t cells);
+    /* By how much more than allowed, all cells together, a plane is not a multiple of another, and g not a value where
+     * there is scattering. */
+    float (*misfit)(const float* plane, const float* other, float multiple, float allowed, int32_t cells);
+    float (*unevenness)(const float* g, const float* scattering, float value, float allowed, int32_t cells);
     void (*sample)(ty_pop_slab* slab);
     void (*light)(ty_pop_slab* slab);
     void (*pass)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
