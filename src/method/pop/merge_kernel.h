@@ -6,7 +6,7 @@
 
 enum {
     TY_POP_MERGE_RUN = 64,  /* cells of a row at most */
-    TY_POP_MERGE_ROWS = 4,  /* at most, at once: what is known of their places before the first of them is added */
+    TY_POP_MERGE_ROWS = 8,  /* at most, at once: what is known of their places before the first of them is added */
     TY_POP_MERGE_SUMS = 16, /* floats of a merged cell: seen (R, G, B), fluence (R, G, B), blue flux along z, 1 unused,
                                flux along x (R, G, B), along y (R, G, B), along z (R, G) */
     TY_POP_MERGE_STILL = 8  /* the same without flux: the first six and 2 unused */
