@@ -380,6 +380,43 @@ static void pixels_that_are_not_light_count_as_zero(void** state) {
     destroy_sky(&s);
 }
 
+/* Cells hold the whole sphere and all its light, in whichever way they come about; and where it comes from. */
+static void cells_hold_all_light(void** state) {
+    static const int32_t sizes[5][2] = {{300, 150}, {512, 256}, {1000, 500}, {256, 100}, {16, 8}};
+    for (int n = 0; n < SETTINGS * 6; ++n) {
+        const int32_t* size = sizes[n / SETTINGS % 5];
+        float* pixels = n / SETTINGS < 5 ? random_pixels(size[0], size[1]) : NULL;
+        sky s = make_sky(*state, size[0], size[1], pixels, settings[n % SETTINGS]);
+        double color[3] = {0, 0, 0}, flow[3] = {0, 0, 0}, expected[3] = {0, 0, 0}, solid_angle = 0;
+        assert_true(s.view.cells_width <= 256 && s.view.cells_height <= 128);
+        for (int32_t i = 0; i < s.view.cells_width * s.view.cells_height; ++i) {
+            for (int c = 0; c < 3; ++c) color[c] += (double)s.view.cells[i].color[c];
+            for (int a = 0; a < 3; ++a) flow[a] += (double)s.view.cells[i].flow[a];
+            solid_angle += (double)s.view.cells[i].solid_angle;
+        }
+        assert_close(solid_angle, 4 * pi, 1e-4);
+        const double tolerance = pixels != NULL && size[1] < 128 ? 0.02 : 1e-4; /* lookups blend texels */
+        for (int c = 0; c < 3; ++c) assert_close(color[c] / (4 * pi * (double)s.environment->mean[c]), 1, tolerance);
+        for (int32_t i = 0; i < 512 * 256; ++i) {
+            const double u = (i % 512 + 0.5) / 512, v = ((double)(i / 512) + 0.5) / 256;
+            const ty_vec look = direction_of(s.setting, u, v);
+            float rgb[3];
+            ty_environment_radiance(&s.view, look, rgb);
+            const double weight = sin(pi * v) * 2 * pi * pi / (512 * 256);
+            const double bright =
+                weight * (0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]);
+            const bool z_up = s.setting.up == TY_AXIS_Z;
+            expected[0] += bright * (double)look.x;
+            expected[1] += bright * (double)(z_up ? look.y : -look.z);
+            expected[2] += bright * (double)(z_up ? look.z : look.y);
+        }
+        const double all = 4 * pi * (double)s.environment->mean[1];
+        for (int a = 0; a < 3; ++a) assert_close(flow[a] / all, expected[a] / all, 0.01);
+        destroy_sky(&s);
+        free(pixels);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(angles_are_close_to_libm),
@@ -397,6 +434,7 @@ int main(void) {
         cmocka_unit_test(scale_multiplies_the_map),
         cmocka_unit_test(a_map_is_the_frame_of_its_image),
         cmocka_unit_test(pixels_that_are_not_light_count_as_zero),
+        cmocka_unit_test(cells_hold_all_light),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

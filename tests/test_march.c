@@ -1,5 +1,7 @@
 /* The marcher against closed forms and fine quadrature. */
 #include "march_maker.h"
+
+#include "image/sharpen.h"
 #include "scene/phase.k.h"
 
 static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
@@ -348,6 +350,38 @@ static void guides_choose_cells(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* The interpolant's mean over a cell of one of a row. */
+static double row_mean(const float* values, int at, int count) {
+    const int before = at > 0 ? at - 1 : at, after = at + 1 < count ? at + 1 : at;
+    return ((double)values[before] + 6 * (double)values[at] + (double)values[after]) / 8;
+}
+
+/* Waves come out with the means that they had, even fields as they were, and nothing below 0. */
+static void sharp_cells_keep_their_means(void** state) {
+    enum { CELLS = 16 };
+    for (int axis = 0; axis < 3; ++axis) {
+        int32_t size[3] = {1, 1, 1};
+        float wave[CELLS], cells[CELLS][4];
+        size[axis] = CELLS;
+        for (int i = 0; i < CELLS; ++i) {
+            wave[i] = 2 + cosf(1.5707963f * ((float)i + 0.5f));
+            cells[i][0] = wave[i];
+            cells[i][1] = 3;
+            cells[i][2] = i < CELLS / 2 ? 0.0f : 1.0f;
+            cells[i][3] = 7;
+        }
+        check_result(*state, ty_sharpen_cells(*state, size, 4, 1, 3, cells[0]));
+        float sharp[CELLS];
+        for (int i = 0; i < CELLS; ++i) sharp[i] = cells[i][0];
+        for (int i = 0; i < CELLS; ++i) {
+            assert_true(fabs(row_mean(wave, i, CELLS) - (double)wave[i]) > 0.05);
+            assert_close(row_mean(sharp, i, CELLS), (double)wave[i], 0.005);
+            assert_close((double)cells[i][1], 3, 1e-5);
+            assert_true(cells[i][2] >= 0 && cells[i][3] == 7);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(even_boxes),
@@ -361,6 +395,7 @@ int main(void) {
         cmocka_unit_test(fields_have_directions_and_ends),
         cmocka_unit_test(shared_fields_are_the_same),
         cmocka_unit_test(guides_choose_cells),
+        cmocka_unit_test(sharp_cells_keep_their_means),
     };
     return cmocka_run_group_tests_name("march", tests, start_context, stop_context);
 }

@@ -3,6 +3,7 @@
 #include "files.h"
 #include "method/pop/ordinate.h"
 #include "pop_maker.h"
+#include "scene/phase.k.h"
 
 #include <tyndall/io.h>
 
@@ -279,6 +280,99 @@ static void importance_draws_ordinates(void** state) {
     forget(&f, scene);
 }
 
+/* ---- what ordinates are for ---- */
+
+enum { SKY_WIDTH = 256, SKY_HEIGHT = 128 };
+
+static ty_vec look_at(double u, double v) {
+    const double angle = 2 * pi * (u - 0.5), down = pi * v;
+    return ty_vec_make((float)(sin(down) * cos(angle)), (float)cos(down), (float)(sin(down) * sin(angle)));
+}
+
+/* A dim sky with a dozen lights of all sizes and colors. */
+static void paint_sky(float* pixels) {
+    uint64_t random = 11;
+    for (int i = 0; i < 3 * SKY_WIDTH * SKY_HEIGHT; ++i) pixels[i] = 0.2f;
+    for (int light = 0; light < 12; ++light) {
+        const ty_vec middle = random_unit(&random);
+        const double sharpness = exp(uniform_in(&random, 1, 6)), bright = sharpness * uniform_in(&random, 0.01, 0.1);
+        for (int i = 0; i < SKY_WIDTH * SKY_HEIGHT; ++i) {
+            const ty_vec look =
+                look_at((i % SKY_WIDTH + 0.5) / SKY_WIDTH, ((double)(i / SKY_WIDTH) + 0.5) / SKY_HEIGHT);
+            const double lobe = bright * exp(sharpness * ((double)ty_dot(look, middle) - 1));
+            for (int c = 0; c < 3; ++c) pixels[3 * i + c] += (float)(lobe * (c == light % 3 ? 1 : 0.5));
+        }
+    }
+}
+
+/* What the sky, green, scatters along `way` with mean cosine g. */
+static double scattered_by_sky(const float* pixels, ty_vec way, float g) {
+    double sum = 0;
+    for (int i = 0; i < SKY_WIDTH * SKY_HEIGHT; ++i) {
+        const int row = i / SKY_WIDTH;
+        const double share = cos(pi * row / SKY_HEIGHT) - cos(pi * (row + 1) / SKY_HEIGHT);
+        const ty_vec look = look_at((i % SKY_WIDTH + 0.5) / SKY_WIDTH, (row + 0.5) / SKY_HEIGHT);
+        sum += share * (double)(pixels[3 * i + 1] * ty_hg(ty_dot(look, way), g));
+    }
+    return sum * 2 * pi / SKY_WIDTH;
+}
+
+static double scattered_by(const found* f, ty_vec way, float g) {
+    double sum = 0;
+    for (int32_t i = 0; i < f->count; ++i) {
+        const ty_pop_ordinate* o = &f->items[i];
+        sum += (double)(o->color[1] * ty_hg(-ty_dot(o->direction, way), o->cosine * g));
+    }
+    return sum;
+}
+
+/* Error, relative, of once scattered light over some ways to look; important: whether each way's own phase function is
+ * the importance. */
+static double error_of(ty_context* context, const float* pixels, int32_t ordinates, double prefilter, bool important) {
+    enum { WAYS = 16 };
+    const float g = 0.8f;
+    double square = 0;
+    uint64_t random = 5;
+    ty_scene* scene = pop_fog(context, 1, 0);
+    ty_pop_def def = pop_def(ordinates);
+    def.prefilter = prefilter;
+    pop_add_environment(scene, SKY_WIDTH, SKY_HEIGHT, pixels, 0);
+    for (int n = 0; n < WAYS; ++n) {
+        const ty_vec way = random_unit(&random);
+        float importance[DIRECTIONS];
+        for (int i = 0; i < DIRECTIONS; ++i)
+            importance[i] =
+                12.566f *
+                ty_hg(ty_dot(way, look_at((i % TY_POP_IMPORTANCE_WIDTH + 0.5) / TY_POP_IMPORTANCE_WIDTH,
+                                          ((double)(i / TY_POP_IMPORTANCE_WIDTH) + 0.5) / TY_POP_IMPORTANCE_HEIGHT)),
+                      g);
+        found f = find(scene, &def, important ? importance : NULL);
+        const double error = scattered_by(&f, way, g) / scattered_by_sky(pixels, way, g) - 1;
+        square += error * error / WAYS;
+        ty_pop_ordinates_destroy(context, f.items, f.count);
+    }
+    ty_scene_destroy(scene);
+    return sqrt(square);
+}
+
+/* More ordinates, importance and prefiltering each make once scattered light better. */
+static void errors_of_scattered_light(void** state) {
+    static float pixels[3 * SKY_WIDTH * SKY_HEIGHT];
+    double plain[4], important[4];
+    static const int32_t counts[4] = {8, 27, 64, 216};
+    paint_sky(pixels);
+    for (int n = 0; n < 4; ++n) {
+        plain[n] = error_of(*state, pixels, counts[n], 1, false);
+        important[n] = error_of(*state, pixels, counts[n], 1, true);
+        assert_true(plain[n] < error_of(*state, pixels, counts[n], 0, false));
+    }
+    for (int n = 0; n < 4; ++n) {
+        assert_true(important[n] < plain[n]);
+        if (n > 0) assert_true(plain[n] < 0.8 * plain[n - 1] && important[n] < 0.8 * important[n - 1]);
+    }
+    assert_true(plain[2] < 0.15 && important[2] < 0.03);
+}
+
 static void seeds_and_threads(void** state) {
     (void)state;
     found f[3];
@@ -342,6 +436,7 @@ int main(void) {
         on_context(hdr_maps),
         on_context(rotation_and_up_turn_ordinates),
         on_context(importance_draws_ordinates),
+        on_context(errors_of_scattered_light),
         cmocka_unit_test(seeds_and_threads),
         cmocka_unit_test(no_memory),
     };

@@ -125,9 +125,21 @@ static void limited_problems_take_few_iterations(void** state) {
         const medium_case beam = {fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_MARSHAK, {n, n, n}, 1};
         const medium_case slow = {fill_cloud, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_MARSHAK, {n, n, n}, 0.5};
         const medium_case fast = {fill_cloud, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_DIRICHLET, {n, n, n}, 1};
-        assert_true(iterations_of(*state, &beam, 1e-6) <= 7);
-        assert_true(iterations_of(*state, &slow, 1e-4) <= 22);
-        assert_true(iterations_of(*state, &fast, 1e-4) <= 22);
+        assert_true(iterations_of(*state, &beam, 1e-6) <= 5);
+        assert_true(iterations_of(*state, &slow, 1e-4) <= 16);
+        assert_true(iterations_of(*state, &fast, 1e-4) <= 16);
+    }
+}
+
+/* In light that streams with about what the faces let through, too, which is steepest beside them. */
+static void iterations_hardly_grow_with_cells(void** state) {
+    static const int32_t sizes[] = {20, 40, 80};
+    for (int i = 0; i < 3; ++i) {
+        const int32_t n = sizes[i];
+        const medium_case slow = {fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_MARSHAK, {n, n, n}, 0.55};
+        const medium_case fast = {fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_MARSHAK, {n, n, n}, 1};
+        assert_true(iterations_of(*state, &slow, 1e-6) <= 6);
+        assert_true(iterations_of(*state, &fast, 1e-6) <= 4);
     }
 }
 
@@ -135,6 +147,8 @@ static void limited_problems_take_few_iterations(void** state) {
 static void plain_iterations_are_fallen_back_to(void** state) {
     iterations_of(*state, &(medium_case){fill_blocks, TY_LIMITER_KERSHAW, TY_BOUNDARY_MARSHAK, {16, 16, 16}, 1}, 1e-6);
     iterations_of(*state, &(medium_case){fill_cloud, TY_LIMITER_MAX, TY_BOUNDARY_MARSHAK, {24, 24, 24}, 1}, 1e-6);
+    iterations_of(
+        *state, &(medium_case){fill_cloud, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_MARSHAK, {40, 40, 40}, 1}, 1e-6);
 }
 
 /* D |grad phi| of a cell, by central differences. */
@@ -251,7 +265,7 @@ static void memory_and_history_are_the_callers(void** state) {
     memset(p.def.memory, 0xff, ty_diffusion_memory(&p.def));
     solve_into(*state, &p, p.fluence);
     assert_int_equal(p.stats.history_count, p.stats.iterations + 1);
-    assert_true(history[p.stats.iterations] <= 1e-6 && history[0] > 0.1);
+    assert_true(history[p.stats.iterations] <= 1e-6 && history[0] > 1e-3);
     const int32_t iterations = p.stats.iterations;
     /* From the answer there is nothing left to do but what single precision lost. */
     float* start = make_floats(p.cells);
@@ -305,6 +319,7 @@ int main(void) {
         cmocka_unit_test(jumps_of_a_million_take_few_cycles),
         cmocka_unit_test(cycles_do_not_grow_with_cells),
         cmocka_unit_test(limited_problems_take_few_iterations),
+        cmocka_unit_test(iterations_hardly_grow_with_cells),
         cmocka_unit_test(plain_iterations_are_fallen_back_to),
         cmocka_unit_test(flux_never_exceeds_fluence),
         cmocka_unit_test(fluxes_balance_in_every_cell),

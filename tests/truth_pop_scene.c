@@ -58,6 +58,7 @@ static ty_scene* lamp_in_a_ball(ty_context* context, double g) {
 static void lamps_shine_through(void** state) {
     static const double anisotropies[] = {0, 0.5, 0.9};
     static const scene_case size = {.width = 48, .height = 48, .spp = 256};
+    double worst = 0;
     for (int i = 0; i < 3; ++i) {
         ty_scene* scene = lamp_in_a_ball(*state, anisotropies[i]);
         ty_image* truth = path_image(scene, &size, 0);
@@ -68,19 +69,21 @@ static void lamps_shine_through(void** state) {
             def.sharp = sharp != 0;
             ty_image* image = pop_image(scene, &def, &stats);
             const ty_difference d = compare(*state, sharp != 0 ? "fine cells" : "shells", image, truth);
-            for (int c = 0; c < 4; ++c) assert_true(fabs(d.mean_ratio[c] - 1) <= 0.1);
+            for (int c = 0; c < 4; ++c) worst = fmax(worst, fabs(d.mean_ratio[c] - 1));
             ty_image_destroy(image);
         }
         ty_image_destroy(truth);
         ty_scene_destroy(scene);
     }
+    assert_true(worst <= 0.1);
 }
 
 /* ---- measured clouds and smoke ---- */
 
-static void check_case(ty_context* context, const scene_case* c, const char* what) {
+/* Whether pop's image is as bright as it should be, and nearer to the truth than fld's. */
+static bool is_near(ty_context* context, const scene_case* c, const char* what) {
     ty_scene* scene = read_case(context, c);
-    ty_image *truth = path_image(scene, c, 0), *surfaces = surfaces_of(scene, c);
+    ty_image *truth = path_image(scene, c, 0), *other = path_image(scene, c, 1), *surfaces = surfaces_of(scene, c);
     ty_pop_def def = pop_def(c->width, c->height);
     ty_pop_stats stats;
     def.unscattered = surfaces;
@@ -92,13 +95,14 @@ static void check_case(ty_context* context, const scene_case* c, const char* wha
     printf("%s, %s, %s, mean ratio / relative RMSE:\n", c->path, what, c->overrides[1]);
     const ty_difference of_pop = compare(context, "pop", pop, truth);
     const ty_difference of_fld = compare(context, "fld", fld, truth);
-    assert_true(fabs(of_pop.mean_ratio[3] - 1) <= 0.1);
-    assert_true(of_pop.relative_rmse[3] < of_fld.relative_rmse[3]);
+    compare(context, "path, another seed", other, truth);
     ty_image_destroy(pop);
     ty_image_destroy(fld);
     ty_image_destroy(surfaces);
     ty_image_destroy(truth);
+    ty_image_destroy(other);
     ty_scene_destroy(scene);
+    return fabs(of_pop.mean_ratio[3] - 1) <= 0.1 && of_pop.relative_rmse[3] < of_fld.relative_rmse[3];
 }
 
 static const char cloud[] = "volumes/wdas_cloud_sixteenth.vdb", plume[] = "volumes/plume/plume_0042.vdb";
@@ -109,12 +113,16 @@ static void check_lights(ty_context* context, const char* path, const char* data
     static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.75,-0.5,-0.1],\"irradiance\":3}";
     static const double anisotropies[] = {0.7, 0.9};
     char file[1024], sky[1200], g[32];
+    bool near = true;
     snprintf(sky, sizeof sky, "lights[0]={\"type\":\"environment\",\"file\":\"%s\"}", data_path(dawn, file));
     for (int i = 0; i < 2; ++i) {
         snprintf(g, sizeof g, ANISOTROPY, anisotropies[i]);
-        check_case(context, &(scene_case){path, data, {DENSITY, g, sun}, width, height, 128, 0, 0}, "sun");
-        check_case(context, &(scene_case){path, data, {DENSITY, g, sky}, width, height, 128, 0, 0}, "photographed sky");
+        const scene_case cases[2] = {{path, data, {DENSITY, g, sun}, width, height, 128, 0, 0},
+                                     {path, data, {DENSITY, g, sky}, width, height, 128, 0, 0}};
+        near = is_near(context, &cases[0], "sun") && near;
+        near = is_near(context, &cases[1], "photographed sky") && near;
     }
+    assert_true(near);
 }
 
 static void measured_cloud(void** state) {
@@ -193,7 +201,7 @@ static void prefiltering_keeps_energy(void** state) {
 /* ---- what must hold anywhere ---- */
 
 /* In the same light from everywhere nothing that absorbs nothing is to be seen. */
-static void check_furnace(ty_context* context, const char* name, const ty_medium_def* medium) {
+static bool is_white(ty_context* context, const char* name, const ty_medium_def* medium) {
     ty_scene* scene = new_scene(context);
     const ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 1);
     ty_pop_def def = pop_def(48, 48);
@@ -213,25 +221,27 @@ static void check_furnace(ty_context* context, const char* name, const ty_medium
             most = fmax(most, sum / (BLOCK * BLOCK));
         }
     printf("white furnace, %s: %.4f to %.4f\n", name, least, most);
-    assert_true(least >= 0.9 && most <= 1.1);
     ty_image_destroy(image);
     ty_scene_destroy(scene);
+    return least >= 0.9 && most <= 1.1;
 }
 
 static void white_furnace(void** state) {
     static const double anisotropies[] = {0, 0.7, 0.9};
+    bool white = true;
     for (int i = 0; i < 3; ++i) {
         const double g = anisotropies[i];
         const ty_medium_def ball = medium_sphere(1, 5, 0, g), cube = medium_cube(1, 3, 0, g),
                             dense = medium_cube(1, 20, 0, g);
         char name[32];
         snprintf(name, sizeof name, "ball, g %.1f", g);
-        check_furnace(*state, name, &ball);
+        white = is_white(*state, name, &ball) && white;
         snprintf(name, sizeof name, "cube, g %.1f", g);
-        check_furnace(*state, name, &cube);
+        white = is_white(*state, name, &cube) && white;
         snprintf(name, sizeof name, "dense cube, g %.1f", g);
-        check_furnace(*state, name, &dense);
+        white = is_white(*state, name, &dense) && white;
     }
+    assert_true(white);
 }
 
 /* No light, or none that has a colour. */

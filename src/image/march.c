@@ -7,6 +7,7 @@
 #include "image/aovs.h"
 #include "image/image.h"
 #include "image/kernel.h"
+#include "image/sharpen.h"
 #include "scene/check.h"
 
 #include <pthread.h>
@@ -162,7 +163,8 @@ static ty_result pack_field(march_job* job, const ty_source_field* field, march_
     view->cells = cells->floats;
     pack_job pack = {field, view, cells->floats};
     ty_parallel_for(job->context, size[2], pack_plane, &pack);
-    return TY_OK;
+    if (!job->def->keeps_means) return TY_OK;
+    return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, cells->floats);
 }
 
 static ty_result pack_fields(march_job* job) {

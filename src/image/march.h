@@ -22,6 +22,9 @@ typedef struct ty_march_def {
     double guided;                 /* how like a cell's extinction must be to that of a place which takes light from
                                       it, see docs/marching.md; default 0.25; 0, or a field without a guide: plain
                                       interpolation */
+    bool keeps_means;              /* whether the field's interpolant has, nearly, the means over cells that the field
+                                      has, so that coarse cells do not blur it, see docs/marching.md; meant for plain
+                                      interpolation; default false */
     uint32_t aovs;                 /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0 */
     ty_grid_box light_box;         /* the cells that lights lie on; looked at if there are any */
     const ty_single_light* lights; /* uncollided light; default none */

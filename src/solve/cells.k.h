@@ -25,6 +25,13 @@ TY_FN float ty_cell_hold(float held, float next) {
     return (change < 0.0f ? -change : change) > TY_CELL_HELD * held ? next : held;
 }
 
+/* D less a share of what the flux along the gradient does not answer to: -R F'(R) / F(R) of it, which for Larsen's
+ * limiter with n = 2 is 1 - (3 F)^2, and for the others about that. */
+TY_FN float ty_cell_soften(float diffusivity, float sigma, float share) {
+    const float f = ty_minf(3.0f * sigma * diffusivity, 1.0f);
+    return diffusivity * (1.0f - share * (1.0f - f * f));
+}
+
 /* What leaves through a face of the box per unit of fluence, from the face's half cell in series with its boundary. */
 TY_FN float ty_cell_boundary(float a, float b, float diffusivity) {
     return a * diffusivity / (1.0f + b * diffusivity);

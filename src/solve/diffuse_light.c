@@ -15,8 +15,8 @@ static const float alike = 1e-6f;
  * the equations it comes from the cell's middle and piles up there: fluence would grow with thickness, without bound.
  * What a thick medium sends back depends on its albedo alone, so cells of more than this many transport mean free paths
  * are made that thin. Their fluence is then that of a surface; what passes through a medium of such cells is too much,
- * of little. */
-static const double thickest = 1.5;
+ * of little. It is the faces of the box that hold light back most; within, vacuum next to a thick cell takes it. */
+static const double thickest_inside = 2.5, thickest_at_faces = 1.5;
 
 /* What the solves of all channels share. */
 typedef struct solve_work {
@@ -59,13 +59,22 @@ static void end_work(solve_work* work) {
     ty_free_array(work->context, work->memory, work->memory_size, 1);
 }
 
-/* Makes a plane of cells at most `thickest`, with their albedo as it is, and gives channels first..end what they emit.
- */
+static bool is_at_face(const ty_grid_box* box, size_t cell) {
+    for (int a = 0; a < 3; ++a) {
+        const size_t size = (size_t)box->size[a], at = cell % size;
+        if (at == 0 || at + 1 == size) return true;
+        cell /= size;
+    }
+    return false;
+}
+
+/* Makes a plane of cells at most so thick, with their albedo as it is, and gives channels first..end what they emit. */
 static void thin_cells(const solve_work* work, int32_t plane, int32_t first, int32_t end) {
     const ty_grid_medium* medium = work->medium;
     const double side = fmin(medium->cell[0], fmin(medium->cell[1], medium->cell[2]));
-    const float most = (float)(thickest / side);
+    const float most_inside = (float)(thickest_inside / side), most_at_faces = (float)(thickest_at_faces / side);
     for (size_t i = 0; i < medium->cells; ++i) {
+        const float most = is_at_face(&medium->box, i) ? most_at_faces : most_inside;
         const float extinction = work->extinction[plane][i], part = extinction > most ? most / extinction : 1.0f;
         work->extinction[plane][i] = extinction * part;
         work->absorption[plane][i] *= part;
@@ -214,10 +223,6 @@ static ty_result take_light(ty_context* context, const ty_grid_medium* medium, t
     light->context = context;
     light->box = medium->box;
     light->cells = medium->cells;
-    light->guide = ty_alloc_array(context, light->cells, sizeof(float), true);
-    if (light->guide == NULL) return TY_ERROR_MEMORY;
-    for (int32_t p = 0; p < medium->planes; ++p)
-        for (size_t i = 0; i < light->cells; ++i) light->guide[i] += medium->extinction[p][i] / (float)medium->planes;
     light->even = scatters_evenly(medium);
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) {
@@ -233,7 +238,6 @@ void ty_diffuse_light_destroy(ty_diffuse_light* light) {
     for (int c = 0; c < 3; ++c)
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, light->terms[c][t], term_size(light, t), sizeof(float));
-    ty_free_array(light->context, light->guide, light->cells, sizeof(float));
     ty_free_array(light->context, light, 1, sizeof *light);
 }
 
@@ -261,10 +265,8 @@ ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, c
 }
 
 ty_source_field ty_diffuse_light_field(const ty_diffuse_light* light, bool directed) {
-    ty_source_field field = {.box = light->box,
-                             .term_count = directed || !light->even ? TY_FIELD_TERMS : 1,
-                             .shared = light->shared,
-                             .guide = light->guide};
+    ty_source_field field = {
+        .box = light->box, .term_count = directed || !light->even ? TY_FIELD_TERMS : 1, .shared = light->shared};
     for (int c = 0; c < 3; ++c) {
         field.color[c] = light->color[c];
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];

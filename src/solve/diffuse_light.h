@@ -14,7 +14,6 @@ typedef struct ty_diffuse_light {
     float* terms[3][TY_FIELD_TERMS]; /* as in ty_source_field */
     bool shared;                     /* whether all channels are the first one's, times color */
     float color[3];
-    float* guide;
 } ty_diffuse_light;
 
 /* Per channel. */

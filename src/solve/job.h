@@ -6,6 +6,8 @@
 #include "solve/kernel.h"
 
 enum { TY_LEVELS_MAX = 14 };
+/* Omega of the sweeps of Algorithm 1 between steps of Picard's. */
+#define TY_SWEEP_OMEGA 1.3
 
 typedef struct ty_diffusion_job {
     ty_context* context;
@@ -25,7 +27,10 @@ typedef struct ty_diffusion_job {
     ty_level levels[TY_LEVELS_MAX];
     ty_stage stages[TY_LEVELS_MAX];
     int32_t level_count, stage_count;
-    float *direction, *change; /* of conjugate gradients: p, and what phi changes by */
+    float *direction, *change; /* of conjugate gradients: p, and what phi changes by. Limited problems do without, and
+                                  have D as their linear ones take it in `direction` */
+    float softening;           /* share of D that these are without where light streams. 0: none, nor sweeps of coarser
+                                  stages */
 } ty_diffusion_job;
 
 /* A plane of ghosts and all around; returns where cell (0, 0, 0) is. */
@@ -52,8 +57,8 @@ ty_result ty_solve_note(ty_diffusion_job* job, double residual);
 ty_result ty_solve_sor(ty_diffusion_job* job);
 ty_result ty_solve_picard(ty_diffusion_job* job);
 
-/* Both colours of Algorithm 1. Returns the sum of the squares of what the residuals were. */
-double ty_solve_sweep(ty_diffusion_job* job, double omega);
+/* Both colours of Algorithm 1 on a stage. Returns the sum of the squares of what the residuals were. */
+double ty_stage_sweep(ty_diffusion_job* job, int32_t stage, double omega);
 
 /* Room for all stages but the finest, whose arrays are the job's. */
 void ty_stages_lay_out(ty_diffusion_job* job, ty_arena* arena);

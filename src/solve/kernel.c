@@ -108,6 +108,19 @@ static void diffuse(const ty_cells* cells, const double* phi, float* diffusivity
 }
 #undef DIFFUSE_ROWS
 
+static void soften(const ty_cells* cells, const float* diffusivity, float share, float* out, int32_t z) {
+    const ty_box* box = &cells->box;
+    for (int32_t y = 0; y < box->size[1]; ++y) {
+        const float* extinction = cells->extinction + ty_box_dense(box, y, z);
+        const float* d = diffusivity + ty_box_at(box, y, z);
+        float* row = out + ty_box_at(box, y, z);
+#pragma omp simd
+        for (int32_t i = 0; i < box->size[0]; ++i)
+            row[i] = ty_cell_soften(d[i], ty_maxf(extinction[i], cells->least_extinction), share);
+    }
+    close_box(box, out, z);
+}
+
 INLINE double assemble_range(const ty_cells* cells, const row_view* view, const double* phi, const float* diff,
                              const ty_level* level, ptrdiff_t at, int32_t begin, int32_t end, const bool edge) {
     const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
@@ -177,6 +190,7 @@ const ty_cell_kernels TY_JOIN(ty_cell_kernels_, TY_ISA) = {
     .ghosts = ghosts_double,
     .ghosts_float = ghosts_float,
     .diffuse = diffuse,
+    .soften = soften,
     .assemble = assemble,
     .sor = sor_double,
     .sor_float = sor_float,

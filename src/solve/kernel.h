@@ -64,6 +64,8 @@ typedef struct ty_cell_kernels {
     void (*ghosts_float)(const ty_cells* cells, float* phi, int32_t z);
     /* D of a plane, and its ghosts as levels want them. */
     void (*diffuse)(const ty_cells* cells, const double* phi, float* diffusivity, int32_t z);
+    /* Of D, what a step of Picard's had better take for it; with its ghosts. */
+    void (*soften)(const ty_cells* cells, const float* diffusivity, float share, float* out, int32_t z);
     /* Sinks d of the first level, and f = q - A phi; returns the sum of f^2. */
     double (*assemble)(const ty_cells* cells, const double* phi, const float* diffusivity, const ty_level* level,
                        int32_t z);

@@ -10,6 +10,9 @@ static const double EPSILON = 1e-20;
 
 typedef struct sweep {
     ty_diffusion_job* job;
+    const ty_cells* cells;
+    void* phi;
+    float* diffusivity;
     double omega;
     int32_t color;
     bool narrow; /* single precision */
@@ -20,32 +23,37 @@ static void ghosts_plane(void* user, int64_t index, int32_t worker) {
     const sweep* s = user;
     const ty_diffusion_job* job = s->job;
     if (s->narrow)
-        job->cell_kernels->ghosts_float(&job->cells, job->phi, (int32_t)index);
+        job->cell_kernels->ghosts_float(s->cells, s->phi, (int32_t)index);
     else
-        job->cell_kernels->ghosts(&job->cells, job->phi, (int32_t)index);
+        job->cell_kernels->ghosts(s->cells, s->phi, (int32_t)index);
 }
 
 static void relax_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sweep* s = user;
-    const ty_diffusion_job* job = s->job;
+    const ty_cell_kernels* kernels = s->job->cell_kernels;
     const int32_t z = (int32_t)index;
-    job->sums[z].a = s->narrow
-                         ? job->cell_kernels->sor_float(&job->cells, job->phi, job->diffusivity, s->omega, s->color, z)
-                         : job->cell_kernels->sor(&job->cells, job->phi, job->diffusivity, s->omega, s->color, z);
+    s->job->sums[z].a = s->narrow ? kernels->sor_float(s->cells, s->phi, s->diffusivity, s->omega, s->color, z)
+                                  : kernels->sor(s->cells, s->phi, s->diffusivity, s->omega, s->color, z);
 }
 
 static double pass(sweep* s, int32_t color) {
-    const ty_box* box = &s->job->cells.box;
+    const ty_box* box = &s->cells->box;
     s->color = color;
     ty_solve_planes(s->job, box, ghosts_plane, s);
     ty_solve_planes(s->job, box, relax_plane, s);
     return ty_solve_sum(s->job, box->size[2]).a;
 }
 
-double ty_solve_sweep(ty_diffusion_job* job, double omega) {
-    sweep s = {.job = job, .omega = omega, .narrow = job->def->solver == TY_DIFFUSION_SOR_FLOAT};
-    ty_solve_count(job, &job->cells.box, 1);
+double ty_stage_sweep(ty_diffusion_job* job, int32_t i, double omega) {
+    const ty_stage* stage = &job->stages[i];
+    sweep s = {.job = job,
+               .cells = &stage->cells,
+               .phi = stage->phi,
+               .diffusivity = stage->diffusivity,
+               .omega = omega,
+               .narrow = job->def->solver == TY_DIFFUSION_SOR_FLOAT};
+    ty_solve_count(job, &stage->cells.box, 1);
     const double first = pass(&s, 0);
     return first + pass(&s, 1);
 }
@@ -64,9 +72,10 @@ ty_result ty_solve_sor(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
     const int32_t limit = def->iterations > 0 ? def->iterations : 20000;
     const double cells = (double)ty_box_cells(&job->cells.box);
+    job->stages[0] = (ty_stage){.cells = job->cells, .phi = job->phi, .diffusivity = job->diffusivity};
     start(job);
     for (int32_t i = 0;; ++i) {
-        const double squares = ty_solve_sweep(job, def->relaxation);
+        const double squares = ty_stage_sweep(job, 0, def->relaxation);
         job->stats->iterations = i + 1;
         const ty_result result = ty_solve_note(job, sqrt(squares / cells));
         if (job->stats->converged || result != TY_OK || i + 1 == limit) return result;

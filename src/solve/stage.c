@@ -7,6 +7,9 @@
 
 #include <string.h>
 
+/* Of Algorithm 1, after a step of Picard's. */
+enum { SWEEPS = 2 };
+
 typedef struct work {
     const ty_diffusion_job* job;
     const ty_stage *fine, *coarse;
@@ -127,10 +130,26 @@ double ty_stage_linearise(ty_diffusion_job* job, int32_t i) {
     return ty_solve_sum(job, box->size[2]).a;
 }
 
+static void soften_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const work* w = user;
+    const ty_diffusion_job* job = w->job;
+    job->cell_kernels->soften(&w->fine->cells, w->fine->diffusivity, job->softening, job->direction, (int32_t)index);
+}
+
+/* D for the linear problem: the stage's, or less. Of coarser stages it takes up the first part of the same array. */
+static const float* linear_diffusivity(const ty_diffusion_job* job, const ty_stage* stage) {
+    if (!(job->softening > 0)) return stage->diffusivity;
+    work w = {.job = job, .fine = stage};
+    ty_solve_planes(job, &stage->cells.box, soften_plane, &w);
+    ty_solve_count(job, &stage->cells.box, 1);
+    return job->direction;
+}
+
 void ty_stage_advance(ty_diffusion_job* job, int32_t i, double squares, double reduction, int32_t cycles) {
     const ty_stage* stage = &job->stages[i];
     ty_level* level = &job->levels[i];
-    level->diffusivity = stage->diffusivity;
+    level->diffusivity = linear_diffusivity(job, stage);
     memcpy(level->coupling, stage->cells.coupling, sizeof level->coupling);
     ty_multigrid_coarsen(job, i);
     const float* change = ty_multigrid_solve(job, i, squares, squares * reduction * reduction, cycles);
@@ -173,16 +192,21 @@ static void hand_up(const ty_diffusion_job* job, int32_t i) {
     ty_solve_count(job, &w.fine->cells.box, 1);
 }
 
-/* Picard's steps before and after what coarser stages say, of one cycle each: with more, iterations may swing to and
- * fro instead of converging. */
-static void visit(ty_diffusion_job* job, int32_t i) {
+/* A step of Picard's, of one cycle: with more, iterations may swing to and fro instead of converging. */
+static void smooth(ty_diffusion_job* job, int32_t i) {
     ty_stage_advance(job, i, ty_stage_linearise(job, i), 0, 1);
+    for (int sweep = 0; job->softening > 0 && sweep < SWEEPS; ++sweep) ty_stage_sweep(job, i, TY_SWEEP_OMEGA);
+}
+
+/* Smooths before and after what coarser stages say. */
+static void visit(ty_diffusion_job* job, int32_t i) {
+    smooth(job, i);
     if (i + 1 == job->stage_count) return;
     if (job->def->limiter != TY_LIMITER_NONE) {
         ty_stage_linearise(job, i);
         ty_stages_correct(job, i);
     }
-    ty_stage_advance(job, i, ty_stage_linearise(job, i), 0, 1);
+    smooth(job, i);
 }
 
 void ty_stages_correct(ty_diffusion_job* job, int32_t i) {

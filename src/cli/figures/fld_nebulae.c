@@ -38,7 +38,7 @@ static const struct {
     int ratio;
 } grids[GRIDS] = {{"full resolution", 1}, {"half resolution", 2}, {"quarter resolution", 4}};
 
-/* The coarsest is the default, and the paper's. */
+/* The coarsest is the paper's; ours is finer by default. */
 static ty_result compare_grids(figure_run* run, int grid, const figure_picture* picture, const figure_picture* full,
                                plot_cell* cell) {
     ty_difference difference;

@@ -94,6 +94,8 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
     march.light_count = light->light_count;
     march.reduced = light->reduced;
     march.field = &field;
+    march.guided = 0;
+    march.keeps_means = true;
     march.unscattered = def->unscattered;
     march.progress = ty_part_report;
     march.progress_user = &progress;

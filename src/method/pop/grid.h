@@ -18,7 +18,7 @@ typedef struct ty_pop_light {
     ty_pop_frame frame;
     int32_t floats; /* TY_POP_SEEN, TY_POP_SEEN_LEFT */
     float* seen;
-    /* Kept lobes, else NULL, cells without a ring; all are times the ordinate's color. For each plane of the medium,
+    /* Kept lobes, else NULL, cells without a ring; all per ordinate's color. For each plane of the medium,
      * split: three arrays of cells, transmittance without and with the light that scattering sends on (below).
      * Propagated: an array of the light that has not scattered, and for each band of iterations one of the light that
      * passed, and one of it times its mean cosine. Shadows, profiles and in parallel grids of lamps 1 / r^2 are in. */

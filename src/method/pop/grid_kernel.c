@@ -108,18 +108,20 @@ static void sample(ty_pop_slab* slab) {
             find_coefficients(slab, p, &at);
 }
 
-static float misfit(const float* plane, const float* other, float multiple, int32_t cells) {
-    float most = 0.0f;
-#pragma omp simd reduction(max : most)
-    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, fabsf(plane[i] - multiple * other[i]));
-    return most;
+/* Sums, as compilers have vectors for those. */
+static float misfit(const float* plane, const float* other, float multiple, float allowed, int32_t cells) {
+    float sum = 0.0f;
+#pragma omp simd reduction(+ : sum)
+    for (int32_t i = 0; i < cells; ++i) sum += ty_maxf(0.0f, fabsf(plane[i] - multiple * other[i]) - allowed);
+    return sum;
 }
 
-static float unevenness(const float* g, const float* scattering, float value, int32_t cells) {
-    float most = 0.0f;
-#pragma omp simd reduction(max : most)
-    for (int32_t i = 0; i < cells; ++i) most = ty_maxf(most, scattering[i] > 0.0f ? fabsf(g[i] - value) : 0.0f);
-    return most;
+static float unevenness(const float* g, const float* scattering, float value, float allowed, int32_t cells) {
+    float sum = 0.0f;
+#pragma omp simd reduction(+ : sum)
+    for (int32_t i = 0; i < cells; ++i)
+        sum += scattering[i] > 0.0f ? ty_maxf(0.0f, fabsf(g[i] - value) - allowed) : 0.0f;
+    return sum;
 }
 
 /* ---- light before the medium ---- */
@@ -255,7 +257,7 @@ static void start(const ty_pop_slab* slab, ty_pop_start* s) {
 }
 
 static void begin(const ty_pop_begin* b) {
-    const float *uncollided = b->uncollided, *light = b->light, *again = b->again, *mu = b->mu, start = b->cosine;
+    const float *uncollided = b->uncollided, *light = b->light, *again = b->again, *tilt = b->tilt, start = b->cosine;
     float *cosine = b->cosines, *fluence = b->fluence, *seen = b->seen;
     const float collided = b->collided != 0 ? 1.0f : 0.0f;
 #pragma omp simd
@@ -263,7 +265,8 @@ static void begin(const ty_pop_begin* b) {
         const float once = start * again[i], new = collided *light[i];
         cosine[i] = once;
         fluence[i] = uncollided[i] + new;
-        seen[i] = collided * uncollided[i] * ty_pop_hg(mu[i], once) + new* ty_pop_hg(mu[i], once * again[i]);
+        seen[i] = collided * uncollided[i] * ty_pop_hg_tilted(tilt[i], once) +
+                  new* ty_pop_hg_tilted(tilt[i], once * again[i]);
     }
 }
 
@@ -302,7 +305,7 @@ static void take(const ty_pop_take* take) {
     const float *front = take->before.front, *front_turned = take->before.front_turned;
     const float *back = take->after.back, *back_turned = take->after.back_turned;
     const float *side = take->beside.side, *side_turned = take->beside.side_turned;
-    const float *mu = take->mu, *again = take->again;
+    const float *tilt = take->tilt, *again = take->again;
     float *light = take->light, *cosine = take->cosine, *fluence = take->fluence, *seen = take->seen;
 #pragma omp simd
     for (int32_t i = take->begin; i < take->end; ++i) {
@@ -317,7 +320,7 @@ static void take(const ty_pop_take* take) {
         light[i] = all;
         cosine[i] = a;
         fluence[i] += all;
-        seen[i] += all * ty_pop_hg(mu[i], a * again[i]);
+        seen[i] += all * ty_pop_hg_tilted(tilt[i], a * again[i]);
     }
 }
 

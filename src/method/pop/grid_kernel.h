@@ -37,7 +37,7 @@ typedef struct ty_pop_look {
 } ty_pop_look;
 
 /* Modes published and collided. Slices of cells have a ring around them, in which factors and light are 0. */
-enum { TY_POP_WALK_PLANE_ARRAYS = 7, TY_POP_WALK_ARRAYS = 4, TY_POP_WALK_SLICES = 18 };
+enum { TY_POP_WALK_PLANE_ARRAYS = 7, TY_POP_WALK_ARRAYS = 4, TY_POP_WALK_SLICES = 19 };
 
 /* What half a cell does to light that comes in or goes out, along k and across: how much absorption leaves, and how
  * much scattering leaves of mean cosines. */
@@ -64,7 +64,7 @@ typedef struct ty_pop_start {
 typedef struct ty_pop_begin {
     int32_t count, collided;
     float cosine; /* a_n */
-    const float *uncollided, *light, *again, *mu;
+    const float *uncollided, *light, *again, *tilt;
     float *cosines, *fluence, *seen;
 } ty_pop_begin;
 
@@ -77,19 +77,20 @@ typedef struct ty_pop_give {
 
 typedef struct ty_pop_take {
     int32_t row;        /* cells of a row, ring included */
-    int32_t begin, end; /* cells; not the first and last row */
+    int32_t begin, end; /* cells; sides reach a row further */
     ty_pop_half_cells half;
     ty_pop_handed before, beside, after; /* slices k - 1, k, k + 1 */
-    const float *mu, *again;             /* towards the eye; mean cosine of what scatters there once more, 1: nothing */
+    const float *tilt,
+        *again; /* 2 (1 - mu) towards the eye; mean cosine of what scatters there once more, 1: nothing */
     float *light, *cosine;
     float *fluence, *seen; /* added to */
 } ty_pop_take;
 
 typedef struct ty_pop_grid_kernels {
-    /* The most by which a plane is not a multiple of another, and by which g is not a value where there is scattering.
-     */
-    float (*misfit)(const float* plane, const float* other, float multiple, int32_t cells);
-    float (*unevenness)(const float* g, const float* scattering, float value, int32_t cells);
+    /* By how much more than allowed, all cells together, a plane is not a multiple of another, and g not a value where
+     * there is scattering. */
+    float (*misfit)(const float* plane, const float* other, float multiple, float allowed, int32_t cells);
+    float (*unevenness)(const float* g, const float* scattering, float value, float allowed, int32_t cells);
     void (*sample)(ty_pop_slab* slab);
     void (*light)(ty_pop_slab* slab);
     void (*pass)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);

@@ -13,12 +13,15 @@ TY_FN float ty_pop_root_inverse(float x) {
     return y * (1.5f - half * y * y);
 }
 
-/* The phase function as ty_hg, to 2e-5; lines are seen as lobes of 0.9999. */
+/* The phase function as ty_hg, to 2e-5; lines are seen as lobes of 0.9999. tilt: 2 (1 - mu). */
+TY_FN float ty_pop_hg_tilted(float tilt, float cosine) {
+    const float g = ty_clampf(cosine, -0.9999f, 0.9999f), less = 1.0f - g;
+    const float y = ty_pop_root_inverse(less * less + g * tilt);
+    return TY_INV_4PI * (1.0f + g) * less * y * y * y;
+}
+
 TY_FN float ty_pop_hg(float mu, float cosine) {
-    const float g = ty_clampf(cosine, -0.9999f, 0.9999f);
-    const float base = (1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - mu);
-    const float y = ty_pop_root_inverse(base);
-    return TY_INV_4PI * (1.0f - g * g) * y * y * y;
+    return ty_pop_hg_tilted(2.0f * (1.0f - mu), cosine);
 }
 
 /* (4 pi HG(x) - 1) / x, which is 3 mu at x = 0. */
@@ -41,17 +44,30 @@ TY_FN float ty_pop_lobe_forward(float mu, float u, float r, float s, float sprea
     return (r - u) * TY_INV_4PI * (1.0f + spread * ty_pop_hg_slope(mu, x));
 }
 
-/* What fraction of a lobe goes to the cells in front, to each of the four beside and behind (Eq. 2 and 3). Below the
- * cosine mu there is (1 - a) (1 + mu) / (w (1 + a + w)) of HG(a), w^2 = 1 + a^2 - 2 a mu: 2 pi F without its 0 / 0. */
+/* What fraction of a lobe goes to the cells in front, to each of the four beside and behind (Eq. 2 and 3), to 2e-6:
+ * half the sum of front and back is even in a, half their difference odd, and both are so smooth that polynomials of
+ * a^2 (interpolated at Chebyshev's points of [0, 1]) take half the time of the formula. They partition the sphere. */
 TY_FN void ty_pop_patches(float a, float* front, float* side, float* back) {
-    const float c = 0.70710678f, square = 1.0f + a * a, tilt = 2.0f * c * a;
-    const float y1 = ty_pop_root_inverse(square - tilt), y2 = ty_pop_root_inverse(square + tilt);
-    const float d1 = 1.0f + (1.0f + a) * y1, d2 = 1.0f + (1.0f + a) * y2;
-    const float scale = (1.0f - a) / (d1 * d2);
-    const float not_front = scale * (1.0f + c) * y1 * y1 * d2;
-    *back = scale * (1.0f - c) * y2 * y2 * d1;
-    *front = 1.0f - not_front;
-    *side = 0.25f * (not_front - *back);
+    const float t = a * a;
+    float sum = 5.95936914e-2f, difference = 5.23741381e-2f;
+    sum = sum * t - 2.59721707e-1f;
+    difference = difference * t - 1.79535955e-1f;
+    sum = sum * t + 4.02785332e-1f;
+    difference = difference * t + 1.56512778e-1f;
+    sum = sum * t - 1.52046578e-1f;
+    difference = difference * t + 1.32428145e-1f;
+    sum = sum * t - 2.37033835e-1f;
+    difference = difference * t - 2.38015536e-1f;
+    sum = sum * t + 9.79742924e-2f;
+    difference = difference * t - 1.26779953e-1f;
+    sum = sum * t + 4.42003242e-1f;
+    difference = difference * t + 3.28016701e-1f;
+    sum = sum * t + 1.46446141e-1f;
+    difference = difference * t + 3.75000857e-1f;
+    const float beside = ty_maxf(0.0f, 1.0f - 2.0f * sum);
+    *back = ty_maxf(0.0f, sum - a * difference);
+    *side = 0.25f * beside;
+    *front = 1.0f - beside - *back;
 }
 
 #endif

@@ -10,7 +10,7 @@ typedef struct ty_pop_merged {
     float* seen[3];    /* radiance that scatters towards the eye per scattering coefficient, W m^-2 sr^-1 */
     float* fluence[3]; /* of light that keeps its direction (propagated: of all light), W m^-2 */
     float* left[3];    /* not passed on yet; NULL in split mode */
-    float* flux[3][3]; /* of light that keeps its direction, along x, y, z; NULL: not asked for */
+    float* flux[3][3]; /* of light that keeps its direction, along x, y, z; all NULL: not asked for */
 } ty_pop_merged;
 
 /* Adds lights, at the middles of cells, on all threads; the order of lights decides nothing but rounding. */

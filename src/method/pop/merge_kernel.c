@@ -120,7 +120,8 @@ static void place_radial(const ty_pop_light* light, const ty_pop_merge_rows* row
     (w0 * *(const type*)(from) + w1 * *(const type*)((from) + j) + w2 * *(const type*)((from) + k) +                   \
      w3 * *(const type*)((from) + j + k))
 
-/* Adds what a light has at rows' cells. ways: 1 and the way of the light, every `stride` floats. */
+/* Adds what a light has at rows' cells. ways: 1 and the way of the light, every `stride` floats; NULL: flux
+ * is not asked for. */
 TY_FN void add_cells(const ty_pop_light* light, int32_t floats, const places* p, const float* ways, size_t stride,
                      const ty_pop_merge_rows* rows) {
     const size_t j = (size_t)p->step[1] * (size_t)floats, k = (size_t)p->step[2] * (size_t)floats;
@@ -141,12 +142,16 @@ TY_FN void add_cells(const ty_pop_light* light, int32_t floats, const places* p,
             upper = BLEND(one_cell, at + floats);
         }
         const one_cell cell = lower + share * (upper - lower);
-        const half_cell way = *(const half_cell*)(ways + stride * (size_t)n);
-        one_cell* sum = (one_cell*)(sums + (size_t)TY_POP_MERGE_SUMS * (size_t)n);
-        sum[0] += __builtin_shufflevector(cell, cell, 0, 1, 2, 3, 4, 5, 5, 7) *
-                  __builtin_shufflevector(way, way, 0, 0, 0, 0, 0, 0, 3, 0);
-        sum[1] += __builtin_shufflevector(cell, cell, 3, 4, 5, 3, 4, 5, 3, 4) *
-                  __builtin_shufflevector(way, way, 1, 1, 1, 2, 2, 2, 3, 3);
+        if (ways != NULL) {
+            const half_cell way = *(const half_cell*)(ways + stride * (size_t)n);
+            one_cell* sum = (one_cell*)(sums + (size_t)TY_POP_MERGE_SUMS * (size_t)n);
+            sum[0] += __builtin_shufflevector(cell, cell, 0, 1, 2, 3, 4, 5, 5, 7) *
+                      __builtin_shufflevector(way, way, 0, 0, 0, 0, 0, 0, 3, 0);
+            sum[1] += __builtin_shufflevector(cell, cell, 3, 4, 5, 3, 4, 5, 3, 4) *
+                      __builtin_shufflevector(way, way, 1, 1, 1, 2, 2, 2, 3, 3);
+        } else {
+            *(one_cell*)(sums + (size_t)TY_POP_MERGE_STILL * (size_t)n) += cell;
+        }
         if (floats == TY_POP_SEEN || left == NULL) continue;
         const half_cell below = BLEND(half_cell, at + TY_POP_SEEN), above = BLEND(half_cell, at + floats + TY_POP_SEEN);
         *(half_cell*)(left + 4 * (size_t)n) += below + share * (above - below);
@@ -164,12 +169,15 @@ static void merge(const ty_pop_light* light, const ty_pop_merge_rows* rows) {
         place_radial(light, rows, &p);
     else
         place_parallel(&light->frame, rows, &p);
+    const float* ways = rows->flux == 0 ? NULL : radial ? p.way[0] : way;
     if (light->floats != TY_POP_SEEN)
-        add_cells(light, TY_POP_SEEN_LEFT, &p, radial ? p.way[0] : way, radial ? 4 : 0, rows);
+        add_cells(light, TY_POP_SEEN_LEFT, &p, ways, radial ? 4 : 0, rows);
+    else if (ways == NULL)
+        add_cells(light, TY_POP_SEEN, &p, NULL, 0, rows);
     else if (radial)
-        add_cells(light, TY_POP_SEEN, &p, p.way[0], 4, rows);
+        add_cells(light, TY_POP_SEEN, &p, ways, 4, rows);
     else
-        add_cells(light, TY_POP_SEEN, &p, way, 0, rows);
+        add_cells(light, TY_POP_SEEN, &p, ways, 0, rows);
 }
 
 /* A sixth of each neighbour's light comes in, less what half of either cell absorbs. */

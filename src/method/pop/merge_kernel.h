@@ -5,10 +5,11 @@
 #include "method/pop/grid.h"
 
 enum {
-    TY_POP_MERGE_RUN = 64, /* cells of a row at most */
-    TY_POP_MERGE_ROWS = 4, /* at most, at once: what is known of their places before the first of them is added */
-    TY_POP_MERGE_SUMS = 16 /* floats of a merged cell: seen (R, G, B), fluence (R, G, B), blue flux along z, 1 unused,
-                              flux along x (R, G, B), along y (R, G, B), along z (R, G) */
+    TY_POP_MERGE_RUN = 64,  /* cells of a row at most */
+    TY_POP_MERGE_ROWS = 8,  /* at most, at once: what is known of their places before the first of them is added */
+    TY_POP_MERGE_SUMS = 16, /* floats of a merged cell: seen (R, G, B), fluence (R, G, B), blue flux along z, 1 unused,
+                               flux along x (R, G, B), along y (R, G, B), along z (R, G) */
+    TY_POP_MERGE_STILL = 8  /* the same without flux: the first six and 2 unused */
 };
 
 /* Rows of merged cells along x, one after another along y. */
@@ -16,7 +17,8 @@ typedef struct ty_pop_merge_rows {
     int32_t count, rows; /* cells of a row */
     ty_vec first;        /* the middle of the first, m */
     float step[2];       /* from one middle to the next along x and y, m */
-    float* sums;         /* TY_POP_MERGE_SUMS a cell, aligned to 64 bytes */
+    int32_t flux;        /* whether it is asked for */
+    float* sums;         /* TY_POP_MERGE_SUMS or _STILL a cell, aligned to 64 bytes */
     float* left;         /* 4 a cell: not passed on (R, G, B), 1 unused; NULL: not asked for */
 } ty_pop_merge_rows;
 

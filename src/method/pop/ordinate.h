@@ -51,8 +51,13 @@ ty_result ty_pop_ordinates_hand_over(ty_context* context, ty_pop_ordinate* items
 ty_result ty_pop_vpls_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
                              ty_pop_ordinate** out, int32_t* count);
 
-/* Sec. 5.2. map: TY_POP_IMPORTANCE_WIDTH x _HEIGHT, mean 1 over the sphere; smoothed, and mixed with def->history,
- * which is updated. */
+/* Sec. 5.2, on a grid of 16^3 cells in the part of the camera's frustum that sees the medium's box. Importance goes
+ * from the eye as light goes from an ordinate (U, R and S of ty_pop_sweep), to where surfaces end it; what a cell
+ * scatters towards the eye of light from a direction counts by the transmittance of that way out, reduced as ordinates'
+ * is, and what it turns aside by that of diffusion, 1 / (1 + 3/4 tau). map: TY_POP_IMPORTANCE_WIDTH x _HEIGHT, mean 1
+ * over the sphere, turned as an environment of rotation 0; smoothed over about a texel, and where def->history has a
+ * map half of it is that. It is updated. All 1 where the camera sees nothing that scatters. medium: a coarse one is
+ * quicker, and of a fine one only some cells are looked at. Errors: TY_ERROR_MEMORY. */
 ty_result ty_pop_importance_find(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
                                  float* map);
 

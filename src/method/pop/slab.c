@@ -35,11 +35,11 @@ static bool find_multiples(const ty_pop_grid_kernels* kernels, const ty_grid_med
         const float* const planes[2] = {medium->extinction[p], medium->scattering[p]};
         for (int i = 0; i < 2; ++i) {
             slab->multiple[i][p] = planes[i][most] / density[most];
-            if (kernels->misfit(planes[i], density, slab->multiple[i][p], cells) > 1e-6f * planes[i][most])
+            if (kernels->misfit(planes[i], density, slab->multiple[i][p], 1e-6f * planes[i][most], cells) > 0)
                 return false;
         }
         slab->usual_g[p] = medium->g[p][most];
-        if (kernels->unevenness(medium->g[p], medium->scattering[p], slab->usual_g[p], cells) > 1e-6f) return false;
+        if (kernels->unevenness(medium->g[p], medium->scattering[p], slab->usual_g[p], 1e-6f, cells) > 0) return false;
     }
     return true;
 }

@@ -24,9 +24,13 @@ size_t ty_pop_lobe_floats(const ty_pop_frame* frame, const ty_pop_def* def, int3
     return (size_t)planes * arrays * ty_pop_cells(frame);
 }
 
-/* Slices have a ring of cells without medium around them. */
+/* Slices have a ring of cells without medium around them, and cells of no meaning at the end, so that they begin where
+ * vectors do. */
+enum { LANES = 16 };
+
 static size_t slice_floats(const ty_pop_frame* frame) {
-    return ((size_t)frame->size[0] + 2) * ((size_t)frame->size[1] + 2);
+    const size_t cells = ((size_t)frame->size[0] + 2) * ((size_t)frame->size[1] + 2);
+    return (cells + LANES - 1) / LANES * LANES;
 }
 
 size_t ty_pop_scratch_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes) {
@@ -53,8 +57,9 @@ typedef struct walk {
     int32_t iterations, row;
     size_t slice, all; /* floats of a slice and of an array */
     plane_arrays planes[3];
-    float *cosine, *fluence, *seen, *mu;
+    float *cosine, *fluence, *seen, *tilt;
     ty_pop_handed handed[3]; /* of slices, by turns */
+    ty_pop_handed nothing;   /* what comes from beyond the ends of the grid */
     ty_pop_columns columns;
     ty_pop_slab slab;
     ty_pop_transmittance through;
@@ -93,13 +98,15 @@ static void lay_out(walk* w, float* scratch) {
         plane->pass[1] = plane->pass[0];
         plane->keep[1] = plane->keep[0];
     }
-    float** const shared[TY_POP_WALK_ARRAYS] = {&w->cosine, &w->fluence, &w->seen, &w->mu};
+    float** const shared[TY_POP_WALK_ARRAYS] = {&w->cosine, &w->fluence, &w->seen, &w->tilt};
     for (int a = 0; a < TY_POP_WALK_ARRAYS; ++a) *shared[a] = take_floats(&scratch, w->all);
     for (int i = 0; i < 3; ++i) {
         ty_pop_handed* h = &w->handed[i];
         float** const handed[6] = {&h->front, &h->side, &h->back, &h->front_turned, &h->side_turned, &h->back_turned};
         for (int a = 0; a < 6; ++a) *handed[a] = take_floats(&scratch, w->slice);
     }
+    float* nothing = take_floats(&scratch, w->slice);
+    w->nothing = (ty_pop_handed){nothing, nothing, nothing, nothing, nothing, nothing};
 }
 
 /* Where a row of cells is. */
@@ -135,6 +142,7 @@ static void start_plane(walk* w, int32_t p, int32_t k) {
 }
 
 static void start_columns(walk* w) {
+    float tilt[TY_POP_BLOCK]; /* 2 (1 - mu) */
     const ty_pop_frame* frame = &w->light->frame;
     ty_pop_transmittance_begin(w->kernels, 1, &w->slab, &w->through);
     for (int32_t p = 0; p < w->medium->planes; ++p) w->through.mean[p][0] = w->mean[p];
@@ -143,7 +151,8 @@ static void start_columns(walk* w) {
         w->kernels->light(&w->slab);
         w->kernels->pass(&w->slab, &w->through);
         w->kernels->look(&w->slab, &w->look);
-        store(w, w->look.mu, k, w->mu);
+        for (int32_t i = 0; i < w->columns.count; ++i) tilt[i] = 2 * (1 - w->look.mu[i]);
+        store(w, tilt, k, w->tilt);
         for (int32_t p = 0; p < w->medium->planes; ++p) start_plane(w, p, k);
     }
 }
@@ -165,13 +174,8 @@ static ty_pop_half_cells half_cells(const plane_arrays* plane, size_t at) {
     return (ty_pop_half_cells){{plane->pass[0] + at, plane->pass[1] + at}, {plane->keep[0] + at, plane->keep[1] + at}};
 }
 
-/* Beyond the ends of the grid there is nothing. */
 static void give_slice(const walk* w, const plane_arrays* plane, int32_t k) {
-    const ty_pop_handed* out = &w->handed[(k + 3) % 3];
-    if (k < 0 || k >= w->light->frame.size[2]) {
-        memset(out->front, 0, 6 * w->slice * sizeof *out->front);
-        return;
-    }
+    const ty_pop_handed* out = &w->handed[k % 3];
     const size_t at = w->slice * (size_t)k;
     const ty_pop_give give = {(int32_t)w->slice, half_cells(plane, at), plane->light + at, w->cosine + at, *out};
     w->kernels->give(&give);
@@ -180,16 +184,19 @@ static void give_slice(const walk* w, const plane_arrays* plane, int32_t k) {
     wrap_side(w, out->side_turned);
 }
 
+/* Whole vectors, about all rows but the first and last: what they read beyond a slice's sides is in arrays next to it,
+ * and counts 0 times. */
 static void take_slice(const walk* w, const plane_arrays* plane, int32_t k) {
     const size_t at = w->slice * (size_t)k;
+    const int32_t end = w->row * (w->light->frame.size[1] + 1), last = w->light->frame.size[2] - 1;
     const ty_pop_take take = {.row = w->row,
-                              .begin = w->row,
-                              .end = (int32_t)w->slice - w->row,
+                              .begin = w->row / LANES * LANES,
+                              .end = (end + LANES - 1) / LANES * LANES,
                               .half = half_cells(plane, at),
-                              .before = w->handed[(k + 2) % 3],
+                              .before = k > 0 ? w->handed[(k + 2) % 3] : w->nothing,
                               .beside = w->handed[k % 3],
-                              .after = w->handed[(k + 1) % 3],
-                              .mu = w->mu + at,
+                              .after = k < last ? w->handed[(k + 1) % 3] : w->nothing,
+                              .tilt = w->tilt + at,
                               .again = plane->again + at,
                               .light = plane->light + at,
                               .cosine = w->cosine + at,
@@ -200,10 +207,9 @@ static void take_slice(const walk* w, const plane_arrays* plane, int32_t k) {
 
 /* A slice takes once those around it have handed on what they had. */
 static void iterate(const walk* w, const plane_arrays* plane) {
-    give_slice(w, plane, -1);
     give_slice(w, plane, 0);
     for (int32_t k = 0; k < w->light->frame.size[2]; ++k) {
-        give_slice(w, plane, k + 1);
+        if (k + 1 < w->light->frame.size[2]) give_slice(w, plane, k + 1);
         take_slice(w, plane, k);
     }
 }
@@ -246,7 +252,7 @@ static void begin_plane(const walk* w, int32_t p) {
                                 .uncollided = plane->uncollided,
                                 .light = plane->light,
                                 .again = plane->again,
-                                .mu = w->mu,
+                                .tilt = w->tilt,
                                 .cosines = w->cosine,
                                 .fluence = w->fluence,
                                 .seen = w->seen};
@@ -255,26 +261,28 @@ static void begin_plane(const walk* w, int32_t p) {
     if (collided) keep_band(w, p, 0);
 }
 
-/* A row of a plane's share of `seen`, for channels p..end. */
-static void write_row(const walk* w, int32_t p, int32_t end, size_t at, float* seen) {
+/* A row of channel c's share of `seen`. */
+static void write_row(const walk* w, int32_t c, size_t at, float* seen) {
     const ty_pop_light* light = w->light;
-    const float* left = w->planes[p].light + at;
-    const bool keeps = light->floats == TY_POP_SEEN_LEFT;
-    for (int32_t i = 0; i < light->frame.size[0]; ++i, seen += light->floats)
-        for (int32_t c = p; c < end; ++c) {
-            seen[c] = light->ordinate.color[c] * w->seen[at + (size_t)i];
-            seen[3 + c] = light->ordinate.color[c] * w->fluence[at + (size_t)i];
-            if (keeps) seen[8 + c] = light->ordinate.color[c] * left[i];
-        }
+    const float *left = w->planes[light->planes == 3 ? c : 0].light + at, *radiance = w->seen + at;
+    const float *fluence = w->fluence + at, color = light->ordinate.color[c];
+    const int32_t n = light->frame.size[0], floats = light->floats;
+    for (int32_t i = 0; i < n; ++i) {
+        seen[floats * i + c] = color * radiance[i];
+        seen[floats * i + 3 + c] = color * fluence[i];
+    }
+    for (int32_t i = 0; i < n && floats == TY_POP_SEEN_LEFT; ++i) seen[floats * i + 8 + c] = color * left[i];
 }
 
 static void end_plane(const walk* w, int32_t p) {
     const ty_pop_frame* frame = &w->light->frame;
-    const int32_t ring = ty_pop_ring(frame), row = frame->size[0] + 2 * ring;
-    for (int32_t k = 0; k < frame->size[2]; ++k)
+    const int32_t ring = ty_pop_ring(frame), row = frame->size[0] + 2 * ring, end = w->light->planes == 3 ? p + 1 : 3;
+    for (int32_t k = 0; k < frame->size[2]; ++k) {
+        float* slab = ty_pop_seen_slab(w->light, k);
         for (int32_t j = 0; j < frame->size[1]; ++j)
-            write_row(w, p, w->light->planes == 3 ? p + 1 : 3, place_of(w, j, k),
-                      ty_pop_seen_slab(w->light, k) + (size_t)w->light->floats * (size_t)(ring + row * (j + ring)));
+            for (int32_t c = p; c < end; ++c)
+                write_row(w, c, place_of(w, j, k), slab + (size_t)w->light->floats * (size_t)(ring + row * (j + ring)));
+    }
 }
 
 /* Fluence times volume of what plane p has not passed on, over cells and the plane's channels. */
