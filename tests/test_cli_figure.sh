@@ -68,7 +68,7 @@ test_ordinates() {
     figure_files "pop-$name"
   done
   said made/pop-lobes.csv '^"g 0.7, split",mean ratio of fluence,1,[0-9.]+,1,0\.07$'
-  said made/pop-lobes.csv '^"g 0.96, published",mean ratio of fluence,1,[0-9.]+,4\.2,$'
+  said made/pop-lobes.csv '^"g 0.96, published, 16 iterations",mean ratio of fluence,1,[0-9.]+,4\.2,$'
   said made/pop-residuum.csv '^full propagation,iterations,1,1000,,$'
   said made/pop-iterations.csv '^1024 iterations,light not yet propagated,1,[0-9.e-]+,,$'
   said made/pop-ordinates.csv '^"216 ordinates, with importance",mean ratio,1,[0-9.]+,,$'

@@ -5,7 +5,16 @@
 #include <math.h>
 #include <string.h>
 
-enum { ORDINATES = 64, RESOLUTION = 20, ITERATIONS = 10, WIDTH = 1024, RUNS_MAX = 99, SCALES = 3, MODES = 2 };
+enum {
+    ORDINATES = 64,
+    RESOLUTION = 20,
+    ITERATIONS = 10,
+    RESIDUUM_ITERATIONS = 20,
+    WIDTH = 1024,
+    RUNS_MAX = 99,
+    SCALES = 3,
+    MODES = 2
+};
 
 /* The coefficients of the paper's smoke (Fig. 11), in 10 m of it. */
 static const char scene_text[] =
@@ -86,6 +95,7 @@ static ty_pop_def typical_def(const bench_session* bench, ty_pop_mode mode) {
     def.ordinates = ORDINATES;
     def.resolution = RESOLUTION;
     def.iterations = ITERATIONS;
+    def.residuum_iterations = RESIDUUM_ITERATIONS; /* as in Fig. 8 */
     def.width = bench->options->size_given ? bench->options->size[0] : WIDTH;
     def.height = bench->options->size_given ? bench->options->size[1] : WIDTH;
     return def;
