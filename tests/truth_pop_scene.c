@@ -108,7 +108,8 @@ static bool is_near(ty_context* context, const scene_case* c, const char* what) 
 static const char cloud[] = "volumes/wdas_cloud_sixteenth.vdb", plume[] = "volumes/plume/plume_0042.vdb";
 static const char dawn[] = "hdri/kiara_1_dawn_1k.hdr";
 
-/* The sun alone, or a photographed sky: overrides for a scene whose first light is an environment. */
+/* The sun alone, which path tracing takes more samples for, or a photographed sky: overrides for a scene whose first
+ * light is an environment. */
 static void check_lights(ty_context* context, const char* path, const char* data, int32_t width, int32_t height) {
     static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.75,-0.5,-0.1],\"irradiance\":3}";
     static const double anisotropies[] = {0.7, 0.9};
@@ -117,7 +118,7 @@ static void check_lights(ty_context* context, const char* path, const char* data
     snprintf(sky, sizeof sky, "lights[0]={\"type\":\"environment\",\"file\":\"%s\"}", data_path(dawn, file));
     for (int i = 0; i < 2; ++i) {
         snprintf(g, sizeof g, ANISOTROPY, anisotropies[i]);
-        const scene_case cases[2] = {{path, data, {DENSITY, g, sun}, width, height, 128, 0, 0},
+        const scene_case cases[2] = {{path, data, {DENSITY, g, sun}, width, height, 1024, 0, 0},
                                      {path, data, {DENSITY, g, sky}, width, height, 128, 0, 0}};
         near = is_near(context, &cases[0], "sun") && near;
         near = is_near(context, &cases[1], "photographed sky") && near;
