@@ -82,7 +82,8 @@ int cli_bench(int count, char** arguments) {
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &options.json, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, NULL},
-        {"size", 0, CLI_SIZE, "WxH", "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million; "
+        {"size", 0, CLI_SIZE, "WxH",
+         "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million; "
          "fld, pop: 1024x1024)",
          options.size, 0, 0, &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, NULL},
