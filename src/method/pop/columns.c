@@ -50,6 +50,11 @@ static void cut(const ty_grid_box* box, const column_ray* ray, float* enter, flo
 
 /* ---- intensity ---- */
 
+static float across_of(const ty_pop_frame* frame, int32_t column) {
+    if (frame->kind == TY_POP_PARALLEL) return frame->step.x * frame->step.y;
+    return ty_octahedral_angle(ty_pop_way(frame, column % frame->size[0], column / frame->size[0]), frame->size[0]);
+}
+
 static float profile_of(const ty_scene_view* view, const ty_pop_ordinate* ordinate, const column_ray* ray) {
     if (ordinate->kind == TY_POP_PARALLEL || ordinate->profile == TY_POP_EVEN) return 1;
     const ty_vec way = ty_vec_make((float)ray->way[0], (float)ray->way[1], (float)ray->way[2]);
@@ -176,6 +181,7 @@ void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, c
         }
         if (view == NULL) continue;
         const column_ray lit = lit_ray(frame, ordinate, &ray);
+        columns->across[i] = across_of(columns->frame, first + i);
         columns->profile[i] = profile_of(view, ordinate, &lit);
     }
     if (columns->shaded != 0) trace_all(scene, &medium->box, light, columns);

@@ -20,6 +20,7 @@ typedef struct ty_pop_columns {
     float enter[TY_POP_BLOCK];   /* where the medium's box begins and ends; both 0: it is not met */
     float leave[TY_POP_BLOCK];
     float profile[TY_POP_BLOCK];          /* of intensity */
+    float across[TY_POP_BLOCK];           /* what a column covers: m^2, of radial grids sr */
     float hit[TY_POP_RAYS][TY_POP_BLOCK]; /* how far rays near by get before they meet a surface */
 } ty_pop_columns;
 

@@ -36,6 +36,12 @@ TY_FN ty_vec ty_octahedral_direction(float u, float v) {
     return ty_scale(d, 1.0f / sqrtf(ty_dot(d, d)));
 }
 
+/* The solid angle of a cell about a direction, sr, on a map of n x n cells. */
+TY_FN float ty_octahedral_angle(ty_vec d, int32_t n) {
+    const float sum = fabsf(d.x) + fabsf(d.y) + fabsf(d.z), side = 2.0f / (float)n;
+    return sum * sum * sum * side * side;
+}
+
 /* And back, for any vector but 0. */
 TY_FN void ty_octahedral_map(ty_vec d, float* u, float* v) {
     const float scale = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z));

@@ -6,13 +6,14 @@
 #include "method/pop/frame.k.h"
 
 /* Floats of a cell of `seen`. */
-enum { TY_POP_SEEN = 8, TY_POP_SEEN_LEFT = 12 };
+enum { TY_POP_SEEN = 8, TY_POP_SEEN_LEFT = 12, TY_POP_WEIGHT = 6 };
 
 /* What merging needs of each cell, in this order: radiance that scatters towards the eye per scattering coefficient (R,
  * G, B; W m^-2 sr^-1), fluence of light that has kept its direction (R, G, B; W m^-2; propagated: of all that went
- * through the cell), 2 unused; of propagated light fluence not yet passed on (R, G, B), 1 unused. In radial grids all
- * are times the square of the distance, m^2. Radial grids have a ring of one cell around i and j, which repeats
- * what lies across the map's edges, so that all cells can be looked up between. */
+ * through the cell), split: the cell's weight, which all of these are multiplied by, else unused; 1 unused; of
+ * propagated light fluence not yet passed on (R, G, B), 1 unused. In radial grids all are times the square of the
+ * distance, m^2. Radial grids have a ring of one cell around i and j, which repeats what lies across the map's edges,
+ * so that all cells can be looked up between. */
 typedef struct ty_pop_light {
     ty_pop_ordinate ordinate;
     ty_pop_frame frame;
@@ -26,8 +27,9 @@ typedef struct ty_pop_light {
     size_t lobe_floats;
     /* Set by what fills in the light: */
     ty_pop_mode mode;
-    int32_t bands;  /* propagated: TY_POP_BANDS at most */
-    int32_t planes; /* of the medium */
+    int32_t bands;    /* propagated: TY_POP_BANDS at most */
+    double turned[3]; /* split: W that scattering turned aside in the box, per channel */
+    int32_t planes;   /* of the medium */
 } ty_pop_light;
 
 /* Iterations are kept in bands: 1, 2, 3-4, 5-8, ... so that few of them hold all. */
@@ -70,7 +72,7 @@ void ty_pop_walk(const ty_scene* scene, const ty_pop_def* def, const ty_grid_med
  * `step`, m, at least as many as cells along the direction. */
 int32_t ty_pop_walk_length(const ty_pop_def* def, const ty_grid_medium* medium, float cosine, float step);
 
-/* Fills in `seen` anew from kept lobes for another eye. */
+/* Fills in `seen` anew from kept lobes for another eye; of propagated light what scatters towards it alone. */
 void ty_pop_see(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light);
 
 /* Adds to radiance (3) what at a point travels along a unit vector and has scattered, from kept lobes; uncollided (3;

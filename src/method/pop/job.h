@@ -27,6 +27,7 @@ struct ty_pop {
     int32_t count;
     ty_pop_merged merged;      /* all of them */
     ty_pop_merged residuum;    /* published modes: what their isotropic rest brings */
+    float scale[3];            /* split mode: of merged cells, so that they hold the ordinates' energy */
     size_t cells;              /* of both */
     ty_diffuse_light* diffuse; /* split mode */
     float* guide;              /* mean extinction of merged cells, 1/m */

@@ -1,6 +1,7 @@
 /* All ordinates of a scene, each on its own grid, and all of them on merged cells. */
 #include "base/context.h"
 #include "base/parallel.h"
+#include "direct/turned.h"
 #include "method/pop/job.h"
 
 #include <math.h>
@@ -190,6 +191,36 @@ static ty_result run_batches(batch* b, ty_parallel_fn run) {
     return TY_OK;
 }
 
+/* ---- split mode: energy ---- */
+
+/* Cells beside each other in light and shade share some of it when they are merged; all together they get what was
+ * turned aside on the ordinates' own cells. */
+static const float scale_least = 0.25f, scale_most = 4;
+
+static void scale_merged(ty_pop* light) {
+    for (int c = 0; c < 3; ++c)
+        for (size_t i = 0; i < light->cells; ++i) {
+            light->merged.fluence[c][i] *= light->scale[c];
+        }
+}
+
+static void balance(ty_pop_job* job) {
+    ty_pop* light = job->light;
+    const ty_grid_medium* medium = job->medium;
+    const double volume = medium->cell[0] * medium->cell[1] * medium->cell[2];
+    for (int32_t c = 0; c < 3; ++c) {
+        const int32_t p = medium->planes == 3 ? c : 0;
+        double merged = 0, own = 0;
+        for (int32_t i = 0; i < light->count; ++i) own += light->ordinates[i].turned[c];
+        for (size_t i = 0; i < light->cells; ++i)
+            merged += (double)(ty_turned_coefficient(medium->scattering[p][i], medium->g[p][i]) *
+                               light->merged.fluence[c][i]) *
+                      volume;
+        light->scale[c] = merged > 0 ? ty_clampf((float)(own / merged), scale_least, scale_most) : 1;
+    }
+    scale_merged(light);
+}
+
 /* ---- modes published and collided: how long, and what is left ---- */
 
 static int32_t walk_length(const ty_pop_job* job) {
@@ -245,6 +276,7 @@ ty_result ty_pop_light_ordinates(ty_pop_job* job) {
     if (result == TY_OK) result = ty_pop_merged_create(job->context, &job->medium->box, !split, &light->merged);
     if (result != TY_OK || light->count == 0) return result;
     result = light_grids(job);
+    if (result == TY_OK && split) balance(job);
     if (result == TY_OK && !split && job->def->residuum > 0) result = pass_on_the_rest(job);
     if (!split) {
         job->stats.left = job->entered > 0 ? job->stats.left / job->entered : 0;
@@ -266,12 +298,14 @@ ty_result ty_pop_see_from(ty_pop* light, const float eye[3]) {
     batch b = {.job = &job, .floats = light->def.mode == TY_POP_MODE_SPLIT ? TY_POP_SEEN : TY_POP_SEEN_LEFT};
     memcpy(light->eye, eye, sizeof light->eye);
     if (light->count == 0) return TY_OK;
+    const bool split = light->def.mode == TY_POP_MODE_SPLIT;
     for (int c = 0; c < 3; ++c) {
         memset(light->merged.seen[c], 0, light->cells * sizeof(float));
-        memset(light->merged.fluence[c], 0, light->cells * sizeof(float));
+        if (split) memset(light->merged.fluence[c], 0, light->cells * sizeof(float));
     }
     ty_result result = begin_batch(&b);
     if (result == TY_OK) result = run_batches(&b, see_one);
+    if (result == TY_OK && split) scale_merged(light);
     end_batch(&b);
     return result;
 }

@@ -55,7 +55,10 @@ static void see_slab(const ty_pop_grid_kernels* kernels, glance* g, int32_t k) {
             for (size_t order = 0; order < 3; ++order) g->look.mean[p][order] = array_of(g, 3 * p + order, k);
         kernels->scatter(&g->slab, &g->look);
     }
-    write_radiance(g, k);
+    if (g->light->mode == TY_POP_MODE_SPLIT)
+        ty_pop_write_seen(g->light, &g->slab, &g->look, k);
+    else
+        write_radiance(g, k);
 }
 
 void ty_pop_see(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light) {
@@ -64,6 +67,7 @@ void ty_pop_see(const ty_grid_medium* medium, const float eye[3], ty_pop_light* 
     const unsigned state = ty_flush_denormals();
     ty_pop_slab_setup(kernels, medium, &g.columns, &g.slab);
     ty_pop_look_setup(medium, eye, light, &g.look);
+    memset(light->seen, 0, ty_pop_seen_floats(&light->frame, light->floats) * sizeof *light->seen);
     for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += g.columns.count) {
         ty_pop_columns_begin(NULL, medium, light, first, &g.columns);
         for (int32_t k = 0; k < light->frame.size[2]; ++k) see_slab(kernels, &g, k);

@@ -19,12 +19,14 @@ typedef struct places {
     _Alignas(64) int32_t base[ROOM];
     float share[ROOM];
     float weight[4][ROOM];
+    float spread[ROOM];  /* what these sum up to */
     float way[CELLS][4]; /* radial: 1 and the way of the light */
     int32_t step[3];     /* to the upper cells */
 } places;
 
 TY_FN void weigh(int32_t cell, float j, float k, float spread, places* p) {
     const float both = j * k;
+    p->spread[cell] = spread;
     p->weight[0][cell] = spread * (1.0f - j - k + both);
     p->weight[1][cell] = spread * (j - both);
     p->weight[2][cell] = spread * (k - both);
@@ -122,8 +124,8 @@ static void place_radial(const ty_pop_light* light, const ty_pop_merge_rows* row
 
 /* Adds what a light has at rows' cells. ways: 1 and the way of the light, every `stride` floats; NULL: flux
  * is not asked for. */
-TY_FN void add_cells(const ty_pop_light* light, int32_t floats, const places* p, const float* ways, size_t stride,
-                     const ty_pop_merge_rows* rows) {
+TY_FN void add_cells(const ty_pop_light* light, int32_t floats, bool weighted, const places* p, const float* ways,
+                     size_t stride, const ty_pop_merge_rows* rows) {
     const size_t j = (size_t)p->step[1] * (size_t)floats, k = (size_t)p->step[2] * (size_t)floats;
     const int32_t count = rows->count * rows->rows;
     const float* seen = light->seen;
@@ -141,7 +143,8 @@ TY_FN void add_cells(const ty_pop_light* light, int32_t floats, const places* p,
             lower = BLEND(one_cell, at);
             upper = BLEND(one_cell, at + floats);
         }
-        const one_cell cell = lower + share * (upper - lower);
+        one_cell cell = lower + share * (upper - lower);
+        if (weighted) cell *= p->spread[n] / ty_maxf(cell[TY_POP_WEIGHT], 1e-30f);
         if (ways != NULL) {
             const half_cell way = *(const half_cell*)(ways + stride * (size_t)n);
             one_cell* sum = (one_cell*)(sums + (size_t)TY_POP_MERGE_SUMS * (size_t)n);
@@ -171,13 +174,13 @@ static void merge(const ty_pop_light* light, const ty_pop_merge_rows* rows) {
         place_parallel(&light->frame, rows, &p);
     const float* ways = rows->flux == 0 ? NULL : radial ? p.way[0] : way;
     if (light->floats != TY_POP_SEEN)
-        add_cells(light, TY_POP_SEEN_LEFT, &p, ways, radial ? 4 : 0, rows);
+        add_cells(light, TY_POP_SEEN_LEFT, false, &p, ways, radial ? 4 : 0, rows);
     else if (ways == NULL)
-        add_cells(light, TY_POP_SEEN, &p, NULL, 0, rows);
+        add_cells(light, TY_POP_SEEN, true, &p, NULL, 0, rows);
     else if (radial)
-        add_cells(light, TY_POP_SEEN, &p, ways, 4, rows);
+        add_cells(light, TY_POP_SEEN, true, &p, ways, 4, rows);
     else
-        add_cells(light, TY_POP_SEEN, &p, ways, 0, rows);
+        add_cells(light, TY_POP_SEEN, true, &p, ways, 0, rows);
 }
 
 /* A sixth of each neighbour's light comes in, less what half of either cell absorbs. */

@@ -182,6 +182,8 @@ static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_
     march.lights = light->lights;
     march.light_count = light->light_count;
     march.reduced = true;
+    march.guided = 0;
+    march.keeps_means = true;
     march.unscattered = def->unscattered;
     march.progress = ty_part_report;
     march.progress_user = &progress;

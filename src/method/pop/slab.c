@@ -81,3 +81,27 @@ void ty_pop_look_setup(const ty_grid_medium* medium, const float eye[3], const t
     for (int a = 0; a < 3; ++a) look->eye[a] = (float)((double)eye[a] - medium->box.lower[a]);
     look->cosine = light->ordinate.cosine;
 }
+
+/* Merged cells take light most from where it scatters, not from vacuum beside it; cells of little depth count alike. */
+static const float least_weight = 0.05f;
+
+static float weight_of(const ty_pop_slab* slab, int32_t column) {
+    float depth = 0;
+    for (int32_t p = 0; p < slab->medium->planes; ++p) depth += slab->extinction[p][column] * slab->length[column];
+    return least_weight + depth / (float)slab->medium->planes;
+}
+
+void ty_pop_write_seen(const ty_pop_light* light, const ty_pop_slab* slab, const ty_pop_look* look, int32_t k) {
+    float* cells = ty_pop_seen_slab(light, k);
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        float* seen = cells + (size_t)light->floats * (size_t)slab->columns->cell[i];
+        const float weight = weight_of(slab, i);
+        for (int32_t c = 0; c < 3; ++c) {
+            const int32_t p = light->planes == 3 ? c : 0;
+            const float color = weight * light->ordinate.color[c];
+            seen[c] = color * look->radiance[p][i];
+            seen[3 + c] = color * look->mean[p][1][i];
+        }
+        seen[TY_POP_WEIGHT] = weight;
+    }
+}

@@ -14,6 +14,9 @@ void ty_pop_transmittance_begin(const ty_pop_grid_kernels* kernels, int32_t orde
                                 ty_pop_transmittance* transmittance);
 void ty_pop_look_setup(const ty_grid_medium* medium, const float eye[3], const ty_pop_light* light, ty_pop_look* look);
 
+/* Split mode: a slab's share of `seen`, from R and what of it scatters towards the eye. */
+void ty_pop_write_seen(const ty_pop_light* light, const ty_pop_slab* slab, const ty_pop_look* look, int32_t k);
+
 /* Cells of a grid without a ring. */
 size_t ty_pop_cells(const ty_pop_frame* frame);
 /* The first of the floats of slab k in `seen`. */

@@ -2,6 +2,7 @@
 #include "method/pop/slab.h"
 
 #include "base/float_mode.h"
+#include "direct/turned.h"
 
 typedef struct sweep {
     const ty_pop_grid_kernels* kernels;
@@ -27,16 +28,17 @@ static void place_means(sweep* s, int32_t k) {
         }
 }
 
-static void write_seen(const sweep* s, int32_t k) {
-    const ty_pop_light* light = s->light;
-    float* slab = ty_pop_seen_slab(light, k);
-    for (int32_t i = 0; i < s->columns.count; ++i) {
-        float* seen = slab + (size_t)light->floats * (size_t)s->columns.cell[i];
-        for (int32_t c = 0; c < 3; ++c) {
-            const int32_t p = light->planes == 3 ? c : 0;
-            seen[c] = light->ordinate.color[c] * s->look.radiance[p][i];
-            seen[3 + c] = light->ordinate.color[c] * s->look.mean[p][1][i];
+/* What the slab turns aside of the light. */
+static void add_turned(sweep* s) {
+    ty_pop_light* light = s->light;
+    for (int32_t c = 0; c < 3; ++c) {
+        const int32_t p = light->planes == 3 ? c : 0;
+        double sum = 0;
+        for (int32_t i = 0; i < s->columns.count; ++i) {
+            const float turned = ty_turned_coefficient(s->slab.scattering[p][i], s->slab.g[p][i]);
+            sum += (double)(turned * s->through.mean[p][1][i] * s->slab.length[i] * s->columns.across[i]);
         }
+        light->turned[c] += sum * (double)light->ordinate.color[c];
     }
 }
 
@@ -56,7 +58,8 @@ static void sweep_columns(sweep* s) {
         s->kernels->pass(&s->slab, &s->through);
         s->kernels->look(&s->slab, &s->look);
         s->kernels->scatter(&s->slab, &s->look);
-        write_seen(s, k);
+        ty_pop_write_seen(s->light, &s->slab, &s->look, k);
+        add_turned(s);
     }
 }
 
@@ -68,6 +71,7 @@ void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const flo
     light->mode = TY_POP_MODE_SPLIT;
     light->planes = medium->planes;
     light->bands = 0;
+    memset(light->turned, 0, sizeof light->turned);
     memset(light->seen, 0, ty_pop_seen_floats(&light->frame, light->floats) * sizeof *light->seen);
     begin(medium, eye, light, &s);
     for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += s.columns.count) {
