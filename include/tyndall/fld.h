@@ -57,7 +57,9 @@ typedef struct ty_fld_def {
 
     ty_fld_limiter limiter; /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
     double larsen_power;    /* n, 1..100; default 2 */
-    double streaming; /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go. Default 0.55, about
+    double streaming; /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go; 0 (default): 0.55,
+                         and up to 0.8 as the share of light grows that comes from lamps within the media's box. 0.55 is
+                         about
                          what light has where it leaves thick media for vacuum (0.5 if it left alike in all outward
                          directions, 1 / sqrt(3) in Milne's problem); 1: the paper's, true of light far from its
                          source */

@@ -67,7 +67,7 @@ typedef struct ty_pop_def {
     int32_t residuum_iterations; /* at most, 1..10000; 0 (default): until a thousandth of what came in is left */
 
     /* Mode split: as in ty_fld_def, on the merged grid. */
-    double streaming; /* default 0.55 */
+    double streaming; /* 0 (default): 0.5, and up to 0.8 by lamps within the media's box */
     double tolerance; /* default 3e-4 */
 
     uint64_t seed; /* of where ordinates, points and VPLs lie; default 0 */

@@ -76,14 +76,14 @@ static const struct {
     ty_diffusion_solver solver;
     double relaxation; /* of SOR: near the best for this problem and side */
     int32_t smallest, largest;
-    double streaming; /* 0: the method's */
+    double streaming; /* of limiters */
 } cases[] = {
-    {"linear, beam", fill_beam, TY_LIMITER_NONE, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0},
-    {"limited, beam", fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0},
+    {"linear, beam", fill_beam, TY_LIMITER_NONE, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0.55},
+    {"limited, beam", fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0.55},
     {"limited, beam, 1", fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 1},
-    {"linear, cloud", fill_cloud, TY_LIMITER_NONE, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0},
-    {"limited, cloud", fill_cloud, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 128, 0},
-    {"linear, beam, sor", fill_beam, TY_LIMITER_NONE, TY_DIFFUSION_SOR, 1.96, SOR_SIDE, SOR_SIDE, 0},
+    {"linear, cloud", fill_cloud, TY_LIMITER_NONE, TY_DIFFUSION_MULTIGRID, 0, 64, 256, 0.55},
+    {"limited, cloud", fill_cloud, TY_LIMITER_LEVERMORE_POMRANING, TY_DIFFUSION_MULTIGRID, 0, 64, 128, 0.55},
+    {"linear, beam, sor", fill_beam, TY_LIMITER_NONE, TY_DIFFUSION_SOR, 1.96, SOR_SIDE, SOR_SIDE, 1},
 };
 enum { CASES = sizeof cases / sizeof cases[0], SOR_CASE = CASES - 1, LINEAR_CASE = 0 };
 
@@ -103,7 +103,7 @@ static ty_diffusion_def make_def(int index, const problem* p) {
     def.absorption = p->absorption;
     def.source = p->source;
     def.limiter = cases[index].limiter;
-    def.streaming = cases[index].streaming > 0 ? cases[index].streaming : ty_default_fld_def().streaming;
+    def.streaming = cases[index].streaming;
     def.solver = cases[index].solver;
     def.tolerance = tolerance;
     if (cases[index].relaxation > 0) def.relaxation = cases[index].relaxation;

@@ -37,7 +37,6 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .solver = "multigrid",
                                                    .beam = "reduced",
                                                    .larsen_power = 2,
-                                                   .streaming = 0.55,
                                                    .relaxation = 1.85,
                                                    .tolerance = 3e-4,
                                                    .step = 1,
@@ -55,7 +54,6 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .shadow_texels = 128,
                                                    .clamp = 0.05,
                                                    .residuum = 0.1,
-                                                   .streaming = 0.55,
                                                    .tolerance = 3e-4,
                                                    .step = 1,
                                                    .spp = 1}};

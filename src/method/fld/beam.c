@@ -155,8 +155,8 @@ static ty_result find_sources(ty_fld_job* job) {
             result = TY_ERROR_MEMORY;
             break;
         }
-        ty_turned_find(job->fine, job->light->lights, job->light->light_count, c,
-                       job->def->beam == TY_FLD_BEAM_REDUCED, fine);
+        ty_turned_find(job->fine, job->light->lights, job->light->light_count, c, job->def->beam == TY_FLD_BEAM_REDUCED,
+                       fine);
         ty_grid_average(job->context, fine, job->fine->box.size, job->coarse->box.size, job->source[c]);
     }
     ty_free_array(job->context, fine, job->fine->cells, sizeof *fine);

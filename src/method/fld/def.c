@@ -8,7 +8,6 @@ ty_fld_def ty_default_fld_def(void) {
     return (ty_fld_def){.cookie = TY_DEF_COOKIE,
                         .limiter = TY_FLD_LIMITER_LEVERMORE_POMRANING,
                         .larsen_power = 2,
-                        .streaming = 0.55,
                         .relaxation = 1.85,
                         .tolerance = 3e-4,
                         .environment_beams = 64,
@@ -35,8 +34,8 @@ static ty_result check_solver(ty_context* context, const ty_fld_def* def) {
     if (result == TY_OK) result = check_choice(context, "fld.beam", (int32_t)def->beam, 2);
     if (result == TY_OK) result = ty_check_number(context, "fld.larsen_power", def->larsen_power, 1, 100);
     if (result == TY_OK) result = ty_check_number(context, "fld.sigma_eps", def->sigma_eps, 0, TY_COLOR_MAX);
-    if (result == TY_OK && !(def->streaming > 0 && def->streaming <= 1))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "fld.streaming: %g is outside (0, 1]", def->streaming);
+    if (result == TY_OK && !(def->streaming >= 0 && def->streaming <= 1))
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "fld.streaming: %g is outside [0, 1]", def->streaming);
     if (result == TY_OK) result = check_between(context, "fld.relaxation", def->relaxation, 0, 2);
     if (result == TY_OK) result = check_between(context, "fld.tolerance", def->tolerance, 0, 1);
     if (result == TY_OK) result = ty_check_number(context, "fld.iterations", def->iterations, 0, INT32_MAX);

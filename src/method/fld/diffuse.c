@@ -1,9 +1,26 @@
 /* The diffuse light: what fld's options say of its solves. */
+#include "direct/inside.h"
 #include "method/fld/job.h"
 
 #include <string.h>
 
-static ty_diffusion_def make_def(const ty_fld_def* fld) {
+/* Of light that comes from outside. */
+static const double streaming_outside = 0.55;
+
+static double own_streaming(const ty_fld_job* job) {
+    ty_inside sum = {0, 0};
+    for (int32_t i = 0; i < job->source_count; ++i) {
+        const ty_source* source = &job->sources[i];
+        if (source->kind == TY_SOURCE_BEAM)
+            ty_inside_add_beam(&sum, &job->fine->box, source->direction, source->color);
+        else
+            ty_inside_add_lamp(&sum, &job->fine->box, source->position, source->color);
+    }
+    return ty_inside_streaming(&sum, streaming_outside);
+}
+
+static ty_diffusion_def make_def(const ty_fld_job* job) {
+    const ty_fld_def* fld = job->def;
     static const ty_limiter limiters[] = {TY_LIMITER_NONE,    TY_LIMITER_SUM,    TY_LIMITER_MAX,
                                           TY_LIMITER_KERSHAW, TY_LIMITER_LARSEN, TY_LIMITER_LEVERMORE_POMRANING};
     static const ty_boundary_kind boundaries[] = {TY_BOUNDARY_MARSHAK, TY_BOUNDARY_DIRICHLET};
@@ -12,7 +29,7 @@ static ty_diffusion_def make_def(const ty_fld_def* fld) {
     def.least_extinction = fld->sigma_eps;
     def.limiter = limiters[fld->limiter];
     def.larsen_power = fld->larsen_power;
-    def.streaming = fld->streaming;
+    def.streaming = fld->streaming > 0 ? fld->streaming : own_streaming(job);
     for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[fld->boundary];
     def.solver = solvers[fld->solver];
     def.relaxation = fld->relaxation;
@@ -22,7 +39,7 @@ static ty_diffusion_def make_def(const ty_fld_def* fld) {
 }
 
 ty_result ty_fld_diffuse(ty_fld_job* job) {
-    const ty_diffusion_def def = make_def(job->def);
+    const ty_diffusion_def def = make_def(job);
     ty_fld_stats* stats = &job->stats;
     ty_diffuse_stats solved = {.converged = false};
     const ty_result result = ty_diffuse_light_solve(&def, job->def->beam == TY_FLD_BEAM_REDUCED, job->coarse,

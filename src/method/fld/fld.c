@@ -6,7 +6,6 @@
 #include "scene/scene.h"
 #include "solve/diffusion.h"
 
-
 /* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
 static const double medium_until = 0.15, direct_until = 0.5, solve_share = 0.5;
 

@@ -15,7 +15,6 @@ ty_pop_def ty_default_pop_def(void) {
                         .shadow_texels = 128,
                         .clamp = 0.05,
                         .residuum = 0.1,
-                        .streaming = 0.5,
                         .tolerance = 3e-4,
                         .spp = 1,
                         .step = 1};
@@ -48,8 +47,8 @@ static ty_result check_solve(ty_context* context, const ty_pop_def* def) {
     ty_result result = check_choice(context, "pop.iterations", def->iterations, 1, 10000);
     if (result == TY_OK) result = ty_check_number(context, "pop.residuum", def->residuum, 0, 1);
     if (result == TY_OK) result = check_choice(context, "pop.residuum_iterations", def->residuum_iterations, 1, 10000);
-    if (result == TY_OK && !(def->streaming > 0 && def->streaming <= 1))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop.streaming: %g is outside (0, 1]", def->streaming);
+    if (result == TY_OK && !(def->streaming >= 0 && def->streaming <= 1))
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop.streaming: %g is outside [0, 1]", def->streaming);
     if (result == TY_OK && !(def->tolerance > 0 && def->tolerance < 1))
         result = ty_fail(context, TY_ERROR_ARGUMENT, "pop.tolerance: %g is outside (0, 1)", def->tolerance);
     return result;

@@ -1,5 +1,6 @@
 /* Split mode: what turns aside of all light, and its diffusion. */
 #include "base/context.h"
+#include "direct/inside.h"
 #include "direct/turned.h"
 #include "method/pop/job.h"
 
@@ -14,11 +15,34 @@ static void turn_aside(ty_pop_job* job) {
     }
 }
 
+/* Of light that comes from outside. */
+static const double streaming_outside = 0.5;
+
+static double own_streaming(const ty_pop* light) {
+    const ty_grid_box* box = &light->merged.box;
+    ty_inside sum = {0, 0};
+    for (int32_t i = 0; i < light->light_count; ++i) {
+        const ty_source* source = &light->sources[i];
+        if (source->kind == TY_SOURCE_BEAM)
+            ty_inside_add_beam(&sum, box, source->direction, source->color);
+        else
+            ty_inside_add_lamp(&sum, box, source->position, source->color);
+    }
+    for (int32_t i = 0; i < light->count; ++i) {
+        const ty_pop_ordinate* ordinate = &light->ordinates[i].ordinate;
+        if (ordinate->kind == TY_POP_PARALLEL)
+            ty_inside_add_beam(&sum, box, ordinate->direction, ordinate->color);
+        else
+            ty_inside_add_lamp(&sum, box, ordinate->position, ordinate->color);
+    }
+    return ty_inside_streaming(&sum, streaming_outside);
+}
+
 ty_result ty_pop_diffuse(ty_pop_job* job) {
     ty_diffusion_def def = ty_default_diffusion_def();
     ty_diffuse_stats stats = {.converged = false};
     const double begun = ty_wall_seconds();
-    def.streaming = job->def->streaming;
+    def.streaming = job->def->streaming > 0 ? job->def->streaming : own_streaming(job->light);
     def.tolerance = job->def->tolerance;
     turn_aside(job);
     const ty_result result =

@@ -274,6 +274,7 @@ ty_result ty_pop_light_ordinates(ty_pop_job* job) {
     const bool split = job->def->mode == TY_POP_MODE_SPLIT;
     ty_result result = find_ordinates(job);
     if (result == TY_OK) result = ty_pop_merged_create(job->context, &job->medium->box, !split, &light->merged);
+    job->stats.converged = true;
     if (result != TY_OK || light->count == 0) return result;
     result = light_grids(job);
     if (result == TY_OK && split) balance(job);

@@ -18,7 +18,12 @@ typedef struct ordinate_list {
     int32_t count;
 } ordinate_list;
 
+static bool is_black(const float color[3]) {
+    return !(color[0] + color[1] + color[2] > 0);
+}
+
 static bool may_be_sharp(const ty_light_view* light) {
+    if (is_black(light->color)) return false;
     return light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT;
 }
 
@@ -28,10 +33,6 @@ bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light
     int32_t before = 0;
     for (int32_t i = 0; i < light; ++i) before += may_be_sharp(&set->lights[i]);
     return before < SHARP_MAX;
-}
-
-static bool is_black(const float color[3]) {
-    return !(color[0] + color[1] + color[2] > 0);
 }
 
 static ty_pop_ordinate* append(ordinate_list* list, const ty_source* source) {

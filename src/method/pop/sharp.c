@@ -49,6 +49,7 @@ static ty_result light_one(ty_pop_job* job, const ty_source* source, float* cons
             result = ty_uncollided_add_watched(job->scene, job->fine, extinction[f], source, 1, fields[f],
                                                ty_part_report, &job->progress);
     }
+    light->sources[light->light_count] = *source;
     if (result == TY_OK) describe(source, fields, &light->lights[light->light_count]);
     ++light->light_count;
     return result;
