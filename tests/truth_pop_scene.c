@@ -1,5 +1,5 @@
-/* Images by principal ordinates against path tracing, in absolute units, and against flux-limited diffusion on cells of
- * the same size, over blocks of pixels. */
+/* Images by principal ordinates against path tracing, in absolute units, and against flux-limited diffusion as it is by
+ * default, over blocks of pixels. */
 #include "truth_scene.h"
 
 #define ANISOTROPY "media[0].g=%g"
@@ -20,15 +20,13 @@ static ty_image* pop_image(const ty_scene* scene, const ty_pop_def* def, ty_pop_
     return image;
 }
 
-static ty_image* fld_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces, int32_t resolution) {
+static ty_image* fld_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces) {
     ty_fld_def def = ty_default_fld_def();
     ty_image* image = NULL;
     def.width = c->width;
     def.height = c->height;
     def.spp = 4;
     def.unscattered = surfaces;
-    def.resolution = resolution;
-    def.ratio = 1;
     must(ty_scene_context(scene), ty_fld_render(scene, &def, &image, NULL));
     return image;
 }
@@ -88,10 +86,7 @@ static bool is_near(ty_context* context, const scene_case* c, const char* what) 
     ty_pop_stats stats;
     def.unscattered = surfaces;
     ty_image* pop = pop_image(scene, &def, &stats);
-    int32_t longest = 0;
-    for (int a = 0; a < 3; ++a)
-        if (stats.merged_size[a] > longest) longest = stats.merged_size[a];
-    ty_image* fld = fld_image(scene, c, surfaces, longest);
+    ty_image* fld = fld_image(scene, c, surfaces);
     printf("%s, %s, %s, mean ratio / relative RMSE:\n", c->path, what, c->overrides[1]);
     const ty_difference of_pop = compare(context, "pop", pop, truth);
     const ty_difference of_fld = compare(context, "fld", fld, truth);

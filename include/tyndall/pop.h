@@ -35,22 +35,24 @@ typedef struct ty_pop_def {
     uint32_t cookie; /* set by ty_default_pop_def; checked */
     ty_pop_mode mode;
 
-    int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; default 20 */
+    int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; default 32 (the paper: 20); split
+                           mode has twice as many along the light */
     int32_t merged; /* cells of the grid that all ordinates are brought together in, along the longest side of the box
-                       around all media, 4..512; 0 (default): twice the resolution (Sec. 5.3) */
+                       around all media, 4..512; 0 (default): one and a half of the resolution, modes published and
+                           collided twice (Sec. 5.3) */
     bool sharp;     /* whether directional, point and spot lights (the first eight of them) go through cells as fine
                        as the medium's instead of grids of their own; default true; split mode alone */
     int32_t direct; /* these cells along the longest side, 4..1024; 0 (default): as the finest voxels, but 256 at
                        most; 64 where media have no voxels */
 
     int32_t ordinates; /* N, per environment light, 1..4096; default 64 */
-    double prefilter;  /* beta of Sec. 5.1, 0..16: a = (1 - w / N)^beta. Mode published: w / N is the share of the sphere
-                          that the ordinate stands for; else 1 - w / N is the mean cosine of its light, whatever its
-                          shape, which in an even environment is the same; so 1 (default) needs no tuning. 0: none,
-                          a = 1 */
-    bool importance;   /* whether ordinates are chosen by what the camera sees of their light, too; default true */
-    float* history;    /* the importance of the frame before, TY_POP_IMPORTANCE_WIDTH x _HEIGHT, which a share of this
-                          one's is mixed with; replaced by this frame's. All 0: there was none. NULL (default): none */
+    double prefilter; /* beta of Sec. 5.1, 0..16: a = (1 - w / N)^beta. Mode published: w / N is the share of the sphere
+                         that the ordinate stands for; else 1 - w / N is the mean cosine of its light, whatever its
+                         shape, which in an even environment is the same; so 1 (default) needs no tuning. 0: none,
+                         a = 1 */
+    bool importance;  /* whether ordinates are chosen by what the camera sees of their light, too; default true */
+    float* history;   /* the importance of the frame before, TY_POP_IMPORTANCE_WIDTH x _HEIGHT, which a share of this
+                         one's is mixed with; replaced by this frame's. All 0: there was none. NULL (default): none */
 
     int32_t surface_points; /* per area light and glowing sphere, 1..65536; default 16 */
     int32_t vpls;           /* virtual point lights (Sec. 6) that surfaces are taken for, 0 (none)..4096; default 64 */

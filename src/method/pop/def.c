@@ -5,7 +5,7 @@
 
 ty_pop_def ty_default_pop_def(void) {
     return (ty_pop_def){.cookie = TY_DEF_COOKIE,
-                        .resolution = 20,
+                        .resolution = 32,
                         .sharp = true,
                         .ordinates = 64,
                         .prefilter = 1,

@@ -9,7 +9,7 @@
 
 /* Ordinates whose grids are in memory at a time: as many as fit into so many floats, and at least a few. */
 static const size_t batch_floats = (size_t)1 << 26;
-enum { BATCH_MIN = 8, BATCH_MAX = 256 };
+enum { BATCH_MIN = 8, BATCH_MAX = 256, ALONG = 2 };
 
 /* Iterations of the isotropic rest at most, and of what there was the part that may be left. */
 static const int32_t residuum_most = 1000;
@@ -49,6 +49,13 @@ static bool has_environment(const ty_scene* scene) {
     return false;
 }
 
+/* What is swept has no need of cubes: thinner cells show how light fades. */
+static void refine_along(ty_pop_frame* frame) {
+    frame->size[2] *= ALONG;
+    frame->step.z /= ALONG;
+    frame->growth /= ALONG;
+}
+
 /* All ordinates in one array, the virtual lights' at the end. */
 static ty_result join(ty_pop_job* job, const ty_pop_ordinate* own, int32_t own_count, const ty_pop_ordinate* vpls,
                       int32_t vpl_count) {
@@ -62,6 +69,7 @@ static ty_result join(ty_pop_job* job, const ty_pop_ordinate* own, int32_t own_c
         ty_pop_light* grid = &light->ordinates[i];
         grid->ordinate = i < own_count ? own[i] : vpls[i - own_count];
         ty_pop_frame_fit(&light->medium->box, &grid->ordinate, job->def->resolution, &grid->frame);
+        if (job->def->mode == TY_POP_MODE_SPLIT) refine_along(&grid->frame);
     }
     job->stats.ordinates = count;
     job->stats.vpls = vpl_count;

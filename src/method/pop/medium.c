@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64, MERGED_RATIO = 2 };
+enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64 };
 
 static bool has_voxels(const ty_scene_view* view) {
     for (int32_t m = 0; m < view->medium_count; ++m)
@@ -37,12 +37,17 @@ static ty_result take_guide(ty_pop_job* job) {
     return TY_OK;
 }
 
+static int32_t merged_cells(const ty_pop_def* def) {
+    if (def->merged > 0) return def->merged;
+    return def->mode == TY_POP_MODE_SPLIT ? def->resolution * 3 / 2 : def->resolution * 2;
+}
+
 /* Merged cells, and those that ordinates' grids sample. */
 static ty_result resize_media(ty_pop_job* job, const ty_grid_medium* from) {
     const ty_pop_def* def = job->def;
     ty_pop* light = job->light;
     int32_t merged[3], own[3];
-    cut_box(&from->box, def->merged > 0 ? def->merged : MERGED_RATIO * def->resolution, merged);
+    cut_box(&from->box, merged_cells(def), merged);
     cut_box(&from->box, def->resolution, own);
     ty_result result = ty_grid_medium_resize(from, merged, &job->medium);
     if (result == TY_OK) result = ty_grid_medium_resize(from, own, &light->medium);
