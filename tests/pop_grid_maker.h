@@ -90,4 +90,10 @@ static inline const float* pop_seen(const ty_pop_light* light, int32_t i, int32_
            (size_t)light->floats * ((size_t)(i + ring) + (size_t)row * ((size_t)(j + ring) + (size_t)rows * (size_t)k));
 }
 
+/* One of its floats, in split mode without the weight that it is multiplied by. */
+static inline double pop_value(const ty_pop_light* light, int32_t i, int32_t j, int32_t k, int number) {
+    const float* seen = pop_seen(light, i, j, k);
+    return (double)seen[number] / (light->mode == TY_POP_MODE_SPLIT ? (double)seen[TY_POP_WEIGHT] : 1);
+}
+
 #endif

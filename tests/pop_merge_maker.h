@@ -76,6 +76,7 @@ static inline void fill_light(const ty_pop_light* light,
                 int32_t from_i = i, from_j = j;
                 if (ring > 0) ty_octahedral_wrap(frame->size[0], &from_i, &from_j);
                 fill(light, ty_pop_middle(frame, from_i, from_j, k), cell_of(light, i, j, k));
+                if (light->floats == TY_POP_SEEN) cell_of(light, i, j, k)[TY_POP_WEIGHT] = 1;
             }
 }
 

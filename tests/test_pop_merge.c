@@ -175,6 +175,36 @@ static void a_beams_flux_is_its_fluence(void** state) {
     }
 }
 
+/* Half of the cells are vacuum, from which those beside them take next to nothing. */
+static void fill_weighted(const ty_pop_light* light, ty_vec middle, float* cell) {
+    const bool dense = middle.x > 0;
+    const float weight = dense ? 1 : 1e-4f;
+    for (int n = 0; n < light->floats; ++n) cell[n] = weight * (dense ? 1.0f : 9.0f);
+    cell[TY_POP_WEIGHT] = weight;
+}
+
+static void weights_decide(void** state) {
+    ty_pop_light light = parallel_light(&cube, direction_of(0), TY_POP_SEEN);
+    ty_pop_merged merged = make_merged(&cube, false, false);
+    const ty_pop_frame* frame = &light.frame;
+    for (int32_t k = 0; k < frame->size[2]; ++k)
+        for (int32_t j = 0; j < frame->size[1]; ++j)
+            for (int32_t i = 0; i < frame->size[0]; ++i)
+                fill_weighted(&light, ty_pop_middle(frame, i, j, k), cell_of(&light, i, j, k));
+    merge(*state, &light, &merged);
+    int dense = 0, empty = 0;
+    for (size_t i = 0; i < box_cells(&cube); ++i) {
+        const float value = merged.fluence[0][i];
+        assert_true(value > 0.999f && value < 9.001f);
+        if (merged_middle(&cube, i).x > 0) assert_close(value, 1, 0.08);
+        dense += value < 1.08f;
+        empty += value > 8.9f;
+    }
+    assert_true(dense > 0 && empty > 0);
+    free_merged(&merged);
+    free_light(&light);
+}
+
 static void fill_intensity(const ty_pop_light* light, ty_vec middle, float* cell) {
     (void)light;
     (void)middle;
@@ -370,6 +400,7 @@ int main(void) {
         cmocka_unit_test(points_outside_do_no_harm),
         cmocka_unit_test(a_beams_flux_is_its_fluence),
         cmocka_unit_test(lamps_spread),
+        cmocka_unit_test(weights_decide),
         cmocka_unit_test(lights_add_up),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(residuum_is_absorbed_alone),

@@ -165,6 +165,7 @@ static void test_sums(void** state) {
             ty_pop_see(made.medium, other.eye, &made.light);
             double worst = 0, most = 0;
             for (size_t i = 0; i < ty_pop_seen_floats(&made.light.frame, made.light.floats); ++i) {
+                if (i % (size_t)made.light.floats >= 3) continue; /* what another eye sees */
                 worst = fmax(worst, fabs((double)made.light.seen[i] - (double)other.light.seen[i]));
                 most = fmax(most, (double)other.light.seen[i]);
             }

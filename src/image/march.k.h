@@ -35,9 +35,10 @@ typedef struct ty_march_ray {
 
 /* ---- a step's light ---- */
 
-/* What all media scatter of a step: the integral of their scattering coefficients, and the same times mean cosines. */
+/* What all media scatter of a step: the integral of their scattering coefficients, and the same times mean cosines, and
+ * their cubes. */
 typedef struct ty_march_scattering {
-    float amount[3], forward[3];
+    float amount[3], forward[3], third[3];
 } ty_march_scattering;
 
 /* What one medium scatters and sends at a point, times how much of it is seen: reach is transmittance times the mean
@@ -51,6 +52,7 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     for (int32_t c = 0; c < 3; ++c) {
         scattering->amount[c] += sigma_s[c] * track->amount;
         scattering->forward[c] += g[c] * sigma_s[c] * track->amount;
+        scattering->third[c] += g[c] * g[c] * g[c] * sigma_s[c] * track->amount;
     }
     if (track->medium->emits != 0) {
         float glow[3];
@@ -102,10 +104,11 @@ TY_FN float ty_march_extinction(const ty_march_ray* ray, float at) {
 /* The field's light at a point, that what is there scatters. */
 TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, float extinction, const float reach[3],
                               const ty_march_scattering* scattering) {
-    float even[3], directed[3];
-    ty_upsample(&ray->request->field, point, extinction, ty_scale(ray->direction, -1.0f), even, directed);
+    float even[3], directed[3], third[3];
+    ty_upsample(&ray->request->field, point, extinction, ty_scale(ray->direction, -1.0f), even, directed, third);
     for (int c = 0; c < 3; ++c) {
-        const float sent = scattering->amount[c] * even[c] + scattering->forward[c] * directed[c];
+        const float sent =
+            scattering->amount[c] * even[c] + scattering->forward[c] * directed[c] + scattering->third[c] * third[c];
         ray->light.multiple[c] += reach[c] * ty_maxf(0.0f, sent);
     }
 }
@@ -113,7 +116,7 @@ TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, float extinction,
 /* Looks up what reaches the eye from a step around a place `at` metres along. */
 TY_FN void ty_march_add(ty_march_ray* ray, float at, const float reach[3]) {
     TY_GLOBAL const ty_march_request* request = ray->request;
-    ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
+    ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     ty_near_light lights[TY_MARCH_LIGHTS_MAX];
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     const float extinction = ty_march_extinction(ray, at);

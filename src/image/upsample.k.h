@@ -84,9 +84,20 @@ TY_FN void ty_upsample_mean(TY_GLOBAL const float* const cells[8], const float w
             ((weight[4] * cells[4][j] + weight[5] * cells[5][j]) + (weight[6] * cells[6][j] + weight[7] * cells[7][j]));
 }
 
+/* Light that leaves a thick medium comes from half of all directions, alike from each of them: fluence 1, flux 1/2,
+ * then moments 0 and -1/8. Two moments alone make it a quarter too bright along the normal. The third Legendre term,
+ * -7/8 P3, comes in with the cube of twice the flux's share of the fluence, so that it is right there and does nothing
+ * inside. */
+TY_FN float ty_upsample_third(float even, const float* terms, float along) {
+    const float square = terms[1] * terms[1] + terms[2] * terms[2] + terms[3] * terms[3];
+    const float length = sqrtf(ty_maxf(square, 1e-30f)), mu = along / length;
+    const float share = ty_minf(1.0f, 2.0f / 3.0f * length / ty_maxf(even, 1e-30f));
+    return -0.4375f * even * share * share * share * mu * (5.0f * mu * mu - 3.0f);
+}
+
 /* What of the field's light between cells is alike in all directions, and what the rest is along a unit vector. */
 TY_FN void ty_upsample_terms(const ty_upsample_view* view, TY_GLOBAL const float* const cells[8], const float weight[8],
-                             ty_vec way, float even[3], float directed[3]) {
+                             ty_vec way, float even[3], float directed[3], float third[3]) {
     float mean[TY_UPSAMPLE_DIRECTED];
     if (view->floats == TY_UPSAMPLE_PLAIN)
         ty_upsample_mean(cells, weight, TY_UPSAMPLE_PLAIN, mean);
@@ -97,25 +108,28 @@ TY_FN void ty_upsample_terms(const ty_upsample_view* view, TY_GLOBAL const float
     for (int32_t c = 0; c < 3; ++c) {
         const float* terms = mean + (view->channels == 3 ? c * view->terms : 0);
         even[c] = view->color[c] * terms[0];
-        directed[c] =
-            view->terms == 1 ? 0.0f : view->color[c] * (terms[1] * way.x + terms[2] * way.y + terms[3] * way.z);
+        directed[c] = third[c] = 0.0f;
+        if (view->terms == 1) continue;
+        const float along = terms[1] * way.x + terms[2] * way.y + terms[3] * way.z;
+        directed[c] = view->color[c] * along;
+        third[c] = view->color[c] * ty_upsample_third(terms[0], terms, along);
     }
 }
 
 /* The field's light at a point whose extinction (mean of the channels, 1/m) is given: the radiance that travels along
- * `way` is even + directed. */
+ * `way` is even + directed + third, of the first, second and fourth Legendre terms about the flux. */
 TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinction, ty_vec way, float even[3],
-                       float directed[3]) {
+                       float directed[3], float third[3]) {
     const ty_vec cells = ty_cell_coordinates(&view->place, point);
     TY_GLOBAL const float* eight[8];
     float weight[8];
-    for (int c = 0; c < 3; ++c) even[c] = directed[c] = 0.0f;
+    for (int c = 0; c < 3; ++c) even[c] = directed[c] = third[c] = 0.0f;
     if (!ty_cell_inside(&view->place, cells)) return;
     const ty_cell_point at = ty_cell_locate(view->place.size, cells);
     ty_upsample_cells(view, &at, eight);
     ty_upsample_weights(&at, weight);
     if (view->sharpness > 0.0f) ty_upsample_guide(view, eight, extinction, weight);
-    ty_upsample_terms(view, eight, weight, way, even, directed);
+    ty_upsample_terms(view, eight, weight, way, even, directed, third);
 }
 
 /* What arrives on a surface with a unit normal, W m^-2: of radiance even + directed . way, pi even - 2 pi / 3 directed
@@ -123,10 +137,10 @@ TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinct
 TY_FN void ty_upsample_irradiance(const ty_upsample_view* view, ty_vec cells, ty_vec normal, float irradiance[3]) {
     const ty_cell_point at = ty_cell_locate(view->place.size, cells);
     TY_GLOBAL const float* eight[8];
-    float weight[8], even[3], directed[3];
+    float weight[8], even[3], directed[3], third[3];
     ty_upsample_cells(view, &at, eight);
     ty_upsample_weights(&at, weight);
-    ty_upsample_terms(view, eight, weight, normal, even, directed);
+    ty_upsample_terms(view, eight, weight, normal, even, directed, third);
     for (int c = 0; c < 3; ++c) irradiance[c] = ty_maxf(0.0f, TY_PI * (even[c] - 2.0f / 3.0f * directed[c]));
 }
 
