@@ -68,7 +68,7 @@ typedef struct ty_pop_def {
 
     /* Mode split: as in ty_fld_def, on the merged grid. */
     double streaming; /* default 0.55 */
-    double tolerance; /* default 3e-4 */
+    double tolerance; /* default 3e-3, which is 1e-3 of images at most */
 
     uint64_t seed; /* of where ordinates, points and VPLs lie; default 0 */
 

@@ -10,8 +10,10 @@
 static const double REDUCTION = 1e-7, AIM = 0.3;
 enum { CYCLES = 30 };
 /* Of Algorithm 1, after each step of Picard's: they settle what D does beside faces, where steps alone swing to and fro
- * or gain next to nothing. With half as many, some media take iterations without end. */
-enum { SWEEPS = 8 };
+ * or gain next to nothing. The more of them where the fewer leave more than SLOW of the least residual so far, which
+ * some media would take iterations without end for; and for tolerances below FINE. */
+enum { SWEEPS = 4, MORE_SWEEPS = 8 };
+static const double SLOW = 0.33, FINE = 1e-5;
 /* Of D, where light streams (ty_cell_soften): the linear problem answers too little to the fluence there, as D takes
  * half of the change back. Across the gradient it does not, and half would leave that without any gain. */
 static const float SOFTENING = 0.3f;
@@ -27,6 +29,7 @@ typedef struct picard {
     ty_diffusion_job* job;
     bool limited;
     means means;
+    int sweeps;
     double least;   /* residual so far */
     int32_t futile; /* iterations since one gained */
 } picard;
@@ -38,6 +41,7 @@ static double rms(const ty_diffusion_job* job, double squares) {
 
 static void judge(picard* p, double residual) {
     p->futile = residual < GAIN * p->least ? 0 : p->futile + 1;
+    if (!(residual < SLOW * p->least)) p->sweeps = MORE_SWEEPS;
     p->least = fmin(p->least, residual);
     if (p->futile < PATIENCE) return;
     if (!(p->job->softening > 0)) p->means = MEANS_PICARD;
@@ -47,7 +51,7 @@ static void judge(picard* p, double residual) {
 }
 
 static void sweep(const picard* p) {
-    for (int i = 0; p->means == MEANS_ALL && i < SWEEPS; ++i) ty_stage_sweep(p->job, 0, TY_SWEEP_OMEGA);
+    for (int i = 0; p->means == MEANS_ALL && i < p->sweeps; ++i) ty_stage_sweep(p->job, 0, TY_SWEEP_OMEGA);
 }
 
 /* What interpolation left beside boundaries is no business of coarser stages. */
@@ -74,7 +78,11 @@ static void iterate(picard* p, double squares) {
 
 ty_result ty_solve_picard(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
-    picard p = {.job = job, .limited = def->limiter != TY_LIMITER_NONE, .least = INFINITY, .means = MEANS_ALL};
+    picard p = {.job = job,
+                .limited = def->limiter != TY_LIMITER_NONE,
+                .least = INFINITY,
+                .means = MEANS_ALL,
+                .sweeps = def->tolerance < FINE ? MORE_SWEEPS : SWEEPS};
     const int32_t limit = def->iterations > 0 ? def->iterations : 500;
     if (p.limited) job->softening = SOFTENING;
     ty_stages_fill(job);

@@ -16,7 +16,7 @@ ty_pop_def ty_default_pop_def(void) {
                         .clamp = 0.05,
                         .residuum = 0.1,
                         .streaming = 0.5,
-                        .tolerance = 3e-4,
+                        .tolerance = 3e-3,
                         .spp = 1,
                         .step = 1};
 }
