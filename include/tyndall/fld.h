@@ -101,7 +101,7 @@ typedef struct ty_fld_stats {
     /* W: light that scattered for the first time and emission, what the medium absorbed of it, what left. */
     double emitted[3], absorbed[3], leaving[3];
     double seconds, medium_seconds, direct_seconds, solve_seconds, march_seconds;
-    double bytes; /* that the solver works in, one channel at a time */
+    double bytes; /* that the solver works in, with all channels that are solved side by side */
     const char* isa;
 } ty_fld_stats;
 

@@ -31,30 +31,54 @@ static overlap overlap_of(int32_t index, int32_t from, int32_t to) {
 
 /* The share of the new cell that old cell `at` is. */
 static double share_of(const overlap* o, int32_t at) {
-    return (fmin(o->upper, at + 1) - fmax(o->lower, at)) * o->scale;
+    const double lower = at < o->lower ? o->lower : at, upper = at + 1 > o->upper ? o->upper : at + 1;
+    return (upper - lower) * o->scale;
 }
 
-static double row_mean(const float* row, const overlap* o) {
-    double sum = 0;
-    for (int32_t i = o->begin; i < o->end; ++i) sum += share_of(o, i) * (double)row[i];
-    return sum;
+/* Old cells of a row whose means across are made together. */
+enum { BLOCK = 1024 };
+
+/* Means of a block of old cells, from x on, over the rows that y and z cover. */
+static void mean_across(const average_job* job, const overlap* y, const overlap* z, int32_t x, int32_t count,
+                        double sum[BLOCK]) {
+    const int32_t* size = job->from_size;
+    memset(sum, 0, sizeof *sum * (size_t)count);
+    for (int32_t k = z->begin; k < z->end; ++k)
+        for (int32_t j = y->begin; j < y->end; ++j) {
+            const float* row = job->from + (size_t)size[0] * ((size_t)j + (size_t)size[1] * (size_t)k) + x;
+            const double share = share_of(y, j) * share_of(z, k);
+#pragma omp simd
+            for (int32_t i = 0; i < count; ++i) sum[i] += share * (double)row[i];
+        }
+}
+
+/* Adds a block's part to the new cells that it touches; to begins with the first one. */
+static void add_along(const average_job* job, int32_t x, int32_t count, const double sum[BLOCK], float* to) {
+    const int32_t from_size = job->from_size[0], to_size = job->to_size[0];
+    for (int32_t i = (int32_t)((int64_t)x * to_size / from_size); i < to_size; ++i) {
+        const overlap o = overlap_of(i, from_size, to_size);
+        const int32_t begin = o.begin > x ? o.begin : x, end = o.end < x + count ? o.end : x + count;
+        if (begin >= x + count) return;
+        double mean = 0;
+        for (int32_t at = begin; at < end; ++at) mean += share_of(&o, at) * sum[at - x];
+        to[i] += (float)mean;
+    }
 }
 
 static void average_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const average_job* job = user;
-    const int32_t* size = job->from_size;
-    const overlap y = overlap_of((int32_t)(index % job->to_size[1]), size[1], job->to_size[1]);
-    const overlap z = overlap_of((int32_t)(index / job->to_size[1]), size[2], job->to_size[2]);
+    const int32_t from = job->from_size[0];
+    const overlap y = overlap_of((int32_t)(index % job->to_size[1]), job->from_size[1], job->to_size[1]);
+    const overlap z = overlap_of((int32_t)(index / job->to_size[1]), job->from_size[2], job->to_size[2]);
     const unsigned state = ty_flush_denormals();
-    for (int32_t i = 0; i < job->to_size[0]; ++i) {
-        const overlap x = overlap_of(i, size[0], job->to_size[0]);
-        double sum = 0;
-        for (int32_t k = z.begin; k < z.end; ++k)
-            for (int32_t j = y.begin; j < y.end; ++j)
-                sum += share_of(&y, j) * share_of(&z, k) *
-                       row_mean(job->from + (size_t)size[0] * ((size_t)j + (size_t)size[1] * (size_t)k), &x);
-        job->to[index * job->to_size[0] + i] = (float)sum;
+    float* to = job->to + index * job->to_size[0];
+    memset(to, 0, sizeof *to * (size_t)job->to_size[0]);
+    for (int32_t x = 0; x < from; x += BLOCK) {
+        double sum[BLOCK];
+        const int32_t count = from - x < BLOCK ? from - x : BLOCK;
+        mean_across(job, &y, &z, x, count, sum);
+        add_along(job, x, count, sum, to);
     }
     ty_restore_denormals(state);
 }

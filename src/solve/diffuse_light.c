@@ -6,6 +6,7 @@
 #include "scene/phase.k.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <string.h>
 
 /* Relative difference of sources up to which one channel is a multiple of another. */
@@ -18,6 +19,22 @@ static const float alike = 1e-6f;
  * of little. It is the faces of the box that hold light back most; within, vacuum next to a thick cell takes it. */
 static const double thickest_inside = 2.5, thickest_at_faces = 1.5;
 
+/* Channels are solved side by side, one thread each, by few threads and on boxes of at most so many cells: a loop over
+ * planes of small boxes is over before other threads have woken up. */
+enum { SIDE_BY_SIDE_THREADS = 4, SIDE_BY_SIDE_CELLS = 1 << 18 };
+
+struct solve_work;
+
+/* One channel's solve. */
+typedef struct channel_solve {
+    struct solve_work* work;
+    int32_t channel;
+    void* memory;
+    double done; /* of it, 0..1 */
+    ty_diffusion_stats stats;
+    ty_result result;
+} channel_solve;
+
 /* What the solves of all channels share. */
 typedef struct solve_work {
     ty_context* context;
@@ -26,29 +43,48 @@ typedef struct solve_work {
     bool reduced;
     float* extinction[3]; /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
-    void* memory;
+    int32_t beside;  /* how many are solved side by side */
+    void* memory[3]; /* of as many */
     size_t memory_size;
     ty_diffusion_def def;
-    ty_part_progress* progress;
     ty_diffuse_light* light;
     ty_diffuse_stats* stats;
+    channel_solve solves[3];
+    int32_t count;        /* of them */
+    pthread_mutex_t lock; /* guards what follows, and how much of each is done */
+    ty_part_progress* progress;
+    bool cancelled;
 } solve_work;
+
+static int32_t count_beside(const solve_work* work) {
+    const int32_t threads = ty_context_threads(work->context);
+    if (threads > SIDE_BY_SIDE_THREADS || work->medium->cells > SIDE_BY_SIDE_CELLS) return 1;
+    return threads < 3 ? threads : 3;
+}
 
 static ty_result begin_work(solve_work* work) {
     const ty_grid_medium* medium = work->medium;
     memcpy(work->def.size, medium->box.size, sizeof work->def.size);
     memcpy(work->def.cell, medium->cell, sizeof work->def.cell);
-    work->def.progress = ty_part_report;
-    work->def.progress_user = work->progress;
     bool whole = true;
     for (int32_t p = 0; p < medium->planes && whole; ++p) {
         work->extinction[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
         work->absorption[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
         whole = work->extinction[p] != NULL && work->absorption[p] != NULL;
     }
+    return whole ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* Memory of as many solves as there are at a time. */
+static ty_result take_memory(solve_work* work) {
+    work->beside = count_beside(work);
+    if (work->beside > work->count) work->beside = work->count;
     work->memory_size = ty_diffusion_memory(&work->def);
-    if (whole) work->memory = ty_alloc_array(work->context, work->memory_size, 1, false);
-    return work->memory != NULL ? TY_OK : TY_ERROR_MEMORY;
+    for (int32_t i = 0; i < work->beside; ++i) {
+        work->memory[i] = ty_alloc_array(work->context, work->memory_size, 1, false);
+        if (work->memory[i] == NULL) return TY_ERROR_MEMORY;
+    }
+    return TY_OK;
 }
 
 static void end_work(solve_work* work) {
@@ -56,7 +92,8 @@ static void end_work(solve_work* work) {
         ty_free_array(work->context, work->extinction[p], work->medium->cells, sizeof(float));
         ty_free_array(work->context, work->absorption[p], work->medium->cells, sizeof(float));
     }
-    ty_free_array(work->context, work->memory, work->memory_size, 1);
+    for (int i = 0; i < 3; ++i) ty_free_array(work->context, work->memory[i], work->memory_size, 1);
+    pthread_mutex_destroy(&work->lock);
 }
 
 static bool is_at_face(const ty_grid_box* box, size_t cell) {
@@ -156,50 +193,88 @@ static void make_terms(const solve_work* work, int32_t channel) {
     limit_flux(terms, work->light->cells);
 }
 
-static ty_result solve_channel(solve_work* work, int32_t channel) {
-    const int32_t plane = work->medium->planes == 3 ? channel : 0;
-    ty_diffuse_stats* stats = work->stats;
-    ty_diffusion_def* def = &work->def;
-    def->extinction = work->extinction[plane];
-    def->absorption = work->absorption[plane];
-    def->source = work->source[channel];
-    def->memory = work->memory;
-    float* const* terms = work->light->terms[channel];
+/* Tells the caller of all channels together. Once one was told to stop, all are. */
+static bool report(void* user, const ty_progress* part) {
+    channel_solve* solve = user;
+    solve_work* work = solve->work;
+    ty_progress whole = *part;
+    pthread_mutex_lock(&work->lock);
+    solve->done = part->fraction;
+    whole.fraction = 0;
+    for (int32_t i = 0; i < work->count; ++i) whole.fraction += work->solves[i].done / work->count;
+    work->cancelled = work->cancelled || !ty_part_report(work->progress, &whole);
+    const bool goes_on = !work->cancelled;
+    pthread_mutex_unlock(&work->lock);
+    return goes_on;
+}
+
+static void solve_channel(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    channel_solve* solve = (channel_solve*)user + index;
+    const solve_work* work = solve->work;
+    const int32_t plane = work->medium->planes == 3 ? solve->channel : 0;
+    ty_diffusion_def def = work->def;
+    def.extinction = work->extinction[plane];
+    def.absorption = work->absorption[plane];
+    def.source = work->source[solve->channel];
+    def.memory = solve->memory;
+    def.progress = report;
+    def.progress_user = solve;
+    float* const* terms = work->light->terms[solve->channel];
     const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
-    ty_diffusion_stats solved = {0};
-    const ty_result result = ty_diffusion_solve(work->context, def, &out, &solved);
+    solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
+    if (solve->result == TY_OK) make_terms(work, solve->channel);
+}
+
+static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
+    const ty_diffusion_stats* solved = &solve->stats;
+    const int32_t channel = solve->channel;
+    stats->converged = stats->converged && solved->converged;
+    stats->iterations[channel] = solved->iterations;
+    stats->cycles[channel] = solved->cycles;
+    stats->residual[channel] = solved->residual;
+    stats->work[channel] = solved->work;
+    stats->emitted[channel] = solved->emitted;
+    stats->absorbed[channel] = solved->absorbed;
+    stats->leaving[channel] = solved->leaving;
+}
+
+/* The solves from `first` on, as many as there are side by side; a single one has all threads. */
+static ty_result solve_some(solve_work* work, int32_t first) {
+    const int32_t left = work->count - first, count = left < work->beside ? left : work->beside;
+    ty_result result = ty_part_show(work->progress, "fluence");
     if (result != TY_OK) return result;
-    stats->converged = stats->converged && solved.converged;
-    stats->iterations[channel] = solved.iterations;
-    stats->cycles[channel] = solved.cycles;
-    stats->residual[channel] = solved.residual;
-    stats->work[channel] = solved.work;
-    stats->emitted[channel] = solved.emitted;
-    stats->absorbed[channel] = solved.absorbed;
-    stats->leaving[channel] = solved.leaving;
-    make_terms(work, channel);
-    return TY_OK;
+    for (int32_t i = 0; i < count; ++i) work->solves[first + i].memory = work->memory[i];
+    ty_parallel_for(work->context, count, solve_channel, &work->solves[first]);
+    for (int32_t i = first; i < first + count; ++i) {
+        work->solves[i].done = 1;
+        if (result == TY_OK) result = work->solves[i].result;
+        if (result == TY_OK) note_solve(work->stats, &work->solves[i]);
+    }
+    return result;
+}
+
+/* Finds which channels have to be solved: of[c] is c itself, or a channel whose light channel c's is a multiple of. */
+static void choose_channels(solve_work* work, int32_t of[3]) {
+    work->light->shared = true;
+    for (int32_t c = 0; c < 3; ++c) {
+        float factor = 1;
+        of[c] = 0;
+        while (of[c] < c && !is_multiple(work, c, of[c], &factor)) ++of[c];
+        work->light->color[c] = of[c] < c ? factor : 1;
+        if (of[c] > 0) work->light->shared = false;
+        if (of[c] == c) work->solves[work->count++] = (channel_solve){.work = work, .channel = c};
+    }
 }
 
 static ty_result solve_channels(solve_work* work) {
-    const double from = work->progress->from, share = work->progress->share;
-    ty_result result = TY_OK;
+    int32_t of[3];
     work->stats->converged = true;
-    work->light->shared = true;
-    for (int32_t c = 0; c < 3 && result == TY_OK; ++c) {
-        float factor = 1;
-        work->progress->from = from + share * c / 3;
-        work->progress->share = share / 3;
-        bool solved = false;
-        for (int32_t of = 0; of < c && !solved; ++of) {
-            solved = is_multiple(work, c, of, &factor);
-            if (solved) scale_channel(work, c, of, factor);
-            if (!solved && of == 0) work->light->shared = false;
-        }
-        work->light->color[c] = factor;
-        if (!solved) result = ty_part_show(work->progress, "fluence");
-        if (!solved && result == TY_OK) result = solve_channel(work, c);
-    }
+    choose_channels(work, of);
+    ty_result result = take_memory(work);
+    for (int32_t i = 0; i < work->count && result == TY_OK; i += work->beside) result = solve_some(work, i);
+    for (int32_t c = 0; c < 3 && result == TY_OK; ++c)
+        if (of[c] < c) scale_channel(work, c, of[c], work->light->color[c]);
     return result;
 }
 
@@ -251,13 +326,14 @@ ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, c
                        .def = *solver,
                        .progress = progress,
                        .stats = stats};
+    pthread_mutex_init(&work.lock, NULL);
     ty_result result = take_light(medium->context, medium, &work.light);
     if (result == TY_OK) result = begin_work(&work);
     if (result == TY_OK) {
         find_coefficients(&work);
         result = solve_channels(&work);
     }
-    stats->bytes = (double)work.memory_size;
+    stats->bytes = (double)work.memory_size * work.beside;
     end_work(&work);
     *out = result == TY_OK ? work.light : NULL;
     if (result != TY_OK) ty_diffuse_light_destroy(work.light);

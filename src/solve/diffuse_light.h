@@ -21,7 +21,7 @@ typedef struct ty_diffuse_stats {
     bool converged; /* all */
     int32_t iterations[3], cycles[3];
     double residual[3], work[3], emitted[3], absorbed[3], leaving[3]; /* as in ty_diffusion_stats */
-    double bytes; /* that the solver works in, one channel at a time */
+    double bytes; /* that the solver works in, with all channels that are solved side by side */
 } ty_diffuse_stats;
 
 /* What source (per channel, W m^-3; the media's emission is added to it) becomes in a medium on the same cells.

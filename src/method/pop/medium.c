@@ -6,11 +6,19 @@
 #include <string.h>
 
 enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64 };
+/* Voxels along an axis that one cell's sample points tell apart (ty_grid_medium_create). */
+enum { VOXELS_SEEN = 8 };
 
 static bool has_voxels(const ty_scene_view* view) {
     for (int32_t m = 0; m < view->medium_count; ++m)
         if (view->media[m].has_grid != 0) return true;
     return false;
+}
+
+static bool has_voxels_alone(const ty_scene_view* view) {
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (view->media[m].has_grid == 0) return false;
+    return true;
 }
 
 static bool has_sharp_lights(const ty_pop_job* job) {
@@ -42,35 +50,50 @@ static int32_t merged_cells(const ty_pop_def* def) {
     return def->mode == TY_POP_MODE_SPLIT ? def->resolution * 3 / 2 : def->resolution * 2;
 }
 
-/* Merged cells, and those that ordinates' grids sample. */
-static ty_result resize_media(ty_pop_job* job, const ty_grid_medium* from) {
+/* Whether merged cells cannot be sampled from the scene as exactly as from fine cells: these are voxels, unless
+ * `longest` cells cut them off. */
+static bool needs_fine(const ty_pop_job* job, int32_t longest, const int32_t merged[3]) {
+    if (!has_voxels_alone(ty_scene_get_view(job->scene)) || has_sharp_lights(job)) return true;
+    const int32_t* voxels = job->light->fine_box.size;
+    for (int a = 0; a < 3; ++a)
+        if (voxels[a] < merged[a] || voxels[a] >= longest || voxels[a] > VOXELS_SEEN * merged[a]) return true;
+    return false;
+}
+
+static ty_result sample_merged(ty_pop_job* job, const int32_t merged[3]) {
+    if (job->fine != NULL) return ty_grid_medium_resize(job->fine, merged, &job->medium);
+    ty_grid_box box = job->light->fine_box;
+    memcpy(box.size, merged, sizeof box.size);
+    return ty_grid_medium_create(job->scene, &box, &job->medium);
+}
+
+/* Where merged cells are whole numbers of those that ordinates' grids sample, nothing is lost on the way. */
+static ty_result sample_own(ty_pop_job* job, const int32_t own[3]) {
+    bool whole = true;
+    for (int a = 0; a < 3; ++a) whole = whole && job->medium->box.size[a] % own[a] == 0;
+    const ty_grid_medium* from = whole || job->fine == NULL ? job->medium : job->fine;
+    return ty_grid_medium_resize(from, own, &job->light->medium);
+}
+
+ty_result ty_pop_sample_media(ty_pop_job* job) {
     const ty_pop_def* def = job->def;
     ty_pop* light = job->light;
-    int32_t merged[3], own[3];
-    cut_box(&from->box, merged_cells(def), merged);
-    cut_box(&from->box, def->resolution, own);
-    ty_result result = ty_grid_medium_resize(from, merged, &job->medium);
-    if (result == TY_OK) result = ty_grid_medium_resize(from, own, &light->medium);
+    int32_t longest = def->direct, merged[3], own[3];
+    if (longest == 0) longest = has_voxels(ty_scene_get_view(job->scene)) ? VOXELS_MAX : SMOOTH_CELLS;
+    ty_result result = ty_grid_box_fit(job->scene, longest, &light->fine_box);
+    if (result != TY_OK) return result;
+    cut_box(&light->fine_box, merged_cells(def), merged);
+    cut_box(&light->fine_box, def->resolution, own);
+    if (needs_fine(job, longest, merged)) result = ty_grid_medium_create(job->scene, &light->fine_box, &job->fine);
+    if (result == TY_OK) result = sample_merged(job, merged);
+    if (result == TY_OK) result = sample_own(job, own);
+    if (!has_sharp_lights(job)) {
+        ty_grid_medium_destroy(job->fine);
+        job->fine = NULL;
+    }
     if (result != TY_OK) return result;
     light->cells = job->medium->cells;
     memcpy(job->stats.merged_size, merged, sizeof merged);
     job->stats.planes = job->medium->planes;
     return take_guide(job);
-}
-
-ty_result ty_pop_sample_media(ty_pop_job* job) {
-    const ty_scene_view* view = ty_scene_get_view(job->scene);
-    const ty_pop_def* def = job->def;
-    int32_t longest = def->direct;
-    if (longest == 0) longest = has_voxels(view) ? VOXELS_MAX : SMOOTH_CELLS;
-    ty_grid_medium* fine = NULL;
-    ty_result result = ty_grid_box_fit(job->scene, longest, &job->light->fine_box);
-    if (result == TY_OK) result = ty_grid_medium_create(job->scene, &job->light->fine_box, &fine);
-    if (result == TY_OK) result = resize_media(job, fine);
-    if (result == TY_OK && has_sharp_lights(job)) {
-        job->fine = fine;
-        return TY_OK;
-    }
-    ty_grid_medium_destroy(fine);
-    return result;
 }
