@@ -1,10 +1,63 @@
 /* Light that has lost its direction, passed on from cell to cell in one grid for all ordinates. */
 #include "base/context.h"
 #include "base/parallel.h"
+#include "direct/single.k.h"
 #include "method/pop/merge.h"
 #include "method/pop/merge_kernel.h"
 
-/* One channel. Arrays have dark cells all around the box. */
+#include <math.h>
+
+/* ---- its cells ---- */
+
+/* Squares of the cells' edges along the axes of the world, where light goes one of them a step. */
+static void add_squares(const ty_pop_frame* frame, double squares[3]) {
+    if (frame->kind == TY_POP_RADIAL) {
+        const double length = (double)ty_pop_length(frame, frame->size[2] / 2);
+        for (int a = 0; a < 3; ++a) squares[a] += length * length;
+        return;
+    }
+    const double step[3] = {(double)frame->step.x, (double)frame->step.y, (double)frame->step.z};
+    for (int i = 0; i < 3; ++i) {
+        const double axis[3] = {(double)frame->axis[i].x, (double)frame->axis[i].y, (double)frame->axis[i].z};
+        for (int a = 0; a < 3; ++a) squares[a] += pow(step[i] * axis[a], 2);
+    }
+}
+
+ty_grid_box ty_pop_residuum_box(const ty_grid_box* medium, const ty_pop_light* lights, int32_t count) {
+    static const double rounding = 1e-4; /* of a cell */
+    double squares[3] = {0, 0, 0};
+    ty_grid_box box;
+    for (int32_t i = 0; i < count; ++i) add_squares(&lights[i].frame, squares);
+    for (int a = 0; a < 3; ++a) {
+        const double step = sqrt(squares[a] / count), middle = 0.5 * (medium->lower[a] + medium->upper[a]);
+        const int32_t needed = (int32_t)ceil((medium->upper[a] - medium->lower[a]) / step - rounding);
+        const int32_t own = lights[0].frame.size[2];
+        box.size[a] = needed > own ? needed : own;
+        box.lower[a] = middle - 0.5 * step * box.size[a];
+        box.upper[a] = middle + 0.5 * step * box.size[a];
+    }
+    return box;
+}
+
+static double edge_of(const ty_grid_box* box, int axis) {
+    return (box->upper[axis] - box->lower[axis]) / box->size[axis];
+}
+
+/* Where the middle of a cell is among another grid's. Returns whether it is in it. */
+static bool locate(const ty_grid_box* box, const int32_t cell[3], const ty_grid_box* other, ty_cell_point* point) {
+    float at[3];
+    bool inside = true;
+    for (int a = 0; a < 3; ++a) {
+        at[a] = (float)((box->lower[a] - other->lower[a] + (cell[a] + 0.5) * edge_of(box, a)) / edge_of(other, a));
+        inside = inside && at[a] >= 0 && at[a] <= (float)other->size[a];
+    }
+    *point = ty_cell_locate(other->size, ty_vec_load(at));
+    return inside;
+}
+
+/* ---- one channel ---- */
+
+/* Arrays have dark cells all around the box. */
 typedef struct work {
     const ty_pop_merge_kernels* kernels;
     const ty_grid_medium* medium;
@@ -25,24 +78,32 @@ static size_t outer(const work* w, int32_t y, int32_t z) {
     return ((size_t)z * (size_t)size[1] + (size_t)y) * (size_t)size[0];
 }
 
-/* What there is at first, and what absorbs it. */
+/* What absorbs light in a row of cells. */
+static void absorb_row(const work* w, int32_t y, int32_t z) {
+    const ty_grid_box* box = &w->merged->box;
+    const int plane = w->channel < w->medium->planes ? w->channel : 0;
+    const size_t to = inner(w, y, z);
+    for (int32_t x = 0; x < box->size[0]; ++x) {
+        const int32_t cell[3] = {x, y, z};
+        ty_cell_point point;
+        float absorption = 0;
+        if (locate(box, cell, &w->medium->box, &point))
+            absorption = ty_maxf(0, ty_cell_value(w->medium->extinction[plane], &point) -
+                                        ty_cell_value(w->medium->scattering[plane], &point));
+        for (int a = 0; a < 3; ++a) w->half[a][to + (size_t)x] = ty_expf(-0.5f * (float)edge_of(box, a) * absorption);
+    }
+}
+
+/* What there is at first. */
 static void begin_slab(void* user, int64_t z, int32_t worker) {
     const work* w = user;
     const int32_t* size = w->merged->box.size;
-    const int plane = w->channel < w->medium->planes ? w->channel : 0;
     double sum = 0;
     (void)worker;
     for (int32_t y = 0; y < size[1]; ++y) {
-        const size_t to = inner(w, y, (int32_t)z), from = outer(w, y, (int32_t)z);
-        const float *extinction = w->medium->extinction[plane] + from,
-                    *scattering = w->medium->scattering[plane] + from;
-        const float* left = w->merged->left[w->channel] + from;
-        for (int a = 0; a < 3; ++a) {
-            const float length = 0.5f * (float)w->medium->cell[a];
-            float* half = w->half[a] + to;
-            for (int32_t x = 0; x < size[0]; ++x)
-                half[x] = ty_expf(-length * ty_maxf(0.0f, extinction[x] - scattering[x]));
-        }
+        const size_t to = inner(w, y, (int32_t)z);
+        const float* left = w->merged->left[w->channel] + outer(w, y, (int32_t)z);
+        if (w->channel < w->medium->planes) absorb_row(w, y, (int32_t)z);
         for (int32_t x = 0; x < size[0]; ++x) {
             w->from[to + (size_t)x] = left[x];
             w->through[to + (size_t)x] = 0.0f;
@@ -146,4 +207,33 @@ int32_t ty_pop_residuum(ty_context* context, const ty_grid_medium* medium, doubl
     give_back(context, &w);
     *left = first > 0 ? remains / first : 0;
     return most;
+}
+
+/* ---- on other cells ---- */
+
+typedef struct add_job {
+    const ty_pop_merged* from;
+    ty_pop_merged* to;
+} add_job;
+
+static void add_slab(void* user, int64_t z, int32_t worker) {
+    const add_job* job = user;
+    const int32_t* size = job->to->box.size;
+    size_t at = (size_t)z * (size_t)size[1] * (size_t)size[0];
+    (void)worker;
+    for (int32_t y = 0; y < size[1]; ++y)
+        for (int32_t x = 0; x < size[0]; ++x, ++at) {
+            const int32_t cell[3] = {x, y, (int32_t)z};
+            ty_cell_point point;
+            locate(&job->to->box, cell, &job->from->box, &point);
+            for (int c = 0; c < 3; ++c) {
+                job->to->seen[c][at] += ty_cell_value(job->from->seen[c], &point);
+                job->to->fluence[c][at] += ty_cell_value(job->from->fluence[c], &point);
+            }
+        }
+}
+
+void ty_pop_merged_add(ty_context* context, const ty_pop_merged* from, ty_pop_merged* to) {
+    add_job job = {from, to};
+    ty_parallel_flushed(context, to->box.size[2], add_slab, &job);
 }
