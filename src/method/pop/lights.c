@@ -175,7 +175,7 @@ static ty_result run_batches(batch* b, ty_parallel_fn run) {
         ty_parallel_flushed(job->context, b->count, run, b);
         const double done = ty_wall_seconds();
         ty_pop_merge(job->context, b->lights, b->count, &light->merged);
-        if (b->rest != NULL) ty_pop_merge(job->context, b->lights, b->count, b->rest);
+        if (b->rest != NULL) ty_pop_residuum_take(job->context, b->lights, b->count, b->rest);
         stats->merge_seconds += ty_wall_seconds() - done;
         for (int32_t i = 0; i < b->count; ++i) {
             initial += b->walks[i].initial_seconds;
@@ -245,16 +245,6 @@ static ty_result begin_rest(ty_pop_job* job, ty_pop_merged* rest) {
     return ty_pop_merged_create(job->context, &box, true, rest);
 }
 
-/* Of what came together there, what is left alone. */
-static void keep_left(ty_pop_merged* rest) {
-    const int32_t* size = rest->box.size;
-    const size_t cells = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
-    for (int c = 0; c < 3; ++c) {
-        memset(rest->seen[c], 0, cells * sizeof(float));
-        memset(rest->fluence[c], 0, cells * sizeof(float));
-    }
-}
-
 static ty_result pass_on(ty_pop_job* job, ty_pop_merged* rest) {
     ty_pop* light = job->light;
     const double begun = ty_wall_seconds();
@@ -262,7 +252,6 @@ static ty_result pass_on(ty_pop_job* job, ty_pop_merged* rest) {
     double left = 1;
     const ty_result result = ty_pop_merged_create(job->context, &job->medium->box, false, &light->residuum);
     if (result != TY_OK) return result;
-    keep_left(rest);
     job->stats.residuum_iterations =
         ty_pop_residuum(job->context, light->medium, residuum_least, asked > 0 ? asked : residuum_most, rest, &left);
     if (job->stats.residuum_iterations < 0) return TY_ERROR_MEMORY;

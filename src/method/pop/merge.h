@@ -22,6 +22,9 @@ void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count
  * middle. */
 ty_grid_box ty_pop_residuum_box(const ty_grid_box* medium, const ty_pop_light* lights, int32_t count);
 
+/* Shares out what lights have not passed on among the cells beside the middles of theirs, all of it: adds to left. */
+void ty_pop_residuum_take(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged);
+
 /* Passes on what is left as isotropic light, a sixth to each neighbour, until `least` of what there was at first is
  * left or `iterations` are done; adds what went through cells to fluence and, over 4 pi, to seen. medium: any cells;
  * there is none outside its box. Returns the iterations; *left: what is left of what there was. Errors: TY_ERROR_MEMORY

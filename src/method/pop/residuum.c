@@ -43,6 +43,63 @@ static double edge_of(const ty_grid_box* box, int axis) {
     return (box->upper[axis] - box->lower[axis]) / box->size[axis];
 }
 
+/* ---- what comes in ---- */
+
+typedef struct take_job {
+    const ty_pop_light* lights;
+    int32_t count;
+    ty_pop_merged* merged;
+} take_job;
+
+static void share_out(const ty_grid_box* box, ty_vec middle, float amount, float* left) {
+    const double at[3] = {(double)middle.x, (double)middle.y, (double)middle.z};
+    float cells[3];
+    for (int a = 0; a < 3; ++a) cells[a] = (float)((at[a] - box->lower[a]) / edge_of(box, a));
+    const ty_cell_point point = ty_cell_locate(box->size, ty_vec_load(cells));
+    for (int corner = 0; corner < 8; ++corner) {
+        size_t cell = point.base;
+        float share = amount;
+        for (int a = 0; a < 3; ++a) {
+            const bool next = (corner >> a & 1) != 0;
+            cell += next ? point.step[a] : 0;
+            share *= next ? point.share[a] : 1 - point.share[a];
+        }
+        left[cell] += share;
+    }
+}
+
+/* What radial grids have is times the square of the distance, and so per solid angle. */
+static void take_light(const ty_pop_light* light, int channel, ty_pop_merged* merged) {
+    const ty_pop_frame* frame = &light->frame;
+    const ty_grid_box* box = &merged->box;
+    const int32_t ring = ty_pop_ring(frame), row = frame->size[0] + 2 * ring;
+    const size_t floats = (size_t)light->floats;
+    const double section = frame->kind == TY_POP_RADIAL ? 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1])
+                                                        : (double)frame->step.x * (double)frame->step.y;
+    const double cell = edge_of(box, 0) * edge_of(box, 1) * edge_of(box, 2);
+    for (int32_t k = 0; k < frame->size[2]; ++k) {
+        const float share = (float)(section * (double)ty_pop_length(frame, k) / cell);
+        const float* slab = light->seen + floats * (size_t)row * (size_t)(frame->size[1] + 2 * ring) * (size_t)k;
+        for (int32_t j = 0; j < frame->size[1]; ++j)
+            for (int32_t i = 0; i < frame->size[0]; ++i) {
+                const float amount =
+                    slab[floats * (size_t)(row * (j + ring) + i + ring) + TY_POP_SEEN + (size_t)channel];
+                if (amount > 0) share_out(box, ty_pop_middle(frame, i, j, k), share * amount, merged->left[channel]);
+            }
+    }
+}
+
+static void take_channel(void* user, int64_t channel, int32_t worker) {
+    const take_job* job = user;
+    (void)worker;
+    for (int32_t i = 0; i < job->count; ++i) take_light(&job->lights[i], (int)channel, job->merged);
+}
+
+void ty_pop_residuum_take(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {
+    take_job job = {lights, count, merged};
+    ty_parallel_flushed(context, 3, take_channel, &job);
+}
+
 /* Where the middle of a cell is among another grid's. Returns whether it is in it. */
 static bool locate(const ty_grid_box* box, const int32_t cell[3], const ty_grid_box* other, ty_cell_point* point) {
     float at[3];
@@ -174,7 +231,7 @@ static int32_t pass_channel(ty_context* context, work* w, double least, int32_t 
     return done;
 }
 
-static bool take(ty_context* context, work* w) {
+static bool take_memory(ty_context* context, work* w) {
     float** arrays[] = {&w->half[0], &w->half[1], &w->half[2], &w->from, &w->to, &w->through};
     bool ok = true;
     for (int i = 0; i < 6; ++i) {
@@ -199,7 +256,7 @@ int32_t ty_pop_residuum(ty_context* context, const ty_grid_medium* medium, doubl
     w.slice = w.row * ((size_t)size[1] + 2);
     w.cells = w.slice * ((size_t)size[2] + 2);
     double first = 0, remains = 0;
-    int32_t most = take(context, &w) ? 0 : -1;
+    int32_t most = take_memory(context, &w) ? 0 : -1;
     for (w.channel = 0; w.channel < 3 && most >= 0; ++w.channel) {
         const int32_t done = pass_channel(context, &w, least, iterations, &first, &remains);
         if (done > most) most = done;
