@@ -4,6 +4,7 @@
 #include "direct/single.k.h"
 #include "method/pop/merge.h"
 #include "method/pop/merge_kernel.h"
+#include "method/pop/slab.h"
 
 #include <math.h>
 
@@ -51,40 +52,45 @@ typedef struct take_job {
     ty_pop_merged* merged;
 } take_job;
 
-static void share_out(const ty_grid_box* box, ty_vec middle, float amount, float* left) {
-    const double at[3] = {(double)middle.x, (double)middle.y, (double)middle.z};
-    float cells[3];
-    for (int a = 0; a < 3; ++a) cells[a] = (float)((at[a] - box->lower[a]) / edge_of(box, a));
-    const ty_cell_point point = ty_cell_locate(box->size, ty_vec_load(cells));
-    for (int corner = 0; corner < 8; ++corner) {
-        size_t cell = point.base;
-        float share = amount;
-        for (int a = 0; a < 3; ++a) {
-            const bool next = (corner >> a & 1) != 0;
-            cell += next ? point.step[a] : 0;
-            share *= next ? point.share[a] : 1 - point.share[a];
-        }
-        left[cell] += share;
+static void add_pair(float* at, size_t next, float share, float amount) {
+    at[0] += (1 - share) * amount;
+    at[next] += share * amount;
+}
+
+/* at: in cells. */
+static void share_out(const int32_t size[3], ty_vec at, float amount, float* left) {
+    const ty_cell_point p = ty_cell_locate(size, at);
+    for (int k = 0; k < 2; ++k) {
+        float* layer = left + p.base + (k != 0 ? p.step[2] : 0);
+        const float in_layer = amount * (k != 0 ? p.share[2] : 1 - p.share[2]);
+        add_pair(layer, p.step[0], p.share[0], (1 - p.share[1]) * in_layer);
+        add_pair(layer + p.step[1], p.step[0], p.share[0], p.share[1] * in_layer);
     }
 }
 
 /* What radial grids have is times the square of the distance, and so per solid angle. */
+static double section_of(const ty_pop_frame* frame) {
+    if (frame->kind == TY_POP_PARALLEL) return (double)frame->step.x * (double)frame->step.y;
+    return 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1]);
+}
+
 static void take_light(const ty_pop_light* light, int channel, ty_pop_merged* merged) {
     const ty_pop_frame* frame = &light->frame;
     const ty_grid_box* box = &merged->box;
+    const ty_vec lower = ty_vec_make((float)box->lower[0], (float)box->lower[1], (float)box->lower[2]);
+    const ty_vec per_metre =
+        ty_vec_make((float)(1 / edge_of(box, 0)), (float)(1 / edge_of(box, 1)), (float)(1 / edge_of(box, 2)));
     const int32_t ring = ty_pop_ring(frame), row = frame->size[0] + 2 * ring;
-    const size_t floats = (size_t)light->floats;
-    const double section = frame->kind == TY_POP_RADIAL ? 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1])
-                                                        : (double)frame->step.x * (double)frame->step.y;
     const double cell = edge_of(box, 0) * edge_of(box, 1) * edge_of(box, 2);
     for (int32_t k = 0; k < frame->size[2]; ++k) {
-        const float share = (float)(section * (double)ty_pop_length(frame, k) / cell);
-        const float* slab = light->seen + floats * (size_t)row * (size_t)(frame->size[1] + 2 * ring) * (size_t)k;
+        const float share = (float)(section_of(frame) * (double)ty_pop_length(frame, k) / cell);
+        const float* slab = ty_pop_seen_slab(light, k) + TY_POP_SEEN + channel;
         for (int32_t j = 0; j < frame->size[1]; ++j)
             for (int32_t i = 0; i < frame->size[0]; ++i) {
-                const float amount =
-                    slab[floats * (size_t)(row * (j + ring) + i + ring) + TY_POP_SEEN + (size_t)channel];
-                if (amount > 0) share_out(box, ty_pop_middle(frame, i, j, k), share * amount, merged->left[channel]);
+                const float amount = slab[light->floats * (row * (j + ring) + i + ring)];
+                const ty_vec off = ty_sub(ty_pop_middle(frame, i, j, k), lower);
+                const ty_vec at = ty_vec_make(off.x * per_metre.x, off.y * per_metre.y, off.z * per_metre.z);
+                if (amount > 0) share_out(box->size, at, share * amount, merged->left[channel]);
             }
     }
 }
