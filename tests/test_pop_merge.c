@@ -392,6 +392,71 @@ static void residuum_ends(void** state) {
     free_glow(&g);
 }
 
+/* Cells are as large as the lights', and hold the box in their middle. */
+static void residuum_has_the_lights_cells(void** state) {
+    (void)state;
+    for (int d = 0; d < DIRECTIONS; ++d) {
+        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT),
+                                  parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT)};
+        const ty_pop_frame* frame = &lights[0].frame;
+        const ty_grid_box box = ty_pop_residuum_box(&slab, lights, 2);
+        double squares = 0;
+        for (int a = 0; a < 3; ++a) {
+            squares += pow((box.upper[a] - box.lower[a]) / box.size[a], 2);
+            assert_true(box.size[a] >= frame->size[2]);
+            assert_true(box.lower[a] <= slab.lower[a] + 1e-3 && box.upper[a] >= slab.upper[a] - 1e-3);
+            assert_close(box.lower[a] + box.upper[a], slab.lower[a] + slab.upper[a], 1e-6);
+        }
+        assert_close(squares, (double)ty_dot(frame->step, frame->step), 1e-5 * squares);
+        for (int l = 0; l < 2; ++l) free_light(&lights[l]);
+    }
+}
+
+/* Nothing is lost, wherever grids reach and lamps are. */
+static void residuum_takes_all(void** state) {
+    for (int d = 0; d < DIRECTIONS; ++d) {
+        ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT),
+                                  radial_light(box_middle(&slab), 6, 7, 0.1f, 3, TY_POP_SEEN_LEFT)};
+        const ty_vec step = lights[0].frame.step;
+        const double outer = 3,
+                     volumes[2] = {990 * (double)(step.x * step.y * step.z), 4 * 3.14159265358979 * (outer - 0.1)};
+        const ty_grid_box box = ty_pop_residuum_box(&slab, lights, 1);
+        const double cell = (box.upper[0] - box.lower[0]) * (box.upper[1] - box.lower[1]) *
+                            (box.upper[2] - box.lower[2]) / (double)box_cells(&box);
+        ty_pop_merged merged = make_merged(&box, true, false);
+        for (int l = 0; l < 2; ++l) fill_light(&lights[l], fill_constant);
+        ty_pop_residuum_take(*state, lights, 2, &merged);
+        for (int c = 0; c < 3; ++c) {
+            double sum = 0;
+            for (size_t i = 0; i < box_cells(&box); ++i) sum += cell * (double)merged.left[c][i];
+            assert_close(sum, (c + 9) * (volumes[0] + volumes[1]), 1e-4 * sum);
+        }
+        free_merged(&merged);
+        for (int l = 0; l < 2; ++l) free_light(&lights[l]);
+    }
+}
+
+/* A slope stays one on other cells, between the middles of the outer ones. */
+static void residuum_is_brought_to_other_cells(void** state) {
+    static const ty_grid_box large = {{-2, 0, 1}, {4, 2, 4}, {12, 11, 10}};
+    ty_pop_merged from = make_merged(&large, false, false), to = make_merged(&slab, false, false);
+    for (size_t i = 0; i < box_cells(&large); ++i)
+        for (int c = 0; c < 3; ++c) {
+            from.seen[c][i] = slope(c, merged_middle(&large, i));
+            from.fluence[c][i] = slope(3 + c, merged_middle(&large, i));
+        }
+    for (size_t i = 0; i < box_cells(&slab); ++i) to.fluence[1][i] = 1;
+    ty_pop_merged_add(*state, &from, &to);
+    for (size_t i = 0; i < box_cells(&slab); ++i)
+        for (int c = 0; c < 3; ++c) {
+            const ty_vec middle = merged_middle(&slab, i);
+            assert_close(to.seen[c][i], slope(c, middle), 3e-5);
+            assert_close(to.fluence[c][i], slope(3 + c, middle) + (c == 1 ? 1 : 0), 3e-5);
+        }
+    free_merged(&from);
+    free_merged(&to);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(constants_stay),
@@ -407,6 +472,9 @@ int main(void) {
         cmocka_unit_test(residuum_leaves_through_faces),
         cmocka_unit_test(residuum_is_symmetric),
         cmocka_unit_test(residuum_ends),
+        cmocka_unit_test(residuum_has_the_lights_cells),
+        cmocka_unit_test(residuum_takes_all),
+        cmocka_unit_test(residuum_is_brought_to_other_cells),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -9,20 +9,21 @@
  * aims at, of the tolerance. Of limited problems one cycle is enough: more is lost on the next D. */
 static const double REDUCTION = 1e-7, AIM = 0.3;
 enum { CYCLES = 30 };
-/* Of Algorithm 1, after each step of Picard's: they settle what D does beside faces, where steps alone swing to and fro
- * or gain next to nothing. The more of them where the fewer leave more than SLOW of the least residual so far, which
- * some media would take iterations without end for; and for tolerances below FINE. */
+/* Of Algorithm 1, for pictures and for tolerances below FINE: beside faces more of them take fewer iterations, of which
+ * pictures have too few for that to pay. */
 enum { SWEEPS = 4, MORE_SWEEPS = 8 };
-static const double SLOW = 0.33, FINE = 1e-5;
+static const double FINE = 1e-5;
 /* Of D, where light streams (ty_cell_soften): the linear problem answers too little to the fluence there, as D takes
  * half of the change back. Across the gradient it does not, and half would leave that without any gain. */
 static const float SOFTENING = 0.3f;
-/* What an iteration of a limited problem consists of. All of it takes the fewest by far; Picard's step alone always
- * works. */
-typedef enum means { MEANS_PICARD = 0, MEANS_ALL = 1 } means;
-/* An iteration gains if it leaves less than this share of the least residual so far. After so many in a row that do
- * not, D is taken as it is and coarser stages are not swept; after as many more, Picard's step is left alone. */
-static const double GAIN = 0.9;
+/* What an iteration of a limited problem consists of. All of it takes the fewest by far where little but boundaries
+ * holds them up; coarser stages work for all limiters that are smooth; Picard's step alone always does. */
+typedef enum means { MEANS_PICARD = 0, MEANS_CORRECTED = 1, MEANS_SWEPT = 2 } means;
+/* Sweeps, which cost more than the rest of an iteration, pay if it leaves less than a share of the least residual so
+ * far; but where residuals grow without them, more of them are taken for good. It gains if it leaves less than a larger
+ * one: after so many in a row that do not, D is taken as it is and coarser stages are not swept; after as many more,
+ * Picard's step is left alone. */
+static const double SWEEPS_PAY = 0.33, GAIN = 0.9;
 enum { PATIENCE = 4 };
 
 typedef struct picard {
@@ -30,8 +31,9 @@ typedef struct picard {
     bool limited;
     means means;
     int sweeps;
-    double least;   /* residual so far */
-    int32_t futile; /* iterations since one gained */
+    bool swept_again; /* as it went wrong without */
+    double least;     /* residual so far */
+    int32_t futile;   /* iterations since one gained */
 } picard;
 
 /* rms, of a linearised problem's f. */
@@ -41,7 +43,13 @@ static double rms(const ty_diffusion_job* job, double squares) {
 
 static void judge(picard* p, double residual) {
     p->futile = residual < GAIN * p->least ? 0 : p->futile + 1;
-    if (!(residual < SLOW * p->least)) p->sweeps = MORE_SWEEPS;
+    if (p->means == MEANS_CORRECTED && !p->swept_again && residual > p->least) {
+        p->swept_again = true;
+        p->means = MEANS_SWEPT;
+        p->sweeps = MORE_SWEEPS;
+    } else if (p->means == MEANS_SWEPT && !p->swept_again && !(residual < SWEEPS_PAY * p->least)) {
+        p->means = MEANS_CORRECTED;
+    }
     p->least = fmin(p->least, residual);
     if (p->futile < PATIENCE) return;
     if (!(p->job->softening > 0)) p->means = MEANS_PICARD;
@@ -51,7 +59,7 @@ static void judge(picard* p, double residual) {
 }
 
 static void sweep(const picard* p) {
-    for (int i = 0; p->means == MEANS_ALL && i < p->sweeps; ++i) ty_stage_sweep(p->job, 0, TY_SWEEP_OMEGA);
+    for (int i = 0; p->means == MEANS_SWEPT && i < p->sweeps; ++i) ty_stage_sweep(p->job, 0, TY_SWEEP_OMEGA);
 }
 
 /* What interpolation left beside boundaries is no business of coarser stages. */
@@ -68,7 +76,7 @@ static void iterate(picard* p, double squares) {
         ty_stage_advance(job, 0, squares, fmax(REDUCTION, aim), CYCLES);
         return;
     }
-    if (p->means == MEANS_ALL && job->stage_count > 1) {
+    if (p->means >= MEANS_CORRECTED && job->stage_count > 1) {
         ty_stages_correct(job, 0);
         squares = ty_stage_linearise(job, 0);
     }
@@ -81,7 +89,7 @@ ty_result ty_solve_picard(ty_diffusion_job* job) {
     picard p = {.job = job,
                 .limited = def->limiter != TY_LIMITER_NONE,
                 .least = INFINITY,
-                .means = MEANS_ALL,
+                .means = MEANS_SWEPT,
                 .sweeps = def->tolerance < FINE ? MORE_SWEEPS : SWEEPS};
     const int32_t limit = def->iterations > 0 ? def->iterations : 500;
     if (p.limited) job->softening = SOFTENING;

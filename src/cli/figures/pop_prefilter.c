@@ -4,10 +4,10 @@
 enum { COSINES = 4, ROWS = 4, WIDTH = 160, PICTURE_WIDTH = 280, ORDINATES = 27 };
 
 static const double cosines[COSINES] = {0.95, 0.98, 0.99, 0.999};
-static const char* const row_titles[ROWS] = {"path tracing", "without prefiltering", "β = 1", "β = 16"};
+static const char* const row_titles[ROWS] = {"path tracing", "without prefiltering", "β = 1", "β = 4"};
 
 /* Beta of each row. */
-static const double betas[ROWS] = {0, 0, 1, 16};
+static const double betas[ROWS] = {0, 0, 1, 4};
 
 static const char slab_text[] =
     "{\"tyndall\": 1,"

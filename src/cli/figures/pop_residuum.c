@@ -5,14 +5,13 @@
 
 enum { VARIANTS = 3, WIDTH = 192, PICTURE_WIDTH = 340, RESOLUTION = 16, FULL = 1000 };
 
-/* merged: cells of the one grid. */
 static const struct {
     const char* title;
-    int32_t iterations, merged;
+    int32_t iterations;
     double residuum;
-} variants[VARIANTS] = {{"full propagation", FULL, 0, 0},
-                        {"isotropic residuum, 32³", 0, 2 * RESOLUTION, 0.1},
-                        {"isotropic residuum, 16³", 0, RESOLUTION, 0.1}};
+} variants[VARIANTS] = {{"full propagation", FULL, 0},
+                        {"isotropic residuum, εa = 0.1", 0, 0.1},
+                        {"isotropic residuum, εa = 0.02", 0, 0.02}};
 
 /* Milk in 4 m, so that cells are the paper's 0.25 m; ten times as dense, since only then Eq. 10 gives about the paper's
  * 20 iterations. */
@@ -35,7 +34,6 @@ static ty_result render_variant(figure_run* run, ty_scene* scene, int variant, c
     settings.resolution = RESOLUTION;
     settings.iterations = variants[variant].iterations;
     settings.residuum = variants[variant].residuum;
-    settings.merged = variants[variant].merged;
     ty_result result = pop_render(run, variants[variant].title, scene, &settings, size, picture, stats);
     if (result == TY_OK) result = pop_show(run, variants[variant].title, scene, picture, NULL, false, cell, NULL);
     if (result == TY_OK)
@@ -107,9 +105,7 @@ ty_result figure_pop_residuum(figure_run* run) {
         "The published mode. Milk, σs = {9.1, 10.7, 12.5}/m (ten times the paper's, since so Eq. 10 comes to about its "
         "20 iterations), albedo 0.999, g = 0.95, in a lump of noise of 4 m, 64 "
         "ordinates of %d³ cells, after %d iterations, and after as many as make light isotropic (Eq. 10), the rest "
-        "of it in one grid. Light that moves one cell a step gets along more slowly in a finer grid, and there is more "
-        "of "
-        "it then.",
+        "of it in one grid of cells as large.",
         RESOLUTION, FULL);
     return result;
 }

@@ -13,6 +13,9 @@ enum { CUTS = 24 };
 /* Of a cell's mass, the part that importance does not decide: nothing bright is left to one ordinate. */
 static const double FLOOR = 0.03;
 
+/* Importance counts to the power N / (N + 8): a few ordinates must stand for all light, whichever is seen most. */
+static const double FEW = 8;
+
 static const double pi = 3.14159265358979323846;
 
 /* Sums over a stretch of the sphere. */
@@ -26,6 +29,7 @@ typedef struct light_sum {
 typedef struct table_job {
     const ty_environment_view* environment;
     const float* importance; /* NULL: even */
+    double power;            /* of importance */
     int32_t size[2];         /* cells */
     light_sum* sums;         /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
     int32_t shift;           /* of columns: where the sphere is cut open */
@@ -81,7 +85,7 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
                            .flow = {flow[0], z_up ? flow[1] : flow[2], z_up ? flow[2] : -flow[1]},
                            .solid_angle = (double)cell->solid_angle};
         const float u = ((float)column + 0.5f) / (float)width - env->turns;
-        const double weight = job->importance != NULL ? importance_at(job->importance, u, v) : 1;
+        const double weight = job->importance != NULL ? pow(importance_at(job->importance, u, v), job->power) : 1;
         sum->mass = luminance(sum->color) * (FLOOR + (1 - FLOOR) * weight);
     }
 }
@@ -201,6 +205,7 @@ ty_result ty_pop_environment_ordinates(const ty_scene* scene, const ty_pop_def* 
     const ty_environment_view* environment = &scene->view.lights.lights[light].environment;
     table_job job = {.environment = environment,
                      .importance = importance,
+                     .power = def->ordinates / (def->ordinates + FEW),
                      .size = {environment->cells_width, environment->cells_height}};
     const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->ordinates;
     job.shift = (int32_t)(ty_mix64(def->seed + ty_mix64((uint64_t)light + 1)) % (uint64_t)job.size[0]);

@@ -111,6 +111,7 @@ typedef struct batch {
     int32_t most, count, iterations, floats;
     size_t seen_floats;    /* of the largest grid */
     size_t scratch_floats; /* likewise, for one thread */
+    ty_pop_merged* rest;   /* where what is not passed on comes together; NULL: nowhere */
     float *seen, *scratch;
     ty_pop_walk_stats walks[BATCH_MAX];
 } batch;
@@ -182,6 +183,7 @@ static ty_result run_batches(batch* b, ty_parallel_fn run) {
         ty_parallel_flushed(job->context, b->count, run, b);
         const double done = ty_wall_seconds();
         ty_pop_merge(job->context, b->lights, b->count, &light->merged);
+        if (b->rest != NULL) ty_pop_residuum_take(job->context, b->lights, b->count, b->rest);
         stats->merge_seconds += ty_wall_seconds() - done;
         for (int32_t i = 0; i < b->count; ++i) {
             initial += b->walks[i].initial_seconds;
@@ -245,17 +247,23 @@ static int32_t walk_length(const ty_pop_job* job) {
     return most;
 }
 
-static ty_result pass_on_the_rest(ty_pop_job* job) {
+static ty_result begin_rest(ty_pop_job* job, ty_pop_merged* rest) {
+    const ty_pop* light = job->light;
+    const ty_grid_box box = ty_pop_residuum_box(&light->medium->box, light->ordinates, light->count);
+    return ty_pop_merged_create(job->context, &box, true, rest);
+}
+
+static ty_result pass_on(ty_pop_job* job, ty_pop_merged* rest) {
     ty_pop* light = job->light;
     const double begun = ty_wall_seconds();
     const int32_t asked = job->def->residuum_iterations;
     double left = 1;
-    ty_result result = ty_pop_merged_create(job->context, &job->medium->box, true, &light->residuum);
+    const ty_result result = ty_pop_merged_create(job->context, &job->medium->box, false, &light->residuum);
     if (result != TY_OK) return result;
-    for (int c = 0; c < 3; ++c) memcpy(light->residuum.left[c], light->merged.left[c], light->cells * sizeof(float));
-    job->stats.residuum_iterations = ty_pop_residuum(job->context, job->medium, residuum_least,
-                                                     asked > 0 ? asked : residuum_most, &light->residuum, &left);
+    job->stats.residuum_iterations =
+        ty_pop_residuum(job->context, light->medium, residuum_least, asked > 0 ? asked : residuum_most, rest, &left);
     if (job->stats.residuum_iterations < 0) return TY_ERROR_MEMORY;
+    ty_pop_merged_add(job->context, rest, &light->residuum);
     job->stats.left *= left;
     job->stats.residuum_seconds = ty_wall_seconds() - begun;
     return TY_OK;
@@ -263,11 +271,14 @@ static ty_result pass_on_the_rest(ty_pop_job* job) {
 
 /* ---- all of it ---- */
 
-static ty_result light_grids(ty_pop_job* job) {
+/* rest: NULL, or where what is not passed on comes together. */
+static ty_result light_grids(ty_pop_job* job, ty_pop_merged* rest) {
     ty_pop* light = job->light;
     const bool split = job->def->mode == TY_POP_MODE_SPLIT;
-    batch b = {
-        .job = job, .floats = split ? TY_POP_SEEN : TY_POP_SEEN_LEFT, .iterations = split ? 0 : walk_length(job)};
+    batch b = {.job = job,
+               .floats = split ? TY_POP_SEEN : TY_POP_SEEN_LEFT,
+               .iterations = split ? 0 : walk_length(job),
+               .rest = rest};
     job->stats.iterations = b.iterations;
     ty_result result = begin_batch(&b);
     if (result == TY_OK && job->def->keep_lobes) result = keep_lobes(light, b.iterations);
@@ -277,16 +288,24 @@ static ty_result light_grids(ty_pop_job* job) {
     return result;
 }
 
+static ty_result light_and_pass_on(ty_pop_job* job) {
+    ty_pop_merged rest = {.box.size = {0, 0, 0}};
+    ty_result result = begin_rest(job, &rest);
+    if (result == TY_OK) result = light_grids(job, &rest);
+    if (result == TY_OK) result = pass_on(job, &rest);
+    ty_pop_merged_destroy(job->context, &rest);
+    return result;
+}
+
 ty_result ty_pop_light_ordinates(ty_pop_job* job) {
     ty_pop* light = job->light;
     const bool split = job->def->mode == TY_POP_MODE_SPLIT;
     ty_result result = find_ordinates(job);
-    if (result == TY_OK) result = ty_pop_merged_create(job->context, &job->medium->box, !split, &light->merged);
+    if (result == TY_OK) result = ty_pop_merged_create(job->context, &job->medium->box, false, &light->merged);
     job->stats.converged = true;
     if (result != TY_OK || light->count == 0) return result;
-    result = light_grids(job);
+    result = !split && job->def->residuum > 0 ? light_and_pass_on(job) : light_grids(job, NULL);
     if (result == TY_OK && split) balance(job);
-    if (result == TY_OK && !split && job->def->residuum > 0) result = pass_on_the_rest(job);
     if (!split) {
         job->stats.left = job->entered > 0 ? job->stats.left / job->entered : 0;
         job->stats.converged = job->stats.left <= residuum_least;

@@ -44,6 +44,26 @@ TY_FN float ty_pop_lobe_forward(float mu, float u, float r, float s, float sprea
     return (r - u) * TY_INV_4PI * (1.0f + spread * ty_pop_hg_slope(mu, x));
 }
 
+/* Scattering of mean cosine g spreads light that comes evenly from a disc of the sky, of mean cosine `disc`, into what
+ * a lobe stands for. Where discs are small beside lobes, that of mean cosine disc g is best, since neighbours add up.
+ * Where they are large it is far brighter in the middle than they are, and a lobe is taken that is as bright: HG's part
+ * within the disc, (1 + g) / (2 g) (1 - (1 - g) / s) with s^2 = (1 - g)^2 + 2 g (1 - disc), over the disc. It goes from
+ * one to the other as s^2 grows over (1 - g)^2. Returns the lobe's mean cosine. */
+TY_FN float ty_pop_disc_lobe(float g, float disc) {
+    const float a = ty_minf(fabsf(g), 0.9999f), less = 1.0f - a, least = less * less;
+    const float wider = 2.0f * a * ty_maxf(0.0f, 1.0f - disc), s = sqrtf(least + wider);
+    const float peak = 2.0f * (1.0f + a) / (s * (s + less));
+    const float bright = 1.0f - 4.0f / (1.0f + sqrtf(1.0f + 8.0f * peak)), mean = disc * a;
+    const float found = mean + wider / (s * s) * (bright - mean);
+    return g < 0.0f ? -found : found;
+}
+
+/* The same for ty_pop_lobe_forward: of light that has scattered, over that light's own mean cosine. */
+TY_FN float ty_pop_disc_spread(float u, float r, float s, float g, float disc) {
+    const float b = ty_maxf(ty_pop_lobe_cosine(u, r, s), 1e-3f);
+    return ty_pop_disc_lobe(b * g, disc) / b;
+}
+
 /* What fraction of a lobe goes to the cells in front, to each of the four beside and behind (Eq. 2 and 3), to 2e-6:
  * half the sum of front and back is even in a, half their difference odd, and both are so smooth that polynomials of
  * a^2 (interpolated at Chebyshev's points of [0, 1]) take half the time of the formula. They partition the sphere. */
