@@ -162,7 +162,7 @@ static void moments_of(double (*lobe)(double mu, const double* p), const double*
 static double scattered_lobe(double mu, const double* p) {
     const float m = (float)mu, spread = (float)p[3];
     return (double)((float)p[0] * ty_pop_hg(m, spread) +
-                    ty_pop_lobe_forward(m, (float)p[0], (float)p[1], (float)p[2], spread));
+                    ty_forward_lobe(m, (float)p[0], (float)p[1], (float)p[2], spread));
 }
 
 /* Scattering sends on g^n of light's l-th moments after n times; what comes in has a_n. */

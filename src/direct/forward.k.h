@@ -17,20 +17,30 @@ typedef struct ty_forward {
     float cosine; /* 1: a line; 0..1 */
 } ty_forward;
 
-/* Mean cosine below which a lobe counts as linear in the cosine. */
-#define TY_FORWARD_BROAD 0.01f
+/* (4 pi HG(x) - 1) / x, which is 3 mu at x = 0. */
+TY_FN float ty_hg_slope(float mu, float x) {
+    const float base = ty_maxf((1.0f - x) * (1.0f - x) + 2.0f * x * (1.0f - mu), 1e-10f);
+    const float u = sqrtf(base), cube = base * u;
+    return ((2.0f * mu - x) * (1.0f + u + base) / (1.0f + u) - x) / cube;
+}
 
-TY_FN float ty_forward_scattered_share(float mu, float b, float g) {
-    if (b < TY_FORWARD_BROAD) return TY_INV_4PI * (1.0f + 3.0f * g * mu);
-    return (ty_hg(mu, b * g) - TY_INV_4PI) / b + TY_INV_4PI;
+/* The mean cosine of light that has scattered and kept its direction (above): u, r, s are U, R, S. */
+TY_FN float ty_forward_cosine(float u, float r, float s) {
+    return ty_clampf((s - u) / ty_maxf(r - u, 1e-20f), 0.0f, 1.0f);
+}
+
+/* Its radiance at cosine mu about the direction, scattered once more by `spread` (a phase function's mean cosine, or of
+ * the light that comes in, or their product). Its moments are right; far from the direction it may be a little below 0,
+ * which the diffusion's light makes up for. */
+TY_FN float ty_forward_lobe(float mu, float u, float r, float s, float spread) {
+    const float x = ty_forward_cosine(u, r, s) * spread;
+    return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * ty_hg_slope(mu, x));
 }
 
 /* What of the light that has scattered and kept its direction scatters once more in a medium of mean cosine g at cosine
  * mu, per scattering coefficient; below 0 where the diffuse light, to which it belongs, is more. */
 TY_FN float ty_forward_scattered(ty_forward light, float mu, float g) {
-    const float lobe = ty_maxf(0.0f, light.kept - light.straight);
-    const float bent = ty_clampf(light.bent - light.straight, 0.0f, lobe);
-    return lobe * ty_forward_scattered_share(mu, bent / ty_maxf(lobe, 1e-30f), light.cosine * g);
+    return ty_forward_lobe(mu, light.straight, light.kept, light.bent, light.cosine * g);
 }
 
 /* What of the light that has not scattered does so, the same. */

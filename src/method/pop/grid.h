@@ -45,15 +45,9 @@ size_t ty_pop_seen_floats(const ty_pop_frame* frame, int32_t floats);
 size_t ty_pop_lobe_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes, int32_t iterations);
 size_t ty_pop_scratch_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes);
 
-/* Split mode, in one sweep. Of the light that comes in, e^-tau reaches a cell without scattering, tau = integral of
- * sigma_t; with what scattering sends on, which the diffusion does not get, it is e^-tau1, tau1 of sigma_t - g sigma_s
- * (as fluence and as flux: the reduced beam). The l-th moment of what has scattered n times is g^(n l), and over the
- * Poisson number of scatterings e^-tau_l, tau_l of sigma_t - g^l sigma_s: the exact form of Eq. 4. So the forward light
- * that has scattered is R - U (U = e^-tau, R = e^-tau1, S = e^-tau2) with moments (R - U) b^(l - 1) for l >= 1,
- * b = (S - U) / (R - U), which is the lobe ((R - U) / b) (HG(b) - (1 - b) / (4 pi)). Scattered once more, with a_n from
- * prefiltering,
- *     J = U HG(a_n g) + (R - U) ((HG(b a_n g) - 1 / (4 pi)) / b + 1 / (4 pi))
- * towards the eye. Negative g counts as 0 in R and S, and as it is in J. medium: cells about as large as the grid's. */
+/* Split mode, in one sweep: U, R and S of direct/forward.k.h along columns, as means over cells, and what of them
+ * scatters towards the eye, with a_n from prefiltering. Negative g counts as 0 in R and S, and as it is in what
+ * scatters. medium: cells about as large as the grid's. */
 void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], float* scratch,
                   ty_pop_light* light);
 

@@ -217,7 +217,7 @@ static void scatter_plane(const ty_pop_slab* slab, int32_t plane, ty_pop_look* l
     for (int32_t i = 0; i < slab->columns->count; ++i) {
         const float once = ty_pop_disc_lobe(g[i], cosine);
         const float again = ty_pop_disc_spread(u[i], r[i], s[i], g[i], cosine);
-        radiance[i] = u[i] * ty_pop_hg(mu[i], once) + ty_pop_lobe_forward(mu[i], u[i], r[i], s[i], again);
+        radiance[i] = u[i] * ty_pop_hg(mu[i], once) + ty_forward_lobe(mu[i], u[i], r[i], s[i], again);
     }
 }
 

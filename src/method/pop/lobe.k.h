@@ -3,7 +3,7 @@
 #define TY_METHOD_POP_LOBE_K_H
 
 #include "direct/beam.k.h"
-#include "scene/phase.k.h"
+#include "direct/forward.k.h"
 
 /* 1 / sqrt(x) to 5e-6 for normal x > 0, without what takes processors long: two of Newton's steps. */
 TY_FN float ty_pop_root_inverse(float x) {
@@ -24,26 +24,6 @@ TY_FN float ty_pop_hg(float mu, float cosine) {
     return ty_pop_hg_tilted(2.0f * (1.0f - mu), cosine);
 }
 
-/* (4 pi HG(x) - 1) / x, which is 3 mu at x = 0. */
-TY_FN float ty_pop_hg_slope(float mu, float x) {
-    const float base = ty_maxf((1.0f - x) * (1.0f - x) + 2.0f * x * (1.0f - mu), 1e-10f);
-    const float u = sqrtf(base), cube = base * u;
-    return ((2.0f * mu - x) * (1.0f + u + base) / (1.0f + u) - x) / cube;
-}
-
-/* The mean cosine of light that has scattered and kept its direction (grid.h): u, r, s are U, R, S. */
-TY_FN float ty_pop_lobe_cosine(float u, float r, float s) {
-    return ty_clampf((s - u) / ty_maxf(r - u, 1e-20f), 0.0f, 1.0f);
-}
-
-/* Its radiance at cosine mu about the direction, scattered once more by `spread` (a phase function's mean cosine, or of
- * the light that comes in, or their product). Its moments are right; far from the direction it may be a little below 0,
- * which the diffusion's light makes up for. */
-TY_FN float ty_pop_lobe_forward(float mu, float u, float r, float s, float spread) {
-    const float x = ty_pop_lobe_cosine(u, r, s) * spread;
-    return (r - u) * TY_INV_4PI * (1.0f + spread * ty_pop_hg_slope(mu, x));
-}
-
 /* Scattering of mean cosine g spreads light that comes evenly from a disc of the sky, of mean cosine `disc`, into what
  * a lobe stands for. Where discs are small beside lobes, that of mean cosine disc g is best, since neighbours add up.
  * Where they are large it is far brighter in the middle than they are, and a lobe is taken that is as bright: HG's part
@@ -58,9 +38,9 @@ TY_FN float ty_pop_disc_lobe(float g, float disc) {
     return g < 0.0f ? -found : found;
 }
 
-/* The same for ty_pop_lobe_forward: of light that has scattered, over that light's own mean cosine. */
+/* The same for ty_forward_lobe: of light that has scattered, over that light's own mean cosine. */
 TY_FN float ty_pop_disc_spread(float u, float r, float s, float g, float disc) {
-    const float b = ty_maxf(ty_pop_lobe_cosine(u, r, s), 1e-3f);
+    const float b = ty_maxf(ty_forward_cosine(u, r, s), 1e-3f);
     return ty_pop_disc_lobe(b * g, disc) / b;
 }
 

@@ -122,7 +122,7 @@ static float radiance_split(const ty_pop_light* light, const neighbours* near, s
     const float u = between(light, near, 3 * plane), r = between(light, near, 3 * plane + 1);
     const float s = between(light, near, 3 * plane + 2);
     *uncollided = u;
-    return ty_pop_lobe_forward(mu, u, r, s, ty_pop_disc_spread(u, r, s, 1, light->ordinate.cosine));
+    return ty_forward_lobe(mu, u, r, s, ty_pop_disc_spread(u, r, s, 1, light->ordinate.cosine));
 }
 
 static float radiance_bands(const ty_pop_light* light, const neighbours* near, size_t plane, float mu,
