@@ -53,7 +53,8 @@ size_t ty_pop_scratch_floats(const ty_pop_frame* frame, const ty_pop_def* def, i
  * b = (S - U) / (R - U), which is the lobe ((R - U) / b) (HG(b) - (1 - b) / (4 pi)). Scattered once more, with a_n from
  * prefiltering,
  *     J = U HG(a_n g) + (R - U) ((HG(b a_n g) - 1 / (4 pi)) / b + 1 / (4 pi))
- * towards the eye. Negative g counts as 0 in R and S, and as it is in J. medium: cells about as large as the grid's. */
+ * towards the eye; a_n g and b a_n g are ty_pop_disc_lobe's, products for narrow light. Negative g counts as 0 in R and
+ * S, and as it is in J. medium: cells about as large as the grid's. */
 void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], float* scratch,
                   ty_pop_light* light);
 
