@@ -189,6 +189,23 @@ static double between_cosines(double a, double low, double high) {
     return c * (1 / sqrt(1 + a * a - 2 * a * high) - 1 / sqrt(1 + a * a - 2 * a * low));
 }
 
+/* Lines leave lobes as they are; small discs take a mean cosine's share; large ones are no brighter than they are. */
+static void test_discs(void** state) {
+    (void)state;
+    for (int i = -9; i <= 9; ++i) {
+        const float g = 0.1f * (float)i;
+        assert_close((double)ty_pop_disc_lobe(g, 1), (double)g, 2e-6);
+        assert_close((double)ty_pop_disc_lobe(g, 0.9999f), 0.9999 * (double)g, 2e-4);
+        for (int j = 0; j < 10; ++j)
+            assert_true(fabsf(ty_pop_disc_lobe(g, 0.1f * (float)j)) <= 0.1f * (float)j * fabsf(g) + 2e-6f);
+    }
+    for (int n = 2; n < 100; n *= 2) {
+        const float disc = 1 - 1 / (float)n;
+        assert_close((double)ty_pop_disc_lobe(0.01f, disc), 0.01 * (double)disc, 1e-4);
+        assert_close((double)ty_pop_hg(1, ty_pop_disc_lobe(0.9995f, disc)) * 4 * 3.14159265358979, n, 0.05 * n);
+    }
+}
+
 static void test_patches(void** state) {
     (void)state;
     const double c = sqrt(0.5);
@@ -245,10 +262,15 @@ static void test_seen_value(void** state) {
         const ty_vec at = ty_pop_middle(&made.light.frame, 7, 20, k);
         const ty_vec to = ty_normalize(ty_sub(ty_vec_load(made.eye), at));
         const double depth = (double)at.x, t = sigma_s + sigma_a, mu = (double)to.x;
-        const double p[4] = {exp(-t * depth), exp(-(t - g * sigma_s) * depth), exp(-(t - g * g * sigma_s) * depth),
-                             0.8 * g};
-        assert_close(pop_value(&made.light, 7, 20, k, 0), scattered_lobe(mu, p), 1e-3 * scattered_lobe(mu, p));
-        assert_close(pop_value(&made.light, 7, 20, k, 3), p[1], 1e-3 * p[1]);
+        const double u = exp(-t * depth), r = exp(-(t - g * sigma_s) * depth), s = exp(-(t - g * g * sigma_s) * depth);
+        const float b = (float)((s - u) / (r - u)), again = ty_pop_disc_lobe(b * (float)g, 0.8f) / b;
+        const double expected = u * (double)ty_pop_hg((float)mu, ty_pop_disc_lobe((float)g, 0.8f)) +
+                                (double)ty_forward_lobe((float)mu, (float)u, (float)r, (float)s, again);
+        const float* seen = pop_seen(&made.light, 7, 20, k);
+        const double weight = (double)seen[TY_POP_WEIGHT];
+        assert_true(weight > 0);
+        assert_close((double)seen[0], weight * expected, 1e-3 * weight * expected);
+        assert_close((double)seen[3], weight * r, 1e-3 * weight * r);
     }
     pop_end(&made);
 }
@@ -377,7 +399,7 @@ static void test_profiles(void** state) {
         for (int32_t j = 0; j < 16; ++j)
             for (int32_t i = 0; i < 16; ++i) {
                 const double mu = -(double)ty_pop_way(&made.light.frame, i, j).y,
-                             value = pop_value(&made.light, i, j, 0, 3);
+                             value = (double)pop_seen(&made.light, i, j, 0)[3];
                 if (profile == TY_POP_EVEN) assert_close(value, 1, 0.1);
                 if (profile == TY_POP_COSINE) assert_close(value, fmax(0, mu), 0.1 * fmax(0, mu));
                 if (profile == TY_POP_SPOT && mu > cos(0.43)) assert_close(value, 1, 0.1);
@@ -398,7 +420,7 @@ static void test_afar(void** state) {
         const ty_vec at = ty_pop_middle(&made.light.frame, 3, 12, k);
         const ty_vec off = ty_sub(at, light.position);
         const double square = (double)ty_dot(off, off);
-        assert_close(pop_value(&made.light, 3, 12, k, 3) * square, exp(-(double)at.z), 1e-3);
+        assert_close((double)pop_seen(&made.light, 3, 12, k)[3] * square, exp(-(double)at.z), 1e-3);
     }
     pop_end(&made);
 }
@@ -461,10 +483,11 @@ static void test_one_density(void** state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_axis_frame),  cmocka_unit_test(test_slanted_frame), cmocka_unit_test(test_radial_frame),
-        cmocka_unit_test(test_homogeneous), cmocka_unit_test(test_moments),       cmocka_unit_test(test_patches),
-        cmocka_unit_test(test_see),         cmocka_unit_test(test_seen_value),    cmocka_unit_test(test_radiance),
-        cmocka_unit_test(test_shadows),     cmocka_unit_test(test_floor),         cmocka_unit_test(test_profiles),
-        cmocka_unit_test(test_afar),        cmocka_unit_test(test_extremes),      cmocka_unit_test(test_one_density),
+        cmocka_unit_test(test_homogeneous), cmocka_unit_test(test_moments),       cmocka_unit_test(test_discs),
+        cmocka_unit_test(test_patches),     cmocka_unit_test(test_see),           cmocka_unit_test(test_seen_value),
+        cmocka_unit_test(test_radiance),    cmocka_unit_test(test_shadows),       cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_profiles),    cmocka_unit_test(test_afar),          cmocka_unit_test(test_extremes),
+        cmocka_unit_test(test_one_density),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

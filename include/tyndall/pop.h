@@ -48,8 +48,9 @@ typedef struct ty_pop_def {
     int32_t ordinates; /* N, per environment light, 1..4096; default 64 */
     double prefilter; /* beta of Sec. 5.1, 0..16: a = (1 - w / N)^beta. Mode published: w / N is the share of the sphere
                          that the ordinate stands for; else 1 - w / N is the mean cosine of its light, whatever its
-                         shape, which in an even environment is the same; so 1 (default) needs no tuning. 0: none,
-                         a = 1 */
+                         shape, which in an even environment is the same; so 1 (default) needs no tuning. Mode split:
+                         light that scatters is moreover no brighter than that of a disc of such a mean
+                         cosine. 0: none, a = 1 */
     bool importance;  /* whether ordinates are chosen by what the camera sees of their light, too; default true */
     float* history;   /* the importance of the frame before, TY_POP_IMPORTANCE_WIDTH x _HEIGHT, which a share of this
                          one's is mixed with; replaced by this frame's. All 0: there was none. NULL (default): none */

@@ -27,14 +27,14 @@ TY_FN float ty_pop_hg(float mu, float cosine) {
 /* Scattering of mean cosine g spreads light that comes evenly from a disc of the sky, of mean cosine `disc`, into what
  * a lobe stands for. Where discs are small beside lobes, that of mean cosine disc g is best, since neighbours add up.
  * Where they are large it is far brighter in the middle than they are, and a lobe is taken that is as bright: HG's part
- * within the disc, (1 + g) / (2 g) (1 - (1 - g) / s) with s^2 = (1 - g)^2 + 2 g (1 - disc), over the disc. It goes from
+ * within the disc, (1 + g) / (2 g) (1 - (1 - g) / s) with s^2 = (1 - g)^2 + 4 g (1 - disc), over the disc. It goes from
  * one to the other as s^2 grows over (1 - g)^2. Returns the lobe's mean cosine. */
 TY_FN float ty_pop_disc_lobe(float g, float disc) {
     const float a = ty_minf(fabsf(g), 0.9999f), less = 1.0f - a, least = less * less;
-    const float wider = 2.0f * a * ty_maxf(0.0f, 1.0f - disc), s = sqrtf(least + wider);
+    const float wider = 4.0f * a * ty_maxf(0.0f, 1.0f - disc), s = sqrtf(least + wider);
     const float peak = 2.0f * (1.0f + a) / (s * (s + less));
     const float bright = 1.0f - 4.0f / (1.0f + sqrtf(1.0f + 8.0f * peak)), mean = disc * a;
-    const float found = mean + wider / (s * s) * (bright - mean);
+    const float share = wider / (s * s), found = mean + share * share * (bright - mean);
     return g < 0.0f ? -found : found;
 }
 
