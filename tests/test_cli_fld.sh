@@ -47,7 +47,7 @@ test_options() {
     fld fog.json other.exr -D "render.fld.$option"
     different plain.exr other.exr
   done
-  for option in limiter=levermore_pomraning streaming=0.55 boundary=marshak solver=multigrid beam=reduced ratio=2 \
+  for option in limiter=levermore_pomraning streaming=0 boundary=marshak solver=multigrid beam=reduced ratio=2 \
     environment_beams=64 surface_points=16 spp=1 step=1 larsen_power=3 relaxation=1 iterations=0 sigma_eps=0; do
     fld fog.json other.exr -D "render.fld.$option"
     same plain.exr other.exr
@@ -71,7 +71,7 @@ resolution=3 fld.resolution: 3 is outside \[4, 1024\]
 resolution=-1 render.fld.resolution
 ratio=0.5 fld.ratio: 0.5 is outside \[1, 64\]
 ratio=65 render.fld.ratio
-streaming=0 render.fld.streaming
+streaming=-1 render.fld.streaming
 streaming=2 render.fld.streaming
 relaxation=2 render.fld.relaxation
 tolerance=1 render.fld.tolerance

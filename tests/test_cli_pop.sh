@@ -36,8 +36,8 @@ test_options() {
     pop fog.json other.exr -D "render.pop.$option"
     different plain.exr other.exr
   done
-  for option in mode=split merged=16 sharp=true direct=64 prefilter=1 importance=true surface_points=9 vpls=9 clamp=0.2 \
-    shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 streaming=0.55 spp=1 step=1; do
+  for option in mode=split merged=12 sharp=true direct=64 prefilter=1 importance=true surface_points=9 vpls=9 clamp=0.2 \
+    shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 streaming=0 spp=1 step=1; do
     pop fog.json other.exr -D "render.pop.$option"
     same plain.exr other.exr
   done
@@ -102,7 +102,7 @@ clamp=2 render.pop.clamp
 iterations=-1 render.pop.iterations
 residuum=2 render.pop.residuum
 residuum_iterations=10001 render.pop.residuum_iterations
-streaming=0 render.pop.streaming
+streaming=-1 render.pop.streaming
 tolerance=1 render.pop.tolerance
 spp=65 render.pop.spp
 step=9 render.pop.step
@@ -138,7 +138,7 @@ test_statistics() {
     unsaid stats.json 'nan|inf'
   done
   expect 0 render fog.json -o out.exr --method pop --size 24x16 -D render.pop.resolution=8 -D render.pop.ordinates=9
-  said out.txt '9 ordinates of 8x8x8 cells, 16x16x16 merged, '
+  said out.txt '9 ordinates of 8x8x16 cells, 12x12x12 merged, '
   unsaid out.txt '^surfaces'
   expect 0 render room.json -o out.exr --method pop --size 24x16 -D render.pop.resolution=8 --spp 2
   said out.txt '^surfaces: 2 spp of path'

@@ -399,7 +399,7 @@ static void test_profiles(void** state) {
         for (int32_t j = 0; j < 16; ++j)
             for (int32_t i = 0; i < 16; ++i) {
                 const double mu = -(double)ty_pop_way(&made.light.frame, i, j).y,
-                             value = (double)pop_seen(&made.light, i, j, 0)[3];
+                             value = pop_value(&made.light, i, j, 0, 3);
                 if (profile == TY_POP_EVEN) assert_close(value, 1, 0.1);
                 if (profile == TY_POP_COSINE) assert_close(value, fmax(0, mu), 0.1 * fmax(0, mu));
                 if (profile == TY_POP_SPOT && mu > cos(0.43)) assert_close(value, 1, 0.1);
@@ -420,7 +420,7 @@ static void test_afar(void** state) {
         const ty_vec at = ty_pop_middle(&made.light.frame, 3, 12, k);
         const ty_vec off = ty_sub(at, light.position);
         const double square = (double)ty_dot(off, off);
-        assert_close((double)pop_seen(&made.light, 3, 12, k)[3] * square, exp(-(double)at.z), 1e-3);
+        assert_close(pop_value(&made.light, 3, 12, k, 3) * square, exp(-(double)at.z), 1e-3);
     }
     pop_end(&made);
 }
