@@ -202,8 +202,8 @@ static void test_bright_texel(void** state) {
     add_light(scene, &light);
     commit(scene);
     const double middle = pi * (BRIGHT_ROW + 0.5) / MAP_HEIGHT, step = pi / MAP_HEIGHT;
-    const double row =
-        ty_integrate(bright_row, NULL, middle - step, middle, 2) + ty_integrate(bright_row, NULL, middle, middle + step, 2);
+    const double row = ty_integrate(bright_row, NULL, middle - step, middle, 2) +
+                       ty_integrate(bright_row, NULL, middle, middle + step, 2);
     check("environment with one bright texel", scene, 0.3, 0.4, 40 * 2 * pi / MAP_WIDTH * row);
     ty_scene_destroy(scene);
     ty_image_destroy(map);

@@ -236,7 +236,8 @@ static void test_voxels_are_in_place(void** state) {
             must(*state, ty_path_transmittance(scene, &path, line.from, line.to, found));
             double length = 0;
             for (int a = 0; a < 3; ++a) length += pow(line.to[a] - line.from[a], 2);
-            const double expected = exp(-(double)medium.scale * sqrt(length) * ty_integrate(depth_at, &line, 0, 1, 2000));
+            const double expected =
+                exp(-(double)medium.scale * sqrt(length) * ty_integrate(depth_at, &line, 0, 1, 2000));
             worst = fmax(worst, fabs(found[0] / expected - 1));
             sum += found[0];
             expected_sum += expected;

@@ -183,8 +183,8 @@ TY_API ty_result ty_scene_load(ty_context* context, const char* path, const char
 TY_API ty_result ty_scene_parse(ty_context* context, const char* text, size_t length, const char* name,
                                 const char* folder, const char* const* overrides, int32_t override_count,
                                 ty_scene** out);
-/* A homogeneous medium in words, as on a command line: the name of a preset, some with a number ("fog:50", visibility in
- * metres; "wholemilk:1000", one part in a thousand parts of a mixture with water: ty_medium_preset_with), or a JSON
+/* A homogeneous medium in words, as on a command line: the name of a preset, some with a number ("fog:50", visibility
+ * in metres; "wholemilk:1000", one part in a thousand parts of a mixture with water: ty_medium_preset_with), or a JSON
  * object with the keys of a medium in a scene file that say what it is made of (docs/scene.md), such as
  * {"sigma_s": 0.1, "g": 0.9}. Sets sigma_s, sigma_a (scale is multiplied in) and g; the rest of *medium is the default.
  * *medium stays as it is when it fails, and messages begin with "medium". Errors: TY_ERROR_INPUT, TY_ERROR_ARGUMENT,
