@@ -36,7 +36,7 @@ test_options() {
     pop fog.json other.exr -D "render.pop.$option"
     different plain.exr other.exr
   done
-  for option in mode=split merged=12 sharp=true direct=64 prefilter=1 importance=true surface_points=9 vpls=9 clamp=0.2 \
+  for option in mode=split merged=12 tolerance=1e-2 sharp=true direct=64 prefilter=1 importance=true surface_points=9 vpls=9 clamp=0.2 \
     shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 streaming=0 spp=1 step=1; do
     pop fog.json other.exr -D "render.pop.$option"
     same plain.exr other.exr

@@ -71,7 +71,7 @@ typedef struct ty_pop_def {
 
     /* Mode split: as in ty_fld_def, on the merged grid. */
     double streaming; /* 0 (default): 0.5, and up to 0.8 by lamps within the media's box */
-    double tolerance; /* default 3e-3, which is 1e-3 of images at most */
+    double tolerance; /* default 1e-2, which is 1e-3 of images at most */
 
     uint64_t seed; /* of where ordinates, points and VPLs lie; default 0 */
 

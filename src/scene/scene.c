@@ -54,7 +54,7 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .shadow_texels = 128,
                                                    .clamp = 0.05,
                                                    .residuum = 0.1,
-                                                   .tolerance = 3e-3,
+                                                   .tolerance = 1e-2,
                                                    .step = 1,
                                                    .spp = 1}};
     *out = scene;

@@ -15,7 +15,7 @@ ty_pop_def ty_default_pop_def(void) {
                         .shadow_texels = 128,
                         .clamp = 0.05,
                         .residuum = 0.1,
-                        .tolerance = 3e-3,
+                        .tolerance = 1e-2,
                         .spp = 1,
                         .step = 1};
 }
