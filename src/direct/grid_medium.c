@@ -15,6 +15,9 @@ enum { COVERAGE_SAMPLES = 4, SAMPLES_MAX = 16 };
 /* ---- the box ---- */
 
 /* Widens density[3], voxels per metre along the axes, to those of a grid whose index space the world is mapped to. */
+/* Cells along the longest side where none are asked for. */
+enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64 };
+
 static void widen_density(const float to_index[12], double density[3]) {
     for (int a = 0; a < 3; ++a) {
         double square = 0;
@@ -38,6 +41,14 @@ static void media_extent(const ty_scene* scene, double lower[3], double upper[3]
         upper[a] = -INFINITY;
     }
     for (size_t m = 0; m < scene->medium_count; ++m) ty_medium_extent(&scene->media[m], lower, upper);
+}
+
+int32_t ty_grid_box_longest(const ty_scene* scene, int32_t asked) {
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    if (asked > 0) return asked;
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (view->media[m].has_grid != 0) return VOXELS_MAX;
+    return SMOOTH_CELLS;
 }
 
 ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* out) {

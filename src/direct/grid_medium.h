@@ -27,6 +27,10 @@ typedef struct ty_grid_medium {
  * without voxels are cut into as many. Errors: TY_ERROR_ARGUMENT (nothing committed, no media, longest). */
 ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* out);
 
+/* What a method's option asks of `longest`: itself, or for 0 as many as the finest voxels, but 256 at most, and 64
+ * where no medium has voxels. The scene is committed. */
+int32_t ty_grid_box_longest(const ty_scene* scene, int32_t asked);
+
 /* Samples all media: eight points per voxel (which is exact for voxels that cells are aligned with) as long as that is
  * 4096 points a cell at most, times the part of each cell within the medium's bounds. Media outside the box are left
  * out. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */

@@ -6,13 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64, RATIO = 3, FEW_RATIO = 2, FEW_CELLS = 48 };
-
-static bool has_voxels(const ty_scene_view* view) {
-    for (int32_t m = 0; m < view->medium_count; ++m)
-        if (view->media[m].has_grid != 0) return true;
-    return false;
-}
+enum { RATIO = 3, FEW_RATIO = 2, FEW_CELLS = 48 };
 
 static int32_t longest_side(const int32_t size[3]) {
     const int32_t most = size[0] > size[1] ? size[0] : size[1];
@@ -25,12 +19,8 @@ static double choose_ratio(const ty_fld_def* def, const int32_t size[3]) {
 }
 
 ty_result ty_fld_sample_media(ty_fld_job* job) {
-    const ty_scene_view* view = ty_scene_get_view(job->scene);
-    if (view == NULL) return TY_ERROR_ARGUMENT;
-    int32_t longest = job->def->resolution;
-    if (longest == 0) longest = has_voxels(view) ? VOXELS_MAX : SMOOTH_CELLS;
     ty_grid_box box;
-    ty_result result = ty_grid_box_fit(job->scene, longest, &box);
+    ty_result result = ty_grid_box_fit(job->scene, ty_grid_box_longest(job->scene, job->def->resolution), &box);
     if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->fine);
     if (result != TY_OK) return result;
     const double ratio = choose_ratio(job->def, box.size);

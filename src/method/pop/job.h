@@ -9,9 +9,6 @@
 #include "scene/scene.h"
 #include "solve/diffuse_light.h"
 
-/* Lights that go through fine cells; and the beams' fluences that each has. */
-enum { TY_POP_SHARP_MAX = 8 };
-
 struct ty_pop {
     ty_context* context;
     ty_pop_def def;
@@ -28,7 +25,7 @@ struct ty_pop {
     int32_t count;
     ty_pop_merged merged;      /* all of them */
     ty_pop_merged residuum;    /* published modes: what their isotropic rest brings */
-    float scale[3];            /* split mode: of merged cells, so that they hold the ordinates' energy */
+    float scale[3];            /* split mode: of merged fluence, so that it holds the ordinates' energy */
     size_t cells;              /* of both */
     ty_diffuse_light* diffuse; /* split mode */
     float* guide;              /* mean extinction of merged cells, 1/m */

@@ -209,9 +209,7 @@ static const float scale_least = 0.25f, scale_most = 4;
 
 static void scale_merged(ty_pop* light) {
     for (int c = 0; c < 3; ++c)
-        for (size_t i = 0; i < light->cells; ++i) {
-            light->merged.fluence[c][i] *= light->scale[c];
-        }
+        for (size_t i = 0; i < light->cells; ++i) light->merged.fluence[c][i] *= light->scale[c];
 }
 
 static void balance(ty_pop_job* job) {

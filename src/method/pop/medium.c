@@ -5,15 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64 };
 /* Voxels along an axis that one cell's sample points tell apart (ty_grid_medium_create). */
 enum { VOXELS_SEEN = 8 };
-
-static bool has_voxels(const ty_scene_view* view) {
-    for (int32_t m = 0; m < view->medium_count; ++m)
-        if (view->media[m].has_grid != 0) return true;
-    return false;
-}
 
 static bool has_voxels_alone(const ty_scene_view* view) {
     for (int32_t m = 0; m < view->medium_count; ++m)
@@ -78,8 +71,8 @@ static ty_result sample_own(ty_pop_job* job, const int32_t own[3]) {
 ty_result ty_pop_sample_media(ty_pop_job* job) {
     const ty_pop_def* def = job->def;
     ty_pop* light = job->light;
-    int32_t longest = def->direct, merged[3], own[3];
-    if (longest == 0) longest = has_voxels(ty_scene_get_view(job->scene)) ? VOXELS_MAX : SMOOTH_CELLS;
+    const int32_t longest = ty_grid_box_longest(job->scene, def->direct);
+    int32_t merged[3], own[3];
     ty_result result = ty_grid_box_fit(job->scene, longest, &light->fine_box);
     if (result != TY_OK) return result;
     cut_box(&light->fine_box, merged_cells(def), merged);

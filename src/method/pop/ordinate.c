@@ -6,8 +6,6 @@
 #include "method/pop/environment.h"
 #include "scene/scene.h"
 
-enum { SHARP_MAX = 8 };
-
 typedef struct ordinate_list {
     const ty_scene* scene;
     const ty_pop_def* def;
@@ -32,7 +30,7 @@ bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light
     if (!def->sharp || def->mode != TY_POP_MODE_SPLIT || !may_be_sharp(&set->lights[light])) return false;
     int32_t before = 0;
     for (int32_t i = 0; i < light; ++i) before += may_be_sharp(&set->lights[i]);
-    return before < SHARP_MAX;
+    return before < TY_POP_SHARP_MAX;
 }
 
 static ty_pop_ordinate* append(ordinate_list* list, const ty_source* source) {

@@ -24,6 +24,9 @@ typedef struct ty_pop_ordinate {
     int32_t shadowed; /* whether surfaces of the scene cast shadows from it */
 } ty_pop_ordinate;
 
+/* Lights that go through fine cells at most. */
+enum { TY_POP_SHARP_MAX = 8 };
+
 /* Whether a light (an index into ty_light_set.lights) goes through fine cells instead of being an ordinate: in a sharp
  * split, the first eight directional, point and spot lights. */
 bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light);
