@@ -7,6 +7,8 @@
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
 #include <tyndall/io.h>
+#include <tyndall/light_map.h>
+#include <tyndall/lpv.h>
 #include <tyndall/path.h>
 #include <tyndall/pop.h>
 #include <tyndall/scene.h>

@@ -1,0 +1,79 @@
+/* The lattice: light on its way in cubic cells.
+ *
+ * Cells hold power (W) by direction, as spherical harmonics: what a cell holds at a time, integrated over directions,
+ * is sqrt(4 pi) times its first coefficient. In one step all of it goes on to the 26 cells around, or meets what is in
+ * between. Sums over all steps, times the length of a step, over a cell's volume, are radiance. */
+#ifndef TY_METHOD_LPV_LATTICE_H
+#define TY_METHOD_LPV_LATTICE_H
+
+#include "base/sh.k.h"
+#include "direct/grid_medium.h"
+
+#include <tyndall/lpv.h>
+
+enum { TY_LPV_LINKS = 26, TY_LPV_HALF_LINKS = 13 };
+
+typedef struct ty_lattice {
+    ty_context* context;
+    ty_grid_box box; /* of size[a] cells, cubes */
+    float cell;      /* side, m */
+    size_t cells;
+    int32_t bands, terms;         /* terms = bands^2 */
+    float* flow[3][TY_SH_TERMS];  /* per channel: power that was injected, then that is on its way; x fastest */
+    float* next[3][TY_SH_TERMS];  /* to swap with */
+    float* light[3][TY_SH_TERMS]; /* radiance, W m^-2 sr^-1, once propagated */
+    /* How much of the light that goes along link k into a cell passes: 0: none .. 255: all. */
+    uint8_t* open[TY_LPV_LINKS];
+    float* albedo[3];       /* of surfaces around a cell, mean; 0: none */
+    bool blocked;           /* whether any link is not fully open */
+    ty_grid_medium* medium; /* on these cells; NULL: vacuum */
+} ty_lattice;
+
+/* Dark, open, without medium. Errors: TY_ERROR_MEMORY. */
+ty_result ty_lattice_create(ty_context* context, const ty_grid_box* box, int32_t bands, ty_lattice** out);
+void ty_lattice_destroy(ty_lattice* lattice);
+
+/* The lattices that def asks for, from the finest to the coarsest: where they lie, in cubes. */
+ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
+                           int32_t* count);
+
+/* Links: where light goes in one step, and as which function of direction. */
+typedef struct ty_lpv_transfer {
+    int32_t bands, terms;
+    int32_t step[TY_LPV_LINKS][3];          /* -1, 0 or 1 each; link k + 13 is opposite to k for k < 13 */
+    float shape[TY_LPV_LINKS][TY_SH_TERMS]; /* G_j: sum over j of G_j0^2 is 1 */
+    double length;                          /* of a step, mean over directions, in cells */
+    double slope;    /* beta: sum over j of G_j0 a_j |e_j| / 3, a_j the length of G_j's second band */
+    double spread;   /* sum over j of G_j0^2 |e_j|^2 / 3 */
+    double momentum; /* kappa: sum over j of a_j^2 / 3: 1 keeps momentum in vacuum */
+} ty_lpv_transfer;
+
+/* keeps_momentum: whether the second band is stretched so that kappa is 1. */
+void ty_lpv_transfer_make(int32_t bands, bool keeps_momentum, ty_lpv_transfer* out);
+
+/* What becomes of light in a cell in one step: per channel, per band the factor of what goes on (media's extinction and
+ * in-scattering), what stays in the cell (even in all directions), and the step's length, m. */
+typedef struct ty_lpv_medium_step {
+    float pass[TY_LPV_BANDS_MAX];
+    float stay;
+    float length;
+} ty_lpv_medium_step;
+ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell, float extinction,
+                                  float scattering, float g);
+
+/* What became of the light, W per channel. */
+typedef struct ty_lattice_power {
+    double entered[3], absorbed[3], blocked[3], escaped[3], left[3];
+    int32_t iterations;
+    double prepare_seconds, propagate_seconds, gather_seconds;
+} ty_lattice_power;
+
+/* Lets all that flows go on until def says that it is enough, and fills in light. seen[c]: what of the flow counts as
+ * light in the cell where it was injected (mode published: reflected light alone; mode links: NULL, half of all).
+ * outer: a coarser lattice around this one that is done, whose light comes in through the faces; NULL: none.
+ * Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
+ty_result ty_lattice_propagate(ty_lattice* lattice, const ty_lpv_def* def, float* const seen[3][TY_SH_TERMS],
+                               const ty_lattice* outer, ty_progress_fn progress, void* progress_user,
+                               ty_lattice_power* power);
+
+#endif

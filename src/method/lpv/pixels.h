@@ -1,0 +1,34 @@
+/* Images: what the camera sees of surfaces, lit by lights and lattices, and of media. */
+#ifndef TY_METHOD_LPV_PIXELS_H
+#define TY_METHOD_LPV_PIXELS_H
+
+#include "direct/airlight.h"
+#include "method/lpv/lattice.h"
+
+/* The lattices' light, for lookups: finest first. */
+typedef struct ty_lpv_light_view {
+    ty_lattice* const* lattices;
+    int32_t count;
+} ty_lpv_light_view;
+
+typedef struct ty_lpv_image_job {
+    const ty_scene* scene;
+    const ty_lpv_def* def; /* width and height filled in */
+    ty_lpv_light_view light;
+    const ty_grid_medium* medium;  /* fine; NULL: vacuum */
+    const ty_airlight* airlight;   /* NULL: vacuum */
+    const ty_lit_map* const* maps; /* of the lights */
+    const int32_t* lights;         /* which of ty_light_set.lights they belong to */
+    int32_t map_count;
+} ty_lpv_image_job;
+
+/* Makes the image, and fills in the stats' parts of images, rays too. Errors: TY_ERROR_MEMORY; TY_CANCELLED with *out
+ * NULL. */
+ty_result ty_lpv_image(const ty_lpv_image_job* job, ty_image** out, ty_lpv_stats* stats);
+
+/* Irradiance by the lattices' light at a surface, W m^-2; normal: on the side that is asked for. */
+void ty_lpv_irradiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec normal, float irradiance[3]);
+/* Fluence over 4 pi, and the second band's part towards a direction (light that travels along `way`). */
+void ty_lpv_radiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec way, float even[3], float directed[3]);
+
+#endif
