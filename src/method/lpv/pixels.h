@@ -17,8 +17,7 @@ typedef struct ty_lpv_image_job {
     ty_lpv_light_view light;
     const ty_grid_medium* medium;  /* fine; NULL: vacuum */
     const ty_airlight* airlight;   /* NULL: vacuum */
-    const ty_lit_map* const* maps; /* of the lights */
-    const int32_t* lights;         /* which of ty_light_set.lights they belong to */
+    const ty_lit_map* const* maps; /* of the lights, all that ty_light_set has */
     int32_t map_count;
 } ty_lpv_image_job;
 

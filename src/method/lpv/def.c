@@ -1,0 +1,95 @@
+/* Options: their defaults and their checks. */
+#include "base/context.h"
+#include "method/lpv/job.h"
+#include "scene/check.h"
+
+ty_lpv_def ty_default_lpv_def(void) {
+    return (ty_lpv_def){.cookie = TY_DEF_COOKIE,
+                        .parts = TY_LPV_ALL,
+                        .resolution = 32,
+                        .extent = 32,
+                        .cascades = 1,
+                        .bands = 2,
+                        .window = -1,
+                        .tolerance = 0.01,
+                        .map_side = 256,
+                        .samples = 8,
+                        .block_side = 3,
+                        .shadow_side = 512,
+                        .shadow_rays = true,
+                        .half = true,
+                        .step = 1,
+                        .spp = 1};
+}
+
+static ty_result check_lattice(ty_context* context, const ty_lpv_def* def) {
+    ty_result result = ty_check_number(context, "lpv.mode", (double)def->mode, 0, 1);
+    if (result == TY_OK && (def->parts & ~(uint32_t)TY_LPV_ALL) != 0)
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "lpv.parts: 0x%x has parts that do not exist", def->parts);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.resolution", def->resolution, 4, TY_LPV_CELLS_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.place", (double)def->place, 0, 1);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.extent", def->extent, 1e-6, 1e9);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.cascades", def->cascades, 1, TY_LPV_CASCADES_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.bands", def->bands, 2, TY_LPV_BANDS_MAX);
+    if (result == TY_OK && def->window != -1) result = ty_check_number(context, "lpv.window", def->window, 0, 1);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.iterations", def->iterations, 0, 4096);
+    if (result == TY_OK && !(def->tolerance > 0 && def->tolerance < 1))
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "lpv.tolerance: %g is outside (0, 1)", def->tolerance);
+    return result;
+}
+
+static ty_result check_injection(ty_context* context, const ty_lpv_def* def) {
+    ty_result result = ty_check_number(context, "lpv.map_side", def->map_side, 16, 4096);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.samples", def->samples, 1, 64);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.block_side", def->block_side, 1, 16);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.shadow_side", def->shadow_side, 16, 4096);
+    return result;
+}
+
+static ty_result check_image(ty_context* context, const ty_lpv_def* def) {
+    static const uint32_t known = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH | TY_AOV_NORMAL;
+    ty_result result = ty_check_number(context, "lpv.spp", def->spp, 1, 64);
+    if (result == TY_OK) result = ty_check_number(context, "lpv.step", def->step, 0.05, 8);
+    if (result == TY_OK && (def->aovs & ~known) != 0)
+        result =
+            ty_fail(context, TY_ERROR_ARGUMENT, "lpv.aovs: transmittance, single, multiple, depth and normal are all");
+    if (result == TY_OK && ((def->width == 0) != (def->height == 0) || def->width < 0 || def->height < 0 ||
+                            def->width > 65536 || def->height > 65536))
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "lpv: %d x %d is not a resolution in 1..65536", def->width,
+                         def->height);
+    if (result == TY_OK && def->view != NULL &&
+        (def->view->distance == NULL || def->view->normal == NULL || def->view->albedo == NULL))
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "lpv.view: distance, normal and albedo must all be there");
+    return result;
+}
+
+ty_result ty_lpv_check(ty_context* context, const ty_lpv_def* def) {
+    ty_result result = ty_check_def(context, def, "ty_default_lpv_def");
+    if (result == TY_OK) result = check_lattice(context, def);
+    if (result == TY_OK) result = check_injection(context, def);
+    if (result == TY_OK) result = check_image(context, def);
+    return result;
+}
+
+static const char* name_of_kind(ty_light_kind kind) {
+    return kind == TY_LIGHT_AREA ? "an area light" : "an environment";
+}
+
+ty_result ty_lpv_check_lights(const ty_scene* scene, const ty_lpv_def* def) {
+    for (size_t i = 0; i < scene->light_count; ++i) {
+        const ty_light_kind kind = scene->lights[i].kind;
+        if (kind == TY_LIGHT_AREA || kind == TY_LIGHT_ENVIRONMENT)
+            return ty_fail(scene->context, TY_ERROR_ARGUMENT,
+                           "lpv: lights[%zu] is %s; directional, spot and point lights are all that it takes", i,
+                           name_of_kind(kind));
+    }
+    if (def->maps == NULL) return TY_OK;
+    if (def->map_count < 0 || (size_t)def->map_count != scene->light_count)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv.maps: %d maps for %zu lights", def->map_count,
+                       scene->light_count);
+    for (int32_t i = 0; i < def->map_count; ++i) {
+        const ty_result result = ty_light_map_check(scene->context, &scene->view.lights.lights[i], &def->maps[i], i);
+        if (result != TY_OK) return result;
+    }
+    return TY_OK;
+}

@@ -1,0 +1,308 @@
+/* Entry points. */
+#include "base/context.h"
+#include "base/isa.h"
+#include "direct/cover.h"
+#include "method/lpv/job.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
+static const double medium_until = 0.05, map_until = 0.4, inject_until = 0.7, solve_share = 0.4;
+
+/* ---- solving ---- */
+
+static bool scatters(const ty_lpv_job* job) {
+    return (job->def->parts & TY_LPV_SCATTERING) != 0 && ty_scene_get_view(job->scene)->medium_count > 0;
+}
+
+/* Lattices, and the media on their cells. */
+static ty_result place(ty_lpv_job* job) {
+    ty_grid_box boxes[TY_LPV_CASCADES_MAX];
+    ty_lpv* light = job->light;
+    const double begun = ty_wall_seconds();
+    int32_t count;
+    ty_result result = ty_lattice_place(job->scene, job->def, boxes, &count);
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
+        result = ty_lattice_create(job->context, &boxes[i], job->def->bands, &light->lattices[i]);
+        if (result != TY_OK) break;
+        ++light->count;
+        if (scatters(job)) result = ty_grid_medium_create(job->scene, &boxes[i], &light->lattices[i]->medium);
+        for (int a = 0; a < 3; ++a) job->stats.size[i][a] = boxes[i].size[a];
+        job->stats.cell[i] = (double)light->lattices[i]->cell;
+    }
+    if (result == TY_OK && ty_scene_get_view(job->scene)->medium_count > 0) {
+        ty_grid_box fine;
+        result = ty_grid_box_fit(job->scene, ty_grid_box_longest(job->scene, 0), &fine);
+        if (result == TY_OK) result = ty_grid_medium_create(job->scene, &fine, &light->medium);
+    }
+    job->stats.medium_seconds = ty_wall_seconds() - begun;
+    return result;
+}
+
+typedef ty_result (*inject_fn)(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_lamp* lamp,
+                               const ty_grid_medium* medium, double power[3]);
+
+static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function, double power[3], double* seconds) {
+    const double begun = ty_wall_seconds();
+    const ty_grid_medium* medium = scatters(job) ? job->light->medium : NULL;
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i) {
+        const ty_lpv_source* source = &job->light->sources[i];
+        const ty_lpv_lamp lamp = {source->light, source->map};
+        result = function(lattice, job->def, &lamp, medium, power);
+    }
+    *seconds += ty_wall_seconds() - begun;
+    return result;
+}
+
+/* A copy of what flows: what of it is seen where it was injected. */
+static ty_result keep_flow(const ty_lattice* lattice, float* seen[3][TY_SH_TERMS]) {
+    for (int c = 0; c < 3; ++c)
+        for (int32_t t = 0; t < lattice->terms; ++t) {
+            seen[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), false);
+            if (seen[c][t] == NULL) return TY_ERROR_MEMORY;
+            memcpy(seen[c][t], lattice->flow[c][t], lattice->cells * sizeof(float));
+        }
+    return TY_OK;
+}
+
+static void free_flow(const ty_lattice* lattice, float* seen[3][TY_SH_TERMS]) {
+    for (int c = 0; c < 3; ++c)
+        for (int32_t t = 0; t < lattice->terms; ++t)
+            ty_free_array(lattice->context, seen[c][t], lattice->cells, sizeof(float));
+}
+
+/* What the statistics say is of the widest lattice. */
+static void take_power(ty_lpv_job* job, const ty_lattice_power* power, bool widest) {
+    ty_lpv_stats* stats = &job->stats;
+    if (power->iterations > stats->iterations) stats->iterations = power->iterations;
+    stats->prepare_seconds += power->prepare_seconds;
+    stats->propagate_seconds += power->propagate_seconds;
+    stats->gather_seconds += power->gather_seconds;
+    for (int c = 0; c < 3 && widest; ++c) {
+        stats->absorbed[c] = power->absorbed[c];
+        stats->blocked[c] = power->blocked[c];
+        stats->escaped[c] = power->escaped[c];
+        stats->left[c] = power->left[c];
+    }
+}
+
+static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
+    ty_lattice* lattice = job->light->lattices[index];
+    const bool widest = index == job->light->count - 1, published = job->def->mode == TY_LPV_MODE_PUBLISHED;
+    float* seen[3][TY_SH_TERMS] = {{NULL}};
+    double narrower[3] = {0, 0, 0}, ignored[3] = {0, 0, 0};
+    double* reflected = widest ? job->stats.reflected : narrower;
+    double* scattered = widest ? job->stats.scattered : ignored;
+    ty_result result = ty_part_next(&job->progress, "light in the lattice", until);
+    if (result == TY_OK) result = ty_lpv_find_blockers(job, lattice);
+    if (result == TY_OK && (job->def->parts & TY_LPV_REFLECTED) != 0)
+        result = inject(job, lattice, ty_lattice_inject_reflected, reflected, &job->stats.reflected_seconds);
+    if (result == TY_OK && published) result = keep_flow(lattice, seen);
+    if (result == TY_OK && (job->def->parts & TY_LPV_SCATTERED) != 0 && scatters(job))
+        result = inject(job, lattice, ty_lattice_inject_scattered, scattered, &job->stats.scattered_seconds);
+    ty_lattice_power power = {.iterations = 0};
+    if (result == TY_OK)
+        result = ty_lattice_propagate(lattice, job->def, published ? seen : NULL,
+                                      widest ? NULL : job->light->lattices[index + 1], ty_part_report, &job->progress,
+                                      &power);
+    take_power(job, &power, widest);
+    free_flow(lattice, seen);
+    return result;
+}
+
+static ty_result run_parts(ty_lpv_job* job, double share) {
+    ty_result result = ty_part_next(&job->progress, "media", share * medium_until);
+    if (result == TY_OK) result = place(job);
+    if (result == TY_OK) result = ty_part_next(&job->progress, "maps", share * map_until);
+    if (result == TY_OK) result = ty_lpv_find_maps(job);
+    for (int32_t i = job->light->count - 1; i >= 0 && result == TY_OK; --i)
+        result = propagate(job, i, share * (1 - (1 - inject_until) * i / job->light->count));
+    return result;
+}
+
+/* share: of the caller's progress that the solve is. */
+static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double share, ty_lpv** out, ty_lpv_stats* stats) {
+    ty_context* context = ty_scene_context(scene);
+    ty_result result = ty_lpv_check(context, def);
+    if (result != TY_OK) return result;
+    if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
+    result = ty_lpv_check_lights(scene, def);
+    if (result != TY_OK) return result;
+    ty_lpv_job job = {.context = context, .scene = scene, .def = def};
+    job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
+    job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
+    if (job.light == NULL) return TY_ERROR_MEMORY;
+    job.light->context = context;
+    result = run_parts(&job, share);
+    job.stats.seconds = ty_wall_seconds() - job.progress.begun;
+    job.stats.isa = ty_isa_name(ty_best_isa());
+    if (result != TY_OK) {
+        ty_lpv_destroy(job.light);
+        return result;
+    }
+    if (stats != NULL) *stats = job.stats;
+    *out = job.light;
+    return TY_OK;
+}
+
+ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** out, ty_lpv_stats* stats) {
+    *out = NULL;
+    return solve(scene, def, 1, out, stats);
+}
+
+void ty_lpv_destroy(ty_lpv* light) {
+    if (light == NULL) return;
+    for (int32_t i = 0; i < light->count; ++i) {
+        ty_grid_medium_destroy(light->lattices[i]->medium);
+        ty_lattice_destroy(light->lattices[i]);
+    }
+    ty_lpv_free_maps(light);
+    ty_grid_medium_destroy(light->medium);
+    ty_free_array(light->context, light, 1, sizeof *light);
+}
+
+/* ---- images ---- */
+
+static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def, ty_image** out,
+                            ty_lpv_stats* stats) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const size_t count = (size_t)light->source_count;
+    ty_lpv_def sized = *def;
+    ty_airlight* airlight = NULL;
+    const ty_lit_map** maps = ty_alloc_array(light->context, count, sizeof(const ty_lit_map*), false);
+    if (maps == NULL) return TY_ERROR_MEMORY;
+    sized.width = def->width > 0 ? def->width : camera.resolution[0];
+    sized.height = def->width > 0 ? def->height : camera.resolution[1];
+    for (size_t i = 0; i < count; ++i) maps[i] = light->sources[i].lit;
+    ty_result result = TY_OK;
+    if (light->medium != NULL) {
+        const ty_airlight_def air = {.medium = light->medium, .maps = maps, .count = light->source_count};
+        result = ty_airlight_create(scene, &air, &airlight);
+    }
+    const ty_lpv_image_job job = {.scene = scene,
+                                  .def = &sized,
+                                  .light = {light->lattices, light->count},
+                                  .medium = light->medium,
+                                  .airlight = airlight,
+                                  .maps = maps,
+                                  .map_count = light->source_count};
+    if (result == TY_OK) result = ty_lpv_image(&job, out, stats);
+    ty_airlight_destroy(airlight);
+    ty_free_array(light->context, maps, count, sizeof(const ty_lit_map*));
+    return result;
+}
+
+/* With the caller's progress from there on. */
+static ty_result view_from(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def,
+                           ty_part_progress* progress, ty_image** out, ty_lpv_stats* stats) {
+    ty_lpv_def own = *def;
+    ty_lpv_stats unused;
+    const double begun = ty_wall_seconds();
+    if (stats == NULL) stats = &unused;
+    own.progress = ty_part_report;
+    own.progress_user = progress;
+    const ty_result result = make_image(light, scene, &own, out, stats);
+    stats->seconds += ty_wall_seconds() - begun;
+    return result;
+}
+
+ty_result ty_lpv_view(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def, ty_image** out,
+                      ty_lpv_stats* stats) {
+    *out = NULL;
+    const ty_result result = ty_lpv_check(ty_scene_context(scene), def);
+    if (result != TY_OK) return result;
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
+    return view_from(light, scene, def, &progress, out, stats);
+}
+
+ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image** out, ty_lpv_stats* stats) {
+    *out = NULL;
+    ty_lpv* light = NULL;
+    ty_lpv_stats own = {0};
+    const double begun = ty_wall_seconds();
+    ty_result result = solve(scene, def, solve_share, &light, &own);
+    if (result != TY_OK) return result;
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
+    progress.begun = begun;
+    result = view_from(light, scene, def, &progress, out, &own);
+    ty_lpv_destroy(light);
+    if (stats != NULL) *stats = own;
+    return result;
+}
+
+/* ---- the light itself ---- */
+
+typedef struct fluence_job {
+    const ty_lpv* light;
+    ty_cover_box cells;
+    double* fluence;
+} fluence_job;
+
+/* The finest lattice that a cell of the caller's lies in; the widest if none. */
+static const ty_lattice* lattice_around(const fluence_job* job, const int32_t cell[3]) {
+    for (int32_t i = 0; i < job->light->count - 1; ++i) {
+        const ty_grid_box* box = &job->light->lattices[i]->box;
+        bool inside = true;
+        for (int a = 0; a < 3; ++a) {
+            const double side = (job->cells.upper[a] - job->cells.lower[a]) / job->cells.size[a];
+            const double lower = job->cells.lower[a] + side * cell[a];
+            inside &= lower >= box->lower[a] && lower + side <= box->upper[a];
+        }
+        if (inside) return job->light->lattices[i];
+    }
+    return job->light->lattices[job->light->count - 1];
+}
+
+static void fill_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const fluence_job* job = user;
+    const double per_term = 1 / (double)TY_SH_0;
+    for (int32_t i = 0; i < job->cells.size[0]; ++i) {
+        const int32_t cell[3] = {i, (int32_t)(row % job->cells.size[1]), (int32_t)(row / job->cells.size[1])};
+        const size_t at = (size_t)row * (size_t)job->cells.size[0] + (size_t)i;
+        const ty_lattice* lattice = lattice_around(job, cell);
+        ty_cover axes[3];
+        ty_cover_cell(&lattice->box, &job->cells, cell, axes);
+        for (int c = 0; c < 3; ++c) {
+            const float* terms[1] = {lattice->light[c][0]};
+            job->fluence[3 * at + (size_t)c] = 0;
+            ty_cover_add(&lattice->box, axes, terms, 1, per_term, &job->fluence[3 * at + (size_t)c]);
+        }
+    }
+}
+
+ty_result ty_lpv_fluence(const ty_lpv* light, const double lower[3], const double upper[3], const int32_t size[3],
+                         double* fluence) {
+    const ty_cover_box cells = {lower, upper, size};
+    const ty_result result = ty_cover_check(light->context, &cells);
+    if (result != TY_OK) return result;
+    fluence_job job = {light, cells, fluence};
+    ty_parallel_for(light->context, (int64_t)size[1] * size[2], fill_row, &job);
+    return TY_OK;
+}
+
+ty_result ty_lpv_irradiance(const ty_lpv* light, const float* points, const float* normals, int64_t count,
+                            float* irradiance) {
+    const ty_lpv_light_view view = {light->lattices, light->count};
+    if (count < 0 || (count > 0 && (points == NULL || normals == NULL || irradiance == NULL)))
+        return ty_fail(light->context, TY_ERROR_ARGUMENT, "lpv: irradiance at %lld points needs arrays for them",
+                       (long long)count);
+    for (int64_t i = 0; i < count; ++i)
+        ty_lpv_irradiance_at(&view, ty_vec_load(points + 3 * i), ty_vec_load(normals + 3 * i), irradiance + 3 * i);
+    return TY_OK;
+}
+
+bool ty_lpv_get_lattice(const ty_lpv* light, int32_t cascade, ty_lpv_lattice* out) {
+    if (cascade < 0 || cascade >= light->count) return false;
+    const ty_lattice* lattice = light->lattices[cascade];
+    *out = (ty_lpv_lattice){.cell = (double)lattice->cell, .bands = lattice->bands};
+    for (int a = 0; a < 3; ++a) {
+        out->lower[a] = lattice->box.lower[a];
+        out->size[a] = lattice->box.size[a];
+    }
+    for (int c = 0; c < 3; ++c)
+        for (int32_t t = 0; t < lattice->terms; ++t) out->coefficients[c][t] = lattice->light[c][t];
+    return true;
+}
