@@ -31,14 +31,29 @@ typedef struct block_job {
     _Atomic bool failed, blocked;
 } block_job;
 
-/* The cube a point is in, of cubes of a cell's side that are `shift` (0 or 1) halves of a cell before the cells; false
- * outside. */
-static bool cube_of(const ty_lattice* lattice, ty_vec point, const int32_t shift[3], int32_t cube[3]) {
+/* Cubes of a cell's side. */
+typedef struct cube_grid {
+    float lower[3], per_cell; /* m, 1/m */
+    int32_t size[3];
+} cube_grid;
+
+/* Those that begin `shift` (0 or 1) halves of a cell before the cells. */
+static cube_grid cubes_of(const ty_lattice* lattice, const int32_t shift[3]) {
+    cube_grid out = {.per_cell = 1.0f / lattice->cell};
+    for (int a = 0; a < 3; ++a) {
+        out.lower[a] = (float)lattice->box.lower[a] - lattice->cell * (nudge + 0.5f * (float)shift[a]);
+        out.size[a] = lattice->box.size[a] + shift[a];
+    }
+    return out;
+}
+
+/* The cube a point is in; false outside. */
+static bool cube_at(const cube_grid* cubes, ty_vec point, int32_t cube[3]) {
     const float at[3] = {point.x, point.y, point.z};
     for (int a = 0; a < 3; ++a) {
-        const float place = (at[a] - (float)lattice->box.lower[a]) / lattice->cell + nudge + 0.5f * (float)shift[a];
-        cube[a] = (int32_t)floorf(place);
-        if (!(place >= 0.0f) || cube[a] >= lattice->box.size[a] + shift[a]) return false;
+        const float place = (at[a] - cubes->lower[a]) * cubes->per_cell;
+        if (!(place >= 0.0f && place < (float)cubes->size[a])) return false;
+        cube[a] = (int32_t)place;
     }
     return true;
 }
@@ -54,13 +69,13 @@ static size_t corner_count(const ty_lattice* lattice) {
 }
 
 static void add_corners(const block_job* job) {
-    static const int32_t shift[3] = {1, 1, 1};
+    const cube_grid corners = cubes_of(job->lattice, (const int32_t[3]){1, 1, 1});
     const float per_face = 1.0f / (job->lattice->cell * job->lattice->cell);
     for (size_t i = 0; i < job->count; ++i) {
         const ty_surfel* surfel = &job->surfels[i];
         int32_t at[3];
         float y[TY_SH_TERMS];
-        if (!cube_of(job->lattice, surfel->position, shift, at)) continue;
+        if (!cube_at(&corners, surfel->position, at)) continue;
         float* sums = job->corners[corner_index(job->lattice, at[0], at[1], at[2])];
         sums[CORNER_AREA] += surfel->area;
         for (int c = 0; c < 3; ++c) sums[CORNER_ALBEDO + c] += surfel->area * surfel->albedo[c];
@@ -130,8 +145,9 @@ static void close_links(void* user, int64_t link, int32_t worker) {
     const int32_t* step = job->transfer.step[link];
     const int32_t shift[3] = {abs(step[0]), abs(step[1]), abs(step[2])};
     const ty_vec way = ty_vec_make((float)step[0], (float)step[1], (float)step[2]);
-    int32_t size[3], cube[3];
-    for (int a = 0; a < 3; ++a) size[a] = lattice->box.size[a] + shift[a];
+    const cube_grid all = cubes_of(lattice, shift);
+    const int32_t* size = all.size;
+    int32_t cube[3];
     const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     const float per_face = slack / (lattice->cell * lattice->cell);
     float* sums = ty_alloc_array(lattice->context, count, sizeof *sums, true);
@@ -141,7 +157,7 @@ static void close_links(void* user, int64_t link, int32_t worker) {
     }
     for (size_t i = 0; i < job->count; ++i) {
         const float across = fabsf(ty_dot(job->surfels[i].normal, way));
-        if (!(across > 1e-4f) || !cube_of(lattice, job->surfels[i].position, shift, cube)) continue;
+        if (!(across > 1e-4f) || !cube_at(&all, job->surfels[i].position, cube)) continue;
         sums[cube[0] + (size_t)size[0] * (size_t)(cube[1] + size[1] * cube[2])] += job->surfels[i].area * across;
     }
     const float* next = sums;

@@ -77,13 +77,13 @@ bool ty_lamp_walk_step(ty_lamp_walk* walk, double to, ty_lamp_stretch* out) {
     *out = (ty_lamp_stretch){.begin = (float)walk->at};
     const double begin = walk->at;
     if (!walk->inside || begin < walk->cells.at) {
-        walk->at = walk->inside ? fmin(to, walk->cells.at) : to;
+        walk->at = walk->inside ? ty_cell_min(to, walk->cells.at) : to;
     } else {
         const bool even = walk->medium->even;
         const ty_grid_medium* medium = walk->medium->medium;
         const size_t index = even ? 0 : ty_cell_ray_index(medium, &walk->cells);
         const double end = even ? walk->cells.end : ty_cell_ray_leave(&walk->cells);
-        walk->at = fmax(begin, fmin(to, end));
+        walk->at = ty_cell_max(begin, ty_cell_min(to, end));
         for (int c = 0; c < 3; ++c) {
             out->extinction[c] = medium->extinction[c][index];
             out->scattering[c] = medium->scattering[c][index];

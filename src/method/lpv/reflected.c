@@ -11,6 +11,7 @@ float ty_lpv_window(const ty_lpv_def* def, int32_t l) {
 typedef struct reflect_job {
     const ty_lattice* lattice;
     const ty_lpv_lamp* lamp;
+    ty_splat_cells cells;
     ty_lamp_medium medium;
 } reflect_job;
 
@@ -21,7 +22,7 @@ static bool reflect(const reflect_job* job, const ty_lamp_ray* ray, ty_splat* ou
     const ty_vec normal = ty_vec_load(map->normal + 3 * ray->texel);
     const ty_vec point = ty_mad(ray->origin, ray->direction, ray->length);
     float depth[3];
-    out->cell = ty_splat_cell(job->lattice, ty_mad(point, normal, ty_splat_clearance(job->lattice, normal)));
+    out->cell = ty_splat_cell(&job->cells, ty_mad(point, normal, ty_splat_clearance(job->lattice, normal)));
     if (out->cell < 0) return false;
     out->axis = normal;
     ty_lamp_depth(&job->medium, ray, ray->length, depth);
@@ -44,6 +45,7 @@ ty_result ty_lattice_inject_reflected(ty_lattice* lattice, const ty_lpv_def* def
                                       const ty_grid_medium* medium, double power[3]) {
     const reflect_job job = {.lattice = lattice,
                              .lamp = lamp,
+                             .cells = ty_splat_cells_of(lattice),
                              .medium = ty_lamp_medium_of((def->parts & TY_LPV_SCATTERING) != 0 ? medium : NULL)};
     ty_splat_rows rows = {
         .rows = ty_lamp_rows(lamp), .most = lamp->map->side, .user = &job, .row = reflect_row, .band = {1}};

@@ -4,8 +4,8 @@
 #include "base/context.h"
 #include "base/parallel.h"
 
-/* Splats at a time, about. */
-enum { BATCH = 1 << 20 };
+/* Splats at a time, about: few enough to stay in a cache. */
+enum { BATCH = 1 << 17 };
 
 typedef struct splat_job {
     ty_lattice* lattice;
@@ -18,21 +18,6 @@ typedef struct splat_job {
     ty_splat* scratch;    /* `most` a worker */
     double* power;        /* 3 a slab */
 } splat_job;
-
-int32_t ty_splat_cell(const ty_lattice* lattice, ty_vec point) {
-    const float at[3] = {point.x, point.y, point.z};
-    int32_t cell[3];
-    for (int a = 0; a < 3; ++a) {
-        const float place = (at[a] - (float)lattice->box.lower[a]) / lattice->cell;
-        if (!(place >= 0.0f && place < (float)lattice->box.size[a])) return -1;
-        cell[a] = (int32_t)place;
-    }
-    return cell[0] + lattice->box.size[0] * (cell[1] + lattice->box.size[1] * cell[2]);
-}
-
-float ty_splat_clearance(const ty_lattice* lattice, ty_vec normal) {
-    return 0.5f * lattice->cell * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
-}
 
 /* One row's splats, sorted by slab and within as they came. */
 static void sort_row(void* user, int64_t index, int32_t worker) {

@@ -24,10 +24,33 @@ typedef struct ty_splat_rows {
 /* Adds them to what flows, and to power, W per channel. Errors: TY_ERROR_MEMORY. */
 ty_result ty_splats_add(ty_lattice* lattice, const ty_splat_rows* rows, double power[3]);
 
+/* Where cells are, for many points. */
+typedef struct ty_splat_cells {
+    float lower[3], per_cell; /* m, 1/m */
+    int32_t size[3];
+} ty_splat_cells;
+
+static inline ty_splat_cells ty_splat_cells_of(const ty_lattice* lattice) {
+    ty_splat_cells out = {.per_cell = 1.0f / lattice->cell};
+    for (int a = 0; a < 3; ++a) {
+        out.lower[a] = (float)lattice->box.lower[a];
+        out.size[a] = lattice->box.size[a];
+    }
+    return out;
+}
+
 /* The cell that a point is in; -1 outside of the lattice. */
-int32_t ty_splat_cell(const ty_lattice* lattice, ty_vec point);
+static inline int32_t ty_splat_cell(const ty_splat_cells* cells, ty_vec point) {
+    const float x = (point.x - cells->lower[0]) * cells->per_cell, y = (point.y - cells->lower[1]) * cells->per_cell;
+    const float z = (point.z - cells->lower[2]) * cells->per_cell;
+    const bool inside = x >= 0.0f && y >= 0.0f && z >= 0.0f && x < (float)cells->size[0] && y < (float)cells->size[1] &&
+                        z < (float)cells->size[2];
+    return inside ? (int32_t)x + cells->size[0] * ((int32_t)y + cells->size[1] * (int32_t)z) : -1;
+}
 
 /* How far off a surface (unit normal) a point is to be for its cell's middle to be on the same side, m. */
-float ty_splat_clearance(const ty_lattice* lattice, ty_vec normal);
+static inline float ty_splat_clearance(const ty_lattice* lattice, ty_vec normal) {
+    return 0.5f * lattice->cell * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
+}
 
 #endif

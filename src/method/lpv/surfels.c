@@ -56,11 +56,11 @@ static ray_field field_along(const surfel_job* job, int32_t axis) {
     ray_field field = {.axis = axis, .across = {(axis + 1) % 3, (axis + 2) % 3}};
     for (int i = 0; i < 2; ++i) {
         const int a = field.across[i];
-        field.count[i] = job->box->size[a] * job->side;
+        field.count[i] = (job->box->size[a] + 1) * job->side;
         field.spacing[i] = job->cell[a] / job->side;
     }
-    field.begin = job->box->lower[axis] - 1e-3 * job->cell[axis];
-    field.end = job->box->upper[axis] + 1e-3 * job->cell[axis];
+    field.begin = job->box->lower[axis] - 0.5 * job->cell[axis];
+    field.end = job->box->upper[axis] + 0.5 * job->cell[axis];
     field.area = (float)(field.spacing[0] * field.spacing[1]);
     return field;
 }
@@ -70,7 +70,8 @@ static ty_ray ray_at(const surfel_job* job, const ray_field* field, int32_t i, i
     ty_ray ray = {.far = (float)(field->end - field->begin)};
     for (int k = 0; k < 2; ++k) {
         const int a = field->across[k];
-        ray.origin[a] = (float)(job->box->lower[a] + (at[k] + offset[k]) * field->spacing[k]);
+        const double begin = job->box->lower[a] - 0.5 * job->cell[a];
+        ray.origin[a] = (float)(begin + (at[k] + offset[k]) * field->spacing[k]);
     }
     ray.origin[field->axis] = (float)field->begin;
     ray.direction[field->axis] = 1.0f;
