@@ -11,11 +11,12 @@ extern "C" {
 /* What one light meets first of the surfaces, as engines have it: a shadow map, and with normals and flux a reflective
  * one. Arrays are the caller's. faces x side x side texels, row by row; texel (x, y) covers [x, x + 1] x [y, y + 1] of
  * side; its middle counts. Directional: one face; a point at `origin + right * s + up * t` (s, t from -1 to 1 over the
- * map, rows from t = -1 up) is where a ray along `forward` begins. Spot: one face, point: six (any six that cover all
- * directions); rays begin at the light and go along `forward + right * s + up * t` of their face. */
+ * map, rows from t = -1 up) is where a ray along `forward` begins. Spot: one face around the cone, or six as points
+ * have (any six that cover all directions once); rays begin at the light and go along `forward + right * s + up * t` of
+ * their face. */
 typedef struct ty_light_map {
     int32_t side;                 /* texels, 1..8192 */
-    int32_t faces;                /* 1, or 6 for point lights */
+    int32_t faces;                /* directional: 1; point: 6; spot: either */
     double origin[3];             /* directional: see above, m; before all surfaces. Else not looked at */
     double forward[6][3];         /* per face, unit; directional: the way light travels */
     double right[6][3], up[6][3]; /* per face; directional: half of the map's sides, m; else times the tangent

@@ -10,13 +10,14 @@
 typedef struct ty_light_map_def {
     int32_t side;                /* texels, 1..8192 */
     bool reflective;             /* whether normals and albedo are found, too */
-    const double *lower, *upper; /* directional lights: the map covers this box, m */
+    const double *lower, *upper; /* directional lights: the map covers this box, m; not looked at for others */
 } ty_light_map_def;
 
 /* The map of a directional, point (six faces, a cube's) or spot light (an index into ty_light_set.lights) of a
  * committed scene, a ray through the middle of each texel; without surfaces nothing is met. Spots of more than 160
- * degrees have six faces, too, as points have. rays: how many were traced are added to it; may be NULL. Errors:
- * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. *out is freed with ty_light_map_destroy. */
+ * degrees have six faces, too, as points have; in others' corners, outside of the cone, nothing is met. rays: how many
+ * were traced are added to it; may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. *out is freed with
+ * ty_light_map_destroy. */
 ty_result ty_light_map_trace(const ty_scene* scene, const ty_light_map_def* def, int32_t light, ty_light_map** out,
                              int64_t* rays);
 void ty_light_map_destroy(ty_context* context, ty_light_map* map);

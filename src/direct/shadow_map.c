@@ -2,10 +2,10 @@
 #include "direct/shadow_map.h"
 
 #include "base/context.h"
-#include "base/parallel.h"
 #include "base/random.k.h"
 #include "direct/beam.k.h"
 #include "direct/grid_depth.h"
+#include "direct/texels.h"
 #include "scene/check.h"
 #include "scene/scene.h"
 
@@ -59,22 +59,12 @@ void ty_shadow_map_ray(const ty_shadow_map* map, size_t texel, ty_vec* origin, t
 
 /* ---- where maps lie ---- */
 
-/* The stretch of a box along an axis. */
-static void extent_along(ty_vec axis, const double lower[3], const double upper[3], double range[2]) {
-    const double along[3] = {(double)axis.x, (double)axis.y, (double)axis.z};
-    range[0] = range[1] = 0;
-    for (int a = 0; a < 3; ++a) {
-        range[0] += along[a] * (along[a] > 0 ? lower[a] : upper[a]);
-        range[1] += along[a] * (along[a] > 0 ? upper[a] : lower[a]);
-    }
-}
-
 /* Where rays start: before all surfaces and the medium. */
 static double start_of(const shadow_job* job, const double lower[3], const double upper[3]) {
     double range[2], other[2];
-    extent_along(job->map->axis[2], lower, upper, range);
+    ty_texels_extent(job->map->axis[2], lower, upper, range);
     if (job->def->medium != NULL) {
-        extent_along(job->map->axis[2], job->def->medium->box.lower, job->def->medium->box.upper, other);
+        ty_texels_extent(job->map->axis[2], job->def->medium->box.lower, job->def->medium->box.upper, other);
         range[0] = fmin(range[0], other[0]);
         range[1] = fmax(range[1], other[1]);
     }
@@ -95,7 +85,7 @@ static bool place_parallel(const shadow_job* job) {
     map->origin = ty_vec_make(0, 0, 0);
     for (int a = 0; a < 2; ++a) {
         double range[2];
-        extent_along(map->axis[a], lower, upper, range);
+        ty_texels_extent(map->axis[a], lower, upper, range);
         map->span[a] = (float)(range[1] - range[0]);
         along[a] = range[0];
     }
@@ -123,43 +113,29 @@ static void find_light(const shadow_job* job, ty_vec origin, ty_vec direction, f
     for (int c = 0; c < 3; ++c) light[c] = falloff * job->light->color[c] * ty_decay(depth[c]);
 }
 
-static void describe(const shadow_job* job, ty_vec origin, ty_vec direction, const ty_hit* hit,
-                     ty_shadow_texel* texel) {
-    ty_surface_point point;
+static void describe(const void* user, size_t index, const ty_ray* ray, const ty_hit* hit,
+                     const ty_surface_point* point) {
+    const shadow_job* job = user;
+    const ty_vec direction = ty_vec_load(ray->direction);
+    ty_shadow_texel* texel = &job->map->texels[index];
     float light[3];
-    ty_surface_evaluate(&job->scene->view.surfaces[hit->surface], hit, direction, &point);
-    find_light(job, origin, direction, hit->distance, light);
+    find_light(job, ty_vec_load(ray->origin), direction, hit->distance, light);
     const float across = job->map->parallel != 0 ? 1.0f : hit->distance * hit->distance;
-    const float facing = -ty_dot(point.facing, direction);
-    texel->position = ty_hit_leave(hit, point.facing);
-    texel->normal = point.normal;
+    const float facing = -ty_dot(point->facing, direction);
+    texel->position = ty_hit_leave(hit, point->facing);
+    texel->normal = point->normal;
     texel->distance = hit->distance;
     texel->area = job->map->share * across / ty_maxf(facing, 1e-2f);
-    for (int c = 0; c < 3; ++c) texel->flux[c] = light[c] * point.albedo[c];
+    for (int c = 0; c < 3; ++c) texel->flux[c] = light[c] * point->albedo[c];
 }
 
-static void fill_row(void* user, int64_t row, int32_t worker) {
-    (void)worker;
-    const shadow_job* job = user;
-    const size_t side = (size_t)job->map->side;
-    ty_ray rays[TY_PACKET];
-    ty_hit hits[TY_PACKET];
-    for (size_t x = 0; x < side; x += TY_PACKET) {
-        const size_t first = side * (size_t)row + x;
-        const int32_t count = side - x < TY_PACKET ? (int32_t)(side - x) : TY_PACKET;
-        for (int32_t i = 0; i < count; ++i) {
-            ty_vec origin, direction;
-            ty_shadow_map_ray(job->map, first + (size_t)i, &origin, &direction);
-            rays[i] = (ty_ray){.origin = {origin.x, origin.y, origin.z},
-                               .direction = {direction.x, direction.y, direction.z},
-                               .far = INFINITY};
-        }
-        ty_mesh_intersect_packet(job->scene->view.mesh, rays, count, hits);
-        for (int32_t i = 0; i < count; ++i)
-            if (hits[i].surface >= 0)
-                describe(job, ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), &hits[i],
-                         &job->map->texels[first + (size_t)i]);
-    }
+static bool ray_of(const void* user, size_t texel, ty_ray* ray) {
+    ty_vec origin, direction;
+    ty_shadow_map_ray(((const shadow_job*)user)->map, texel, &origin, &direction);
+    *ray = (ty_ray){.origin = {origin.x, origin.y, origin.z},
+                    .direction = {direction.x, direction.y, direction.z},
+                    .far = INFINITY};
+    return true;
 }
 
 static void clear(ty_shadow_map* map) {
@@ -182,7 +158,9 @@ static void fill(shadow_job* job) {
     if (map->parallel == 0) place_cone(job);
     if (map->parallel != 0 && meets) meets = place_parallel(job);
     if (!meets) return;
-    ty_parallel_flushed(map->context, (int64_t)map->faces * map->side, fill_row, job);
+    const ty_texels texels = {
+        .scene = job->scene, .side = map->side, .faces = map->faces, .user = job, .ray = ray_of, .meet = describe};
+    ty_texels_trace(&texels);
     add_up(map);
 }
 
@@ -190,12 +168,10 @@ ty_result ty_shadow_map_create(const ty_scene* scene, const ty_shadow_map_def* d
                                ty_shadow_map** out) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
-    const ty_result result = ty_check_number(scene->context, "shadow map: side", def->side, 1, SIDE_MAX);
+    ty_result result = ty_check_number(scene->context, "shadow map: side", def->side, 1, SIDE_MAX);
+    if (result == TY_OK) result = ty_texels_check_light(scene, "shadow map", light);
     if (result != TY_OK) return result;
-    const int32_t kind = light >= 0 && light < view->lights.count ? view->lights.lights[light].kind : -1;
-    if (kind != TY_KIND_DIRECTIONAL && kind != TY_KIND_POINT && kind != TY_KIND_SPOT)
-        return ty_fail(scene->context, TY_ERROR_ARGUMENT,
-                       "shadow map: light %d is not a directional, point or spot light", light);
+    const int32_t kind = view->lights.lights[light].kind;
     ty_shadow_map* map = ty_alloc_array(scene->context, 1, sizeof *map, true);
     if (map == NULL) return TY_ERROR_MEMORY;
     map->context = scene->context;
