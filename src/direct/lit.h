@@ -1,5 +1,9 @@
 /* Which stretches of a ray a light reaches, by its shadow map: the ray's way across the map is followed through a
- * pyramid of least and greatest depths, so that whole blocks of texels are passed at once. */
+ * pyramid of least and greatest depths, so that whole blocks of texels are passed at once.
+ *
+ * Depths are kept as nearness: 1 / depth, or -depth for directional lights. Along a straight line nearness is linear in
+ * the place on the map, for all kinds of lights. Texels are taken as far as their surface's farthest corner, by the
+ * slope that neighbours show, so that a lit surface does not darken the air before it. */
 #ifndef TY_DIRECT_LIT_H
 #define TY_DIRECT_LIT_H
 
@@ -8,13 +12,24 @@
 
 enum { TY_LIT_LEVELS = 14, TY_LIT_STRETCHES = 64 };
 
+/* Of a block of texels, nearness. */
+typedef struct ty_lit_range {
+    float least, greatest;
+} ty_lit_range;
+
+typedef struct ty_lit_face {
+    float to_map[12]; /* a point to x, y in texels and depth, m; lights with a place: x and y times depth */
+    float nearest;    /* depth of the nearest texel, m; INFINITY: all are empty */
+    float* texels;    /* nearness, row by row */
+    ty_lit_range* levels[TY_LIT_LEVELS]; /* of blocks of 2^level texels a side; [0]: NULL, that is texels */
+} ty_lit_face;
+
 typedef struct ty_lit_map {
     ty_context* context;
     const ty_light_map* map; /* the caller's; outlives this */
     ty_light_view light;
-    int32_t levels;
-    float* least[6][TY_LIT_LEVELS]; /* per face and level, side halved (rounded up) from level to level; [0]: depth */
-    float* greatest[6][TY_LIT_LEVELS];
+    int32_t levels; /* with level 0; the last is one block */
+    ty_lit_face faces[6];
 } ty_lit_map;
 
 /* Errors: TY_ERROR_MEMORY. */
@@ -23,12 +38,15 @@ void ty_lit_map_destroy(ty_lit_map* map);
 
 /* Stretches of [from, to] of a ray (unit direction), m, that the light reaches (for spots: within their cone), in order
  * of distance; returns how many, at most TY_LIT_STRETCHES (more are joined: the shortest dark ones between them are
- * taken as lit). What lies outside of a directional light's map is lit. */
+ * taken as lit). What lies outside of a light's map is lit. */
 int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
                          float stretches[TY_LIT_STRETCHES][2]);
+/* The same; adds the number of texels and blocks that were looked at to *visited. */
+int32_t ty_lit_stretches_counted(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
+                                 float stretches[TY_LIT_STRETCHES][2], int64_t* visited);
 
-/* Whether the light reaches a point: 1, 0, or -1 where texels around differ, or lie within `slack` (m) of the
- * point's depth. */
+/* Whether the light reaches a point: 1, 0, or -1 where the four texels around differ, or lie within `slack` (m) of the
+ * point's depth. So points of surfaces are first moved off them, by more than that. */
 int32_t ty_lit_at(const ty_lit_map* map, ty_vec point, float slack);
 
 #endif

@@ -1,0 +1,342 @@
+/* Pyramids of nearness, and rays through them. */
+#include "direct/lit.h"
+
+#include "base/context.h"
+#include "base/parallel.h"
+#include "direct/lit.k.h"
+
+/* ---- texels ---- */
+
+/* How much farther a texel's surface may be taken, in texels' widths. */
+#define LIT_STEEPEST 4.0f
+#define LIT_LEAST 1e-3f
+
+typedef struct lit_job {
+    const ty_lit_map* map;
+    int32_t face, level;
+} lit_job;
+
+static bool is_parallel(const ty_lit_map* map) {
+    return map->light.kind == TY_KIND_DIRECTIONAL;
+}
+
+static size_t width_at(const ty_lit_map* map, int32_t level) {
+    return ((size_t)map->map->side + ((size_t)1 << level) - 1) >> level;
+}
+
+static float nearness_of(const ty_lit_map* map, float depth) {
+    return is_parallel(map) ? -ty_minf(depth, TY_FLOAT_MAX) : 1.0f / ty_maxf(depth, 1e-30f);
+}
+
+static float depth_at(const lit_job* job, int32_t x, int32_t y) {
+    const size_t side = (size_t)job->map->map->side;
+    return job->map->map->depth[((size_t)job->face * side + (size_t)y) * side + (size_t)x];
+}
+
+/* The change of nearness from a texel to the one beside it; INFINITY where there is none to compare with. */
+static float change_beside(const lit_job* job, int32_t x, int32_t y, float nearness) {
+    const int32_t side = job->map->map->side;
+    if (x < 0 || y < 0 || x >= side || y >= side) return INFINITY;
+    const float depth = depth_at(job, x, y);
+    return isinf(depth) ? INFINITY : fabsf(nearness - nearness_of(job->map, depth));
+}
+
+/* The lesser of both sides: the other one may be an edge. */
+static float slope_of(const lit_job* job, int32_t x, int32_t y, int32_t along_x, float nearness) {
+    const int32_t along_y = 1 - along_x;
+    const float slope = ty_minf(change_beside(job, x - along_x, y - along_y, nearness),
+                                change_beside(job, x + along_x, y + along_y, nearness));
+    return isinf(slope) ? 0.0f : slope;
+}
+
+static float texel_width(const lit_job* job, float depth) {
+    const ty_light_map* map = job->map->map;
+    const double* right = map->right[job->face];
+    const double half = sqrt(right[0] * right[0] + right[1] * right[1] + right[2] * right[2]);
+    return (float)(2 * half / map->side) * (is_parallel(job->map) ? 1.0f : depth);
+}
+
+static float texel_of(const lit_job* job, int32_t x, int32_t y) {
+    const float depth = depth_at(job, x, y), nearness = nearness_of(job->map, depth);
+    if (isinf(depth)) return nearness;
+    const float width = texel_width(job, depth);
+    const float corner = nearness - 0.5f * (slope_of(job, x, y, 1, nearness) + slope_of(job, x, y, 0, nearness));
+    return ty_clampf(corner, nearness_of(job->map, depth + LIT_STEEPEST * width),
+                     nearness_of(job->map, depth + LIT_LEAST * width));
+}
+
+static void fill_texels(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const lit_job* job = user;
+    const int32_t side = job->map->map->side;
+    float* out = job->map->faces[job->face].texels + row * side;
+    for (int32_t x = 0; x < side; ++x) out[x] = texel_of(job, x, (int32_t)row);
+}
+
+/* ---- blocks ---- */
+
+static ty_lit_range range_below(const lit_job* job, size_t x, size_t y) {
+    const ty_lit_face* face = &job->map->faces[job->face];
+    const size_t at = y * width_at(job->map, job->level - 1) + x;
+    if (job->level == 1) return (ty_lit_range){face->texels[at], face->texels[at]};
+    return face->levels[job->level - 1][at];
+}
+
+static void fill_blocks(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const lit_job* job = user;
+    const size_t width = width_at(job->map, job->level), below = width_at(job->map, job->level - 1);
+    ty_lit_range* out = job->map->faces[job->face].levels[job->level] + (size_t)row * width;
+    for (size_t x = 0; x < width; ++x) {
+        const size_t low_x = 2 * x, low_y = 2 * (size_t)row;
+        ty_lit_range range = range_below(job, low_x, low_y);
+        for (size_t i = 1; i < 4; ++i) {
+            const size_t next_x = low_x + i % 2, next_y = low_y + i / 2;
+            if (next_x >= below || next_y >= below) continue;
+            const ty_lit_range other = range_below(job, next_x, next_y);
+            range.least = ty_minf(range.least, other.least);
+            range.greatest = ty_maxf(range.greatest, other.greatest);
+        }
+        out[x] = range;
+    }
+}
+
+/* ---- maps ---- */
+
+/* Linear functions of a point: its place along `axis` (half of a face's side) and its depth. */
+static void find_row(double scale, const double axis[3], const double forward[3], double middle, const double origin[3],
+                     float row[4]) {
+    const double square = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
+    double offset = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double factor = scale * (axis[a] / square + (forward != NULL ? forward[a] : 0));
+        row[a] = (float)factor;
+        offset -= factor * origin[a];
+    }
+    row[3] = (float)(offset + middle);
+}
+
+static void place_face(const ty_lit_map* map, int32_t index, ty_lit_face* face) {
+    const ty_light_map* of = map->map;
+    const double position[3] = {(double)map->light.position.x, (double)map->light.position.y,
+                                (double)map->light.position.z};
+    const double* origin = is_parallel(map) ? of->origin : position;
+    const double* forward = is_parallel(map) ? NULL : of->forward[index];
+    const double half = 0.5 * of->side, middle = is_parallel(map) ? half : 0;
+    find_row(half, of->right[index], forward, middle, origin, face->to_map);
+    find_row(half, of->up[index], forward, middle, origin, face->to_map + 4);
+    find_row(1, of->forward[index], NULL, 0, origin, face->to_map + 8);
+}
+
+static void find_nearest(const ty_light_map* of, int32_t index, ty_lit_face* face) {
+    const size_t texels = (size_t)of->side * (size_t)of->side;
+    face->nearest = INFINITY;
+    for (size_t i = 0; i < texels; ++i) face->nearest = ty_minf(face->nearest, of->depth[(size_t)index * texels + i]);
+}
+
+static void fill_face(ty_lit_map* map, int32_t index) {
+    lit_job job = {.map = map, .face = index};
+    place_face(map, index, &map->faces[index]);
+    find_nearest(map->map, index, &map->faces[index]);
+    ty_parallel_flushed(map->context, map->map->side, fill_texels, &job);
+    for (job.level = 1; job.level < map->levels; ++job.level)
+        ty_parallel_flushed(map->context, (int64_t)width_at(map, job.level), fill_blocks, &job);
+}
+
+static bool take_face(const ty_lit_map* map, ty_lit_face* face) {
+    face->texels = ty_alloc_array(map->context, width_at(map, 0) * width_at(map, 0), sizeof *face->texels, false);
+    bool whole = face->texels != NULL;
+    for (int32_t level = 1; level < map->levels && whole; ++level) {
+        const size_t width = width_at(map, level);
+        face->levels[level] = ty_alloc_array(map->context, width * width, sizeof *face->levels[level], false);
+        whole = face->levels[level] != NULL;
+    }
+    return whole;
+}
+
+ty_result ty_lit_map_create(ty_context* context, const ty_light_view* light, const ty_light_map* map,
+                            ty_lit_map** out) {
+    ty_lit_map* lit = ty_alloc_array(context, 1, sizeof *lit, true);
+    if (lit == NULL) return TY_ERROR_MEMORY;
+    lit->context = context;
+    lit->map = map;
+    lit->light = *light;
+    while (width_at(lit, lit->levels++) > 1) continue;
+    bool whole = true;
+    for (int32_t i = 0; i < map->faces && whole; ++i) whole = take_face(lit, &lit->faces[i]);
+    if (!whole) {
+        ty_lit_map_destroy(lit);
+        return TY_ERROR_MEMORY;
+    }
+    for (int32_t i = 0; i < map->faces; ++i) fill_face(lit, i);
+    *out = lit;
+    return TY_OK;
+}
+
+void ty_lit_map_destroy(ty_lit_map* map) {
+    if (map == NULL) return;
+    for (int32_t i = 0; i < 6; ++i) {
+        ty_lit_face* face = &map->faces[i];
+        ty_free_array(map->context, face->texels, width_at(map, 0) * width_at(map, 0), sizeof *face->texels);
+        for (int32_t level = 1; level < map->levels; ++level) {
+            const size_t width = width_at(map, level);
+            ty_free_array(map->context, face->levels[level], width * width, sizeof *face->levels[level]);
+        }
+    }
+    ty_free_array(map->context, map, 1, sizeof *map);
+}
+
+/* ---- rays ---- */
+
+/* A part of a ray, m. */
+typedef struct lit_part {
+    float from, to;
+} lit_part;
+
+/* Cuts a part to where value + t slope >= 0; false if nothing is left. */
+static bool keep(float value, float slope, lit_part* part) {
+    if (slope > 0.0f)
+        part->from = ty_maxf(part->from, -value / slope);
+    else if (slope < 0.0f)
+        part->to = ty_minf(part->to, -value / slope);
+    else if (value < 0.0f)
+        return false;
+    return part->from < part->to;
+}
+
+/* Cuts a part to a spot's cone, which is convex; false if nothing is left. */
+static bool keep_cone(const ty_light_view* light, ty_vec origin, ty_vec direction, lit_part* part) {
+    const ty_vec off = ty_sub(origin, light->position);
+    const float ahead = ty_dot(off, light->direction), along = ty_dot(direction, light->direction);
+    if (!keep(ahead, along, part)) return false;
+    const double square = (double)light->cos_outer * (double)light->cos_outer;
+    const double a = (double)along * (double)along - square;
+    const double b = (double)ahead * (double)along - square * (double)ty_dot(off, direction);
+    const double c = (double)ahead * (double)ahead - square * (double)ty_dot(off, off);
+    const double root = b * b - a * c;
+    if (a == 0) return keep((float)c, (float)(2 * b), part);
+    if (root <= 0) return a > 0;
+    const double q = -(b + copysign(sqrt(root), b));
+    const double first = fmin(q / a, c / q), second = fmax(q / a, c / q);
+    /* Within the double cone, or, where a ray goes along it, beyond one of its halves. */
+    if (a < 0 || along < 0) part->to = ty_minf(part->to, (float)(a < 0 ? second : first));
+    if (a < 0 || along > 0) part->from = ty_maxf(part->from, (float)(a < 0 ? first : second));
+    return part->from < part->to;
+}
+
+/* A ray before a face, and the part of it that surfaces may be before. */
+typedef struct face_ray {
+    const ty_lit_face* face;
+    ty_vec at, way; /* in the map */
+    lit_part part;
+} face_ray;
+
+static bool find_face(const ty_lit_map* map, int32_t index, ty_vec origin, ty_vec direction, lit_part part,
+                      face_ray* out) {
+    const ty_lit_face* face = &map->faces[index];
+    const float side = (float)map->map->side;
+    if (isinf(face->nearest)) return false;
+    const ty_vec at = ty_map_point(face->to_map, origin), way = ty_map_direction(face->to_map, direction);
+    const bool flat = is_parallel(map);
+    *out = (face_ray){.face = face, .at = at, .way = way, .part = part};
+    const float span = flat ? side : side * at.z, span_way = flat ? 0.0f : side * way.z;
+    return keep(at.z - 0.999f * face->nearest, way.z, &out->part) && keep(at.x, way.x, &out->part) &&
+           keep(span - at.x, span_way - way.x, &out->part) && keep(at.y, way.y, &out->part) &&
+           keep(span - at.y, span_way - way.y, &out->part);
+}
+
+static void walk_face(const ty_lit_map* map, const face_ray* ray, float from, ty_lit_run* run) {
+    ty_vec begin = ty_mad(ray->at, ray->way, from), end = ty_mad(ray->at, ray->way, ray->part.to);
+    ty_lit_line line = {.from = from, .length = ray->part.to - from, .depth = {1.0f, 1.0f}};
+    if (is_parallel(map)) {
+        begin.z = -begin.z;
+        end.z = -end.z;
+    } else {
+        const float near[2] = {1.0f / begin.z, 1.0f / end.z};
+        line.depth[0] = begin.z;
+        line.depth[1] = end.z;
+        begin = ty_vec_make(begin.x * near[0], begin.y * near[0], near[0]);
+        end = ty_vec_make(end.x * near[1], end.y * near[1], near[1]);
+    }
+    line.x = begin.x;
+    line.y = begin.y;
+    line.near = begin.z;
+    line.dx = end.x - begin.x;
+    line.dy = end.y - begin.y;
+    line.dnear = end.z - begin.z;
+    ty_lit_walk(ray->face, &line, map->map->side, map->levels - 1, run);
+}
+
+/* Gaps that are this long, relative to the distance, are between neighbouring faces. */
+#define LIT_SEAM 1e-5f
+
+int32_t ty_lit_stretches_counted(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
+                                 float stretches[TY_LIT_STRETCHES][2], int64_t* visited) {
+    lit_part part = {from, to};
+    if (!(from < to)) return 0;
+    if (map->light.kind == TY_KIND_SPOT && !keep_cone(&map->light, origin, direction, &part)) return 0;
+    face_ray rays[6];
+    int32_t count = 0;
+    for (int32_t i = 0; i < map->map->faces; ++i)
+        if (find_face(map, i, origin, direction, part, &rays[count])) ++count;
+    ty_lit_run run = {.stretches = stretches, .lit = 1, .at = part.from};
+    float t = part.from;
+    for (;;) {
+        int32_t next = -1;
+        for (int32_t i = 0; i < count; ++i)
+            if (rays[i].part.to > t && (next < 0 || rays[i].part.from < rays[next].part.from)) next = i;
+        if (next < 0) break;
+        const float begin = ty_maxf(t, rays[next].part.from);
+        if (begin - t > LIT_SEAM * begin) ty_lit_turn(&run, t, 1);
+        walk_face(map, &rays[next], begin, &run);
+        t = rays[next].part.to;
+    }
+    if (part.to - t > LIT_SEAM * part.to) ty_lit_turn(&run, t, 1);
+    ty_lit_turn(&run, part.to, 0);
+    *visited += run.visited;
+    return run.count;
+}
+
+int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
+                         float stretches[TY_LIT_STRETCHES][2]) {
+    int64_t visited = 0;
+    return ty_lit_stretches_counted(map, origin, direction, from, to, stretches, &visited);
+}
+
+/* ---- points ---- */
+
+/* Where a point lies in the first face that has it; false where none does. */
+static bool locate(const ty_lit_map* map, ty_vec point, int32_t* face, ty_vec* at) {
+    const float side = (float)map->map->side;
+    for (*face = 0; *face < map->map->faces; ++*face) {
+        *at = ty_map_point(map->faces[*face].to_map, point);
+        if (!is_parallel(map)) {
+            if (!(at->z > 0.0f)) continue;
+            at->x /= at->z;
+            at->y /= at->z;
+        }
+        if (at->x >= 0.0f && at->x <= side && at->y >= 0.0f && at->y <= side) return true;
+    }
+    return false;
+}
+
+static bool is_outside_cone(const ty_light_view* light, ty_vec point) {
+    const ty_vec off = ty_sub(point, light->position);
+    return ty_dot(off, light->direction) <= light->cos_outer * sqrtf(ty_dot(off, off));
+}
+
+int32_t ty_lit_at(const ty_lit_map* map, ty_vec point, float slack) {
+    int32_t face, lit = 0;
+    ty_vec at;
+    if (map->light.kind == TY_KIND_SPOT && is_outside_cone(&map->light, point)) return 0;
+    if (!locate(map, point, &face, &at)) return 1;
+    const lit_job job = {.map = map, .face = face};
+    const int32_t last = map->map->side - 1;
+    const int32_t x = (int32_t)(at.x + 0.5f) - 1, y = (int32_t)(at.y + 0.5f) - 1;
+    for (int32_t i = 0; i < 4; ++i) {
+        const float depth = depth_at(&job, ty_lit_clamp(x + i % 2, 0, last), ty_lit_clamp(y + i / 2, 0, last));
+        if (fabsf(depth - at.z) <= slack) return -1;
+        lit += at.z < depth;
+    }
+    return lit == 4 ? 1 : lit == 0 ? 0 : -1;
+}
