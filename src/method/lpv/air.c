@@ -1,15 +1,11 @@
 /* What rays see of media: at half of the resolution, or for pixels by themselves. */
 #include "method/lpv/frame.h"
 
-/* Ray (x, y) goes through one of the pixels that it stands for: which one takes turns, so that edges of surfaces are
- * met on both sides. */
-void ty_lpv_air_pixel(const ty_lpv_frame* frame, int32_t x, int32_t y, int32_t* full_x, int32_t* full_y) {
-    *full_x = x;
-    *full_y = y;
-    if (frame->shrink == 1) return;
-    const int32_t px = 2 * x + ((x + (y >> 1)) & 1), py = 2 * y + ((y + (x >> 1)) & 1);
-    *full_x = px < frame->width ? px : frame->width - 1;
-    *full_y = py < frame->height ? py : frame->height - 1;
+/* Ray (x, y) goes through one of the four pixels that it stands for: which one takes turns, so that edges of surfaces
+ * are met on both sides. */
+void ty_lpv_air_place(int32_t x, int32_t y, int32_t full[2]) {
+    full[0] = 2 * x + ((x + (y >> 1)) & 1);
+    full[1] = 2 * y + ((y + (x >> 1)) & 1);
 }
 
 /* Of any four neighbours two by two, one is in each quarter: means over them are all but free of what steps do. */
@@ -28,9 +24,11 @@ ty_fog_way ty_lpv_air_way(const ty_lpv_frame* frame, int32_t x, int32_t y, float
 }
 
 static ty_fog_way way_of(const ty_lpv_frame* frame, int32_t x, int32_t y) {
-    int32_t full_x, full_y;
-    ty_lpv_air_pixel(frame, x, y, &full_x, &full_y);
-    return ty_lpv_air_way(frame, full_x, full_y, ty_lpv_air_offset(frame, x, y));
+    int32_t full[2] = {x, y};
+    if (frame->shrink > 1) ty_lpv_air_place(x, y, full);
+    full[0] = full[0] < frame->width ? full[0] : frame->width - 1;
+    full[1] = full[1] < frame->height ? full[1] : frame->height - 1;
+    return ty_lpv_air_way(frame, full[0], full[1], ty_lpv_air_offset(frame, x, y));
 }
 
 void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {

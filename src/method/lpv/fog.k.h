@@ -28,6 +28,9 @@ typedef struct ty_fog {
     float multiple[3];  /* of the lattice's light, W m^-2 sr^-1 */
     float glow[3];      /* that media send themselves */
     float scattered[3]; /* the part of the light that media scatter */
+    /* Where the ray ends, for rays that go a little farther or not as far: extinction, 1/m, and how transmittance times
+     * what media scatter of the lattice's light, and of all light, rises by the metre. */
+    float extinction[3], multiple_rise[3], scattered_rise[3];
 } ty_fog;
 
 /* Media at a place: coefficients, 1/m, and radiance that they send per metre. */
@@ -45,7 +48,7 @@ typedef struct ty_fog_cells {
 typedef struct ty_fog_ray {
     const ty_fog_request* request;
     ty_vec origin, direction;
-    float enter[TY_LOOK_CASCADES_MAX], leave[TY_LOOK_CASCADES_MAX]; /* of the lattices; nowhere: enter > leave */
+    float enter[TY_LPV_CASCADES_MAX], leave[TY_LPV_CASCADES_MAX]; /* of the lattices; nowhere: enter > leave */
     float offset;
     ty_fog_media media; /* of the stretch, where they are homogeneous */
     ty_fog_cells cells; /* of the stretch, where they are not */
@@ -53,7 +56,8 @@ typedef struct ty_fog_ray {
     /* Of the step: what its media scatter, times how much of it is seen, and the same along the ray (for where light is
      * looked up). */
     float even[3], directed[3], amount, moment;
-    float sum[TY_LOOK_FLOATS]; /* of the lattice's light, band by band as it is scattered */
+    float sum[TY_LOOK_FLOATS];  /* of the lattice's light, band by band as it is scattered */
+    float last[TY_LOOK_FLOATS]; /* of the last step's, not yet scattered */
     ty_fog out;
 } ty_fog_ray;
 
@@ -95,10 +99,10 @@ TY_FN void ty_fog_cells_axis(const ty_grid_medium* medium, int32_t axis, float o
 TY_FN void ty_fog_cells_begin(const ty_fog_request* request, ty_vec origin, ty_vec direction, float t, float end,
                               ty_fog_cells* cells) {
     const ty_grid_medium* medium = request->medium;
-    const ty_vec lower = ty_vec_make((float)medium->box.lower[0], (float)medium->box.lower[1],
-                                     (float)medium->box.lower[2]);
-    const ty_vec upper = ty_vec_make((float)medium->box.upper[0], (float)medium->box.upper[1],
-                                     (float)medium->box.upper[2]);
+    const ty_vec lower =
+        ty_vec_make((float)medium->box.lower[0], (float)medium->box.lower[1], (float)medium->box.lower[2]);
+    const ty_vec upper =
+        ty_vec_make((float)medium->box.upper[0], (float)medium->box.upper[1], (float)medium->box.upper[2]);
     cells->enter = t;
     cells->leave = end;
     if (!ty_clip_box(origin, direction, lower, upper, &cells->enter, &cells->leave)) {
@@ -166,20 +170,15 @@ TY_FN void ty_fog_take_cells(ty_fog_ray* ray, float t, float end) {
 }
 
 TY_FN void ty_fog_add_light(ty_fog_ray* ray, const ty_look_lattice* lattice, ty_vec point, float share) {
-    float mean[TY_LOOK_FLOATS];
     ty_look_cells cells;
-    for (int j = 0; j < TY_LOOK_FLOATS; ++j) mean[j] = 0.0f;
     ty_look_locate(lattice, point, &cells);
-    ty_look_add(lattice, &cells, 0, share, mean);
-    for (int c = 0; c < 3; ++c) {
-        ray->sum[4 * c] += ray->even[c] * mean[4 * c];
-        for (int i = 1; i < 4; ++i) ray->sum[4 * c + i] += ray->directed[c] * mean[4 * c + i];
-    }
+    ty_look_add(lattice, &cells, 0, share, ray->last);
 }
 
 /* From t to `end`, in a lattice or (-1) in none. */
 TY_FN void ty_fog_step(ty_fog_ray* ray, float t, float end, int32_t level) {
     for (int c = 0; c < 3; ++c) ray->even[c] = ray->directed[c] = 0.0f;
+    for (int j = 0; j < TY_LOOK_FLOATS; ++j) ray->last[j] = 0.0f;
     ray->amount = ray->moment = 0.0f;
     if (ray->varies != 0)
         ty_fog_take_cells(ray, t, end);
@@ -192,6 +191,10 @@ TY_FN void ty_fog_step(ty_fog_ray* ray, float t, float end, int32_t level) {
     if (level + 1 < look->count) coarser = 1.0f - ty_clampf(ty_look_depth(&look->lattices[level], point), 0.0f, 1.0f);
     ty_fog_add_light(ray, &look->lattices[level], point, 1.0f - coarser);
     if (coarser > 0.0f) ty_fog_add_light(ray, &look->lattices[level + 1], point, coarser);
+    for (int c = 0; c < 3; ++c) {
+        ray->sum[4 * c] += ray->even[c] * ray->last[4 * c];
+        for (int i = 1; i < 4; ++i) ray->sum[4 * c + i] += ray->directed[c] * ray->last[4 * c + i];
+    }
 }
 
 TY_FN bool ty_fog_is_black(const ty_fog* fog) {
@@ -294,6 +297,26 @@ TY_FN void ty_fog_gather(ty_fog_ray* ray) {
     }
 }
 
+/* What the ray ends in, if it ends within media. */
+TY_FN void ty_fog_end(ty_fog_ray* ray, float far) {
+    float y[TY_SH_TERMS];
+    ty_fog_media media = ray->media;
+    if (ray->varies != 0) {
+        if (ray->cells.leave < far) return;
+        ty_fog_load(ray->request->medium, ray->cells.cell, &media);
+    }
+    ty_sh_at(ty_scale(ray->direction, -1.0f), 2, y);
+    for (int c = 0; c < 3; ++c) {
+        const float passes = ray->out.transmittance[c];
+        float directed = 0.0f;
+        for (int i = 1; i < 4; ++i) directed += ray->last[4 * c + i] * y[i];
+        ray->out.extinction[c] = media.extinction[c];
+        ray->out.scattered_rise[c] = passes * media.scattering[c];
+        ray->out.multiple_rise[c] =
+            passes * ty_maxf(0.0f, media.scattering[c] * ray->last[4 * c] * y[0] + media.forward[c] * directed);
+    }
+}
+
 /* Follows a ray with a unit direction as far as `far`. offset: where its first step ends, (0, 1] of a step. */
 TY_FN void ty_fog_follow(ty_fog_ray* ray, const ty_fog_request* request, ty_vec origin, ty_vec direction, float far,
                          float offset) {
@@ -301,12 +324,16 @@ TY_FN void ty_fog_follow(ty_fog_ray* ray, const ty_fog_request* request, ty_vec 
     ty_spans_find(request->scene->media, request->scene->medium_count, origin, direction, far, &spans);
     ty_fog_begin(ray, request, origin, direction, far, offset);
     float t = 0.0f, end;
-    bool seen = true;
+    bool seen = true, inside = false;
     while (seen && t < TY_FLOAT_MAX) {
-        if (ty_fog_activate(ray, &spans, t, &end)) seen = ty_fog_stretch(ray, t, end);
+        const bool any = ty_fog_activate(ray, &spans, t, &end);
+        if (any) seen = ty_fog_stretch(ray, t, end);
+        inside = any && end >= far;
+        if (inside) break;
         t = end;
     }
     for (int c = 0; c < 3 && !seen; ++c) ray->out.transmittance[c] = 0.0f;
+    if (seen && inside && far < TY_FLOAT_MAX) ty_fog_end(ray, far);
     ty_fog_gather(ray);
 }
 

@@ -12,7 +12,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { TY_TILE = 16, TY_TILE_PIXELS = TY_TILE * TY_TILE };
+enum { TY_TILE = 16, TY_TILE_PIXELS = TY_TILE * TY_TILE, TY_AIR_PERIOD = 8 };
 
 /* What a ray sees of the media. */
 typedef struct ty_lpv_air {
@@ -59,15 +59,16 @@ typedef struct ty_lpv_frame {
     int32_t width, height;
     int32_t shrink; /* pixels along a side for which media are marched once */
     int32_t air_width, air_height;
-    float first;        /* where steps begin, of a step */
-    int32_t samples;    /* rays per pixel */
-    int32_t sample;     /* the one that the passes are at */
-    float dx, dy;       /* where in pixels it lies */
-    float* distance;    /* m, as in ty_lpv_pixel */
-    float* surface;     /* 3 a pixel: its radiance */
-    float* hits;        /* rays of a pixel that hit a surface; NULL: nobody asks */
-    ty_lpv_air* air;    /* NULL: vacuum */
-    ty_image* image;    /* sums over samples */
+    float first;                                    /* where steps begin, of a step */
+    int32_t samples;                                /* rays per pixel */
+    int32_t sample;                                 /* the one that the passes are at */
+    float dx, dy;                                   /* where in pixels it lies */
+    float* distance;                                /* m, as in ty_lpv_pixel */
+    float* surface;                                 /* 3 a pixel: its radiance */
+    float* hits;                                    /* rays of a pixel that hit a surface; NULL: nobody asks */
+    ty_lpv_air* air;                                /* NULL: vacuum */
+    float weights[TY_AIR_PERIOD][TY_AIR_PERIOD][4]; /* of the four rays around a pixel */
+    ty_image* image;                                /* sums over samples */
     ty_lpv_planes planes;
     ty_lpv_stats stats; /* its parts of images */
     ty_part_progress progress;
@@ -92,8 +93,12 @@ void ty_lpv_see(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_
 /* Adds what surfaces reflect of the lights, directly and by the lattice. */
 void ty_lpv_shade(ty_lpv_frame* frame, ty_lpv_tile* tile);
 
-/* The pixel of the image that ray (x, y) of the air goes through; the ray of a pixel of the image. */
-void ty_lpv_air_pixel(const ty_lpv_frame* frame, int32_t x, int32_t y, int32_t* full_x, int32_t* full_y);
+/* The pixel of the image that ray (x, y) of the air goes through at half of the resolution, if the image were without
+ * end; the same again every TY_AIR_PERIOD pixels. */
+void ty_lpv_air_place(int32_t x, int32_t y, int32_t full[2]);
+/* Weights of the rays around pixels. */
+void ty_lpv_find_weights(ty_lpv_frame* frame);
+/* The ray of a pixel of the image. */
 ty_fog_way ty_lpv_air_way(const ty_lpv_frame* frame, int32_t x, int32_t y, float offset);
 /* Where steps begin, for neighbours as far from one another as can be: (0, 1]. */
 float ty_lpv_air_offset(const ty_lpv_frame* frame, int32_t x, int32_t y);

@@ -3,8 +3,6 @@
 
 #include "base/context.h"
 
-_Static_assert(TY_LOOK_CASCADES_MAX == TY_LPV_CASCADES_MAX, "every lattice can be looked up");
-
 typedef struct pack_job {
     const ty_lattice* lattice;
     ty_look_lattice* look;

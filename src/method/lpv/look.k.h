@@ -6,9 +6,11 @@
 
 #include "base/sh.k.h"
 
+#include <tyndall/lpv.h>
+
 /* Floats of a cell: channel by channel the first two bands and a quarter to spare, then, with three bands, five more
  * terms a channel and one to spare. */
-enum { TY_LOOK_FLOATS = 16, TY_LOOK_FLOATS_MAX = 32, TY_LOOK_CASCADES_MAX = 6 };
+enum { TY_LOOK_FLOATS = 16, TY_LOOK_FLOATS_MAX = 32 };
 /* Bytes of a cell's links: how open the way is to the cell dx + 3 dy + 9 dz + 13. */
 enum { TY_LOOK_NEAR = 32, TY_LOOK_SELF = 13 };
 
@@ -26,7 +28,7 @@ typedef struct ty_look_lattice {
 /* All of them, finest first. */
 typedef struct ty_look {
     int32_t count;
-    ty_look_lattice lattices[TY_LOOK_CASCADES_MAX];
+    ty_look_lattice lattices[TY_LPV_CASCADES_MAX];
 } ty_look;
 
 typedef struct ty_look_cells {
@@ -72,8 +74,7 @@ TY_FN void ty_look_locate(const ty_look_lattice* lattice, ty_vec point, ty_look_
     const float wx[2] = {1.0f - share[0], share[0]}, wy[2] = {1.0f - share[1], share[1]};
     const float wz[2] = {1.0f - share[2], share[2]};
     for (int i = 0; i < 8; ++i) {
-        cells->index[i] =
-            base + ((i & 1) != 0 ? step[0] : 0) + ((i >> 1 & 1) != 0 ? dy : 0) + (i >> 2 != 0 ? dz : 0);
+        cells->index[i] = base + ((i & 1) != 0 ? step[0] : 0) + ((i >> 1 & 1) != 0 ? dy : 0) + (i >> 2 != 0 ? dz : 0);
         cells->weight[i] = wx[i & 1] * wy[i >> 1 & 1] * wz[i >> 2];
     }
     if (lattice->closed == NULL) return;
@@ -147,8 +148,7 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
         const bool third = lattice->floats > TY_LOOK_FLOATS;
         if (third) ty_look_add(lattice, &cells, TY_LOOK_FLOATS, share, sum + TY_LOOK_FLOATS);
         for (int c = 0; c < 3; ++c)
-            irradiance[c] +=
-                ty_look_irradiance(sum + 4 * c, third ? sum + TY_LOOK_FLOATS + 5 * c : NULL, y);
+            irradiance[c] += ty_look_irradiance(sum + 4 * c, third ? sum + TY_LOOK_FLOATS + 5 * c : NULL, y);
     }
 }
 

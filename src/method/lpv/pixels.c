@@ -158,13 +158,12 @@ static ty_result create_image(ty_lpv_frame* frame) {
     const char* names[TY_AOV_CHANNELS_MAX];
     const uint32_t asked = frame->job->def->aovs;
     const int32_t count = ty_aov_names(asked, names);
-    const ty_result result =
-        ty_image_create(frame->context, frame->width, frame->height, count, names, &frame->image);
+    const ty_result result = ty_image_create(frame->context, frame->width, frame->height, count, names, &frame->image);
     if (result != TY_OK) return result;
     ty_lpv_planes* planes = &frame->planes;
-    float** const of[TY_AOV_GROUPS] = {planes->color,  NULL,           planes->transmittance,
-                                       planes->depth,  planes->normal, planes->albedo,
-                                       planes->single, planes->multiple, NULL};
+    float** const of[TY_AOV_GROUPS] = {
+        planes->color,  NULL,           planes->transmittance, planes->depth, planes->normal,
+        planes->albedo, planes->single, planes->multiple,      NULL};
     int32_t channel = 0;
     for (int g = 0; g < TY_AOV_GROUPS; ++g)
         for (int c = 0; ty_aov_asked(&ty_aov_groups[g], asked) && c < ty_aov_groups[g].count; ++c) {
@@ -211,6 +210,7 @@ static ty_result begin_frame(const ty_lpv_image_job* job, ty_lpv_frame* frame) {
     frame->fog = (ty_fog_request){
         .scene = frame->scene, .medium = job->medium, .look = looks ? &frame->look : NULL, .step = (float)def->step};
     pthread_mutex_init(&frame->lock, NULL);
+    ty_lpv_find_weights(frame);
     ty_result result = TY_OK;
     if (looks || (def->parts & TY_LPV_SURFACES) != 0)
         result = ty_look_begin(frame->context, job->light.lattices, job->light.count, &frame->look);

@@ -123,8 +123,7 @@ static void add_lattice(ty_lpv_frame* frame, ty_lpv_tile* tile) {
     frame->kernels->irradiance(&frame->look, places, count);
     for (int32_t i = 0; i < count; ++i) {
         ty_lpv_pixel* pixel = &tile->pixels[which[i]];
-        for (int c = 0; c < 3; ++c)
-            pixel->radiance[c] += pixel->albedo[c] * (1.0f / TY_PI) * places[i].irradiance[c];
+        for (int c = 0; c < 3; ++c) pixel->radiance[c] += pixel->albedo[c] * (1.0f / TY_PI) * places[i].irradiance[c];
     }
 }
 

@@ -13,8 +13,7 @@ static void list_pixels(const ty_lpv_frame* frame, int32_t x, int32_t y, int32_t
         ty_lpv_pixel* pixel = &tile->pixels[tile->count++];
         pixel->x = px;
         pixel->y = py;
-        pixel->direction =
-            ty_camera_direction(&frame->camera, (float)px + frame->dx, (float)py + frame->dy);
+        pixel->direction = ty_camera_direction(&frame->camera, (float)px + frame->dx, (float)py + frame->dy);
         pixel->distance = INFINITY;
         for (int c = 0; c < 3; ++c) pixel->radiance[c] = 0.0f;
     }
@@ -76,11 +75,13 @@ static float number_in(float value, float most) {
     return value >= 0.0f ? ty_minf(value, most) : 0.0f;
 }
 
-/* Callers' numbers may be anything. */
+/* Callers' numbers may be anything. What is so far away, m, that squares of it are no numbers is no surface. */
+static const float farthest = 1e15f;
+
 static void take(const ty_lpv_frame* frame, const ty_lpv_view_def* view, ty_lpv_pixel* pixel) {
     const size_t at = (size_t)pixel->y * (size_t)frame->width + (size_t)pixel->x;
     const float distance = view->distance[at];
-    if (!(distance >= 0.0f && distance < TY_FLOAT_MAX)) {
+    if (!(distance >= 0.0f && distance < farthest)) {
         add_environment(frame, pixel);
         return;
     }
