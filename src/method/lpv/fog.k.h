@@ -169,31 +169,91 @@ TY_FN void ty_fog_take_cells(ty_fog_ray* ray, float t, float end) {
     }
 }
 
-TY_FN void ty_fog_add_light(ty_fog_ray* ray, const ty_look_lattice* lattice, ty_vec point, float share) {
+/* The lattice's light at a distance along the ray; level: of the finest lattice there. */
+TY_FN void ty_fog_look(const ty_fog_ray* ray, float at, int32_t level, float light[TY_LOOK_FLOATS]) {
+    const ty_look* look = ray->request->look;
+    const ty_look_lattice* lattice = &look->lattices[level];
+    const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     ty_look_cells cells;
-    ty_look_locate(lattice, point, &cells);
-    ty_look_add(lattice, &cells, 0, share, ray->last);
+    ty_look_locate(lattice, ty_look_place_in(lattice, point), &cells);
+    ty_look_mean(&cells, 0, light);
+    if (level + 1 >= look->count) return;
+    const float finer = ty_clampf(ty_look_depth(lattice, point), 0.0f, 1.0f);
+    if (finer >= 1.0f) return;
+    float coarse[TY_LOOK_FLOATS];
+    ty_look_locate(lattice + 1, ty_look_place_in(lattice + 1, point), &cells);
+    ty_look_mean(&cells, 0, coarse);
+    for (int j = 0; j < TY_LOOK_FLOATS; ++j) light[j] = coarse[j] + finer * (light[j] - coarse[j]);
 }
 
-/* From t to `end`, in a lattice or (-1) in none. */
+/* A step through media that vary, from t to `end`, in a lattice or (-1) in none. */
 TY_FN void ty_fog_step(ty_fog_ray* ray, float t, float end, int32_t level) {
     for (int c = 0; c < 3; ++c) ray->even[c] = ray->directed[c] = 0.0f;
-    for (int j = 0; j < TY_LOOK_FLOATS; ++j) ray->last[j] = 0.0f;
     ray->amount = ray->moment = 0.0f;
-    if (ray->varies != 0)
-        ty_fog_take_cells(ray, t, end);
-    else
-        ty_fog_take(ray, &ray->media, t, ty_minf(end - t, TY_FOG_FAR));
+    ty_fog_take_cells(ray, t, end);
     if (level < 0 || !(ray->amount > 0.0f)) return;
-    const ty_look* look = ray->request->look;
-    const ty_vec point = ty_mad(ray->origin, ray->direction, ty_clampf(ray->moment / ray->amount, t, end));
-    float coarser = 0.0f;
-    if (level + 1 < look->count) coarser = 1.0f - ty_clampf(ty_look_depth(&look->lattices[level], point), 0.0f, 1.0f);
-    ty_fog_add_light(ray, &look->lattices[level], point, 1.0f - coarser);
-    if (coarser > 0.0f) ty_fog_add_light(ray, &look->lattices[level + 1], point, coarser);
+    ty_fog_look(ray, ty_clampf(ray->moment / ray->amount, t, end), level, ray->last);
     for (int c = 0; c < 3; ++c) {
         ray->sum[4 * c] += ray->even[c] * ray->last[4 * c];
         for (int i = 1; i < 4; ++i) ray->sum[4 * c + i] += ray->directed[c] * ray->last[4 * c + i];
+    }
+}
+
+/* A step through homogeneous media: of light, term by term, what is scattered of it, and what passes. */
+typedef struct ty_fog_even {
+    float length, at; /* m; where it is looked up, from the step's start */
+    float scatters[TY_LOOK_FLOATS], passes[TY_LOOK_FLOATS];
+} ty_fog_even;
+
+TY_FN void ty_fog_even_make(const ty_fog_media* media, float length, ty_fog_even* step) {
+    float depth = 0.0f;
+    for (int j = 12; j < TY_LOOK_FLOATS; ++j) step->scatters[j] = step->passes[j] = 0.0f;
+    for (int c = 0; c < 3; ++c) {
+        const float x = media->extinction[c] * length, decay = ty_decay(x), reach = length * ty_mean_decay(x, decay);
+        for (int i = 0; i < 4; ++i) {
+            step->scatters[4 * c + i] = reach * (i == 0 ? media->scattering[c] : media->forward[c]);
+            step->passes[4 * c + i] = decay;
+        }
+        depth += x * (1.0f / 3.0f);
+    }
+    step->length = length;
+    step->at = length * ty_fog_middle(depth, ty_decay(depth));
+}
+
+/* Goes from t to end through homogeneous media in one lattice: light first, with the transmittance step by step, then
+ * all that needs no steps. Steps end at the same distances from the eye whatever begins or ends between them. */
+TY_FN void ty_fog_walk_even(ty_fog_ray* ray, float t, float end, int32_t level) {
+    const float step = ray->request->step * ray->request->look->lattices[level].cell;
+    float number = floorf(t / step - ray->offset) + 1.0f;
+    float passed[TY_LOOK_FLOATS], sum[TY_LOOK_FLOATS], light[TY_LOOK_FLOATS];
+    ty_fog_even whole, part;
+    for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
+        passed[j] = j < 12 ? ray->out.transmittance[j / 4] : 0.0f;
+        sum[j] = ray->sum[j];
+        light[j] = 0.0f;
+    }
+    if (end - t > step) ty_fog_even_make(&ray->media, step, &whole);
+    bool first = true;
+    while (t < end && passed[0] + passed[4] + passed[8] > TY_FOG_BLACK) {
+        const float until = ty_minf(end, (number + ray->offset) * step);
+        const ty_fog_even* even = &whole;
+        number += 1.0f;
+        if (!(until > t)) continue;
+        if (first || until == end) {
+            ty_fog_even_make(&ray->media, until - t, &part);
+            even = &part;
+        }
+        first = false;
+        ty_fog_look(ray, t + even->at, level, light);
+        for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
+            sum[j] += passed[j] * even->scatters[j] * light[j];
+            passed[j] *= even->passes[j];
+        }
+        t = until;
+    }
+    for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
+        ray->sum[j] = sum[j];
+        ray->last[j] = light[j];
     }
 }
 
@@ -216,8 +276,7 @@ TY_FN int32_t ty_fog_level(const ty_fog_ray* ray, float t, float* end) {
     return -1;
 }
 
-/* Goes from t to end within one lattice. Steps end at the same distances from the eye whatever begins or ends between
- * them. */
+/* The same through media that vary; false when nothing behind is seen. */
 TY_FN bool ty_fog_walk(ty_fog_ray* ray, float t, float end, int32_t level) {
     const float step = ray->request->step * ray->request->look->lattices[level].cell;
     float number = floorf(t / step - ray->offset) + 1.0f;
@@ -237,10 +296,14 @@ TY_FN bool ty_fog_stretch(ty_fog_ray* ray, float t, float end) {
     while (t < end) {
         float until = end;
         const int32_t level = ty_fog_level(ray, t, &until);
-        if (level >= 0) {
-            if (!ty_fog_walk(ray, t, until, level)) return false;
-        } else {
+        for (int j = 0; j < TY_LOOK_FLOATS && level < 0; ++j) ray->last[j] = 0.0f;
+        if (ray->varies == 0) {
+            if (level >= 0) ty_fog_walk_even(ray, t, until, level);
+            ty_fog_take(ray, &ray->media, t, ty_minf(until - t, TY_FOG_FAR));
+        } else if (level < 0) {
             ty_fog_step(ray, t, until, -1);
+        } else if (!ty_fog_walk(ray, t, until, level)) {
+            return false;
         }
         t = until;
     }
@@ -276,7 +339,7 @@ TY_FN void ty_fog_begin(ty_fog_ray* ray, const ty_fog_request* request, ty_vec o
     ray->offset = offset;
     memset(&ray->out, 0, sizeof ray->out);
     for (int c = 0; c < 3; ++c) ray->out.transmittance[c] = 1.0f;
-    for (int j = 0; j < TY_LOOK_FLOATS; ++j) ray->sum[j] = 0.0f;
+    for (int j = 0; j < TY_LOOK_FLOATS; ++j) ray->sum[j] = ray->last[j] = 0.0f;
     for (int32_t i = 0; i < count; ++i) {
         ray->enter[i] = 0.0f;
         ray->leave[i] = far;

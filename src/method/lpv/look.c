@@ -51,6 +51,7 @@ static ty_result pack(ty_context* context, const ty_lattice* lattice, ty_look_la
     memcpy(look->size, box->size, sizeof look->size);
     look->floats = lattice->terms > 4 ? TY_LOOK_FLOATS_MAX : TY_LOOK_FLOATS;
     look->cell = lattice->cell;
+    look->per_metre = 1.0f / lattice->cell;
     look->lower = ty_vec_make((float)box->lower[0], (float)box->lower[1], (float)box->lower[2]);
     look->upper = ty_vec_make((float)box->upper[0], (float)box->upper[1], (float)box->upper[2]);
     const size_t cells = cell_count(look);

@@ -17,8 +17,8 @@ enum { TY_LOOK_NEAR = 32, TY_LOOK_SELF = 13 };
 typedef struct ty_look_lattice {
     int32_t size[3];
     int32_t floats;
-    float cell;   /* m */
-    ty_vec lower; /* m */
+    float cell, per_metre; /* m; 1 / m */
+    ty_vec lower;          /* m */
     ty_vec upper;
     TY_GLOBAL const float* light;
     TY_GLOBAL const uint8_t* closed; /* per cell: whether any of its links is not fully open; NULL: none is */
@@ -32,66 +32,77 @@ typedef struct ty_look {
 } ty_look;
 
 typedef struct ty_look_cells {
-    size_t index[8];
+    TY_GLOBAL const float* light[8];
     float weight[8];
 } ty_look_cells;
 
-/* A place along an axis, in cells: the lower of the two cells around, how far on it is, the step to the other one, and
- * which of them it lies in. */
-TY_FN int32_t ty_look_axis(float place, int32_t size, float* share, size_t* step, int32_t* own) {
-    const float middle = ty_clampf(place - 0.5f, 0.0f, (float)(size - 1));
-    const int32_t last = size > 1 ? size - 2 : 0, floor = (int32_t)middle, base = floor < last ? floor : last;
+/* A place along an axis, in cells from the first one's middle: the lower of the two cells around, and how far on it is.
+ */
+TY_FN int32_t ty_look_axis(float place, int32_t size, float* share) {
+    const float middle = ty_clampf(place, 0.0f, (float)(size - 1));
+    const int32_t last = size > 1 ? size - 2 : 0, cell = (int32_t)middle, base = cell < last ? cell : last;
     *share = middle - (float)base;
-    *step = size > 1 ? 1 : 0;
-    *own = *share >= 0.5f ? 1 : 0;
     return base;
 }
 
 /* Leaves out what surfaces separate from the cell that the point lies in, which always counts. */
-TY_FN void ty_look_close(TY_GLOBAL const uint8_t* near, const int32_t own[3], ty_look_cells* cells) {
+TY_FN void ty_look_close(TY_GLOBAL const uint8_t* near, const int32_t own[3], float weight[8]) {
     float sum = 0.0f;
     for (int i = 0; i < 8; ++i) {
         const int32_t dx = (i & 1) - own[0], dy = (i >> 1 & 1) - own[1], dz = (i >> 2) - own[2];
-        cells->weight[i] *= (float)near[TY_LOOK_SELF + dx + 3 * dy + 9 * dz];
-        sum += cells->weight[i];
+        weight[i] *= (float)near[TY_LOOK_SELF + dx + 3 * dy + 9 * dz];
+        sum += weight[i];
     }
     const float scale = 1.0f / sum;
-    for (int i = 0; i < 8; ++i) cells->weight[i] *= scale;
+    for (int i = 0; i < 8; ++i) weight[i] *= scale;
 }
 
-/* The cells around a point, which is moved into the lattice if it is not there. */
-TY_FN void ty_look_locate(const ty_look_lattice* lattice, ty_vec point, ty_look_cells* cells) {
-    const float per_metre = 1.0f / lattice->cell;
-    const ty_vec p = ty_scale(ty_sub(point, lattice->lower), per_metre);
-    float share[3];
-    size_t step[3];
-    int32_t own[3];
-    const size_t nx = (size_t)lattice->size[0], ny = (size_t)lattice->size[1];
-    const size_t x = (size_t)ty_look_axis(p.x, lattice->size[0], &share[0], &step[0], &own[0]);
-    const size_t y = (size_t)ty_look_axis(p.y, lattice->size[1], &share[1], &step[1], &own[1]);
-    const size_t z = (size_t)ty_look_axis(p.z, lattice->size[2], &share[2], &step[2], &own[2]);
-    const size_t base = x + nx * (y + ny * z), dy = step[1] * nx, dz = step[2] * nx * ny;
-    const float wx[2] = {1.0f - share[0], share[0]}, wy[2] = {1.0f - share[1], share[1]};
-    const float wz[2] = {1.0f - share[2], share[2]};
-    for (int i = 0; i < 8; ++i) {
-        cells->index[i] = base + ((i & 1) != 0 ? step[0] : 0) + ((i >> 1 & 1) != 0 ? dy : 0) + (i >> 2 != 0 ? dz : 0);
-        cells->weight[i] = wx[i & 1] * wy[i >> 1 & 1] * wz[i >> 2];
+/* A point in a lattice's cells, from the middle of the first one. */
+TY_FN ty_vec ty_look_place_in(const ty_look_lattice* lattice, ty_vec point) {
+    const ty_vec p = ty_scale(ty_sub(point, lattice->lower), lattice->per_metre);
+    return ty_vec_make(p.x - 0.5f, p.y - 0.5f, p.z - 0.5f);
+}
+
+/* The cells around a place, which is moved into the lattice if it is not there. */
+TY_FN void ty_look_locate(const ty_look_lattice* lattice, ty_vec place, ty_look_cells* cells) {
+    float x, y, z;
+    const int32_t *size = lattice->size, nx = size[0], nxy = size[0] * size[1];
+    const int32_t base =
+        ty_look_axis(place.x, size[0], &x) + nx * ty_look_axis(place.y, size[1], &y) +
+        nxy * ty_look_axis(place.z, size[2], &z);
+    const int32_t dx = nx > 1 ? 1 : 0, dy = size[1] > 1 ? nx : 0, dz = size[2] > 1 ? nxy : 0;
+    const float near_z = 1.0f - z, near_y = 1.0f - y, near_x = 1.0f - x;
+    const float low[4] = {near_x * near_y, x * near_y, near_x * y, x * y};
+    const size_t floats = (size_t)lattice->floats;
+    TY_GLOBAL const float* first = lattice->light + (size_t)base * floats;
+    TY_GLOBAL const float* behind = first + (size_t)dz * floats;
+    const size_t along = (size_t)dx * floats, down = (size_t)dy * floats;
+    cells->light[0] = first;
+    cells->light[1] = first + along;
+    cells->light[2] = first + down;
+    cells->light[3] = first + down + along;
+    cells->light[4] = behind;
+    cells->light[5] = behind + along;
+    cells->light[6] = behind + down;
+    cells->light[7] = behind + down + along;
+    for (int i = 0; i < 4; ++i) {
+        cells->weight[i] = low[i] * near_z;
+        cells->weight[4 + i] = low[i] * z;
     }
     if (lattice->closed == NULL) return;
-    const size_t self = base + (own[0] != 0 ? step[0] : 0) + (own[1] != 0 ? dy : 0) + (own[2] != 0 ? dz : 0);
-    if (lattice->closed[self] != 0) ty_look_close(lattice->near + self * TY_LOOK_NEAR, own, cells);
+    const int32_t own[3] = {x >= 0.5f ? 1 : 0, y >= 0.5f ? 1 : 0, z >= 0.5f ? 1 : 0};
+    const size_t self = (size_t)(base + own[0] * dx + own[1] * dy + own[2] * dz);
+    if (lattice->closed[self] != 0) ty_look_close(lattice->near + self * TY_LOOK_NEAR, own, cells->weight);
 }
 
-/* Adds factor times the mean of the cells' first `count` floats from `first` on. */
-TY_FN void ty_look_add(const ty_look_lattice* lattice, const ty_look_cells* cells, int32_t first, float factor,
-                       float sum[TY_LOOK_FLOATS]) {
-    TY_GLOBAL const float* light = lattice->light + first;
-    const size_t floats = (size_t)lattice->floats;
-    for (int i = 0; i < 8; ++i) {
-        TY_GLOBAL const float* cell = light + cells->index[i] * floats;
-        const float weight = factor * cells->weight[i];
-        for (int j = 0; j < TY_LOOK_FLOATS; ++j) sum[j] += weight * cell[j];
-    }
+/* The mean of the cells' floats from `first` on. */
+TY_FN void ty_look_mean(const ty_look_cells* cells, int32_t first, float mean[TY_LOOK_FLOATS]) {
+    TY_GLOBAL const float* c[8];
+    const float* w = cells->weight;
+    for (int i = 0; i < 8; ++i) c[i] = cells->light[i] + first;
+    for (int j = 0; j < TY_LOOK_FLOATS; ++j)
+        mean[j] = ((w[0] * c[0][j] + w[1] * c[1][j]) + (w[2] * c[2][j] + w[3] * c[3][j])) +
+                  ((w[4] * c[4][j] + w[5] * c[5][j]) + (w[6] * c[6][j] + w[7] * c[7][j]));
 }
 
 /* How far within a lattice a point is: 0 on its faces, 1 two cells away from them; negative outside. */
@@ -99,7 +110,7 @@ TY_FN float ty_look_depth(const ty_look_lattice* lattice, ty_vec p) {
     const float x = ty_minf(p.x - lattice->lower.x, lattice->upper.x - p.x);
     const float y = ty_minf(p.y - lattice->lower.y, lattice->upper.y - p.y);
     const float z = ty_minf(p.z - lattice->lower.z, lattice->upper.z - p.z);
-    return ty_minf(ty_minf(x, ty_minf(y, z)) / (2.0f * lattice->cell), 1.0f);
+    return ty_minf(ty_minf(x, ty_minf(y, z)) * 0.5f * lattice->per_metre, 1.0f);
 }
 
 /* The finest lattice at a point (half a cell around it counts), -1: none, and what the next one's share is: all of it
@@ -140,15 +151,16 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
     for (int32_t i = finest; i < finest + (coarser > 0.0f ? 2 : 1); ++i) {
         const ty_look_lattice* lattice = &look->lattices[i];
         const float share = i == finest ? 1.0f - coarser : coarser;
-        float sum[TY_LOOK_FLOATS_MAX];
+        float mean[TY_LOOK_FLOATS_MAX];
         ty_look_cells cells;
-        memset(sum, 0, sizeof sum);
-        ty_look_locate(lattice, ty_mad(point, normal, ty_look_off(lattice->cell, normal)), &cells);
-        ty_look_add(lattice, &cells, 0, share, sum);
+        const ty_vec off = ty_mad(point, normal, ty_look_off(lattice->cell, normal));
+        ty_look_locate(lattice, ty_look_place_in(lattice, off), &cells);
+        ty_look_mean(&cells, 0, mean);
         const bool third = lattice->floats > TY_LOOK_FLOATS;
-        if (third) ty_look_add(lattice, &cells, TY_LOOK_FLOATS, share, sum + TY_LOOK_FLOATS);
+        if (third) ty_look_mean(&cells, TY_LOOK_FLOATS, mean + TY_LOOK_FLOATS);
         for (int c = 0; c < 3; ++c)
-            irradiance[c] += ty_look_irradiance(sum + 4 * c, third ? sum + TY_LOOK_FLOATS + 5 * c : NULL, y);
+            irradiance[c] +=
+                share * ty_look_irradiance(mean + 4 * c, third ? mean + TY_LOOK_FLOATS + 5 * c : NULL, y);
     }
 }
 
