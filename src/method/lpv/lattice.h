@@ -19,10 +19,12 @@ typedef struct ty_lattice {
     float cell;      /* side, m */
     size_t cells;
     int32_t bands, terms;         /* terms = bands^2 */
-    float* flow[3][TY_SH_TERMS];  /* per channel: power that was injected, then that is on its way; x fastest */
-    float* next[3][TY_SH_TERMS];  /* to swap with */
+    float* flow[3][TY_SH_TERMS];  /* per channel: power that was injected; once it has been propagated, the radiance of
+                                     the part of it that light leaves out; x fastest */
     float* light[3][TY_SH_TERMS]; /* radiance, W m^-2 sr^-1, once propagated */
-    /* How much of the light that goes along link k into a cell passes: 0: none .. 255: all. */
+    /* How much of the light that goes along link k into a cell passes: 0: none .. 255: all. Where what is stopped
+     * comes back (mode links) it is the same both ways, and the open of links that enter from outside is that of those
+     * that leave. */
     uint8_t* open[TY_LPV_LINKS];
     float* albedo[3];       /* of surfaces around a cell, mean; 0: none */
     bool blocked;           /* whether any link is not fully open */
@@ -37,7 +39,8 @@ void ty_lattice_destroy(ty_lattice* lattice);
 ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
                            int32_t* count);
 
-/* Links: where light goes in one step, and as which function of direction. */
+/* Links: where light goes in one step, and as which function of direction: of the 26 directions to neighbours, link j
+ * takes those that it is the nearest to, angles being taken in the planes of the axes. */
 typedef struct ty_lpv_transfer {
     int32_t bands, terms;
     int32_t step[TY_LPV_LINKS][3];          /* -1, 0 or 1 each; link k + 13 is opposite to k for k < 13 */
@@ -45,23 +48,29 @@ typedef struct ty_lpv_transfer {
     double length;                          /* of a step, mean over directions, in cells */
     double slope;    /* beta: sum over j of G_j0 a_j |e_j| / 3, a_j the length of G_j's second band */
     double spread;   /* sum over j of G_j0^2 |e_j|^2 / 3 */
-    double momentum; /* kappa: sum over j of a_j^2 / 3: 1 keeps momentum in vacuum */
+    double momentum; /* kappa: sum over j of a_j^2 / 3: 1 keeps momentum where pass[1] is 1 */
 } ty_lpv_transfer;
 
 /* keeps_momentum: whether the second band is stretched so that kappa is 1. */
 void ty_lpv_transfer_make(int32_t bands, bool keeps_momentum, ty_lpv_transfer* out);
+/* The link along (dx, dy, dz), -1..1 each, not all 0. */
+static inline int32_t ty_lpv_link(int32_t dx, int32_t dy, int32_t dz) {
+    const int32_t place = (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1);
+    return place < TY_LPV_HALF_LINKS ? place : 3 * TY_LPV_HALF_LINKS - place;
+}
 
-/* What becomes of light in a cell in one step: per channel, per band the factor of what goes on (media's extinction and
- * in-scattering), what stays in the cell (even in all directions), and the step's length, m. */
+/* What becomes of light in a cell before it goes on. A step is as long as light stays, on average: in cells that are
+ * deeper than a free path longer than what it flies. */
 typedef struct ty_lpv_medium_step {
-    float pass[TY_LPV_BANDS_MAX];
-    float stay;
-    float length;
+    float pass[TY_LPV_BANDS_MAX];  /* of what goes on, by band: media's extinction and in-scattering */
+    float length;                  /* m: sums over steps, times it, over a cell's volume, are radiance */
+    float shown[TY_LPV_BANDS_MAX]; /* times these: so that the second band is the flux that does go from cell to cell */
+    float seen;                    /* how much of what is injected counts in its cell (mode links) */
 } ty_lpv_medium_step;
 ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell, float extinction,
                                   float scattering, float g);
 
-/* What became of the light, W per channel. */
+/* What became of the light, W per channel. What entered came with the flow or from the outer lattice. */
 typedef struct ty_lattice_power {
     double entered[3], absorbed[3], blocked[3], escaped[3], left[3];
     int32_t iterations;
@@ -69,11 +78,19 @@ typedef struct ty_lattice_power {
 } ty_lattice_power;
 
 /* Lets all that flows go on until def says that it is enough, and fills in light. seen[c]: what of the flow counts as
- * light in the cell where it was injected (mode published: reflected light alone; mode links: NULL, half of all).
- * outer: a coarser lattice around this one that is done, whose light comes in through the faces; NULL: none.
+ * light in the cell where it was injected (mode published: reflected light alone; mode links: NULL, about half of all).
+ * outer: a coarser lattice around this one that is done, whose light comes in through the faces; NULL: none. What was
+ * injected within this lattice is in both: outer's counts here as far as it left and came back. progress: NULL, or told
+ * of the iterations. Where waves of two bands overshoot, light is dark instead of less than that.
  * Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_lattice_propagate(ty_lattice* lattice, const ty_lpv_def* def, float* const seen[3][TY_SH_TERMS],
                                const ty_lattice* outer, ty_progress_fn progress, void* progress_user,
                                ty_lattice_power* power);
+
+/* Multiply-adds that one cell takes in one step, all channels, no surfaces near. */
+int32_t ty_lattice_step_operations(int32_t bands);
+/* A lattice to measure with: light in a few cells, and surfaces through a part of the links. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_lattice_create_sample(ty_context* context, int32_t side, int32_t bands, bool blocked, ty_lattice** out);
 
 #endif

@@ -11,4 +11,123 @@ typedef struct ty_lattice_cells {
     float weight[8];
 } ty_lattice_cells;
 
+/* Two lattices, of which the finer one's part goes down to 0 where it ends. */
+typedef struct ty_lattice_mix {
+    int32_t lattice[2]; /* -1: none */
+    float weight[2];
+} ty_lattice_mix;
+
+/* Cells at the border of a finer lattice over which the coarser one takes over. */
+#define TY_LATTICE_BLEND 2.0f
+
+/* A point on a surface moved to where the cells on its lit side are. */
+TY_FN ty_vec ty_lattice_lift(ty_vec point, ty_vec normal, float cell) {
+    const float size = fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z);
+    return ty_mad(point, normal, 0.5f * cell * size);
+}
+
+/* A point in cells from the lattice's lower corner. */
+TY_FN ty_vec ty_lattice_place_of(const ty_lattice* lattice, ty_vec point) {
+    const float scale = 1.0f / lattice->cell;
+    const double* lower = lattice->box.lower;
+    return ty_vec_make((float)((double)point.x - lower[0]) * scale, (float)((double)point.y - lower[1]) * scale,
+                       (float)((double)point.z - lower[2]) * scale);
+}
+
+/* Along one axis: the cell that a place lies in, the other one of the two around it, which way that is, and its weight.
+ * At the lattice's border both are the same. */
+typedef struct ty_lattice_pair {
+    int32_t cell, step;
+    float weight;
+} ty_lattice_pair;
+
+TY_FN ty_lattice_pair ty_lattice_pair_at(float place, int32_t size) {
+    const float inside = ty_clampf(place, 0.0f, (float)size);
+    ty_lattice_pair pair;
+    pair.cell = (int32_t)inside;
+    if (pair.cell > size - 1) pair.cell = size - 1;
+    const float off = inside - (float)pair.cell - 0.5f;
+    pair.step = off < 0.0f ? -1 : 1;
+    pair.weight = fabsf(off);
+    const int32_t other = pair.cell + pair.step;
+    if (other < 0 || other >= size) {
+        pair.step = 0;
+        pair.weight = 0.0f;
+    }
+    return pair;
+}
+
+/* The cells around a point; false, and no weight: the point is more than half a cell out of the
+ * lattice, where there is no light. */
+TY_FN bool ty_lattice_find(const ty_lattice* lattice, ty_vec point, ty_lattice_cells* cells) {
+    const int32_t* size = lattice->box.size;
+    const ty_vec p = ty_lattice_place_of(lattice, point);
+    if (!(p.x >= -0.5f && p.y >= -0.5f && p.z >= -0.5f && p.x <= (float)size[0] + 0.5f &&
+          p.y <= (float)size[1] + 0.5f && p.z <= (float)size[2] + 0.5f)) {
+        memset(cells, 0, sizeof *cells);
+        return false;
+    }
+    const ty_lattice_pair x = ty_lattice_pair_at(p.x, size[0]), y = ty_lattice_pair_at(p.y, size[1]),
+                          z = ty_lattice_pair_at(p.z, size[2]);
+    const int32_t row = size[0], plane = size[0] * size[1];
+    const int32_t own = x.cell + y.cell * row + z.cell * plane;
+    float sum = 0.0f;
+    for (int32_t i = 0; i < 8; ++i) {
+        const int32_t dx = (i & 1) != 0 ? x.step : 0, dy = (i & 2) != 0 ? y.step : 0, dz = (i & 4) != 0 ? z.step : 0;
+        const int32_t cell = own + dx + dy * row + dz * plane;
+        float weight = ((i & 1) != 0 ? x.weight : 1.0f - x.weight) * ((i & 2) != 0 ? y.weight : 1.0f - y.weight) *
+                       ((i & 4) != 0 ? z.weight : 1.0f - z.weight);
+        if (lattice->blocked && (dx != 0 || dy != 0 || dz != 0))
+            weight *= (float)lattice->open[ty_lpv_link(dx, dy, dz)][cell] * (1.0f / 255.0f);
+        cells->index[i] = cell;
+        cells->weight[i] = weight;
+        sum += weight;
+    }
+    const float scale = 1.0f / sum; /* the point's own cell has an eighth */
+    for (int32_t i = 0; i < 8; ++i) cells->weight[i] *= scale;
+    return true;
+}
+
+/* A plane of values at a lookup's point. */
+TY_FN float ty_lattice_mean(const ty_lattice_cells* cells, TY_GLOBAL const float* plane) {
+    float sum = 0.0f;
+    for (int32_t i = 0; i < 8; ++i) sum += cells->weight[i] * plane[cells->index[i]];
+    return sum;
+}
+
+/* The first `terms` terms of a channel's light there, W m^-2 sr^-1. */
+TY_FN void ty_lattice_values(const ty_lattice* lattice, const ty_lattice_cells* cells, int32_t channel, int32_t terms,
+                             float values[TY_SH_TERMS]) {
+    for (int32_t t = 0; t < terms; ++t) values[t] = ty_lattice_mean(cells, lattice->light[channel][t]);
+}
+
+/* Fluence there over 4 pi, which is the mean radiance, of a channel. */
+TY_FN float ty_lattice_even(const ty_lattice* lattice, const ty_lattice_cells* cells, int32_t channel) {
+    return TY_SH_0 * ty_lattice_mean(cells, lattice->light[channel][0]);
+}
+
+/* How many cells a place is within a lattice; below 0: outside. */
+TY_FN float ty_lattice_depth(const ty_lattice* lattice, ty_vec place) {
+    const int32_t* size = lattice->box.size;
+    const float x = ty_minf(place.x, (float)size[0] - place.x), y = ty_minf(place.y, (float)size[1] - place.y);
+    return ty_minf(ty_minf(x, y), ty_minf(place.z, (float)size[2] - place.z));
+}
+
+/* Which of nested lattices, the finest first, light a point. */
+TY_FN ty_lattice_mix ty_lattice_pick(ty_lattice* const* lattices, int32_t count, ty_vec point) {
+    ty_lattice_mix mix = {.lattice = {-1, -1}};
+    for (int32_t i = 0; i < count; ++i) {
+        const float depth = ty_lattice_depth(lattices[i], ty_lattice_place_of(lattices[i], point));
+        const bool last = i == count - 1;
+        if (!(depth > (last ? -0.5f : 0.0f))) continue;
+        const float share = last ? 1.0f : ty_clampf(depth * (1.0f / TY_LATTICE_BLEND), 0.0f, 1.0f);
+        mix.lattice[0] = i;
+        mix.weight[0] = share;
+        mix.lattice[1] = share < 1.0f ? i + 1 : -1;
+        mix.weight[1] = 1.0f - share;
+        return mix;
+    }
+    return mix;
+}
+
 #endif

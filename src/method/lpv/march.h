@@ -1,0 +1,63 @@
+/* Light on its way through a lattice: what steps work on. */
+#ifndef TY_METHOD_LPV_MARCH_H
+#define TY_METHOD_LPV_MARCH_H
+
+#include "method/lpv/kernel.h"
+
+/* Per cell, of ty_lpv_medium_step. */
+enum { TY_FACTOR_PASS = 0, TY_FACTOR_LENGTH = 3, TY_FACTOR_SHOWN = 4, TY_FACTOR_SEEN = 5, TY_FACTORS = 6 };
+
+/* Sums over a slab of cells, or over all, in first terms. */
+typedef struct ty_lpv_sums {
+    double arrived[3], size[3], goes_on[3], kept[3], left[3];
+} ty_lpv_sums;
+
+typedef struct ty_lpv_march {
+    ty_lattice* lattice;
+    ty_lpv_mode mode;
+    ty_lpv_transfer transfer;
+    ty_lpv_shapes shapes;
+    const ty_lpv_kernels* kernels;
+    ty_lpv_pitch pitch;
+    size_t floats;           /* of each of the following, which begin before the first cell */
+    float *from, *to, *sum;  /* what flows, with extinction applied; the next; what arrived, injected light as far as it
+                                counts */
+    int32_t blocks;          /* of TY_LPV_BLOCK cells in a row */
+    int32_t planes;          /* 1: media are alike in all channels */
+    bool even;               /* media are the same everywhere: factors are of one row */
+    float* factors[3];       /* TY_FACTORS after one another, rows of whole blocks */
+    size_t factor_floats;    /* of each factor */
+    uint8_t* near;           /* per block: whether any link into it is not open; NULL: all are */
+    size_t near_count;
+    ty_lpv_sums* slabs;      /* per z */
+} ty_lpv_march;
+
+ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv_march* march);
+void ty_lpv_march_destroy(ty_lpv_march* march);
+
+/* Where a row's first cell and term are in from, to and sum; y and z from -1 to size. */
+static inline size_t ty_lpv_march_place(const ty_lpv_march* march, int32_t y, int32_t z) {
+    const ptrdiff_t place = (z + 1) * march->pitch.plane + (y + 1) * march->pitch.row;
+    return (size_t)(place + TY_LPV_BLOCK);
+}
+
+/* A row of one of the factors of a channel. */
+static inline const float* ty_lpv_march_factor(const ty_lpv_march* march, int32_t channel, int32_t factor, int32_t y,
+                                               int32_t z) {
+    const size_t row = march->even ? 0 : (size_t)z * (size_t)march->lattice->box.size[1] + (size_t)y;
+    return march->factors[channel < march->planes ? channel : 0] + (size_t)factor * march->factor_floats +
+           row * (size_t)(march->blocks * TY_LPV_BLOCK);
+}
+
+/* One step of all light: from goes to `to`, and they change places. */
+ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march);
+
+/* Light of the outer lattice that comes in through the faces, as having arrived in the cells at the border. To be done
+ * first. */
+ty_lpv_sums ty_lpv_march_enter(ty_lpv_march* march, const ty_lattice* outer);
+/* The lattice's own light, which counts as far as `seen` says. */
+ty_lpv_sums ty_lpv_march_inject(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS]);
+/* What arrived as radiance into the lattice's light, and what does not count of what was injected. */
+void ty_lpv_march_gather(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS]);
+
+#endif
