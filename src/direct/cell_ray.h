@@ -12,6 +12,15 @@ typedef struct ty_cell_ray {
     int32_t cell[3], step[3];
 } ty_cell_ray;
 
+/* fmin and fmax where nothing is NaN; those are calls. */
+static inline double ty_cell_min(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double ty_cell_max(double a, double b) {
+    return a > b ? a : b;
+}
+
 /* Cuts the ray, [at, end], to the box; false where it misses. */
 static inline bool ty_cell_ray_clip(const ty_grid_box* box, const double origin[3], const double way[3],
                                     ty_cell_ray* ray) {
@@ -21,8 +30,8 @@ static inline bool ty_cell_ray_clip(const ty_grid_box* box, const double origin[
             continue;
         }
         const double low = (box->lower[a] - origin[a]) / way[a], high = (box->upper[a] - origin[a]) / way[a];
-        ray->at = fmax(ray->at, fmin(low, high));
-        ray->end = fmin(ray->end, fmax(low, high));
+        ray->at = ty_cell_max(ray->at, ty_cell_min(low, high));
+        ray->end = ty_cell_min(ray->end, ty_cell_max(low, high));
     }
     return ray->at < ray->end;
 }
@@ -43,7 +52,7 @@ static inline void ty_cell_ray_begin(const ty_grid_medium* medium, const double 
 
 /* Where the ray leaves its cell or ends. */
 static inline double ty_cell_ray_leave(const ty_cell_ray* ray) {
-    return fmin(ray->end, fmin(ray->next[0], fmin(ray->next[1], ray->next[2])));
+    return ty_cell_min(ray->end, ty_cell_min(ray->next[0], ty_cell_min(ray->next[1], ray->next[2])));
 }
 
 static inline size_t ty_cell_ray_index(const ty_grid_medium* medium, const ty_cell_ray* ray) {
@@ -55,7 +64,7 @@ static inline size_t ty_cell_ray_index(const ty_grid_medium* medium, const ty_ce
 static inline bool ty_cell_ray_advance(const ty_grid_medium* medium, ty_cell_ray* ray) {
     const int xy = ray->next[0] < ray->next[1] ? 0 : 1;
     const int a = ray->next[xy] < ray->next[2] ? xy : 2;
-    ray->at = fmax(ray->at, ray->next[a]);
+    ray->at = ty_cell_max(ray->at, ray->next[a]);
     ray->next[a] += ray->per_cell[a];
     ray->cell[a] += ray->step[a];
     return ray->at < ray->end && ray->cell[a] >= 0 && ray->cell[a] < medium->box.size[a];

@@ -15,7 +15,8 @@ void ty_grid_depth(const ty_grid_medium* medium, float* const planes[3], ty_vec 
         do {
             const double leave = ty_cell_ray_leave(&ray);
             const size_t at = ty_cell_ray_index(medium, &ray);
-            for (int32_t c = 0; c < medium->planes; ++c) sum[c] += fmax(0, leave - ray.at) * (double)coefficient[c][at];
+            for (int32_t c = 0; c < medium->planes; ++c)
+                sum[c] += ty_cell_max(0, leave - ray.at) * (double)coefficient[c][at];
         } while (ty_cell_ray_advance(medium, &ray));
     }
     for (int c = 0; c < 3; ++c) depth[c] = (float)sum[medium->planes == 1 ? 0 : c];

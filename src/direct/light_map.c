@@ -40,22 +40,20 @@ void ty_light_map_ray(const ty_light_map* map, const ty_light_view* light, int32
     *direction = parallel ? forward : ty_add(forward, across);
 }
 
-/* Solid angle by area of a face at distance 1 from the light. */
-static float density_at(float a, float b) {
-    const float square = 1.0f + a * a + b * b;
-    return 1.0f / (square * sqrtf(square));
-}
-
 float ty_light_map_share(const ty_light_map* map, const ty_light_view* light, int32_t face, int32_t x, int32_t y) {
     const ty_vec right = vec_of(map->right[face]), up = vec_of(map->up[face]);
-    const float wide = sqrtf(ty_dot(right, right)), high = sqrtf(ty_dot(up, up));
-    const float area = 4.0f * wide * high / ((float)map->side * (float)map->side);
+    const float wide2 = ty_dot(right, right), high2 = ty_dot(up, up);
+    const float area = 4.0f * sqrtf(wide2 * high2) / ((float)map->side * (float)map->side);
     if (light->kind == TY_KIND_DIRECTIONAL) return area;
-    /* Gauss-Legendre, two points each way. */
-    const float off = 0.288675135f;
-    const float a0 = wide * place_in(map, (float)x + 0.5f - off), a1 = wide * place_in(map, (float)x + 0.5f + off);
-    const float b0 = high * place_in(map, (float)y + 0.5f - off), b1 = high * place_in(map, (float)y + 0.5f + off);
-    return 0.25f * area * (density_at(a0, b0) + density_at(a1, b0) + density_at(a0, b1) + density_at(a1, b1));
+    /* The mean of solid angle by area of a face at distance 1, by Gauss-Legendre's two points each way. */
+    static const float off = 0.288675135f;
+    const float s[2] = {place_in(map, (float)x + 0.5f - off), place_in(map, (float)x + 0.5f + off)};
+    const float t[2] = {place_in(map, (float)y + 0.5f - off), place_in(map, (float)y + 0.5f + off)};
+    float square[4], sum = 0.0f;
+    for (int i = 0; i < 4; ++i) square[i] = 1.0f + wide2 * s[i & 1] * s[i & 1] + high2 * t[i >> 1] * t[i >> 1];
+#pragma omp simd reduction(+ : sum)
+    for (int i = 0; i < 4; ++i) sum += 1.0f / (square[i] * sqrtf(square[i]));
+    return 0.25f * area * sum;
 }
 
 /* ---- where maps lie ---- */

@@ -8,12 +8,13 @@
 /* Points of surfaces, each for some area: from depth maps that see through all layers along three axes, or from what
  * lights and the camera see. */
 typedef struct ty_surfel {
-    ty_vec position, normal; /* m; unit, either side */
+    ty_vec position, normal; /* m; unit, of the front */
     float area;              /* m^2 */
     float albedo[3];
 } ty_surfel;
 
-/* All layers of the scene's surfaces within a box, along three axes, `side` rays a cell of the box each way; areas are
+/* All layers of the scene's surfaces within a box and half a cell around it, where links that lead out of the box are,
+ * along three axes, `side` rays a cell of the box each way; areas are
  * such that all three axes together count each surface once. Errors: TY_ERROR_MEMORY. Freed with ty_free_array of
  * *capacity. */
 ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_t side, ty_surfel** out, size_t* count,
@@ -28,6 +29,9 @@ typedef struct ty_lpv_lamp {
     const ty_light_view* light;
     const ty_light_map* map;
 } ty_lpv_lamp;
+
+/* What band l of what is injected is multiplied by (ty_lpv_def.window). */
+float ty_lpv_window(const ty_lpv_def* def, int32_t l);
 
 /* Light that surfaces reflect, lobes about normals, extinction on the way included (TY_LPV_SCATTERING), in cells on the
  * lit side; power: W per channel is added to. medium: as fine as extinction on the way is to be found, NULL: vacuum. */
