@@ -188,50 +188,14 @@ void ty_lit_map_destroy(ty_lit_map* map) {
 
 /* ---- rays ---- */
 
-/* A part of a ray, m. */
-typedef struct lit_part {
-    float from, to;
-} lit_part;
-
-/* Cuts a part to where value + t slope >= 0; false if nothing is left. */
-static bool keep(float value, float slope, lit_part* part) {
-    if (slope > 0.0f)
-        part->from = ty_maxf(part->from, -value / slope);
-    else if (slope < 0.0f)
-        part->to = ty_minf(part->to, -value / slope);
-    else if (value < 0.0f)
-        return false;
-    return part->from < part->to;
-}
-
-/* Cuts a part to a spot's cone, which is convex; false if nothing is left. */
-static bool keep_cone(const ty_light_view* light, ty_vec origin, ty_vec direction, lit_part* part) {
-    const ty_vec off = ty_sub(origin, light->position);
-    const float ahead = ty_dot(off, light->direction), along = ty_dot(direction, light->direction);
-    if (!keep(ahead, along, part)) return false;
-    const double square = (double)light->cos_outer * (double)light->cos_outer;
-    const double a = (double)along * (double)along - square;
-    const double b = (double)ahead * (double)along - square * (double)ty_dot(off, direction);
-    const double c = (double)ahead * (double)ahead - square * (double)ty_dot(off, off);
-    const double root = b * b - a * c;
-    if (a == 0) return keep((float)c, (float)(2 * b), part);
-    if (root <= 0) return a > 0;
-    const double q = -(b + copysign(sqrt(root), b));
-    const double first = fmin(q / a, c / q), second = fmax(q / a, c / q);
-    /* Within the double cone, or, where a ray goes along it, beyond one of its halves. */
-    if (a < 0 || along < 0) part->to = ty_minf(part->to, (float)(a < 0 ? second : first));
-    if (a < 0 || along > 0) part->from = ty_maxf(part->from, (float)(a < 0 ? first : second));
-    return part->from < part->to;
-}
-
 /* A ray before a face, and the part of it that surfaces may be before. */
 typedef struct face_ray {
     const ty_lit_face* face;
     ty_vec at, way; /* in the map */
-    lit_part part;
+    ty_lit_part part;
 } face_ray;
 
-static bool find_face(const ty_lit_map* map, int32_t index, ty_vec origin, ty_vec direction, lit_part part,
+static bool find_face(const ty_lit_map* map, int32_t index, ty_vec origin, ty_vec direction, ty_lit_part part,
                       face_ray* out) {
     const ty_lit_face* face = &map->faces[index];
     const float side = (float)map->map->side;
@@ -240,9 +204,9 @@ static bool find_face(const ty_lit_map* map, int32_t index, ty_vec origin, ty_ve
     const bool flat = is_parallel(map);
     *out = (face_ray){.face = face, .at = at, .way = way, .part = part};
     const float span = flat ? side : side * at.z, span_way = flat ? 0.0f : side * way.z;
-    return keep(at.z - 0.999f * face->nearest, way.z, &out->part) && keep(at.x, way.x, &out->part) &&
-           keep(span - at.x, span_way - way.x, &out->part) && keep(at.y, way.y, &out->part) &&
-           keep(span - at.y, span_way - way.y, &out->part);
+    return ty_lit_keep(at.z - 0.999f * face->nearest, way.z, &out->part) && ty_lit_keep(at.x, way.x, &out->part) &&
+           ty_lit_keep(span - at.x, span_way - way.x, &out->part) && ty_lit_keep(at.y, way.y, &out->part) &&
+           ty_lit_keep(span - at.y, span_way - way.y, &out->part);
 }
 
 static void walk_face(const ty_lit_map* map, const face_ray* ray, float from, ty_lit_run* run) {
@@ -272,9 +236,11 @@ static void walk_face(const ty_lit_map* map, const face_ray* ray, float from, ty
 
 int32_t ty_lit_stretches_counted(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
                                  float stretches[TY_LIT_STRETCHES][2], int64_t* visited) {
-    lit_part part = {from, to};
+    ty_lit_part part = {from, to};
     if (!(from < to)) return 0;
-    if (map->light.kind == TY_KIND_SPOT && !keep_cone(&map->light, origin, direction, &part)) return 0;
+    if (map->light.kind == TY_KIND_SPOT &&
+        !ty_lit_keep_cone(&map->light, map->light.cos_outer, origin, direction, &part))
+        return 0;
     face_ray rays[6];
     int32_t count = 0;
     for (int32_t i = 0; i < map->map->faces; ++i)

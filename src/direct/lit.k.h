@@ -4,6 +4,44 @@
 
 #include "direct/lit.h"
 
+/* A part of a ray, m. */
+typedef struct ty_lit_part {
+    float from, to;
+} ty_lit_part;
+
+/* Cuts a part to where value + t slope >= 0; false if nothing is left. */
+TY_FN bool ty_lit_keep(float value, float slope, ty_lit_part* part) {
+    if (slope > 0.0f)
+        part->from = ty_maxf(part->from, -value / slope);
+    else if (slope < 0.0f)
+        part->to = ty_minf(part->to, -value / slope);
+    else if (value < 0.0f)
+        return false;
+    return part->from < part->to;
+}
+
+/* Cuts a part to the cone about a spot's axis of this cosine, >= 0 but for rounding, which is convex; false if nothing
+ * is left. */
+TY_FN bool ty_lit_keep_cone(const ty_light_view* light, float cosine, ty_vec origin, ty_vec direction,
+                            ty_lit_part* part) {
+    const ty_vec off = ty_sub(origin, light->position);
+    const float ahead = ty_dot(off, light->direction), along = ty_dot(direction, light->direction);
+    if (!ty_lit_keep(ahead, along, part)) return false;
+    const double square = (double)cosine * (double)cosine;
+    const double a = (double)along * (double)along - square;
+    const double b = (double)ahead * (double)along - square * (double)ty_dot(off, direction);
+    const double c = (double)ahead * (double)ahead - square * (double)ty_dot(off, off);
+    const double root = b * b - a * c;
+    if (a == 0) return ty_lit_keep((float)c, (float)(2 * b), part);
+    if (root <= 0) return a > 0;
+    const double q = -(b + copysign(sqrt(root), b));
+    const double first = fmin(q / a, c / q), second = fmax(q / a, c / q);
+    /* Within the double cone, or, where a ray goes along it, beyond one of its halves. */
+    if (a < 0 || along < 0) part->to = ty_minf(part->to, (float)(a < 0 ? second : first));
+    if (a < 0 || along > 0) part->from = ty_maxf(part->from, (float)(a < 0 ? first : second));
+    return part->from < part->to;
+}
+
 /* Stretches as they are found; what lies between them is dark. */
 typedef struct ty_lit_run {
     float (*stretches)[2];

@@ -75,9 +75,15 @@ static void color_in(const ty_light_field* field, const ty_source* source, float
                (field->color[0] + field->color[1] + field->color[2]);
 }
 
+/* A scene without anything but a light that nobody looks at. */
+static const ty_light_view no_light;
+static const ty_scene_view bare = {.lights = {.lights = &no_light, .count = 1}};
+
+/* scene: whose surfaces throw shadows; NULL: none. */
 static ty_result begin_beam(const ty_scene* scene, const ty_grid_medium* medium, const ty_source* source,
                             ty_beam* beam) {
-    double outside[2][3];
+    double outside[2][3] = {{0}};
+    if (scene == NULL) return ty_beam_begin(&bare, medium, outside, source->direction, beam);
     ty_scene_surface_extent(scene, outside[0], outside[1]);
     return ty_beam_begin(ty_scene_get_view(scene), medium, outside, source->direction, beam);
 }
@@ -194,13 +200,23 @@ ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium,
     return ty_uncollided_add_watched(scene, medium, extinction, sources, count, field, NULL, NULL);
 }
 
+static ty_result pass_lamp(const ty_scene_view* view, const ty_grid_medium* medium, float* const extinction[3],
+                           const ty_source* source, float* const planes[3]) {
+    const ty_lamp_out out = {.transmittance = planes};
+    ty_watch watch = ty_watch_begin(NULL, NULL, 1);
+    return ty_lamp_add(view, medium, extinction, source, &out, &watch);
+}
+
 ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
                                       const ty_source* source, float* const planes[3], ty_beam_power* power) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     if (extinction == NULL) extinction = medium->extinction;
     if (source->kind == TY_SOURCE_BEAM) return pass_beam(scene, medium, extinction, source, planes, power);
-    const ty_lamp_out out = {.transmittance = planes};
-    ty_watch watch = ty_watch_begin(NULL, NULL, 1);
-    return ty_lamp_add(view, medium, extinction, source, &out, &watch);
+    return pass_lamp(view, medium, extinction, source, planes);
+}
+
+ty_result ty_uncollided_in_media(const ty_grid_medium* medium, const ty_source* source, float* const planes[3]) {
+    if (source->kind == TY_SOURCE_BEAM) return pass_beam(NULL, medium, medium->extinction, source, planes, NULL);
+    return pass_lamp(&bare, medium, medium->extinction, source, planes);
 }

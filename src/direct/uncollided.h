@@ -51,5 +51,7 @@ ty_result ty_uncollided_add_watched(const ty_scene* scene, const ty_grid_medium*
  * power: of beams, may be NULL. Errors: TY_ERROR_MEMORY. */
 ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
                                       const ty_source* source, float* const planes[3], ty_beam_power* power);
+/* The same as if there were no surfaces; source->light is not looked at: it may be 0. */
+ty_result ty_uncollided_in_media(const ty_grid_medium* medium, const ty_source* source, float* const planes[3]);
 
 #endif
