@@ -106,6 +106,7 @@ typedef struct ty_lpv_stats {
     double prepare_seconds, propagate_seconds, gather_seconds;                            /* propagation, Table 1 */
     double view_seconds, surface_seconds, march_seconds, single_seconds, compose_seconds; /* images */
     int64_t rays;                                                                         /* traced */
+    int64_t marched; /* rays through media: of images, with those that half of the resolution does not tell */
     double ray_seconds;
     const char* isa;
 } ty_lpv_stats;

@@ -306,3 +306,22 @@ int32_t ty_lit_at(const ty_lit_map* map, ty_vec point, float slack) {
     }
     return lit == 4 ? 1 : lit == 0 ? 0 : -1;
 }
+
+float ty_lit_share(const ty_lit_map* map, ty_vec point) {
+    int32_t face;
+    ty_vec at;
+    if (map->light.kind == TY_KIND_SPOT && is_outside_cone(&map->light, point)) return 0.0f;
+    if (!locate(map, point, &face, &at)) return 1.0f;
+    const lit_job job = {.map = map, .face = face};
+    const int32_t last = map->map->side - 1;
+    const float x = floorf(at.x - 0.5f), y = floorf(at.y - 0.5f);
+    float share = 0.0f;
+    for (int32_t i = 0; i < 4; ++i) {
+        const float across = i % 2 == 0 ? 1.0f - (at.x - 0.5f - x) : at.x - 0.5f - x;
+        const float down = i / 2 == 0 ? 1.0f - (at.y - 0.5f - y) : at.y - 0.5f - y;
+        const int32_t column = ty_lit_clamp((int32_t)x + i % 2, 0, last),
+                      row = ty_lit_clamp((int32_t)y + i / 2, 0, last);
+        if (at.z < depth_at(&job, column, row)) share += across * down;
+    }
+    return share;
+}

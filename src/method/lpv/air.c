@@ -1,0 +1,55 @@
+/* What rays see of media: at half of the resolution, or for pixels by themselves. */
+#include "method/lpv/frame.h"
+
+/* Ray (x, y) goes through one of the four pixels that it stands for: which one takes turns, so that edges of surfaces
+ * are met on both sides. */
+void ty_lpv_air_place(int32_t x, int32_t y, int32_t full[2]) {
+    full[0] = 2 * x + ((x + (y >> 1)) & 1);
+    full[1] = 2 * y + ((y + (x >> 1)) & 1);
+}
+
+/* Of any four neighbours two by two, one is in each quarter: means over them are all but free of what steps do. */
+float ty_lpv_air_offset(const ty_lpv_frame* frame, int32_t x, int32_t y) {
+    static const float order[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+    const float place = (order[y & 3][x & 3] + 0.5f) * 0.0625f + 0.618033989f * (float)frame->sample + frame->first;
+    return 1.0f - (place - floorf(place));
+}
+
+ty_fog_way ty_lpv_air_way(const ty_lpv_frame* frame, int32_t x, int32_t y, float offset) {
+    const float distance = frame->distance[(size_t)y * (size_t)frame->width + (size_t)x];
+    return (ty_fog_way){.origin = frame->camera.origin,
+                        .direction = ty_camera_direction(&frame->camera, (float)x + frame->dx, (float)y + frame->dy),
+                        .far = ty_minf(distance, TY_FLOAT_MAX),
+                        .offset = offset};
+}
+
+static ty_fog_way way_of(const ty_lpv_frame* frame, int32_t x, int32_t y) {
+    int32_t full[2] = {x, y};
+    if (frame->shrink > 1) ty_lpv_air_place(x, y, full);
+    full[0] = full[0] < frame->width ? full[0] : frame->width - 1;
+    full[1] = full[1] < frame->height ? full[1] : frame->height - 1;
+    return ty_lpv_air_way(frame, full[0], full[1], ty_lpv_air_offset(frame, x, y));
+}
+
+void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {
+    ty_fog_way ways[TY_TILE];
+    ty_fog fog[TY_TILE];
+    for (int32_t row = y; row < bottom; ++row) {
+        ty_lpv_air* air = frame->air + (size_t)row * (size_t)frame->air_width;
+        for (int32_t i = x; i < right; ++i) ways[i - x] = way_of(frame, i, row);
+        frame->kernels->fog(&frame->fog, ways, right - x, fog);
+        for (int32_t i = x; i < right; ++i)
+            air[i] = (ty_lpv_air){.fog = fog[i - x],
+                                  .distance = ways[i - x].far < TY_FLOAT_MAX ? ways[i - x].far : INFINITY};
+    }
+    atomic_fetch_add(&frame->marched, (int64_t)(right - x) * (bottom - y));
+}
+
+void ty_lpv_single_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {
+    for (int32_t row = y; row < bottom; ++row)
+        for (int32_t i = x; i < right; ++i) {
+            const ty_fog_way way = way_of(frame, i, row);
+            ty_airlight_ray(frame->job->airlight, way.origin, way.direction, way.far, way.offset,
+                            frame->air[(size_t)row * (size_t)frame->air_width + (size_t)i].single, NULL);
+        }
+}

@@ -1,0 +1,112 @@
+/* An image in the making: what its passes share. Each pass goes over all pixels, tile by tile; with several rays per
+ * pixel all passes are made for each, and their images are added. */
+#ifndef TY_METHOD_LPV_FRAME_H
+#define TY_METHOD_LPV_FRAME_H
+
+#include "base/progress.h"
+#include "method/lpv/look.h"
+#include "method/lpv/pixels.h"
+#include "method/lpv/pixels_kernel.h"
+#include "scene/camera.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { TY_TILE = 16, TY_TILE_PIXELS = TY_TILE * TY_TILE, TY_AIR_PERIOD = 8 };
+
+/* What a ray sees of the media. */
+typedef struct ty_lpv_air {
+    ty_fog fog;
+    float single[3];
+    float distance; /* how far the ray goes, m; INFINITY: without end */
+} ty_lpv_air;
+
+/* What a ray sees of surfaces. */
+typedef struct ty_lpv_pixel {
+    int32_t x, y;
+    ty_vec direction;
+    float distance;          /* m; INFINITY: nothing is hit, and what follows but radiance is not set */
+    ty_vec position, normal; /* normal: smooth, unit, towards the eye */
+    ty_vec facing;           /* of the flat face */
+    float margin;            /* so far off the face, m, rays do not meet it again */
+    float albedo[3];
+    float radiance[3]; /* that leaves towards the eye; of what is behind everything, where nothing is hit */
+} ty_lpv_pixel;
+
+typedef struct ty_lpv_tile {
+    int32_t count;
+    ty_lpv_pixel pixels[TY_TILE_PIXELS]; /* in blocks of 4 x 4, so that neighbours in the array are so in the image */
+} ty_lpv_tile;
+
+/* The image's channels; NULL where they are not asked for. */
+typedef struct ty_lpv_planes {
+    float *color[3], *transmittance[3], *depth[3], *normal[3], *albedo[3], *single[3], *multiple[3]; /* depth: [0] */
+} ty_lpv_planes;
+
+/* What time goes to within passes that do several things, processor nanoseconds. */
+enum { TY_CLOCK_VIEW, TY_CLOCK_SURFACES, TY_CLOCK_RAYS, TY_CLOCKS };
+
+typedef struct ty_lpv_frame {
+    const ty_lpv_image_job* job;
+    ty_context* context;
+    const ty_scene_view* scene;
+    const ty_pixels_kernels* kernels;
+    const char* isa;
+    ty_camera_view camera;
+    ty_look look;
+    ty_fog_request fog;
+    bool foggy; /* whether there are media */
+    int32_t width, height;
+    int32_t shrink; /* pixels along a side for which media are marched once */
+    int32_t air_width, air_height;
+    float first;                                    /* where steps begin, of a step */
+    int32_t samples;                                /* rays per pixel */
+    int32_t sample;                                 /* the one that the passes are at */
+    float dx, dy;                                   /* where in pixels it lies */
+    float* distance;                                /* m, as in ty_lpv_pixel */
+    float* surface;                                 /* 3 a pixel: its radiance */
+    float* hits;                                    /* rays of a pixel that hit a surface; NULL: nobody asks */
+    ty_lpv_air* air;                                /* NULL: vacuum */
+    float weights[TY_AIR_PERIOD][TY_AIR_PERIOD][4]; /* of the four rays around a pixel */
+    ty_image* image;                                /* sums over samples */
+    ty_lpv_planes planes;
+    ty_lpv_stats stats; /* its parts of images */
+    ty_part_progress progress;
+    const char* stage;
+    pthread_mutex_t lock; /* guards reporting */
+    _Atomic bool cancelled;
+    _Atomic int64_t clocks[TY_CLOCKS];
+    _Atomic int64_t rays, marched;
+} ty_lpv_frame;
+
+typedef void (*ty_tile_fn)(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
+
+/* Runs a pass over an image's tiles; seconds: is added to. Errors: TY_CANCELLED. */
+ty_result ty_lpv_run_tiles(ty_lpv_frame* frame, const char* stage, double until, const int32_t size[2], ty_tile_fn body,
+                           double* seconds);
+
+/* Adds the nanoseconds since `begun` to one of the clocks; returns now. */
+int64_t ty_lpv_clock(ty_lpv_frame* frame, int clock, int64_t begun);
+
+/* What the tile's rays see, traced or as the caller has it; its distances, and what is sent, but nothing reflected. */
+void ty_lpv_see(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom, ty_lpv_tile* tile);
+/* Adds what surfaces reflect of the lights, directly and by the lattice. */
+void ty_lpv_shade(ty_lpv_frame* frame, ty_lpv_tile* tile);
+
+/* The pixel of the image that ray (x, y) of the air goes through at half of the resolution, if the image were without
+ * end; the same again every TY_AIR_PERIOD pixels. */
+void ty_lpv_air_place(int32_t x, int32_t y, int32_t full[2]);
+/* Weights of the rays around pixels. */
+void ty_lpv_find_weights(ty_lpv_frame* frame);
+/* The ray of a pixel of the image. */
+ty_fog_way ty_lpv_air_way(const ty_lpv_frame* frame, int32_t x, int32_t y, float offset);
+/* Where steps begin, for neighbours as far from one another as can be: (0, 1]. */
+float ty_lpv_air_offset(const ty_lpv_frame* frame, int32_t x, int32_t y);
+/* Passes over the air: the lattice's light, then light that is scattered once. */
+void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
+void ty_lpv_single_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
+
+/* Adds surfaces behind media to the image. */
+void ty_lpv_compose_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
+
+#endif

@@ -1,0 +1,167 @@
+/* The lattices' light between the middles of their cells, all terms of a cell side by side in memory: what images look
+ * up for every pixel. Of the eight cells around a point those count that no surface separates from the one that the
+ * point lies in. */
+#ifndef TY_METHOD_LPV_LOOK_K_H
+#define TY_METHOD_LPV_LOOK_K_H
+
+#include "base/sh.k.h"
+
+#include <tyndall/lpv.h>
+
+/* Floats of a cell: channel by channel the first two bands and a quarter to spare, then, with three bands, five more
+ * terms a channel and one to spare. */
+enum { TY_LOOK_FLOATS = 16, TY_LOOK_FLOATS_MAX = 32 };
+/* Bytes of a cell's links: how open the way is to the cell dx + 3 dy + 9 dz + 13. */
+enum { TY_LOOK_NEAR = 32, TY_LOOK_SELF = 13 };
+
+typedef struct ty_look_lattice {
+    int32_t size[3];
+    int32_t floats;
+    float cell, per_metre; /* m; 1 / m */
+    ty_vec lower;          /* m */
+    ty_vec upper;
+    TY_GLOBAL const float* light;
+    TY_GLOBAL const uint8_t* closed; /* per cell: whether any of its links is not fully open; NULL: none is */
+    TY_GLOBAL const uint8_t* near;   /* TY_LOOK_NEAR a cell */
+} ty_look_lattice;
+
+/* All of them, finest first. */
+typedef struct ty_look {
+    int32_t count;
+    ty_look_lattice lattices[TY_LPV_CASCADES_MAX];
+} ty_look;
+
+typedef struct ty_look_cells {
+    TY_GLOBAL const float* light[8];
+    float weight[8];
+} ty_look_cells;
+
+/* A place along an axis, in cells from the first one's middle: the lower of the two cells around, and how far on it is.
+ */
+TY_FN int32_t ty_look_axis(float place, int32_t size, float* share) {
+    const float middle = ty_clampf(place, 0.0f, (float)(size - 1));
+    const int32_t last = size > 1 ? size - 2 : 0, cell = (int32_t)middle, base = cell < last ? cell : last;
+    *share = middle - (float)base;
+    return base;
+}
+
+/* Leaves out what surfaces separate from the cell that the point lies in, which always counts. */
+TY_FN void ty_look_close(TY_GLOBAL const uint8_t* near, const int32_t own[3], float weight[8]) {
+    float sum = 0.0f;
+    for (int i = 0; i < 8; ++i) {
+        const int32_t dx = (i & 1) - own[0], dy = (i >> 1 & 1) - own[1], dz = (i >> 2) - own[2];
+        weight[i] *= (float)near[TY_LOOK_SELF + dx + 3 * dy + 9 * dz];
+        sum += weight[i];
+    }
+    const float scale = 1.0f / sum;
+    for (int i = 0; i < 8; ++i) weight[i] *= scale;
+}
+
+/* A point in a lattice's cells, from the middle of the first one. */
+TY_FN ty_vec ty_look_place_in(const ty_look_lattice* lattice, ty_vec point) {
+    const ty_vec p = ty_scale(ty_sub(point, lattice->lower), lattice->per_metre);
+    return ty_vec_make(p.x - 0.5f, p.y - 0.5f, p.z - 0.5f);
+}
+
+/* The cells around a place, which is moved into the lattice if it is not there. */
+TY_FN void ty_look_locate(const ty_look_lattice* lattice, ty_vec place, ty_look_cells* cells) {
+    float x, y, z;
+    const int32_t *size = lattice->size, nx = size[0], nxy = size[0] * size[1];
+    const int32_t base =
+        ty_look_axis(place.x, size[0], &x) + nx * ty_look_axis(place.y, size[1], &y) +
+        nxy * ty_look_axis(place.z, size[2], &z);
+    const int32_t dx = nx > 1 ? 1 : 0, dy = size[1] > 1 ? nx : 0, dz = size[2] > 1 ? nxy : 0;
+    const float near_z = 1.0f - z, near_y = 1.0f - y, near_x = 1.0f - x;
+    const float low[4] = {near_x * near_y, x * near_y, near_x * y, x * y};
+    const size_t floats = (size_t)lattice->floats;
+    TY_GLOBAL const float* first = lattice->light + (size_t)base * floats;
+    TY_GLOBAL const float* behind = first + (size_t)dz * floats;
+    const size_t along = (size_t)dx * floats, down = (size_t)dy * floats;
+    cells->light[0] = first;
+    cells->light[1] = first + along;
+    cells->light[2] = first + down;
+    cells->light[3] = first + down + along;
+    cells->light[4] = behind;
+    cells->light[5] = behind + along;
+    cells->light[6] = behind + down;
+    cells->light[7] = behind + down + along;
+    for (int i = 0; i < 4; ++i) {
+        cells->weight[i] = low[i] * near_z;
+        cells->weight[4 + i] = low[i] * z;
+    }
+    if (lattice->closed == NULL) return;
+    const int32_t own[3] = {x >= 0.5f ? 1 : 0, y >= 0.5f ? 1 : 0, z >= 0.5f ? 1 : 0};
+    const size_t self = (size_t)(base + own[0] * dx + own[1] * dy + own[2] * dz);
+    if (lattice->closed[self] != 0) ty_look_close(lattice->near + self * TY_LOOK_NEAR, own, cells->weight);
+}
+
+/* The mean of the cells' floats from `first` on. */
+TY_FN void ty_look_mean(const ty_look_cells* cells, int32_t first, float mean[TY_LOOK_FLOATS]) {
+    TY_GLOBAL const float* c[8];
+    const float* w = cells->weight;
+    for (int i = 0; i < 8; ++i) c[i] = cells->light[i] + first;
+    for (int j = 0; j < TY_LOOK_FLOATS; ++j)
+        mean[j] = ((w[0] * c[0][j] + w[1] * c[1][j]) + (w[2] * c[2][j] + w[3] * c[3][j])) +
+                  ((w[4] * c[4][j] + w[5] * c[5][j]) + (w[6] * c[6][j] + w[7] * c[7][j]));
+}
+
+/* How far within a lattice a point is: 0 on its faces, 1 two cells away from them; negative outside. */
+TY_FN float ty_look_depth(const ty_look_lattice* lattice, ty_vec p) {
+    const float x = ty_minf(p.x - lattice->lower.x, lattice->upper.x - p.x);
+    const float y = ty_minf(p.y - lattice->lower.y, lattice->upper.y - p.y);
+    const float z = ty_minf(p.z - lattice->lower.z, lattice->upper.z - p.z);
+    return ty_minf(ty_minf(x, ty_minf(y, z)) * 0.5f * lattice->per_metre, 1.0f);
+}
+
+/* The finest lattice at a point (half a cell around it counts), -1: none, and what the next one's share is: all of it
+ * where the finer one ends, so that no edge shows. */
+TY_FN int32_t ty_look_choose(const ty_look* look, ty_vec point, float* coarser) {
+    *coarser = 0.0f;
+    for (int32_t i = 0; i < look->count; ++i) {
+        const float depth = ty_look_depth(&look->lattices[i], point);
+        if (!(depth > -0.25f)) continue;
+        if (i + 1 < look->count) *coarser = 1.0f - ty_maxf(depth, 0.0f);
+        return i;
+    }
+    return -1;
+}
+
+/* What arrives on a surface: radiance of terms L_i, W m^-2, by the clamped cosine's bands; light travels against the
+ * normal. */
+TY_FN float ty_look_irradiance(const float band01[4], const float* band2, const float y[TY_SH_TERMS]) {
+    float sum = ty_sh_cosine(0) * band01[0] * y[0];
+    for (int i = 1; i < 4; ++i) sum += ty_sh_cosine(1) * band01[i] * y[i];
+    for (int i = 0; i < 5 && band2 != NULL; ++i) sum += ty_sh_cosine(2) * band2[i] * y[4 + i];
+    return ty_maxf(sum, 0.0f);
+}
+
+/* How far off a surface its light is looked up, m: by what a cell measures along the normal, so that the cell is on the
+ * side that is asked for. */
+TY_FN float ty_look_off(float cell, ty_vec normal) {
+    return 0.5f * cell * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
+}
+
+/* Irradiance at a surface with a unit normal on the side that is asked for; 0 outside of all lattices. */
+TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, float irradiance[3]) {
+    float y[TY_SH_TERMS], coarser;
+    for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
+    const int32_t finest = ty_look_choose(look, point, &coarser);
+    if (finest < 0) return;
+    ty_sh_at(ty_scale(normal, -1.0f), TY_SH_BANDS, y);
+    for (int32_t i = finest; i < finest + (coarser > 0.0f ? 2 : 1); ++i) {
+        const ty_look_lattice* lattice = &look->lattices[i];
+        const float share = i == finest ? 1.0f - coarser : coarser;
+        float mean[TY_LOOK_FLOATS_MAX];
+        ty_look_cells cells;
+        const ty_vec off = ty_mad(point, normal, ty_look_off(lattice->cell, normal));
+        ty_look_locate(lattice, ty_look_place_in(lattice, off), &cells);
+        ty_look_mean(&cells, 0, mean);
+        const bool third = lattice->floats > TY_LOOK_FLOATS;
+        if (third) ty_look_mean(&cells, TY_LOOK_FLOATS, mean + TY_LOOK_FLOATS);
+        for (int c = 0; c < 3; ++c)
+            irradiance[c] +=
+                share * ty_look_irradiance(mean + 4 * c, third ? mean + TY_LOOK_FLOATS + 5 * c : NULL, y);
+    }
+}
+
+#endif

@@ -1,0 +1,26 @@
+/* The kernels of images; built once per instruction set, with TY_ISA naming it. */
+#include "method/lpv/pixels_kernel.h"
+
+#include "base/float_mode.h"
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+
+static void fog(const ty_fog_request* request, const ty_fog_way* ways, int32_t count, ty_fog* out) {
+    const unsigned state = ty_flush_denormals();
+    ty_fog_ray ray;
+    for (int32_t i = 0; i < count; ++i) {
+        ty_fog_follow(&ray, request, ways[i].origin, ways[i].direction, ways[i].far, ways[i].offset);
+        out[i] = ray.out;
+    }
+    ty_restore_denormals(state);
+}
+
+static void irradiance(const ty_look* look, ty_look_place* places, int32_t count) {
+    const unsigned state = ty_flush_denormals();
+    for (int32_t i = 0; i < count; ++i)
+        ty_look_at_surface(look, places[i].point, places[i].normal, places[i].irradiance);
+    ty_restore_denormals(state);
+}
+
+const ty_pixels_kernels TY_JOIN(ty_pixels_kernels_, TY_ISA) = {.fog = fog, .irradiance = irradiance};

@@ -1,0 +1,29 @@
+/* What images have per instruction set. */
+#ifndef TY_METHOD_LPV_PIXELS_KERNEL_H
+#define TY_METHOD_LPV_PIXELS_KERNEL_H
+
+#include "method/lpv/fog.k.h"
+
+/* A ray through the media. */
+typedef struct ty_fog_way {
+    ty_vec origin, direction; /* unit */
+    float far;                /* m, TY_FLOAT_MAX at most */
+    float offset;             /* where its first step ends, (0, 1] of a step */
+} ty_fog_way;
+
+/* A place on a surface, and what arrives there. */
+typedef struct ty_look_place {
+    ty_vec point, normal;
+    float irradiance[3];
+} ty_look_place;
+
+typedef struct ty_pixels_kernels {
+    void (*fog)(const ty_fog_request* request, const ty_fog_way* ways, int32_t count, ty_fog* out);
+    void (*irradiance)(const ty_look* look, ty_look_place* places, int32_t count);
+} ty_pixels_kernels;
+
+extern const ty_pixels_kernels ty_pixels_kernels_v1;
+extern const ty_pixels_kernels ty_pixels_kernels_v3;
+extern const ty_pixels_kernels ty_pixels_kernels_v4;
+
+#endif

@@ -1,0 +1,138 @@
+/* What surfaces reflect. */
+#include "method/lpv/frame.h"
+
+/* Slopes, texels of depth a texel, from which on maps are not asked if rays may be. */
+static const float steepest = 8.0f;
+
+/* ---- shadows ---- */
+
+/* How far a surface's depths in a map may differ among the four texels around a point, m; *texel: how wide they are
+ * there. */
+static float spread_in_map(const ty_lit_map* lit, const ty_lpv_pixel* pixel, const ty_light_sample* sample,
+                           float* texel) {
+    const ty_light_map* map = lit->map;
+    const ty_vec right = ty_vec_make((float)map->right[0][0], (float)map->right[0][1], (float)map->right[0][2]);
+    const ty_vec up = ty_vec_make((float)map->up[0][0], (float)map->up[0][1], (float)map->up[0][2]);
+    const float per_side = 2.0f / (float)map->side;
+    const float facing = ty_maxf(ty_dot(pixel->facing, sample->look), 1e-4f);
+    const float widest = per_side * sqrtf(ty_maxf(ty_dot(right, right), ty_dot(up, up)));
+    if (lit->light.kind == TY_KIND_DIRECTIONAL) {
+        *texel = widest;
+        return per_side * (fabsf(ty_dot(pixel->facing, right)) + fabsf(ty_dot(pixel->facing, up))) / facing;
+    }
+    *texel = widest * sample->distance;
+    return 1.4142136f * *texel / facing;
+}
+
+/* Rays towards a light that wait until there are enough of them. */
+typedef struct shadow_packet {
+    int32_t count;
+    ty_ray rays[TY_PACKET];
+    ty_lpv_pixel* pixels[TY_PACKET];
+    float light[TY_PACKET][3]; /* what they bring if nothing is in between */
+} shadow_packet;
+
+static void trace_shadows(ty_lpv_frame* frame, shadow_packet* packet) {
+    bool occluded[TY_PACKET];
+    if (packet->count == 0) return;
+    const int64_t begun = ty_lpv_clock(frame, TY_CLOCKS, 0);
+    ty_mesh_occluded_packet(frame->scene->mesh, packet->rays, packet->count, occluded);
+    ty_lpv_clock(frame, TY_CLOCK_RAYS, begun);
+    for (int32_t i = 0; i < packet->count; ++i)
+        for (int c = 0; c < 3 && !occluded[i]; ++c) packet->pixels[i]->radiance[c] += packet->light[i][c];
+    atomic_fetch_add(&frame->rays, packet->count);
+    packet->count = 0;
+}
+
+static void ask_ray(ty_lpv_frame* frame, const ty_light_sample* sample, ty_lpv_pixel* pixel, const float light[3],
+                    shadow_packet* packet) {
+    const ty_vec from = ty_mad(pixel->position, pixel->facing, pixel->margin), way = sample->look;
+    const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : INFINITY;
+    packet->rays[packet->count] = (ty_ray){{from.x, from.y, from.z}, {way.x, way.y, way.z}, far};
+    packet->pixels[packet->count] = pixel;
+    memcpy(packet->light[packet->count], light, sizeof packet->light[0]);
+    if (++packet->count == TY_PACKET) trace_shadows(frame, packet);
+}
+
+/* The share of a light that gets to a pixel by its map; -1: a ray is to say. The point is moved towards the light by
+ * what its own surface's depths differ around it, so that it does not shadow itself; shadows do not move by that. */
+static float share_of_light(const ty_lpv_frame* frame, const ty_lit_map* map, const ty_lpv_pixel* pixel,
+                            const ty_light_sample* sample) {
+    const bool asks = frame->job->def->shadow_rays && frame->scene->mesh != NULL;
+    float texel;
+    const float spread = spread_in_map(map, pixel, sample, &texel);
+    if (asks && spread > steepest * texel) return -1.0f;
+    const float off = ty_minf(spread, steepest * texel) + 0.25f * texel + pixel->margin;
+    const ty_vec point = ty_mad(pixel->position, sample->look, ty_minf(off, sample->distance));
+    if (!asks) return ty_lit_share(map, point);
+    return (float)ty_lit_at(map, point, 0.1f * texel);
+}
+
+/* ---- direct light ---- */
+
+/* Radiance by a light that nothing shadows; false where there is none. */
+static bool reflect_light(const ty_lpv_frame* frame, int32_t index, const ty_light_sample* sample,
+                          const ty_lpv_pixel* pixel, float light[3]) {
+    const float facing = ty_dot(pixel->normal, sample->look) * (1.0f / TY_PI);
+    if (!(facing > 0.0f) || !(ty_dot(pixel->facing, sample->look) > 0.0f)) return false;
+    float sum = 0.0f;
+    for (int c = 0; c < 3; ++c) {
+        light[c] = pixel->albedo[c] * facing * sample->radiance[c];
+        sum += light[c];
+    }
+    if (!(sum > 0.0f && sum < TY_FLOAT_MAX)) return false;
+    if (!frame->foggy || frame->job->airlight == NULL) return true;
+    float transmittance[3];
+    ty_airlight_reach(frame->job->airlight, index, pixel->position, transmittance);
+    for (int c = 0; c < 3; ++c) light[c] *= transmittance[c];
+    return true;
+}
+
+static void add_light(ty_lpv_frame* frame, int32_t index, ty_lpv_tile* tile) {
+    const ty_lit_map* map = frame->job->maps[index];
+    const ty_light_view* view = &frame->scene->lights.lights[frame->job->lights[index]];
+    shadow_packet packet = {.count = 0};
+    for (int32_t i = 0; i < tile->count; ++i) {
+        ty_lpv_pixel* pixel = &tile->pixels[i];
+        ty_light_sample sample;
+        float light[3];
+        if (isinf(pixel->distance) || !ty_light_sample_from(view, pixel->position, 0.5f, 0.5f, &sample)) continue;
+        if (!(ty_dot(pixel->normal, sample.look) > 0.0f)) continue;
+        const float share = share_of_light(frame, map, pixel, &sample);
+        if (share == 0.0f || !reflect_light(frame, index, &sample, pixel, light)) continue;
+        if (share < 0.0f) {
+            ask_ray(frame, &sample, pixel, light, &packet);
+            continue;
+        }
+        for (int c = 0; c < 3; ++c) pixel->radiance[c] += share * light[c];
+    }
+    trace_shadows(frame, &packet);
+}
+
+/* ---- the lattice's light ---- */
+
+static void add_lattice(ty_lpv_frame* frame, ty_lpv_tile* tile) {
+    ty_look_place places[TY_TILE_PIXELS];
+    int32_t which[TY_TILE_PIXELS], count = 0;
+    for (int32_t i = 0; i < tile->count; ++i) {
+        const ty_lpv_pixel* pixel = &tile->pixels[i];
+        if (isinf(pixel->distance)) continue;
+        places[count] = (ty_look_place){.point = pixel->position, .normal = pixel->normal};
+        which[count++] = i;
+    }
+    frame->kernels->irradiance(&frame->look, places, count);
+    for (int32_t i = 0; i < count; ++i) {
+        ty_lpv_pixel* pixel = &tile->pixels[which[i]];
+        for (int c = 0; c < 3; ++c) pixel->radiance[c] += pixel->albedo[c] * (1.0f / TY_PI) * places[i].irradiance[c];
+    }
+}
+
+void ty_lpv_shade(ty_lpv_frame* frame, ty_lpv_tile* tile) {
+    for (int32_t i = 0; i < frame->job->map_count; ++i) add_light(frame, i, tile);
+    if ((frame->job->def->parts & TY_LPV_SURFACES) != 0 && frame->look.count > 0) add_lattice(frame, tile);
+    for (int32_t i = 0; i < tile->count; ++i) {
+        const ty_lpv_pixel* pixel = &tile->pixels[i];
+        float* to = frame->surface + 3 * ((size_t)pixel->y * (size_t)frame->width + (size_t)pixel->x);
+        for (int c = 0; c < 3; ++c) to[c] = pixel->radiance[c];
+    }
+}

@@ -1,0 +1,128 @@
+/* What the camera sees of surfaces. */
+#include "method/lpv/frame.h"
+
+static void list_pixels(const ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom,
+                        ty_lpv_tile* tile) {
+    enum { BLOCK = 4 };
+    tile->count = 0;
+    for (int32_t i = 0; i < TY_TILE_PIXELS; ++i) {
+        const int32_t block = i / (BLOCK * BLOCK), within = i % (BLOCK * BLOCK);
+        const int32_t px = x + block % (TY_TILE / BLOCK) * BLOCK + within % BLOCK;
+        const int32_t py = y + block / (TY_TILE / BLOCK) * BLOCK + within / BLOCK;
+        if (px >= right || py >= bottom) continue;
+        ty_lpv_pixel* pixel = &tile->pixels[tile->count++];
+        pixel->x = px;
+        pixel->y = py;
+        pixel->direction = ty_camera_direction(&frame->camera, (float)px + frame->dx, (float)py + frame->dy);
+        pixel->distance = INFINITY;
+        for (int c = 0; c < 3; ++c) pixel->radiance[c] = 0.0f;
+    }
+}
+
+/* ---- traced ---- */
+
+static void add_environment(const ty_lpv_frame* frame, ty_lpv_pixel* pixel) {
+    const ty_light_set* lights = &frame->scene->lights;
+    for (int32_t i = 0; i < lights->distant_count; ++i) {
+        const ty_light_view* light = &lights->lights[lights->distant[i]];
+        float radiance[3];
+        if (light->kind != TY_KIND_ENVIRONMENT) continue;
+        ty_environment_radiance(&light->environment, pixel->direction, radiance);
+        for (int c = 0; c < 3; ++c) pixel->radiance[c] += radiance[c];
+    }
+}
+
+static void take_hit(const ty_lpv_frame* frame, const ty_hit* hit, ty_lpv_pixel* pixel) {
+    ty_surface_point point;
+    ty_surface_evaluate(&frame->scene->surfaces[hit->surface], hit, pixel->direction, &point);
+    pixel->distance = hit->distance;
+    pixel->position = hit->position;
+    pixel->normal = point.normal;
+    pixel->facing = point.facing;
+    pixel->margin = hit->margin;
+    for (int c = 0; c < 3; ++c) {
+        pixel->albedo[c] = point.albedo[c];
+        pixel->radiance[c] = point.emission[c];
+    }
+}
+
+static void trace(ty_lpv_frame* frame, ty_lpv_tile* tile) {
+    const ty_vec origin = frame->camera.origin;
+    for (int32_t first = 0; first < tile->count; first += TY_PACKET) {
+        const int32_t count = tile->count - first < TY_PACKET ? tile->count - first : TY_PACKET;
+        ty_ray rays[TY_PACKET];
+        ty_hit hits[TY_PACKET];
+        for (int32_t i = 0; i < count; ++i) {
+            const ty_vec direction = tile->pixels[first + i].direction;
+            rays[i] = (ty_ray){{origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, INFINITY};
+        }
+        const int64_t begun = ty_lpv_clock(frame, TY_CLOCKS, 0);
+        ty_mesh_intersect_packet(frame->scene->mesh, rays, count, hits);
+        ty_lpv_clock(frame, TY_CLOCK_RAYS, begun);
+        for (int32_t i = 0; i < count; ++i) {
+            if (hits[i].surface >= 0)
+                take_hit(frame, &hits[i], &tile->pixels[first + i]);
+            else
+                add_environment(frame, &tile->pixels[first + i]);
+        }
+    }
+    atomic_fetch_add(&frame->rays, tile->count);
+}
+
+/* ---- the caller's ---- */
+
+static float number_in(float value, float most) {
+    return value >= 0.0f ? ty_minf(value, most) : 0.0f;
+}
+
+/* Callers' numbers may be anything. What is so far away, m, that squares of it are no numbers is no surface. */
+static const float farthest = 1e15f;
+
+static void take(const ty_lpv_frame* frame, const ty_lpv_view_def* view, ty_lpv_pixel* pixel) {
+    const size_t at = (size_t)pixel->y * (size_t)frame->width + (size_t)pixel->x;
+    const float distance = view->distance[at];
+    if (!(distance >= 0.0f && distance < farthest)) {
+        add_environment(frame, pixel);
+        return;
+    }
+    const ty_vec normal = ty_vec_load(view->normal + 3 * at);
+    const float square = ty_dot(normal, normal);
+    const bool exists = square > 1e-12f && square < TY_FLOAT_MAX;
+    pixel->distance = distance;
+    pixel->position = ty_mad(frame->camera.origin, pixel->direction, distance);
+    pixel->normal = exists ? ty_scale(normal, 1.0f / sqrtf(square)) : ty_scale(pixel->direction, -1.0f);
+    pixel->facing = pixel->normal;
+    pixel->margin = 2e-5f * (distance + fabsf(pixel->position.x) + fabsf(pixel->position.y) + fabsf(pixel->position.z));
+    for (size_t c = 0; c < 3; ++c) {
+        pixel->albedo[c] = number_in(view->albedo[3 * at + c], 1.0f);
+        if (view->emission != NULL) pixel->radiance[c] = number_in(view->emission[3 * at + c], TY_FLOAT_MAX);
+    }
+}
+
+/* ---- channels ---- */
+
+static void store(const ty_lpv_frame* frame, const ty_lpv_pixel* pixel) {
+    const size_t at = (size_t)pixel->y * (size_t)frame->width + (size_t)pixel->x;
+    frame->distance[at] = pixel->distance;
+    if (isinf(pixel->distance)) return;
+    if (frame->planes.depth[0] != NULL) frame->planes.depth[0][at] += pixel->distance;
+    if (frame->hits != NULL) frame->hits[at] += 1.0f;
+    const float normal[3] = {pixel->normal.x, pixel->normal.y, pixel->normal.z};
+    for (int c = 0; c < 3 && frame->planes.normal[0] != NULL; ++c) frame->planes.normal[c][at] += normal[c];
+}
+
+void ty_lpv_see(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom, ty_lpv_tile* tile) {
+    const ty_lpv_view_def* view = frame->job->def->view;
+    list_pixels(frame, x, y, right, bottom, tile);
+    if (view == NULL && frame->scene->mesh != NULL) {
+        trace(frame, tile);
+    } else {
+        for (int32_t i = 0; i < tile->count; ++i) {
+            if (view != NULL)
+                take(frame, view, &tile->pixels[i]);
+            else
+                add_environment(frame, &tile->pixels[i]);
+        }
+    }
+    for (int32_t i = 0; i < tile->count; ++i) store(frame, &tile->pixels[i]);
+}
