@@ -434,7 +434,10 @@ static const char every_key[] =
     "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"sharp\":false,\"direct\":40,\"ordinates\":27,"
     "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"clamp\":0.1,"
     "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"streaming\":0.7,\"tolerance\":1e-2,\"spp\":3,"
-    "\"step\":0.25}}}";
+    "\"step\":0.25},"
+    "\"lpv\":{\"mode\":\"published\",\"parts\":\"both\",\"place\":\"camera\",\"resolution\":24,\"extent\":20,"
+    "\"cascades\":3,\"bands\":3,\"window\":0.1,\"iterations\":10,\"tolerance\":0.02,\"map_side\":64,\"samples\":4,"
+    "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
@@ -486,6 +489,14 @@ static void test_every_key_is_accepted(void** state) {
     assert_true(pop.surface_points == 5 && pop.vpls == 7 && pop.shadow_texels == 32);
     assert_true(pop.iterations == 11 && pop.residuum_iterations == 12 && pop.spp == 3);
     assert_true(pop.streaming == 0.7 && pop.tolerance == 1e-2 && pop.step == 0.25);
+    const ty_lpv_settings lpv = ty_scene_render_settings(scene).lpv;
+    assert_string_equal(lpv.mode, "published");
+    assert_string_equal(lpv.parts, "both");
+    assert_string_equal(lpv.place, "camera");
+    assert_true(lpv.resolution == 24 && lpv.extent == 20 && lpv.cascades == 3 && lpv.bands == 3 && lpv.window == 0.1);
+    assert_true(lpv.iterations == 10 && lpv.tolerance == 0.02 && lpv.map_side == 64 && lpv.samples == 4);
+    assert_true(lpv.block_side == 2 && lpv.shadow_side == 128 && !lpv.shadow_rays && !lpv.half);
+    assert_true(lpv.step == 0.75 && lpv.spp == 5);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
