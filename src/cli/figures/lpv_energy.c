@@ -23,11 +23,14 @@ static const char fog_text[] =
     "  \"material\": {\"albedo\": 0.8}}],"
     " \"render\": {\"lpv\": {\"resolution\": 16}}}";
 
-static ty_result solve(figure_run* run, const ty_scene* scene, int mode, int32_t iterations, ty_lpv_stats* stats) {
+/* parts: of TY_LPV_ALL. */
+static ty_result solve(figure_run* run, const ty_scene* scene, int mode, uint32_t parts, int32_t iterations,
+                       ty_lpv_stats* stats) {
     ty_lpv* light = NULL;
     const lpv_variant variant = {.mode = mode_names[mode], .parts = "all", .iterations = iterations};
     const ty_lpv_settings settings = lpv_variant_settings(scene, &variant);
     ty_lpv_def def = cli_lpv_def(&settings);
+    def.parts = parts;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     const ty_result result = ty_lpv_solve(scene, &def, &light, stats);
@@ -44,10 +47,28 @@ static double accounted(const ty_lpv_stats* stats) {
     return (stats->absorbed[1] + stats->blocked[1] + stats->escaped[1] + stats->left[1]) / injected(stats);
 }
 
+/* What surfaces reflected and what fog scattered, each by itself. */
+static ty_result note_apart(figure_run* run, const char* item, const ty_scene* scene, int mode) {
+    static const struct {
+        uint32_t part;
+        const char* name;
+    } sources[2] = {{TY_LPV_REFLECTED, "of reflected light alone, accounted for"},
+                    {TY_LPV_SCATTERED, "of scattered light alone, accounted for"}};
+    ty_result result = TY_OK;
+    for (int i = 0; i < 2 && result == TY_OK; ++i) {
+        ty_lpv_stats stats;
+        result = solve(run, scene, mode, TY_LPV_SCATTERING | sources[i].part, ITERATIONS, &stats);
+        if (result == TY_OK && injected(&stats) > 0)
+            result = figure_expect(run, item, sources[i].name, "1", accounted(&stats), 1, 0.03);
+    }
+    return result;
+}
+
 static ty_result add_series(figure_run* run, const ty_scene* scene, int mode, int depth, plot_chart* charts) {
     char item[FIGURE_NAME_SIZE];
     plot_series *sum = &charts[0].series[charts[0].series_count++], *left = &charts[1].series[charts[1].series_count++];
     ty_lpv_stats stats = {0};
+    double worst = 0;
     ty_result result = TY_OK;
     snprintf(item, sizeof item, "%s, σt d = %g", mode_names[mode], depths[depth]);
     snprintf(sum->name, PLOT_LABEL_SIZE, "%s", item);
@@ -55,14 +76,16 @@ static ty_result add_series(figure_run* run, const ty_scene* scene, int mode, in
     sum->color = left->color = 1 + depth;
     sum->style = left->style = mode == 0 ? PLOT_LINE_AND_DOTS : PLOT_DASHES;
     for (int32_t i = 1; i <= ITERATIONS && result == TY_OK; ++i) {
-        result = solve(run, scene, mode, i, &stats);
+        result = solve(run, scene, mode, TY_LPV_ALL, i, &stats);
+        worst = fmax(worst, fabs(accounted(&stats) - 1) / i);
         plot_add_point(sum, i, accounted(&stats), 0);
         plot_add_point(left, i, stats.left[1] / injected(&stats), 0);
     }
     if (result == TY_OK)
         result = figure_expect(run, item, "energy accounted for after 8 iterations", "1", accounted(&stats), 1, 0.03);
-    if (result == TY_OK) result = figure_note(run, item, "reflected light put in", "W", stats.reflected[1]);
-    if (result == TY_OK) result = figure_note(run, item, "scattered light put in", "W", stats.scattered[1]);
+    if (result == TY_OK)
+        result = figure_expect(run, item, "energy lost or gained in an iteration, at most", "1", worst, 0, 0.01);
+    if (result == TY_OK) result = note_apart(run, item, scene, mode);
     return result;
 }
 

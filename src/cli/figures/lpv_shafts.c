@@ -11,7 +11,7 @@ static const char* const row_titles[ROWS] = {"path tracing", "lpv", "errors"};
 static const struct {
     lpv_scene scene;
     int32_t size[2];
-} scenes[SCENES] = {{LPV_SPONZA, {320, 180}}, {LPV_ATRIUM, {320, 180}}, {LPV_CORNELL, {180, 180}}};
+} scenes[SCENES] = {{LPV_SPONZA, {320, 180}}, {LPV_ATRIUM, {320, 180}}, {LPV_CORNELL, {320, 180}}};
 
 /* The channel "single" of a picture by itself. */
 static ty_result take_single(const ty_image* image, ty_context* context, ty_image** out) {
