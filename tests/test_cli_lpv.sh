@@ -143,6 +143,19 @@ test_builtin() {
   done
 }
 
+test_bench() {
+  expect 0 bench lpv --size 32x18 --runs 1
+  for words in 'propagate, 8 times' 'GFLOP/s, of peak' 'Mrays/s' 'as the power [0-9.-]+ of cells' 'a frame of .*32x18'; do
+    said out.txt "$words"
+  done
+  expect 0 bench lpv --size 32x18 --runs 1 --json --data nowhere
+  cp out.txt bench.json
+  valid_json bench.json
+  said bench.json '"fraction_of_peak": [0-9.]+'
+  said bench.json '"scene": "atrium"'
+  unsaid bench.json nan
+}
+
 test_interrupt() {
   start render builtin:atrium -o cut.exr --png cut.png --size 4096x4096 -D render.lpv.spp=64 \
     -D render.lpv.resolution=128

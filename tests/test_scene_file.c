@@ -55,6 +55,24 @@ static void expect_rgb(const float v[3], double r, double g, double b) {
 
 /* ---- Defaults and values ---- */
 
+/* What a scene leaves unsaid is what the method itself has. */
+static void expect_lpv_defaults(const ty_lpv_settings* settings) {
+    const ty_lpv_def def = ty_default_lpv_def();
+    assert_string_equal(settings->mode, "links");
+    assert_int_equal(def.mode, TY_LPV_MODE_LINKS);
+    assert_string_equal(settings->parts, "all");
+    assert_int_equal(def.parts, TY_LPV_ALL);
+    assert_string_equal(settings->place, "scene");
+    assert_int_equal(def.place, TY_LPV_PLACE_SCENE);
+    assert_true(settings->resolution == def.resolution && settings->cascades == def.cascades);
+    assert_true(settings->bands == def.bands && settings->extent == def.extent && settings->window == def.window);
+    assert_true(settings->iterations == def.iterations && settings->tolerance == def.tolerance);
+    assert_true(settings->map_side == def.map_side && settings->samples == def.samples);
+    assert_true(settings->block_side == def.block_side && settings->shadow_side == def.shadow_side);
+    assert_true(settings->shadow_rays == def.shadow_rays && settings->half == def.half);
+    assert_true(settings->step == def.step && settings->spp == def.spp);
+}
+
 static void test_the_smallest_scene_has_the_defaults(void** state) {
     (void)state;
     ty_context* context = make_context();
@@ -74,6 +92,7 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_int_equal(render.screen.levels, 0);
     assert_string_equal(render.screen.environment, "around");
     assert_true(render.screen.balance);
+    expect_lpv_defaults(&render.lpv);
     assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
     assert_int_equal(ty_scene_get_info(scene).media, 0);
     ty_scene_destroy(scene);
