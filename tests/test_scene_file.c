@@ -14,6 +14,7 @@
 #include "scene/scene.h"
 
 #include <tyndall/io.h>
+#include <tyndall/lpv.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define BOX "\"bounds\":[[0,0,0],[1,1,1]]"
