@@ -94,6 +94,29 @@ same() {
   said out.txt '^values that differ: 0$'
 }
 
+different() {
+  expect 0 diff "$1" "$2"
+  unsaid out.txt '^values that differ: 0$'
+}
+
+# small_by METHOD SCENE OUT ARGUMENT...: an image by a method with the options in $small.
+small_by() {
+  method=$1
+  scene=$2
+  out=$3
+  shift 3
+  # shellcheck disable=SC2086 # options
+  expect 0 render "$scene" -o "$out" --method "$method" $small "$@"
+}
+
+# refused_options METHOD: of each line of stdin the first word, KEY=VALUE below render.METHOD, is refused with what follows.
+refused_options() {
+  while read -r option words; do
+    usage_error "$words" render fog.json -o no.exr --method "$1" -D "render.$1.$option"
+    absent no.exr
+  done
+}
+
 no_temporary_files() {
   checks=$((checks + 1))
   [ -z "$(find . -name '*tmp*')" ] || fail "temporary files are left: $(find . -name '*tmp*')"

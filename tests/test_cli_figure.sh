@@ -9,6 +9,7 @@ test_list() {
   said out.txt '^screen-table '
   said out.txt '^fld-point +Flux-limited diffusion'
   said out.txt '^pop-lobes +Principal-ordinates propagation'
+  said out.txt '^lpv-parts +Light propagation volumes'
   expect 0 figure --help
   said out.txt '^  screen-photo '
   said out.txt '--quick'
@@ -74,6 +75,17 @@ test_ordinates() {
   said made/pop-ordinates.csv '^"216 ordinates, with importance",mean ratio,1,[0-9.]+,,$'
 }
 
+# Light propagation volumes: without Sponza the atrium stands for it.
+test_propagation() {
+  expect 0 figure lpv -o made --quick --size 24x20 --spp 2
+  for name in parts leaking truth shafts animation energy; do figure_files "lpv-$name"; done
+  said made/lpv-parts.csv '^"published, plain_march",mean,W m\^-2 sr\^-1,[0-9.e-]+,,$'
+  said made/lpv-truth.csv '^atrium,mean ratio of full,1,[0-9.e-]+,1,0\.2$'
+  unsaid made/lpv-truth.csv Sponza
+  said made/lpv-energy.csv '^printed gamma,in-scattered over out-scattered,1,0\.69[0-9]*,0\.696,0\.005$'
+  said made/lpv-energy.csv '^"published, σt d = 10",energy accounted for after 8 iterations,1,(0\.9[789]|1\.0[0-2]|1,)'
+}
+
 test_refusals() {
   usage_error "did you mean 'screen-table'" figure screen-tabel -o x
   usage_error "unknown figure 'scre'" figure scre -o x
@@ -98,7 +110,9 @@ test_list
 test_one
 test_prefix
 test_diffusion
+test_ordinates
+test_propagation
 test_refusals
 test_interrupt
 no_temporary_files
-finish 130
+finish 230

@@ -7,16 +7,7 @@ small='--size 24x16 -D render.fld.resolution=16 -q'
 
 # fld SCENE OUT ARGUMENT...: a small image, by fld unless told otherwise.
 fld() {
-  scene=$1
-  out=$2
-  shift 2
-  # shellcheck disable=SC2086 # options
-  expect 0 render "$scene" -o "$out" --method fld $small "$@"
-}
-
-different() {
-  expect 0 diff "$1" "$2"
-  unsaid out.txt '^values that differ: 0$'
+  small_by fld "$@"
 }
 
 test_scenes_name_the_method() {
@@ -60,10 +51,7 @@ test_options() {
 }
 
 test_wrong_options() {
-  while read -r option words; do
-    usage_error "$words" render fog.json -o no.exr --method fld -D "render.fld.$option"
-    absent no.exr
-  done << 'END'
+  refused_options fld << 'END'
 limitter=sum did you mean .*limiter
 limiter=kershow did you mean .*kershaw
 resolution=2000 render.fld.resolution
@@ -82,7 +70,7 @@ spp=65 render.fld.spp
 step=9 render.fld.step
 surface_points=0 render.fld.surface_points
 END
-  usage_error "unknown method 'fdl'.*path, screen, fld, cda, pop" render fog.json -o no.exr --method fdl
+  usage_error "unknown method 'fdl'.*path, screen, fld, cda, pop, lpv" render fog.json -o no.exr --method fdl
 }
 
 test_channels() {

@@ -7,16 +7,7 @@ small='--size 24x16 -D render.pop.resolution=8 -D render.pop.ordinates=8 -q'
 
 # pop SCENE OUT ARGUMENT...: a small image, by pop.
 pop() {
-  scene=$1
-  out=$2
-  shift 2
-  # shellcheck disable=SC2086 # options
-  expect 0 render "$scene" -o "$out" --method pop $small "$@"
-}
-
-different() {
-  expect 0 diff "$1" "$2"
-  unsaid out.txt '^values that differ: 0$'
+  small_by pop "$@"
 }
 
 test_scenes_name_the_method() {
@@ -77,10 +68,7 @@ test_surfaces() {
 }
 
 test_wrong_options() {
-  while read -r option words; do
-    usage_error "$words" render fog.json -o no.exr --method pop -D "render.pop.$option"
-    absent no.exr
-  done << 'END'
+  refused_options pop << 'END'
 mod=split did you mean .*mode
 mode=splitt did you mean .*split
 resolution=3 render.pop.resolution: 3 is outside \[4, 128\]

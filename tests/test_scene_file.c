@@ -14,6 +14,7 @@
 #include "scene/scene.h"
 
 #include <tyndall/io.h>
+#include <tyndall/lpv.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define BOX "\"bounds\":[[0,0,0],[1,1,1]]"
@@ -55,6 +56,24 @@ static void expect_rgb(const float v[3], double r, double g, double b) {
 
 /* ---- Defaults and values ---- */
 
+/* What a scene leaves unsaid is what the method itself has. */
+static void expect_lpv_defaults(const ty_lpv_settings* settings) {
+    const ty_lpv_def def = ty_default_lpv_def();
+    assert_string_equal(settings->mode, "links");
+    assert_int_equal(def.mode, TY_LPV_MODE_LINKS);
+    assert_string_equal(settings->parts, "all");
+    assert_int_equal(def.parts, TY_LPV_ALL);
+    assert_string_equal(settings->place, "scene");
+    assert_int_equal(def.place, TY_LPV_PLACE_SCENE);
+    assert_true(settings->resolution == def.resolution && settings->cascades == def.cascades);
+    assert_true(settings->bands == def.bands && settings->extent == def.extent && settings->window == def.window);
+    assert_true(settings->iterations == def.iterations && settings->tolerance == def.tolerance);
+    assert_true(settings->map_side == def.map_side && settings->samples == def.samples);
+    assert_true(settings->block_side == def.block_side && settings->shadow_side == def.shadow_side);
+    assert_true(settings->shadow_rays == def.shadow_rays && settings->half == def.half);
+    assert_true(settings->step == def.step && settings->spp == def.spp);
+}
+
 static void test_the_smallest_scene_has_the_defaults(void** state) {
     (void)state;
     ty_context* context = make_context();
@@ -74,6 +93,7 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_int_equal(render.screen.levels, 0);
     assert_string_equal(render.screen.environment, "around");
     assert_true(render.screen.balance);
+    expect_lpv_defaults(&render.lpv);
     assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
     assert_int_equal(ty_scene_get_info(scene).media, 0);
     ty_scene_destroy(scene);
@@ -434,7 +454,10 @@ static const char every_key[] =
     "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"sharp\":false,\"direct\":40,\"ordinates\":27,"
     "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"clamp\":0.1,"
     "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"streaming\":0.7,\"tolerance\":1e-2,\"spp\":3,"
-    "\"step\":0.25}}}";
+    "\"step\":0.25},"
+    "\"lpv\":{\"mode\":\"published\",\"parts\":\"both\",\"place\":\"camera\",\"resolution\":24,\"extent\":20,"
+    "\"cascades\":3,\"bands\":3,\"window\":0.1,\"iterations\":10,\"tolerance\":0.02,\"map_side\":64,\"samples\":4,"
+    "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
@@ -486,6 +509,14 @@ static void test_every_key_is_accepted(void** state) {
     assert_true(pop.surface_points == 5 && pop.vpls == 7 && pop.shadow_texels == 32);
     assert_true(pop.iterations == 11 && pop.residuum_iterations == 12 && pop.spp == 3);
     assert_true(pop.streaming == 0.7 && pop.tolerance == 1e-2 && pop.step == 0.25);
+    const ty_lpv_settings lpv = ty_scene_render_settings(scene).lpv;
+    assert_string_equal(lpv.mode, "published");
+    assert_string_equal(lpv.parts, "both");
+    assert_string_equal(lpv.place, "camera");
+    assert_true(lpv.resolution == 24 && lpv.extent == 20 && lpv.cascades == 3 && lpv.bands == 3 && lpv.window == 0.1);
+    assert_true(lpv.iterations == 10 && lpv.tolerance == 0.02 && lpv.map_side == 64 && lpv.samples == 4);
+    assert_true(lpv.block_side == 2 && lpv.shadow_side == 128 && !lpv.shadow_rays && !lpv.half);
+    assert_true(lpv.step == 0.75 && lpv.spp == 5);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }

@@ -318,15 +318,34 @@ typedef struct ty_pop_settings {
     int32_t spp; /* rays per pixel */
 } ty_pop_settings;
 
+/* ty_lpv_def in words; 0 for what it calls its own choice. */
+typedef struct ty_lpv_settings {
+    char mode[16];  /* "links" (default) or "published" (the paper's) */
+    char parts[16]; /* what takes part: "all" (default), or as in the paper's Fig. 5 "shadow_map", "plain",
+                       "plain_march", "single" or "both" */
+    char place[16]; /* of the lattice: "scene" (default) or "camera" */
+    int32_t resolution, cascades, bands;
+    double extent; /* m */
+    double window; /* -1: its own choice */
+    int32_t iterations;
+    double tolerance;
+    int32_t map_side, samples, block_side;
+    int32_t shadow_side;
+    bool shadow_rays, half;
+    double step;
+    int32_t spp; /* rays per pixel */
+} ty_lpv_settings;
+
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16]; /* "path" (default), "screen", "fld", "cda" (fld without limiter) or "pop" */
+    char method[16]; /* "path" (default), "screen", "fld", "cda" (fld without limiter), "pop" or "lpv" */
     int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
     uint64_t seed;   /* default 0 */
     ty_path_settings path;
     ty_screen_settings screen;
     ty_fld_settings fld;
     ty_pop_settings pop;
+    ty_lpv_settings lpv;
 } ty_render_settings;
 
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);

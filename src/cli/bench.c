@@ -19,6 +19,7 @@ static const bench_entry benches[] = {
     {"screen", "screen-space scattering, beside streaming its bytes and its reference", bench_screen},
     {"fld", "flux-limited diffusion: its solvers, and images beside path", bench_fld},
     {"pop", "principal-ordinates propagation: its stages, and how they grow", bench_pop},
+    {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
     {"load", "reading volumes of every format", bench_load},
 };
 enum { BENCH_COUNT = sizeof benches / sizeof benches[0] };
@@ -78,13 +79,14 @@ int cli_bench(int count, char** arguments) {
                              .size = {256, 256},
                              .runs = 3,
                              .side = 192,
+                             .data = getenv("TYNDALL_DATA"),
                              .scenes = "cube_g0,cube_g0.7,cube_g0.96,cornell_fog,lamps,cloud_sun,cloud_sky"};
     const cli_option table[] = {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &options.json, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, NULL},
         {"size", 0, CLI_SIZE, "WxH",
          "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million; "
-         "fld, pop: 1024x1024)",
+         "fld, pop: 1024x1024; lpv: 1280x720)",
          options.size, 0, 0, &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, NULL},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024, NULL},
@@ -94,6 +96,8 @@ int cli_bench(int count, char** arguments) {
          NULL},
         {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},
+        {"data", 0, CLI_TEXT, "DIR", "lpv: third-party scenes (default: the environment variable TYNDALL_DATA)",
+         &options.data, 0, 0, NULL},
     };
     char details[512] = "benches:";
     for (int i = 0; i < BENCH_COUNT; ++i) {

@@ -11,6 +11,7 @@ typedef struct bench_options {
     const char* scenes;    /* names or paths, comma-separated */
     const char* mesh;      /* file, or NULL */
     const char* reference; /* folder of NAME.exr, or NULL */
+    const char* data;      /* folder of third-party data, or NULL */
 } bench_options;
 
 typedef struct bench_session {
@@ -27,6 +28,7 @@ int bench_rays(const bench_session* bench);
 int bench_screen(const bench_session* bench);
 int bench_fld(const bench_session* bench);
 int bench_pop(const bench_session* bench);
+int bench_lpv(const bench_session* bench);
 int bench_load(const bench_session* bench);
 
 /* What all threads together do of multiply-adds, 1e9 operations/s: the median of a few runs. 0: no memory. */

@@ -24,13 +24,14 @@ typedef struct cli_method {
     bool crops;    /* whether it can render a part of the frame */
     /* Whether it is made for the scene; NULL: for all of them. */
     ty_result (*check)(const ty_scene* scene);
-    /* Renders, and fills in what the report says of the run: path, own_seconds, screen, fld, pop. Results as of
+    /* Renders, and fills in what the report says of the run: path, own_seconds, screen, fld, pop, lpv. Results as of
      * ty_path_render, but for TY_CANCELLED with *out NULL when a part is no picture. */
     ty_result (*render)(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
                         cli_report* report);
 } cli_method;
 
-extern const cli_method cli_method_path, cli_method_screen, cli_method_fld, cli_method_cda, cli_method_pop;
+extern const cli_method cli_method_path, cli_method_screen, cli_method_fld, cli_method_cda, cli_method_pop,
+    cli_method_lpv;
 
 /* NULL, after a message that names the known ones, if there is none of that name. */
 const cli_method* cli_find_method(const char* command, const char* name);
@@ -43,5 +44,7 @@ int32_t cli_word_index(const char* word, const char* const* words, int32_t count
 
 /* What paths are traced with: the request, the scene's settings, the session's progress. */
 ty_path_def cli_path_def(cli_session* session, const ty_scene* scene, const cli_request* request);
+/* Light propagation volumes by settings alone. */
+ty_lpv_def cli_lpv_def(const ty_lpv_settings* settings);
 
 #endif

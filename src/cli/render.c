@@ -54,6 +54,16 @@ static void print_pop_line(const cli_report* report) {
            pop->march_seconds);
 }
 
+static void print_lpv_line(const cli_report* report) {
+    const ty_lpv_stats* lpv = &report->lpv;
+    const int32_t* cells = lpv->size[0];
+    printf("%s: %dx%d, %dx%dx%d cells of %.3g m, %d iterations, %.3f s (injection %.3f, propagation %.3f, "
+           "image %.3f)\n",
+           report->method, report->width, report->height, cells[0], cells[1], cells[2], lpv->cell[0], lpv->iterations,
+           report->own_seconds, cli_lpv_injection_seconds(lpv), cli_lpv_propagation_seconds(lpv),
+           cli_lpv_image_seconds(lpv));
+}
+
 static void print_surfaces_line(const cli_report* report) {
     if (report->path.seconds > report->own_seconds)
         printf("surfaces: %.4g spp of path, %.2f s\n", report->path.spp, report->path.seconds - report->own_seconds);
@@ -71,6 +81,8 @@ static void print_closing_lines(const render_options* options, const cli_report*
         print_fld_line(report);
     else if (report->pop.isa != NULL)
         print_pop_line(report);
+    else if (report->lpv.isa != NULL)
+        print_lpv_line(report);
     else
         print_path_line(report);
     if (report->fld.isa != NULL || report->pop.isa != NULL) print_surfaces_line(report);
@@ -187,8 +199,8 @@ int cli_render(int count, char** arguments) {
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld, cda or pop (default: what the scene says)", &options.method,
-         0, 0, NULL},
+        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld, cda, pop or lpv (default: what the scene says)",
+         &options.method, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,

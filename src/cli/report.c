@@ -60,6 +60,59 @@ static void pop_stats(json_writer* json, const ty_pop_stats* pop) {
     json_close_object(json);
 }
 
+double cli_lpv_injection_seconds(const ty_lpv_stats* lpv) {
+    return lpv->map_seconds + lpv->reflected_seconds + lpv->scattered_seconds + lpv->blocker_seconds;
+}
+
+double cli_lpv_propagation_seconds(const ty_lpv_stats* lpv) {
+    return lpv->prepare_seconds + lpv->propagate_seconds + lpv->gather_seconds;
+}
+
+double cli_lpv_image_seconds(const ty_lpv_stats* lpv) {
+    return lpv->view_seconds + lpv->surface_seconds + lpv->march_seconds + lpv->single_seconds + lpv->compose_seconds;
+}
+
+static void lpv_lattices(json_writer* json, const ty_lpv_stats* lpv) {
+    json_open_array(json, "lattices");
+    for (int i = 0; i < TY_LPV_CASCADES_MAX && lpv->size[i][0] > 0; ++i) {
+        json_open_object(json, NULL);
+        json_numbers(json, "size", (const double[]){lpv->size[i][0], lpv->size[i][1], lpv->size[i][2]}, 3);
+        json_number(json, "cell", lpv->cell[i]);
+        json_close_object(json);
+    }
+    json_close_array(json);
+}
+
+static void lpv_stats(json_writer* json, const ty_lpv_stats* lpv) {
+    const struct {
+        const char* name;
+        const double* power;
+    } powers[] = {{"reflected", lpv->reflected}, {"scattered", lpv->scattered}, {"absorbed", lpv->absorbed},
+                  {"blocked", lpv->blocked},     {"escaped", lpv->escaped},     {"left", lpv->left}};
+    const struct {
+        const char* name;
+        double seconds;
+    } parts[] = {
+        {"medium_seconds", lpv->medium_seconds},       {"map_seconds", lpv->map_seconds},
+        {"reflected_seconds", lpv->reflected_seconds}, {"scattered_seconds", lpv->scattered_seconds},
+        {"blocker_seconds", lpv->blocker_seconds},     {"prepare_seconds", lpv->prepare_seconds},
+        {"propagate_seconds", lpv->propagate_seconds}, {"gather_seconds", lpv->gather_seconds},
+        {"view_seconds", lpv->view_seconds},           {"surface_seconds", lpv->surface_seconds},
+        {"march_seconds", lpv->march_seconds},         {"single_seconds", lpv->single_seconds},
+        {"compose_seconds", lpv->compose_seconds},
+    };
+    json_open_object(json, "lpv");
+    lpv_lattices(json, lpv);
+    json_integer(json, "iterations", lpv->iterations);
+    for (size_t i = 0; i < sizeof powers / sizeof powers[0]; ++i)
+        json_numbers(json, powers[i].name, powers[i].power, 3);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) json_number(json, parts[i].name, parts[i].seconds);
+    json_integer(json, "rays", lpv->rays);
+    json_number(json, "ray_seconds", lpv->ray_seconds);
+    json_text(json, "isa", lpv->isa);
+    json_close_object(json);
+}
+
 void cli_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
     json_text(json, "method", report->method);
@@ -89,6 +142,7 @@ void cli_report_stats(json_writer* json, const void* user) {
     }
     if (report->fld.isa != NULL) fld_stats(json, &report->fld);
     if (report->pop.isa != NULL) pop_stats(json, &report->pop);
+    if (report->lpv.isa != NULL) lpv_stats(json, &report->lpv);
     json_number(json, "load_seconds", report->load_seconds);
     json_number(json, "render_seconds", report->path.seconds);
     json_number(json, "render_cpu_seconds", report->path.cpu_seconds);

@@ -15,12 +15,18 @@ typedef struct cli_report {
     ty_screen_stats screen; /* method screen alone */
     ty_fld_stats fld;       /* methods fld and cda alone */
     ty_pop_stats pop;       /* method pop alone */
+    ty_lpv_stats lpv;       /* method lpv alone */
     uint64_t seed;
     int32_t width, height;
     double load_seconds;
     double fov_y; /* of the camera, degrees; 0: left out */
     bool resumed, complete;
 } cli_report;
+
+/* Parts of what lpv did: maps of lights and what comes of them; the lattice; the picture. */
+double cli_lpv_injection_seconds(const ty_lpv_stats* lpv);
+double cli_lpv_propagation_seconds(const ty_lpv_stats* lpv);
+double cli_lpv_image_seconds(const ty_lpv_stats* lpv);
 
 /* Adds a cli_report to --stats (cli_session.stats). */
 void cli_report_stats(json_writer* json, const void* user);

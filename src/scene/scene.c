@@ -56,6 +56,23 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .residuum = 0.1,
                                                    .tolerance = 1e-2,
                                                    .step = 1,
+                                                   .spp = 1},
+                                           .lpv = {.mode = "links",
+                                                   .parts = "all",
+                                                   .place = "scene",
+                                                   .resolution = 32,
+                                                   .cascades = 1,
+                                                   .bands = 2,
+                                                   .extent = 32,
+                                                   .window = -1,
+                                                   .tolerance = 0.01,
+                                                   .map_side = 256,
+                                                   .samples = 8,
+                                                   .block_side = 3,
+                                                   .shadow_side = 512,
+                                                   .shadow_rays = true,
+                                                   .half = true,
+                                                   .step = 1,
                                                    .spp = 1}};
     *out = scene;
     return TY_OK;

@@ -36,8 +36,8 @@ static ty_result fill_frame(figure_run* run, int frame, figure_picture pictures[
         snprintf(item, sizeof item, "frame %d, %s", frames[frame], row_titles[row]);
         result = pop_render(run, item, scene, row == 1 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)
-            result = pop_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false,
-                              plot_sheet_cell(sheet, row, frame), &errors);
+            result = figure_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false,
+                                 plot_sheet_cell(sheet, row, frame), &errors);
         if (result == TY_OK && row == 1)
             result = figure_expect(run, item, "mean ratio of split", "1", errors.mean_ratio, 1, 0.1);
     }
@@ -68,7 +68,7 @@ static ty_result compare_frames(figure_run* run, int frame, figure_picture (*pic
     plot_set_cell(table, line, 0, "%s", item);
     for (int row = 0; row < ROWS; ++row) {
         char change[16];
-        pop_format_error(changes[row], change);
+        figure_format_error(changes[row], change);
         plot_set_cell(table, line, 1 + row, "%s", change);
         plot_set_cell(table, line, 3 + row, "%+.2f %%", 100 * (means[row] - 1));
     }

@@ -28,7 +28,7 @@ static ty_result fill_cell(figure_run* run, const char* item, ty_scene* scene, i
     ty_result result = row == 2 ? figure_render(run, item, scene, &cli_method_fld, size, &pictures[row], &report)
                                 : pop_render(run, item, scene, row == 1 ? &settings : NULL, size, &pictures[row], NULL);
     if (result != TY_OK) return result;
-    return pop_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false, cell, errors);
+    return figure_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false, cell, errors);
 }
 
 static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {

@@ -116,7 +116,7 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
     if (result != TY_OK) return result;
     const figure_errors errors = pop_compare_fluence(&pop_cube_cells, (const double(*)[3])fluence, truth);
     const bool ours = modes[mode].mode == TY_POP_MODE_SPLIT;
-    pop_format_error(errors.relative_rmse, error);
+    figure_format_error(errors.relative_rmse, error);
     plot_set_cell(table, 2 + mode, 1 + 2 * column, "%.3f", errors.mean_ratio);
     plot_set_cell(table, 2 + mode, 2 + 2 * column, "%s", error);
     result = figure_note(run, item, "time", "s", stats.seconds);

@@ -24,7 +24,7 @@ static ty_result fill_cell(figure_run* run, ty_scene* scene, int row, int column
     snprintf(item, sizeof item, "%d ordinates, %s", (int)counts[column], choices[row]);
     ty_result result = pop_render(run, item, scene, &settings, size, &picture, NULL);
     if (result == TY_OK)
-        result = pop_show(run, item, scene, &picture, truth, false, plot_sheet_cell(sheet, row, 1 + column), errors);
+        result = figure_show(run, item, scene, &picture, truth, false, plot_sheet_cell(sheet, row, 1 + column), errors);
     figure_free_picture(&picture);
     return result;
 }
@@ -35,7 +35,7 @@ static ty_result fill_sheet(figure_run* run, ty_scene* scene, plot_sheet* sheet,
     figure_view_size(run, WIDTH, WIDTH, size);
     ty_result result = pop_render(run, "path tracing", scene, NULL, size, &truth, NULL);
     if (result == TY_OK)
-        result = pop_show(run, "path tracing", scene, &truth, NULL, false, plot_sheet_cell(sheet, 0, 0), NULL);
+        result = figure_show(run, "path tracing", scene, &truth, NULL, false, plot_sheet_cell(sheet, 0, 0), NULL);
     for (int row = 0; row < 2; ++row)
         for (int column = 0; column < COUNTS && result == TY_OK; ++column)
             result = fill_cell(run, scene, row, column, size, &truth, sheet, &errors->of[row][column]);

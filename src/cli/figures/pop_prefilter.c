@@ -34,8 +34,8 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {
         snprintf(item, sizeof item, "g %g, %s", cosines[column], row_titles[row]);
         result = pop_render(run, item, scene, row > 0 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)
-            result = pop_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false,
-                              plot_sheet_cell(sheet, row, column), NULL);
+            result = figure_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false,
+                                 plot_sheet_cell(sheet, row, column), NULL);
     }
     for (int row = 0; row < ROWS; ++row) figure_free_picture(&pictures[row]);
     ty_scene_destroy(scene);

@@ -35,7 +35,7 @@ static ty_result render_variant(figure_run* run, ty_scene* scene, int variant, c
     settings.iterations = variants[variant].iterations;
     settings.residuum = variants[variant].residuum;
     ty_result result = pop_render(run, variants[variant].title, scene, &settings, size, picture, stats);
-    if (result == TY_OK) result = pop_show(run, variants[variant].title, scene, picture, NULL, false, cell, NULL);
+    if (result == TY_OK) result = figure_show(run, variants[variant].title, scene, picture, NULL, false, cell, NULL);
     if (result == TY_OK)
         result = figure_note(run, variants[variant].title, "time of propagation", "s", propagation_seconds(stats));
     if (result == TY_OK) result = figure_note(run, variants[variant].title, "iterations", "1", stats->iterations);

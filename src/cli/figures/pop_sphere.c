@@ -112,8 +112,8 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet, plo
         if (row > 0) snprintf(settings.mode, sizeof settings.mode, "%s", mode_names[row - 1]);
         result = pop_render(run, own, scene, row > 0 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)
-            result = pop_show(run, own, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, row == 2,
-                              plot_sheet_cell(sheet, row, column), &errors);
+            result = figure_show(run, own, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, row == 2,
+                                 plot_sheet_cell(sheet, row, column), &errors);
         if (result == TY_OK && row == 1)
             result = figure_expect(run, own, "mean ratio of the picture", "1", errors.mean_ratio, 1, 0.1);
     }

@@ -23,28 +23,6 @@ ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const t
     return result;
 }
 
-void pop_format_error(double error, char out[16]) {
-    snprintf(out, 16, isnan(error) ? "< noise" : "%.3f", error);
-}
-
-ty_result pop_show(figure_run* run, const char* item, const ty_scene* scene, const figure_picture* picture,
-                   const figure_picture* truth, bool level, plot_cell* cell, figure_errors* errors) {
-    figure_errors own = {.mean_ratio = 1};
-    double exposure = ty_scene_camera(scene).exposure;
-    ty_result result = truth != NULL ? figure_compare(run, item, picture, truth, &own) : TY_OK;
-    if (level) exposure -= log2(own.mean_ratio);
-    if (result == TY_OK)
-        result = plot_picture_of_image(run->session->context, picture->image, exposure, &cell->picture);
-    if (result != TY_OK) return result;
-    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s%s", picture->seconds, level ? "; made as bright" : "");
-    if (truth == NULL) return TY_OK;
-    char error[16];
-    pop_format_error(own.relative_rmse, error);
-    snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %s", own.mean_ratio, error);
-    if (errors != NULL) *errors = own;
-    return TY_OK;
-}
-
 /* One column: variant -1 is the truth. */
 static ty_result show_variant(figure_run* run, const char* item, ty_scene* scene, const pop_variant* variant,
                               int column, const int32_t size[2], const figure_picture* truth, plot_sheet* sheet,
@@ -54,7 +32,8 @@ static ty_result show_variant(figure_run* run, const char* item, ty_scene* scene
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", variant->title);
     ty_result result = pop_render(run, own, scene, variant->settings, size, picture, NULL);
     if (result == TY_OK)
-        result = pop_show(run, own, scene, picture, truth, variant->level, plot_sheet_cell(sheet, 0, column), errors);
+        result =
+            figure_show(run, own, scene, picture, truth, variant->level, plot_sheet_cell(sheet, 0, column), errors);
     if (result != TY_OK || truth == NULL) return result;
     return figure_error_map(run, picture->image, truth->image, figure_block(truth->image),
                             &plot_sheet_cell(sheet, 1, column)->picture);

@@ -15,11 +15,6 @@ typedef struct pop_variant {
 ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const ty_pop_settings* settings,
                      const int32_t size[2], figure_picture* out, ty_pop_stats* stats);
 
-/* Shows a picture in a cell, and below it its time and, with a truth, how far it is from that. errors may be NULL.
- * level: made as bright as the truth, which is said. */
-ty_result pop_show(figure_run* run, const char* item, const ty_scene* scene, const figure_picture* picture,
-                   const figure_picture* truth, bool level, plot_cell* cell, figure_errors* errors);
-
 /* A sheet of one scene: path tracing and variants beside one another, and below them their errors; put on the page with
  * the colour bar. errors: one for each variant. */
 ty_result pop_show_variants(figure_run* run, const char* item, ty_scene* scene, const pop_variant* variants, int count,
@@ -31,9 +26,6 @@ ty_result pop_make_scene(figure_run* run, const char* text, const char* const* o
 
 /* Noise smoke, 2 m across, in such a room, with the paper's coefficients of Fig. 11. */
 ty_result pop_make_smoke(figure_run* run, const char* const* overrides, int32_t override_count, ty_scene** out);
-
-/* "0.123", or "< noise" for NaN. */
-void pop_format_error(double error, char out[16]);
 
 /* ---- fluence ---- */
 

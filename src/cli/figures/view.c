@@ -63,3 +63,25 @@ ty_result figure_compare(figure_run* run, const char* item, const figure_picture
     return figure_note(run, item, "times faster than 1000 paths a pixel", "1",
                        figure_paper_seconds(truth) / picture->seconds);
 }
+
+void figure_format_error(double error, char out[16]) {
+    snprintf(out, 16, isnan(error) ? "< noise" : "%.3f", error);
+}
+
+ty_result figure_show(figure_run* run, const char* item, const ty_scene* scene, const figure_picture* picture,
+                      const figure_picture* truth, bool level, plot_cell* cell, figure_errors* errors) {
+    figure_errors own = {.mean_ratio = 1};
+    double exposure = ty_scene_camera(scene).exposure;
+    ty_result result = truth != NULL ? figure_compare(run, item, picture, truth, &own) : TY_OK;
+    if (level) exposure -= log2(own.mean_ratio);
+    if (result == TY_OK)
+        result = plot_picture_of_image(run->session->context, picture->image, exposure, &cell->picture);
+    if (result != TY_OK) return result;
+    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s%s", picture->seconds, level ? "; made as bright" : "");
+    if (truth == NULL) return TY_OK;
+    char error[16];
+    figure_format_error(own.relative_rmse, error);
+    snprintf(cell->lines[1], PLOT_LABEL_SIZE, "mean ratio %.3f, rel. RMSE %s", own.mean_ratio, error);
+    if (errors != NULL) *errors = own;
+    return TY_OK;
+}

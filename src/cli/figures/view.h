@@ -37,4 +37,12 @@ ty_result figure_compare(figure_run* run, const char* item, const figure_picture
 /* Seconds that so many paths a pixel would take where a path-traced picture took what it did. */
 double figure_paper_seconds(const figure_picture* truth);
 
+/* Shows a picture in a cell, and below it its time and, with a truth, how far it is from that. errors may be NULL.
+ * level: made as bright as the truth, which is said. */
+ty_result figure_show(figure_run* run, const char* item, const ty_scene* scene, const figure_picture* picture,
+                      const figure_picture* truth, bool level, plot_cell* cell, figure_errors* errors);
+
+/* "0.123", or "< noise" for NaN. */
+void figure_format_error(double error, char out[16]);
+
 #endif

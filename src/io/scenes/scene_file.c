@@ -108,6 +108,27 @@ static void read_pop(const json_t* pop, ty_pop_settings* settings) {
     ty_read_number(pop, "step", &settings->step);
 }
 
+static void read_lpv(const json_t* lpv, ty_lpv_settings* settings) {
+    read_word(lpv, "mode", settings->mode);
+    read_word(lpv, "parts", settings->parts);
+    read_word(lpv, "place", settings->place);
+    ty_read_int(lpv, "resolution", &settings->resolution);
+    ty_read_int(lpv, "cascades", &settings->cascades);
+    ty_read_int(lpv, "bands", &settings->bands);
+    ty_read_number(lpv, "extent", &settings->extent);
+    ty_read_number(lpv, "window", &settings->window);
+    ty_read_int(lpv, "iterations", &settings->iterations);
+    ty_read_number(lpv, "tolerance", &settings->tolerance);
+    ty_read_int(lpv, "map_side", &settings->map_side);
+    ty_read_int(lpv, "samples", &settings->samples);
+    ty_read_int(lpv, "block_side", &settings->block_side);
+    ty_read_int(lpv, "shadow_side", &settings->shadow_side);
+    ty_read_bool(lpv, "shadow_rays", &settings->shadow_rays);
+    ty_read_bool(lpv, "half", &settings->half);
+    ty_read_number(lpv, "step", &settings->step);
+    ty_read_int(lpv, "spp", &settings->spp);
+}
+
 static void read_screen(const json_t* screen, ty_screen_settings* settings) {
     read_word(screen, "variant", settings->variant);
     read_word(screen, "spread", settings->spread);
@@ -129,6 +150,7 @@ static void read_render(const ty_scene_reader* reader) {
     read_screen(json_object_get(render, "screen"), &settings.screen);
     read_fld(json_object_get(render, "fld"), &settings.fld);
     read_pop(json_object_get(render, "pop"), &settings.pop);
+    read_lpv(json_object_get(render, "lpv"), &settings.lpv);
     ty_scene_set_render_settings(reader->scene, &settings);
 }
 

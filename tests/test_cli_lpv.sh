@@ -1,0 +1,205 @@
+#!/usr/bin/env bash
+# tyndall render and compare by lpv from outside: options, modes, parts, channels, lights, messages, interrupts.
+# usage: test_cli_lpv.sh TYNDALL DATA (empties the current folder)
+. "$(dirname "$0")/cli.sh"
+
+small='--size 24x16 -D render.lpv.resolution=8 -q'
+
+# lpv SCENE OUT ARGUMENT...: a small image, by lpv.
+lpv() {
+  small_by lpv "$@"
+}
+
+test_scenes_name_the_method() {
+  lpv fog.json asked.exr
+  expect 0 render fog.json -o named.exr --size 24x16 -q -D 'render={"method": "lpv", "lpv": {"resolution": 8}}'
+  same asked.exr named.exr
+  lpv fog.json again.exr --threads 1
+  same asked.exr again.exr
+}
+
+# Every key changes what it should, or nothing at all.
+test_options() {
+  lpv fog.json plain.exr
+  for option in mode=published resolution=10 place=camera cascades=2 bands=3 window=0.5 iterations=2 tolerance=0.3 \
+    map_side=32 samples=2 block_side=1 shadow_side=16 half=false step=0.3 spp=4; do
+    lpv fog.json other.exr -D "render.lpv.$option"
+    different plain.exr other.exr
+  done
+  for option in mode=links parts=all place=scene extent=5 cascades=1 bands=2 window=-1 window=0 iterations=0 \
+    tolerance=0.01 map_side=256 samples=8 block_side=3 shadow_side=512 shadow_rays=true half=true step=1 spp=1; do
+    lpv fog.json other.exr -D "render.lpv.$option"
+    same plain.exr other.exr
+  done
+  lpv fog.json wide.exr -D render.lpv.place=camera
+  lpv fog.json narrow.exr -D render.lpv.place=camera -D render.lpv.extent=6
+  different wide.exr narrow.exr
+}
+
+# What the paper compares with: each less or other than all of it.
+test_parts() {
+  lpv fog.json full.exr
+  last=full.exr
+  for parts in shadow_map plain plain_march single both; do
+    lpv fog.json $parts.exr -D render.lpv.parts=$parts
+    different $last $parts.exr
+    different full.exr $parts.exr
+    last=$parts.exr
+  done
+}
+
+# Surfaces in clear air, and media without surfaces.
+test_without() {
+  lpv clear.json clear.exr
+  lpv clear.json direct.exr -D render.lpv.parts=shadow_map
+  different clear.exr direct.exr
+  expect 0 info clear.exr
+  said out.txt '^G  *[0-9.e-]+  *[0-9.]*[1-9]'
+  lpv air.json air.exr
+  expect 0 info air.exr
+  said out.txt '^G  *[0-9.e-]+  *[0-9.]*[1-9]'
+}
+
+test_wrong_options() {
+  refused_options lpv << 'END'
+mod=links did you mean .*mode
+mode=link did you mean .*links
+parts=al render.lpv.parts
+place=scen did you mean .*scene
+resolution=3 render.lpv.resolution: 3 is outside \[4, 256\]
+resolution=257 render.lpv.resolution
+extent=0 render.lpv.extent
+cascades=0 render.lpv.cascades
+cascades=7 render.lpv.cascades
+bands=1 render.lpv.bands
+bands=4 render.lpv.bands
+window=-2 render.lpv.window
+window=-0.5 lpv.window: -0.5 is outside \[0, 1\]
+window=2 render.lpv.window
+iterations=-1 render.lpv.iterations
+iterations=4097 render.lpv.iterations
+tolerance=0 render.lpv.tolerance
+tolerance=1 render.lpv.tolerance
+map_side=8 render.lpv.map_side
+samples=0 render.lpv.samples
+block_side=17 render.lpv.block_side
+shadow_side=4097 render.lpv.shadow_side
+shadow_rays=1 render.lpv.shadow_rays
+half=no render.lpv.half
+step=9 render.lpv.step
+spp=65 render.lpv.spp
+END
+}
+
+test_lights() {
+  usage_error 'lpv: lights\[0\] is an area light; directional, spot and point lights are all' \
+    render builtin:cornell_fog -o no.exr --method lpv
+  usage_error 'lpv: lights\[1\] is an environment; directional, spot and point lights are all' \
+    render fog.json -o no.exr --method lpv -D 'lights[1]={"type": "environment", "radiance": 1}'
+  absent no.exr
+}
+
+test_channels() {
+  lpv fog.json all.exr --aov single,multiple,transmittance,depth,normal
+  expect 0 info all.exr
+  for channel in R G B single.R multiple.B transmittance.G depth.Z normal.X; do said out.txt "^$channel "; done
+  lpv fog.json plain.exr
+  same all.exr plain.exr
+  for aov in albedo variance; do
+    usage_error "--aov: the method lpv has no '$aov'" render fog.json -o no.exr --method lpv --aov $aov
+  done
+  usage_error '--crop: the method lpv renders whole frames' render fog.json -o no.exr --method lpv --crop 0,0,8x8
+  absent no.exr
+}
+
+test_statistics() {
+  for mode in links published; do
+    lpv fog.json out.exr --stats stats.json -D render.lpv.mode=$mode -D render.lpv.cascades=2
+    valid_json stats.json
+    said stats.json '"method": "lpv"'
+    for name in size reflected scattered absorbed blocked escaped left; do said stats.json "\"$name\": \\["; done
+    for name in cell iterations medium_seconds map_seconds reflected_seconds scattered_seconds blocker_seconds \
+      prepare_seconds propagate_seconds gather_seconds view_seconds surface_seconds march_seconds single_seconds \
+      compose_seconds rays ray_seconds; do
+      said stats.json "\"$name\": [0-9.e-]+"
+    done
+    said stats.json '"rays": [1-9]'
+    unsaid stats.json 'nan|inf'
+  done
+  expect 0 render fog.json -o out.exr --method lpv --size 24x16 -D render.lpv.resolution=8 -D render.lpv.iterations=5
+  said out.txt '^lpv: 24x16, [0-9]+x[0-9]+x[0-9]+ cells of [0-9.]+ m, 5 iterations, '
+  unsaid out.txt '^surfaces'
+}
+
+test_compare() {
+  expect 0 compare fog.json --methods path,lpv --size 16x16 --spp 4 -D render.lpv.resolution=8 -o compared -q
+  for name in path lpv; do present compared/$name.exr; done
+}
+
+test_builtin() {
+  for name in atrium fog_cornell; do
+    expect 0 render builtin:$name -o out.exr --size 32x18 -D render.lpv.resolution=16
+    said out.txt '^lpv: 32x18'
+  done
+}
+
+test_bench() {
+  expect 0 bench lpv --size 32x18 --runs 1
+  for words in 'propagate, 8 times' 'GFLOP/s, of peak' 'Mrays/s' 'as the power [0-9.-]+ of cells' 'a frame of .*32x18'; do
+    said out.txt "$words"
+  done
+  expect 0 bench lpv --size 32x18 --runs 1 --json --data nowhere
+  cp out.txt bench.json
+  valid_json bench.json
+  said bench.json '"fraction_of_peak": [0-9.]+'
+  said bench.json '"scene": "atrium"'
+  unsaid bench.json nan
+}
+
+test_interrupt() {
+  start render builtin:atrium -o cut.exr --png cut.png --size 4096x4096 -D render.lpv.spp=64 \
+    -D render.lpv.resolution=128
+  kill -INT "$process"
+  finished 130
+  absent cut.exr
+  absent cut.png
+}
+
+cat > fog.json << 'END'
+{
+  "tyndall": 1,
+  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
+  "media": [{"bounds": [[-3, -1, -3], [3, 2, 5]], "sigma_s": [0.2, 0.3, 0.4], "sigma_a": 0.05, "g": 0.4}],
+  "lights": [
+    {"type": "spot", "position": [0, 1.8, 0], "direction": [-0.2, -1, -0.1], "intensity": 9},
+    {"type": "directional", "direction": [-1, -2, -0.5], "irradiance": 2}
+  ],
+  "geometry": [
+    {"quad": {"origin": [-3, -1, 3], "u": [6, 0, 0], "v": [0, 0, -6]}, "material": {"albedo": 0.6}},
+    {"box": [[-0.4, -1, -0.4], [0.4, 0, 0.4]], "material": {"albedo": [0.8, 0.3, 0.2]}}
+  ]
+}
+END
+cat > clear.json << 'END'
+{
+  "tyndall": 1,
+  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
+  "lights": [{"type": "point", "position": [0, 1.8, 0], "intensity": 9}],
+  "geometry": [
+    {"quad": {"origin": [-3, -1, 3], "u": [6, 0, 0], "v": [0, 0, -6]}, "material": {"albedo": 0.6}},
+    {"box": [[-0.4, -1, -0.4], [0.4, 0, 0.4]], "material": {"albedo": [0.8, 0.3, 0.2]}}
+  ]
+}
+END
+cat > air.json << 'END'
+{
+  "tyndall": 1,
+  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
+  "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 1, "sigma_a": 0.1}],
+  "lights": [{"type": "point", "position": [0, 1.8, 0], "intensity": 9}]
+}
+END
+
+for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
+no_temporary_files
+finish 200
