@@ -18,7 +18,6 @@ typedef struct view_case {
     ty_grid_medium* medium;
     ty_light_map* map;
     ty_lit_map* lit;
-    int32_t light;
     ty_lpv_image_job job;
 } view_case;
 
@@ -109,7 +108,6 @@ static void begin_case(view_case* at, ty_scene* scene, const double lower[3], do
                                  .light = {&at->lattice, 1},
                                  .medium = at->medium,
                                  .maps = (const ty_lit_map* const*)&at->lit,
-                                 .lights = &at->light,
                                  .map_count = at->lit != NULL ? 1 : 0};
 }
 

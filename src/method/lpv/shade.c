@@ -90,7 +90,7 @@ static bool reflect_light(const ty_lpv_frame* frame, int32_t index, const ty_lig
 
 static void add_light(ty_lpv_frame* frame, int32_t index, ty_lpv_tile* tile) {
     const ty_lit_map* map = frame->job->maps[index];
-    const ty_light_view* view = &frame->scene->lights.lights[frame->job->lights[index]];
+    const ty_light_view* view = &frame->scene->lights.lights[index];
     shadow_packet packet = {.count = 0};
     for (int32_t i = 0; i < tile->count; ++i) {
         ty_lpv_pixel* pixel = &tile->pixels[i];
