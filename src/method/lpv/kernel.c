@@ -52,8 +52,8 @@ typedef int32_t whole_lanes __attribute__((vector_size(BYTES)));
 typedef struct cell_block {
     const ty_lpv_row* row;
     int32_t begin, count;
-    bool near; /* whether any of the links is not open */
-    float open[TY_LPV_LINKS][LANES];
+    uint32_t near; /* bits of the links that are not open */
+    _Alignas(BYTES) float open[TY_LPV_LINKS][LANES];
 } cell_block;
 
 TY_INLINE lanes load(const float* from) {
@@ -64,12 +64,6 @@ TY_INLINE lanes load(const float* from) {
 
 TY_INLINE void store(float* to, lanes value) {
     memcpy(to, &value, sizeof value);
-}
-
-TY_INLINE float total(lanes value) {
-    float sum = 0.0f;
-    for (int i = 0; i < LANES; ++i) sum += value[i];
-    return sum;
 }
 
 TY_INLINE lanes size_of(lanes value) {
@@ -130,28 +124,6 @@ TY_INLINE void gather_two(const cell_block* block, const float* at, bool near, l
 #undef LINK
 }
 
-/* What surfaces stop on the way out, by its lobes back, and what of it would have left the lattice. */
-TY_INLINE lanes stop_two(const cell_block* block, const float* at, lanes lobes[4], float left[3]) {
-    const ty_lpv_row* row = block->row;
-    const ty_lpv_shapes* shapes = row->shapes;
-    const int32_t last = row->count - 1 - block->begin;
-    lanes stopped_at_border = {0};
-#define LINK(dx, dy, dz, k)                                                                                            \
-    {                                                                                                                  \
-        const int32_t kind = abs(dx) + abs(dy) + abs(dz) - 1;                                                          \
-        const lanes leaving = along_two(at, row->pitch.term, shapes, -(dx), -(dy), -(dz));                             \
-        const lanes stopped = (1.0f - load(block->open[k])) * (shapes->even[kind] * leaving);                          \
-        add_two(lobes, stopped, 1.0f, shapes->lobe[kind], dx, dy, dz);                                                 \
-        if (row->leaves[1][k] != 0) stopped_at_border += stopped;                                                      \
-        if (block->begin == 0 && row->leaves[0][k] != row->leaves[1][k]) left[0] += stopped[0];                        \
-        if (row->count > 1 && last < LANES && row->leaves[2][k] != row->leaves[1][k])                         \
-            left[2] += stopped[last];                                                                                  \
-    }
-    EACH_LINK(LINK)
-#undef LINK
-    return stopped_at_border;
-}
-
 /* ---- three bands ---- */
 
 TY_INLINE void gather_three(const cell_block* block, const float* at, bool near, lanes sum[TY_SH_TERMS]) {
@@ -170,71 +142,99 @@ TY_INLINE void gather_three(const cell_block* block, const float* at, bool near,
 #undef LINK
 }
 
-TY_INLINE lanes stop_three(const cell_block* block, const float* at, lanes lobes[TY_SH_TERMS], float left[3]) {
-    const ty_lpv_row* row = block->row;
-    const int32_t last = row->count - 1 - block->begin;
-    lanes stopped_at_border = {0};
-    for (int32_t k = 0; k < TY_LPV_LINKS; ++k) {
-        const float *shape = row->shapes->all[k < TY_LPV_HALF_LINKS ? k + TY_LPV_HALF_LINKS : k - TY_LPV_HALF_LINKS],
-                    *lobe = row->shapes->lobes[k];
-        lanes leaving = shape[0] * load(at);
-        for (int32_t t = 1; t < TY_SH_TERMS; ++t) leaving += shape[t] * load(at + t * row->pitch.term);
-        const lanes stopped = (1.0f - load(block->open[k])) * (shape[0] * leaving);
-        for (int32_t t = 0; t < TY_SH_TERMS; ++t) lobes[t] += lobe[t] * stopped;
-        if (row->leaves[1][k] != 0) stopped_at_border += stopped;
-        if (block->begin == 0 && row->leaves[0][k] != row->leaves[1][k]) left[0] += stopped[0];
-        if (row->count > 1 && last < LANES && row->leaves[2][k] != row->leaves[1][k]) left[2] += stopped[last];
-    }
-    return stopped_at_border;
+/* ---- surfaces ---- */
+
+static const uint32_t all_links = (1u << TY_LPV_LINKS) - 1;
+
+/* The next link of a set, which it is taken from. */
+TY_INLINE int32_t take_link(uint32_t* links) {
+    const int32_t k = __builtin_ctz(*links);
+    *links &= *links - 1;
+    return k;
 }
 
-/* ---- all bands ---- */
+/* All open: what find_open starts from. */
+TY_INLINE void open_all(cell_block* block, uint32_t links) {
+    while (links != 0) {
+        const int32_t k = take_link(&links);
+        for (int32_t i = 0; i < LANES; ++i) block->open[k][i] = 1.0f;
+    }
+}
 
 /* What links into the block let pass, 0..1. */
 TY_INLINE void find_open(cell_block* block) {
     const size_t first = block->row->first + (size_t)block->begin;
-    const int32_t count = block->count < LANES ? block->count : LANES;
-    for (int32_t k = 0; k < TY_LPV_LINKS; ++k) {
+    for (uint32_t links = block->near; links != 0;) {
+        const int32_t k = take_link(&links);
         const uint8_t* from = block->row->open[k] + first;
-        if (count == LANES) {
+        if (block->count >= LANES) {
             for (int32_t i = 0; i < LANES; ++i) block->open[k][i] = (float)from[i] * (1.0f / 255.0f);
             continue;
         }
-        for (int32_t i = 0; i < LANES; ++i) block->open[k][i] = i < count ? (float)from[i] * (1.0f / 255.0f) : 1.0f;
+        for (int32_t i = 0; i < block->count; ++i) block->open[k][i] = (float)from[i] * (1.0f / 255.0f);
     }
 }
 
-/* Sums of a channel, a lane a cell; what the ends' stopped light takes from what leaves is apart. */
-typedef struct lane_sums {
-    lanes arrived, size, goes_on, kept, left;
-    float ends[3];
-} lane_sums;
+/* What surfaces stop on the way out, by its lobes back. Returns what of it would have left the lattice. */
+TY_INLINE lanes stop(const cell_block* block, const float* at, int32_t terms, lanes* lobes) {
+    const ty_lpv_row* row = block->row;
+    const int32_t last = row->count - 1 - block->begin;
+    const bool begins = block->begin == 0, ends = row->count > 1 && last < LANES;
+    lanes own[TY_SH_TERMS], at_border = {0};
+    for (int32_t t = 0; t < terms; ++t) own[t] = load(at + t * row->pitch.term);
+    for (uint32_t links = block->near; links != 0;) {
+        const int32_t k = take_link(&links);
+        const float* shape = row->shapes->all[k < TY_LPV_HALF_LINKS ? k + TY_LPV_HALF_LINKS : k - TY_LPV_HALF_LINKS];
+        const float* lobe = row->shapes->lobes[k];
+        lanes leaving = shape[0] * own[0];
+        for (int32_t t = 1; t < terms; ++t) leaving += shape[t] * own[t];
+        const lanes stopped = (1.0f - load(block->open[k])) * (shape[0] * leaving);
+        lobes[0] += stopped;
+        for (int32_t t = 1; t < terms; ++t) lobes[t] += lobe[t] * stopped;
+        if (row->leaves[1][k] != 0) {
+            at_border += stopped;
+            continue;
+        }
+        if (begins && row->leaves[0][k] != 0) at_border[0] += stopped[0];
+        if (ends && row->leaves[2][k] != 0) at_border[last] += stopped[last];
+    }
+    return at_border;
+}
+
+/* ---- all of it ---- */
+
+TY_INLINE void add_sum(float* sums, lanes value) {
+    store(sums, load(sums) + value);
+}
 
 /* Light stopped near the block's cells comes back to them; the rest of it is surfaces'. */
 TY_INLINE void turn_back(const cell_block* block, const float* at, int32_t channel, int32_t terms, lanes* sum,
-                         lane_sums* sums) {
+                         float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
     const ty_lpv_row* row = block->row;
     lanes lobes[TY_SH_TERMS] = {{0}};
-    sums->left -= terms == 4 ? stop_two(block, at, lobes, sums->ends) : stop_three(block, at, lobes, sums->ends);
+    add_sum(sums[TY_LPV_LEFT], -stop(block, at, terms, lobes));
     if (row->albedo[channel] == NULL) {
-        sums->kept += lobes[0];
+        add_sum(sums[TY_LPV_KEPT], lobes[0]);
         return;
     }
     lanes albedo = {0};
-    for (int32_t i = 0; i < LANES && i < block->count; ++i) albedo[i] = row->albedo[channel][block->begin + i];
-    sums->kept += (1.0f - albedo) * lobes[0];
+    if (block->count >= LANES) albedo = load(row->albedo[channel] + block->begin);
+    for (int32_t i = 0; block->count < LANES && i < block->count; ++i)
+        albedo[i] = row->albedo[channel][block->begin + i];
+    add_sum(sums[TY_LPV_KEPT], (1.0f - albedo) * lobes[0]);
     for (int32_t t = 0; t < terms; ++t) sum[t] += albedo * lobes[t];
 }
 
-TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t terms, lane_sums* sums) {
+TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t terms,
+                          float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
     const ty_lpv_row* row = block->row;
     const ptrdiff_t term = row->pitch.term, place = channel * terms * term + block->begin;
     const float* at = row->from + place;
     lanes sum[TY_SH_TERMS] = {{0}};
-    if (terms == 4 && block->near) gather_two(block, at, true, sum);
-    if (terms == 4 && !block->near) gather_two(block, at, false, sum);
-    if (terms != 4) gather_three(block, at, block->near, sum);
-    if (block->near) turn_back(block, at, channel, terms, sum, sums);
+    if (terms == 4 && block->near != 0) gather_two(block, at, true, sum);
+    if (terms == 4 && block->near == 0) gather_two(block, at, false, sum);
+    if (terms != 4) gather_three(block, at, block->near != 0, sum);
+    if (block->near != 0) turn_back(block, at, channel, terms, sum, sums);
     for (int32_t t = 0; t < terms; ++t) {
         const lanes value = within(sum[t], block->count);
         const lanes passed = value * load(row->pass[channel][t == 0 ? 0 : t < 4 ? 1 : 2] + block->begin);
@@ -242,12 +242,14 @@ TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t term
         store(row->to + place + t * term, passed);
         store(add, load(add) + value);
         if (t > 0) continue;
-        sums->arrived += value;
-        sums->size += size_of(value);
-        sums->goes_on += passed;
+        add_sum(sums[TY_LPV_ARRIVED], value);
+        add_sum(sums[TY_LPV_SIZE], size_of(value));
+        add_sum(sums[TY_LPV_GOES_ON], passed);
     }
     if (!row->border) return;
-    for (int32_t t = 0; t < terms; ++t) sums->left += row->out[1][t] * load(at + t * term);
+    lanes left = {0};
+    for (int32_t t = 0; t < terms; ++t) left += row->out[1][t] * load(at + t * term);
+    add_sum(sums[TY_LPV_LEFT], left);
 }
 
 /* What the ends of a row send out of the lattice beyond what cells between them do. */
@@ -261,25 +263,31 @@ TY_INLINE float left_at_ends(const ty_lpv_row* row, int32_t channel, int32_t ter
     return left;
 }
 
-TY_INLINE void step_row(const ty_lpv_row* row, int32_t terms, ty_lpv_row_sums* out) {
-    lane_sums sums[3] = {{.arrived = {0}}};
-    cell_block block = {.row = row};
-    for (; block.begin < row->count; block.begin += LANES) {
-        block.count = row->count - block.begin;
-        block.near = row->near != NULL && row->near[block.begin / TY_LPV_BLOCK] != 0;
-        if (block.near) find_open(&block);
-        for (int32_t c = 0; c < 3; ++c) step_block(&block, c, terms, &sums[c]);
-    }
-    for (int32_t c = 0; c < 3; ++c) {
-        out->arrived[c] = total(sums[c].arrived);
-        out->size[c] = total(sums[c].size);
-        out->goes_on[c] = total(sums[c].goes_on);
-        out->kept[c] = total(sums[c].kept);
-        out->left[c] = total(sums[c].left) + left_at_ends(row, c, terms) - sums[c].ends[0] - sums[c].ends[2];
+/* Asks for the rows that the next one begins with. */
+TY_INLINE void fetch_next(const ty_lpv_row* row) {
+    const ptrdiff_t line = 64 / (ptrdiff_t)sizeof(float);
+    for (ptrdiff_t i = 0; i < row->pitch.row; i += line) {
+        __builtin_prefetch(row->from + row->pitch.plane + 2 * row->pitch.row + i, 0, 2);
+        __builtin_prefetch(row->to + row->pitch.row + i, 1, 2);
+        __builtin_prefetch(row->sum + row->pitch.row + i, 1, 2);
     }
 }
 
-static void step(const ty_lpv_row* row, ty_lpv_row_sums* sums) {
+TY_INLINE void step_row(const ty_lpv_row* row, int32_t terms, ty_lpv_lane_sums* sums) {
+    cell_block block = {.row = row};
+    if (row->near != NULL) open_all(&block, all_links);
+    fetch_next(row);
+    for (; block.begin < row->count; block.begin += LANES) {
+        block.count = row->count - block.begin;
+        block.near = row->near != NULL ? row->near[block.begin / TY_LPV_BLOCK] : 0;
+        find_open(&block);
+        for (int32_t c = 0; c < 3; ++c) step_block(&block, c, terms, sums->sums[c]);
+        open_all(&block, block.near);
+    }
+    for (int32_t c = 0; c < 3; ++c) sums->sums[c][TY_LPV_LEFT][0] += left_at_ends(row, c, terms);
+}
+
+static void step(const ty_lpv_row* row, ty_lpv_lane_sums* sums) {
     if (row->terms == 4)
         step_row(row, 4, sums);
     else

@@ -13,20 +13,19 @@ typedef struct ty_lpv_pitch {
     ptrdiff_t term, row, plane;
 } ty_lpv_pitch;
 
-/* Links' shapes by how many axes they go along, less 1: of two bands alone. */
+/* Links' shapes: of two bands also by how many axes they go along, less 1. */
 typedef struct ty_lpv_shapes {
-    float even[3], along[3];                /* first term; each component of the second band */
-    float lobe[3];                          /* of a cosine about the link, for a power of 1: the same of the second */
-    float all[TY_LPV_LINKS][TY_SH_TERMS];   /* for three bands */
-    float lobes[TY_LPV_LINKS][TY_SH_TERMS]; /* cosines about the links */
-    float power;                            /* of a first term of 1 */
+    float even[3], along[3]; /* first term; each component of the second band */
+    float all[TY_LPV_LINKS][TY_SH_TERMS];
+    float lobes[TY_LPV_LINKS][TY_SH_TERMS]; /* cosines about the links, of a first term of 1 */
 } ty_lpv_shapes;
 
-/* Sums over the cells of a row, in first terms: of what arrived, the same without signs, what of it goes on, what
- * surfaces stop, what they keep of that, and what leaves the lattice. */
-typedef struct ty_lpv_row_sums {
-    float arrived[3], size[3], goes_on[3], kept[3], left[3];
-} ty_lpv_row_sums;
+/* Sums of first terms, per channel and lane: of what arrived, the same without signs, what of it goes on, what surfaces
+ * keep, and what leaves the lattice. */
+enum { TY_LPV_ARRIVED, TY_LPV_SIZE, TY_LPV_GOES_ON, TY_LPV_KEPT, TY_LPV_LEFT, TY_LPV_SUMS };
+typedef struct ty_lpv_lane_sums {
+    _Alignas(64) float sums[3][TY_LPV_SUMS][TY_LPV_BLOCK];
+} ty_lpv_lane_sums;
 
 /* A row of cells, all channels. */
 typedef struct ty_lpv_row {
@@ -39,7 +38,7 @@ typedef struct ty_lpv_row {
     const float* pass[3][TY_LPV_BANDS_MAX];  /* per channel and band, in whole blocks */
     const uint8_t* const* open;              /* of all cells, by link */
     size_t first;                            /* of this row's cells there */
-    const uint8_t* near;                     /* per block: whether any link is not open */
+    const uint32_t* near;                    /* per block: bits of the links that are not open; NULL: all are */
     const float* albedo[3];                  /* of the row; NULL: nothing comes back */
     float out[3][TY_SH_TERMS];               /* what of a cell's terms leaves the lattice if links are open, in first
                                                 terms: at the first cell, between, at the last one */
@@ -49,7 +48,8 @@ typedef struct ty_lpv_row {
 } ty_lpv_row;
 
 typedef struct ty_lpv_kernels {
-    void (*step)(const ty_lpv_row* row, ty_lpv_row_sums* sums);
+    /* Adds to sums. */
+    void (*step)(const ty_lpv_row* row, ty_lpv_lane_sums* sums);
 } ty_lpv_kernels;
 
 extern const ty_lpv_kernels ty_lpv_kernels_v1, ty_lpv_kernels_v3, ty_lpv_kernels_v4;

@@ -23,7 +23,6 @@ static ty_lpv_shapes make_shapes(const ty_lpv_transfer* transfer) {
         const int32_t k = ty_lpv_link(1, kind > 0, kind > 1);
         shapes.even[kind] = shapes.all[k][0];
         shapes.along[kind] = shapes.all[k][3];
-        shapes.lobe[kind] = shapes.lobes[k][3];
     }
     return shapes;
 }
@@ -83,12 +82,14 @@ static void find_near(void* user, int64_t z, int32_t worker) {
         for (int32_t b = 0; b < march->blocks; ++b) {
             const int32_t begin = b * TY_LPV_BLOCK;
             const int32_t count = size[0] - begin < TY_LPV_BLOCK ? size[0] - begin : TY_LPV_BLOCK;
-            uint8_t all = 255;
+            uint32_t links = 0;
             for (int32_t k = 0; k < TY_LPV_LINKS; ++k) {
                 const uint8_t* open = march->lattice->open[k] + row * (size_t)size[0] + begin;
+                uint8_t all = 255;
                 for (int32_t i = 0; i < count; ++i) all &= open[i];
+                links |= (all != 255 ? 1u : 0u) << k;
             }
-            march->near[row * (size_t)march->blocks + (size_t)b] = all != 255;
+            march->near[row * (size_t)march->blocks + (size_t)b] = links;
         }
     }
 }
@@ -113,7 +114,7 @@ static ty_result take_memory(ty_lpv_march* march) {
     march->slabs = ty_alloc_array(context, (size_t)march->lattice->box.size[2], sizeof *march->slabs, true);
     if (march->slabs == NULL) return TY_ERROR_MEMORY;
     if (!march->lattice->blocked) return TY_OK;
-    march->near = ty_alloc_array(context, march->near_count, 1, true);
+    march->near = ty_alloc_array(context, march->near_count, sizeof *march->near, false);
     return march->near == NULL ? TY_ERROR_MEMORY : TY_OK;
 }
 
@@ -125,7 +126,7 @@ void ty_lpv_march_destroy(ty_lpv_march* march) {
     for (int32_t c = 0; c < march->planes; ++c)
         ty_free_array(context, march->factors[c], TY_FACTORS * march->factor_floats, sizeof(float));
     ty_free_array(context, march->slabs, (size_t)march->lattice->box.size[2], sizeof *march->slabs);
-    ty_free_array(context, march->near, march->near_count, 1);
+    ty_free_array(context, march->near, march->near_count, sizeof *march->near);
 }
 
 ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv_march* march) {
@@ -195,13 +196,19 @@ static void point_at(const ty_lpv_march* march, int32_t y, int32_t z, ty_lpv_row
     }
 }
 
-static void add_row(const ty_lpv_row_sums* row, ty_lpv_sums* sums) {
+static double add_lanes(const float lanes[TY_LPV_BLOCK]) {
+    double sum = 0;
+    for (int32_t i = 0; i < TY_LPV_BLOCK; ++i) sum += (double)lanes[i];
+    return sum;
+}
+
+static void add_slab(const ty_lpv_lane_sums* row, ty_lpv_sums* sums) {
     for (int32_t c = 0; c < 3; ++c) {
-        sums->arrived[c] += (double)row->arrived[c];
-        sums->size[c] += (double)row->size[c];
-        sums->goes_on[c] += (double)row->goes_on[c];
-        sums->kept[c] += (double)row->kept[c];
-        sums->left[c] += (double)row->left[c];
+        sums->arrived[c] += add_lanes(row->sums[c][TY_LPV_ARRIVED]);
+        sums->size[c] += add_lanes(row->sums[c][TY_LPV_SIZE]);
+        sums->goes_on[c] += add_lanes(row->sums[c][TY_LPV_GOES_ON]);
+        sums->kept[c] += add_lanes(row->sums[c][TY_LPV_KEPT]);
+        sums->left[c] += add_lanes(row->sums[c][TY_LPV_LEFT]);
     }
 }
 
@@ -215,13 +222,14 @@ static void step_slab(void* user, int64_t index, int32_t worker) {
                       .shapes = &march->shapes,
                       .open = (const uint8_t* const*)march->lattice->open};
     march->slabs[z] = (ty_lpv_sums){.arrived = {0}};
+    ty_lpv_lane_sums sums;
+    memset(&sums, 0, sizeof sums);
     for (int32_t y = 0; y < size[1]; ++y) {
         if (y < 2 || y == size[1] - 1) find_border(march, y, z, &row); /* alike for all rows between */
         point_at(march, y, z, &row);
-        ty_lpv_row_sums sums;
         march->kernels->step(&row, &sums);
-        add_row(&sums, &march->slabs[z]);
     }
+    add_slab(&sums, &march->slabs[z]);
 }
 
 static ty_lpv_sums add_slabs(const ty_lpv_march* march) {

@@ -7,7 +7,7 @@
 /* Per cell, of ty_lpv_medium_step. */
 enum { TY_FACTOR_PASS = 0, TY_FACTOR_LENGTH = 3, TY_FACTOR_SHOWN = 4, TY_FACTOR_SEEN = 5, TY_FACTORS = 8 };
 
-/* Sums over a slab of cells, or over all, in first terms. */
+/* Sums over a slab of cells, or over all, in first terms: see ty_lpv_lane_sums. */
 typedef struct ty_lpv_sums {
     double arrived[3], size[3], goes_on[3], kept[3], left[3];
 } ty_lpv_sums;
@@ -27,7 +27,7 @@ typedef struct ty_lpv_march {
     bool even;               /* media are the same everywhere: factors are of one row */
     float* factors[3];       /* TY_FACTORS after one another, rows of whole blocks */
     size_t factor_floats;    /* of each factor */
-    uint8_t* near;           /* per block: whether any link into it is not open; NULL: all are */
+    uint32_t* near;          /* per block: bits of the links into it that are not open; NULL: all are */
     size_t near_count;
     ty_lpv_sums* slabs;      /* per z */
 } ty_lpv_march;

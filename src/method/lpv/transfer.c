@@ -5,7 +5,7 @@
 
 /* ---- directions ---- */
 
-enum { PATCH_POINTS = 240 }; /* along the sides of a cube's faces */
+enum { PATCH_POINTS = 48 }; /* along the sides of a cube's faces */
 
 typedef struct patch_sums {
     double solid_angle, terms[TY_SH_TERMS];
