@@ -194,6 +194,61 @@ static void fuzzy_blockers(void** state) {
     ty_scene_destroy(scene);
 }
 
+/* ---- leaks ---- */
+
+/* The walls of a room, a cell thick: its inside and its outside. */
+static void add_room(ty_scene* scene, double half, double thickness, double turn) {
+    for (int i = 0; i < 2; ++i) {
+        ty_shape_def def = ty_default_shape_def();
+        const double size = half + i * thickness, rotate[3] = {turn, 2 * turn, 0}, unit[3] = {1, 1, 1};
+        def.kind = TY_SHAPE_BOX;
+        set3(def.origin, -size, -size, -size);
+        set3(def.u, size, size, size);
+        set3f(def.albedo, 0.5f, 0.5f, 0.5f);
+        def.transform = ty_affine_compose((const double[3]){0.041, -0.027, 0.013}, rotate, unit);
+        check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &def));
+    }
+}
+
+/* How many cells a cell is from the middle of a lattice of 24. */
+static int32_t cells_out(size_t cell) {
+    int32_t out = 0;
+    for (int a = 0; a < 3; ++a) {
+        const int32_t place = (int32_t)(a == 0 ? cell % 24 : a == 1 ? cell / 24 % 24 : cell / 576) - 12;
+        out = place >= 0 ? (place > out ? place : out) : (-1 - place > out ? -1 - place : out);
+    }
+    return out;
+}
+
+/* All around is lit, and the room stays dark, however it is turned. */
+static void sealed_rooms_stay_dark(void** state) {
+    static const double turns[3] = {0, 10, 33};
+    const ty_grid_box box = cube_box(3, 24);
+    for (int i = 0; i < 3; ++i) {
+        ty_scene* scene = make_scene(*state);
+        add_room(scene, 1, 0.25, turns[i]);
+        ty_lattice* lattice = blocked_by(scene, &box, TY_LPV_MODE_LINKS, 3);
+        const ty_lpv_def def = {.parts = TY_LPV_ALL, .bands = 2, .window = -1, .tolerance = 0.01};
+        ty_lattice_power power = {.iterations = 0};
+        double inside = 0, outside = 0;
+        int64_t rays = 0;
+        check_result(*state, ty_lattice_cross(lattice, scene, &rays));
+        assert_true(rays > 1000);
+        for (size_t cell = 0; cell < lattice->cells; ++cell)
+            for (int c = 0; c < 3; ++c) lattice->flow[c][0][cell] = cells_out(cell) > 9 ? 1 : 0;
+        check_result(*state, ty_lattice_propagate(lattice, &def, NULL, NULL, NULL, NULL, &power));
+        for (size_t cell = 0; cell < lattice->cells; ++cell) {
+            const double light = (double)lattice->light[1][0][cell];
+            if (cells_out(cell) < 2) inside = fmax(inside, light);
+            if (cells_out(cell) == 8) outside = fmax(outside, light);
+        }
+        assert_true(outside > 0);
+        assert_true(inside < 1e-4 * outside);
+        ty_lattice_destroy(lattice);
+        ty_scene_destroy(scene);
+    }
+}
+
 /* ---- light ---- */
 
 typedef struct lit_case {
@@ -457,12 +512,54 @@ static void threads_do_not_matter(void** state) {
     }
 }
 
+/* Whatever is refused, nothing is lost. */
+static void no_memory(void** state) {
+    (void)state;
+    strict_memory memory = {.limit = (size_t)1 << 30, .until_refusal = -1};
+    ty_context* context = strict_context(&memory);
+    const ty_grid_box box = cube_box(2, 8);
+    ty_scene* scene = make_scene(context);
+    const ty_medium_def fog = box_medium(box.lower, box.upper, 0.3f, 0);
+    check_result(context, ty_scene_add_medium(scene, &fog));
+    add_solid(scene, TY_SHAPE_SPHERE, 1.3);
+    add_light(scene, TY_LIGHT_SPOT, (const double[3]){0, 1.8, 0}, down);
+    lit_case made = lit(scene, &box, 2, 32);
+    const size_t before = memory.used;
+    for (int call = 0; call < 5; ++call) {
+        ty_result result = TY_ERROR_MEMORY;
+        for (int64_t n = 0; result != TY_OK; ++n) {
+            ty_surfel* surfels = NULL;
+            size_t count = 0, capacity = 0;
+            double power[3] = {0, 0, 0};
+            const ty_surfel surfel = {.normal = {1, 0, 0}, .area = 0.01f};
+            assert_true(n < 100);
+            memory.until_refusal = n;
+            if (call == 0) result = ty_surfels_trace(scene, &box, 3, &surfels, &count, &capacity, NULL);
+            if (call == 1) result = ty_lattice_block(made.lattice, TY_LPV_MODE_LINKS, &surfel, 1);
+            if (call == 2) result = ty_lattice_cross(made.lattice, scene, NULL);
+            if (call == 3)
+                result = ty_lattice_inject_reflected(made.lattice, &made.def, &made.lamp, made.medium, power);
+            if (call == 4)
+                result = ty_lattice_inject_scattered(made.lattice, &made.def, &made.lamp, made.medium, power);
+            memory.until_refusal = -1;
+            if (result != TY_OK) assert_int_equal(result, TY_ERROR_MEMORY);
+            if (n == 0) assert_int_equal(result, TY_ERROR_MEMORY);
+            ty_free_array(context, surfels, capacity, sizeof *surfels);
+            assert_int_equal(memory.used, before);
+            ty_clear_error(context);
+        }
+    }
+    forget(&made);
+    ty_context_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(surfels_have_the_area, start_context, stop_context),
         cmocka_unit_test_setup_teardown(walls_close_links, start_context, stop_context),
         cmocka_unit_test_setup_teardown(links_are_alike_both_ways, start_context, stop_context),
         cmocka_unit_test_setup_teardown(fuzzy_blockers, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(sealed_rooms_stay_dark, start_context, stop_context),
         cmocka_unit_test_setup_teardown(floors_reflect, start_context, stop_context),
         cmocka_unit_test(windows),
         cmocka_unit_test_setup_teardown(fog_is_on_the_way, start_context, stop_context),
@@ -472,6 +569,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(samples_stay_on_the_lit_side, start_context, stop_context),
         cmocka_unit_test_setup_teardown(small_steps, start_context, stop_context),
         cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

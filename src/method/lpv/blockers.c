@@ -1,10 +1,9 @@
 /* What surfaces stop between cells. */
 #include "base/context.h"
 #include "base/parallel.h"
-#include "method/lpv/inject.h"
+#include "method/lpv/links.h"
 
 #include <stdatomic.h>
-#include <stdlib.h>
 
 /* Mode links: how much more area than there is counts, so that a wall that few rays met still closes all of a link. */
 static const float slack = 1.25f;
@@ -26,7 +25,7 @@ typedef struct block_job {
     ty_lpv_mode mode;
     const ty_surfel* surfels;
     size_t count;
-    ty_lpv_transfer transfer;
+    ty_lpv_transfer transfer;      /* mode published */
     float (*corners)[CORNER_SUMS]; /* (size + 1) each way */
     _Atomic bool failed, blocked;
 } block_job;
@@ -113,58 +112,33 @@ static uint8_t opening(block_job* job, float blocked) {
 
 /* ---- mode links ---- */
 
-/* The cell's number; false outside of the lattice. */
-static bool cell_index(const ty_lattice* lattice, const int32_t cell[3], size_t* index) {
-    const int32_t* size = lattice->box.size;
-    for (int a = 0; a < 3; ++a)
-        if (cell[a] < 0 || cell[a] >= size[a]) return false;
-    *index = (size_t)cell[0] + (size_t)size[0] * ((size_t)cell[1] + (size_t)size[1] * (size_t)cell[2]);
-    return true;
-}
-
-/* Both directions of a link between two cells, one of which may be outside. */
-static void set_opening(block_job* job, int32_t link, const int32_t cube[3], float blocked) {
-    const ty_lattice* lattice = job->lattice;
-    const int32_t* step = job->transfer.step[link];
-    const uint8_t open = opening(job, blocked);
-    int32_t from[3], to[3];
-    size_t index;
-    for (int a = 0; a < 3; ++a) {
-        from[a] = cube[a] - (step[a] > 0 ? 1 : 0);
-        to[a] = from[a] + step[a];
-    }
-    if (cell_index(lattice, to, &index)) lattice->open[link][index] = open;
-    if (cell_index(lattice, from, &index)) lattice->open[link + TY_LPV_HALF_LINKS][index] = open;
-}
-
 /* All links of one direction: surfaces belong to the link in the cube about whose middle they are. */
 static void close_links(void* user, int64_t link, int32_t worker) {
     (void)worker;
     block_job* job = user;
-    const ty_lattice* lattice = job->lattice;
-    const int32_t* step = job->transfer.step[link];
-    const int32_t shift[3] = {abs(step[0]), abs(step[1]), abs(step[2])};
-    const ty_vec way = ty_vec_make((float)step[0], (float)step[1], (float)step[2]);
-    const cube_grid all = cubes_of(lattice, shift);
-    const int32_t* size = all.size;
-    int32_t cube[3];
-    const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
+    ty_lattice* lattice = job->lattice;
+    const ty_link_grid grid = ty_link_grid_of(lattice, (int32_t)link);
+    const int32_t shift[3] = {abs(grid.step[0]), abs(grid.step[1]), abs(grid.step[2])};
+    const ty_vec way = ty_vec_make((float)grid.step[0], (float)grid.step[1], (float)grid.step[2]);
+    const cube_grid cubes = cubes_of(lattice, shift);
     const float per_face = slack / (lattice->cell * lattice->cell);
-    float* sums = ty_alloc_array(lattice->context, count, sizeof *sums, true);
-    if (sums == NULL) {
+    int32_t cube[3];
+    float* covered = ty_alloc_array(lattice->context, grid.count, sizeof *covered, true);
+    if (covered == NULL) {
         atomic_store(&job->failed, true);
         return;
     }
     for (size_t i = 0; i < job->count; ++i) {
         const float across = fabsf(ty_dot(job->surfels[i].normal, way));
-        if (!(across > 1e-4f) || !cube_at(&all, job->surfels[i].position, cube)) continue;
-        sums[cube[0] + (size_t)size[0] * (size_t)(cube[1] + size[1] * cube[2])] += job->surfels[i].area * across;
+        if (!(across > 1e-4f) || !cube_at(&cubes, job->surfels[i].position, cube)) continue;
+        covered[ty_link_at(&grid, cube)] += job->surfels[i].area * across * per_face;
     }
-    const float* next = sums;
-    for (cube[2] = 0; cube[2] < size[2]; ++cube[2])
-        for (cube[1] = 0; cube[1] < size[1]; ++cube[1])
-            for (cube[0] = 0; cube[0] < size[0]; ++cube[0]) set_opening(job, (int32_t)link, cube, *next++ * per_face);
-    ty_free_array(lattice->context, sums, count, sizeof *sums);
+    const float* next = covered;
+    for (cube[2] = 0; cube[2] < grid.size[2]; ++cube[2])
+        for (cube[1] = 0; cube[1] < grid.size[1]; ++cube[1])
+            for (cube[0] = 0; cube[0] < grid.size[0]; ++cube[0])
+                ty_link_set(lattice, (int32_t)link, &grid, cube, opening(job, *next++));
+    ty_free_array(lattice->context, covered, grid.count, sizeof *covered);
 }
 
 /* ---- mode published ---- */
@@ -213,14 +187,14 @@ ty_result ty_lattice_block(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfe
     const int64_t rows = (int64_t)lattice->box.size[1] * lattice->box.size[2];
     const size_t corners = corner_count(lattice);
     block_job job = {.lattice = lattice, .mode = mode, .surfels = surfels, .count = count};
-    ty_lpv_transfer_make(lattice->bands, mode == TY_LPV_MODE_LINKS, &job.transfer);
     job.corners = ty_alloc_array(lattice->context, corners, sizeof *job.corners, true);
     if (job.corners == NULL) return TY_ERROR_MEMORY;
     add_corners(&job);
     ty_parallel_flushed(lattice->context, rows, find_albedo, &job);
-    if (mode == TY_LPV_MODE_PUBLISHED)
+    if (mode == TY_LPV_MODE_PUBLISHED) {
+        ty_lpv_transfer_make(lattice->bands, false, &job.transfer);
         ty_parallel_flushed(lattice->context, rows, fuzzy_row, &job);
-    else
+    } else
         ty_parallel_flushed(lattice->context, TY_LPV_HALF_LINKS, close_links, &job);
     ty_free_array(lattice->context, job.corners, corners, sizeof *job.corners);
     lattice->blocked = atomic_load(&job.blocked);

@@ -24,6 +24,11 @@ ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_
  * fuzzy blockers, B in two bands in cells half a cell off, as <B | G_j>. */
 ty_result ty_lattice_block(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfel* surfels, size_t count);
 
+/* Mode links, after ty_lattice_block, where there is a mesh: closes every link that a surface crosses on the straight
+ * way from cell to cell, which areas alone do not where surfaces are slanted. Links near closed ones are looked at.
+ * Errors: TY_ERROR_MEMORY. */
+ty_result ty_lattice_cross(ty_lattice* lattice, const ty_scene* scene, int64_t* rays);
+
 /* A light and its map. */
 typedef struct ty_lpv_lamp {
     const ty_light_view* light;

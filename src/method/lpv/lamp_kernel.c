@@ -92,19 +92,41 @@ static void clip(const ty_lamp_rays* r, const float lower[3], const float upper[
 
 /* ---- what parts scatter ---- */
 
-/* The number of the cell at a place in cells; -1 outside. */
-TY_FN int32_t cell_at(const int32_t size[3], float x, float y, float z) {
-    const bool inside =
-        x >= 0.0f && y >= 0.0f && z >= 0.0f && x < (float)size[0] && y < (float)size[1] && z < (float)size[2];
-    const int32_t cell = (int32_t)ty_clampf(x, 0.0f, (float)(size[0] - 1)) +
-                         size[0] * ((int32_t)ty_clampf(y, 0.0f, (float)(size[1] - 1)) +
-                                    size[1] * (int32_t)ty_clampf(z, 0.0f, (float)(size[2] - 1)));
-    return inside ? cell : -1;
+/* The number of a cell along an axis, moved inside. */
+TY_FN int32_t inside_of(float place, int32_t size) {
+    return (int32_t)ty_clampf(place, 0.0f, (float)(size - 1));
+}
+
+TY_FN int32_t is_inside(float place, int32_t size) {
+    return (int32_t)(place >= 0.0f) & (int32_t)(place < (float)size);
+}
+
+/* The cells of points along rays, moved off the surfaces that these end on, so that the cells' middles are on the lit
+ * side; what that moves out of the lattice stays. */
+static void find_cells(const ty_lamp_parts* parts, const ty_lamp_rays* r, const float* along, int32_t* cells) {
+    const ty_lamp_parts p = *parts;
+    const float per_cell = 1.0f / p.cell;
+    const int32_t nx = p.size[0], ny = p.size[1], nz = p.size[2];
+#pragma omp simd
+    for (int32_t i = 0; i < r->count; ++i) {
+        const float at = along[i], before = r->length[i] - at;
+        const float u = r->normal[0][i], v = r->normal[1][i], w = r->normal[2][i];
+        const float facing = -(r->way[0][i] * u + r->way[1][i] * v + r->way[2][i] * w);
+        const float clearance = 0.5f * p.cell * (fabsf(u) + fabsf(v) + fabsf(w));
+        const float missing = before < p.near_end ? ty_maxf(0.0f, clearance - before * facing) * per_cell : 0.0f;
+        const float x = (r->origin[0][i] + at * r->way[0][i] - p.lower[0]) * per_cell;
+        const float y = (r->origin[1][i] + at * r->way[1][i] - p.lower[1]) * per_cell;
+        const float z = (r->origin[2][i] + at * r->way[2][i] - p.lower[2]) * per_cell;
+        const float to_x = x + missing * u, to_y = y + missing * v, to_z = z + missing * w;
+        const int32_t stays = is_inside(to_x, nx) & is_inside(to_y, ny) & is_inside(to_z, nz);
+        const int32_t i_x = inside_of(stays != 0 ? to_x : x, nx), i_y = inside_of(stays != 0 ? to_y : y, ny);
+        cells[i] = i_x + nx * (i_y + ny * inside_of(stays != 0 ? to_z : z, nz));
+    }
 }
 
 static void part(const ty_lamp_parts* given, const ty_lamp_rays* r, int32_t part, ty_lamp_splats* out) {
     const ty_lamp_parts p = *given;
-    const float index = (float)part, per_cell = 1.0f / p.cell;
+    const float index = (float)part;
     float from[TY_LAMP_RAYS], length[TY_LAMP_RAYS], extinction = 0.0f;
     for (int32_t c = 0; c < p.channels; ++c) extinction += p.extinction[c] / (float)p.channels;
 #pragma omp simd
@@ -128,19 +150,10 @@ static void part(const ty_lamp_parts* given, const ty_lamp_rays* r, int32_t part
         }
     }
 #pragma omp simd
-    for (int32_t i = 0; i < r->count; ++i) {
-        const float at = from[i] + ty_lamp_place(r->jitter[i], length[i], extinction), before = r->length[i] - at;
-        const float nx = r->normal[0][i], ny = r->normal[1][i], nz = r->normal[2][i];
-        const float facing = -(r->way[0][i] * nx + r->way[1][i] * ny + r->way[2][i] * nz);
-        const float clearance = 0.5f * p.cell * (fabsf(nx) + fabsf(ny) + fabsf(nz));
-        const float missing = before < p.near_end ? ty_maxf(0.0f, clearance - before * facing) * per_cell : 0.0f;
-        const float x = (r->origin[0][i] + at * r->way[0][i] - p.lower[0]) * per_cell;
-        const float y = (r->origin[1][i] + at * r->way[1][i] - p.lower[1]) * per_cell;
-        const float z = (r->origin[2][i] + at * r->way[2][i] - p.lower[2]) * per_cell;
-        const int32_t moved = cell_at(p.size, x + missing * nx, y + missing * ny, z + missing * nz);
-        const int32_t cell = moved >= 0 ? moved : cell_at(p.size, x, y, z);
-        out->cell[i] = length[i] > 0.0f && r->share[i] > 0.0f ? cell : -1;
-    }
+    for (int32_t i = 0; i < r->count; ++i) from[i] += ty_lamp_place(r->jitter[i], length[i], extinction);
+    find_cells(&p, r, from, out->cell);
+    for (int32_t i = 0; i < r->count; ++i)
+        if (!(length[i] > 0.0f && r->share[i] > 0.0f)) out->cell[i] = -1;
 }
 
 const ty_lamp_kernels TY_JOIN(ty_lamp_kernels_, TY_ISA) = {.rays = rays, .clip = clip, .part = part};
