@@ -56,29 +56,41 @@ static ty_scene* blocks_in_fog(ty_context* context, const ty_light_def* light, d
 
 /* ---- images ---- */
 
-/* Airlight by rays at random places in each pixel, as far as the first surface; mean of the channels. seconds: of rays'
- * airlight alone. */
-static void airlight_image(const ty_scene* scene, const ty_airlight* airlight, double* image, double* seconds) {
+typedef struct eye_ray {
+    ty_vec way;
+    float far;
+} eye_ray;
+
+/* Rays at even places of each pixel, as far as the first surface. */
+static ty_vec find_rays(const ty_scene* scene, eye_ray* rays) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     const ty_camera_def def = ty_scene_camera(scene);
     const ty_camera_view camera = ty_camera_get_view(&def, WIDTH, HEIGHT);
-    *seconds = 0;
-    for (int32_t i = 0; i < WIDTH * HEIGHT; ++i) {
-        image[i] = 0;
-        for (int64_t k = 0; k < RAYS; ++k) {
-            double at[4];
-            even_point(RAYS * i + k, at);
-            const ty_vec way =
-                ty_camera_direction(&camera, (float)(i % WIDTH + at[0]), (float)((int)(i / WIDTH) + at[1]));
-            ty_hit hit;
-            float radiance[3], far = INFINITY;
-            if (ty_mesh_intersect(view->mesh, camera.origin, way, TY_FLOAT_MAX, &hit)) far = hit.distance;
-            const double begun = ty_wall_seconds();
-            ty_airlight_ray(airlight, camera.origin, way, far, 1, radiance, NULL);
-            *seconds += ty_wall_seconds() - begun;
-            for (int c = 0; c < 3; ++c) image[i] += (double)radiance[c] / (3 * RAYS);
-        }
+    for (int32_t i = 0; i < RAYS * WIDTH * HEIGHT; ++i) {
+        const int32_t pixel = i / RAYS;
+        double at[4];
+        ty_hit hit;
+        even_point(i, at);
+        rays[i].way =
+            ty_camera_direction(&camera, (float)(pixel % WIDTH + at[0]), (float)((int)(pixel / WIDTH) + at[1]));
+        const bool met = ty_mesh_intersect(view->mesh, camera.origin, rays[i].way, TY_FLOAT_MAX, &hit);
+        rays[i].far = met ? hit.distance : INFINITY;
     }
+    return camera.origin;
+}
+
+/* Airlight, the mean of the channels, and the processor seconds that it takes. */
+static double airlight_image(const ty_scene* scene, const ty_airlight* airlight, double* image) {
+    static eye_ray rays[RAYS * WIDTH * HEIGHT];
+    const ty_vec eye = find_rays(scene, rays);
+    const double begun = ty_cpu_seconds();
+    memset(image, 0, WIDTH * HEIGHT * sizeof *image);
+    for (int32_t i = 0; i < RAYS * WIDTH * HEIGHT; ++i) {
+        float radiance[3];
+        ty_airlight_ray(airlight, eye, rays[i].way, rays[i].far, 1, radiance, NULL);
+        for (int c = 0; c < 3; ++c) image[i / RAYS] += (double)radiance[c] / (3 * RAYS);
+    }
+    return ty_cpu_seconds() - begun;
 }
 
 static void path_image(const ty_scene* scene, int32_t spp, uint64_t seed, double* image) {
@@ -146,8 +158,7 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
     const ty_lit_map* const maps[1] = {lit};
     const ty_airlight_def def = {medium, maps, 1};
     must(context, ty_airlight_create(scene, &def, &airlight));
-    double seconds;
-    airlight_image(scene, airlight, image, &seconds);
+    const double seconds = airlight_image(scene, airlight, image);
     for (int i = 0; i < 2; ++i) path_image(scene, PASSES, 1 + (uint64_t)i, halves[i]);
     compare(name, image, halves, seconds);
     ty_airlight_destroy(airlight);
