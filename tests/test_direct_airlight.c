@@ -261,7 +261,7 @@ static ty_scene* fog_of(ty_context* context, int32_t light, bool on_cells) {
     set3(fog.box_min, -1, -1, -1);
     set3(fog.box_max, 1, 1, 1);
     fog = coloured(fog);
-    if (on_cells) fog.density_grid = even_grid(context, 8);
+    if (on_cells) fog.density_grid = even_grid(context, 48);
     add_medium(scene, fog);
     ty_grid_destroy(fog.density_grid);
     if (light == 0) direct_add_sun(scene, -0.2, -1, -0.1, 3);
@@ -298,8 +298,8 @@ static void even_media_on_cells(void** state) {
         }
         printf("%-6s on 48^3 cells: ratio %.4f, mean error %.4f; reach off by %.3f, transmittance by %.3f at most\n",
                names[light], sums[1] / sums[0], off / sums[0], reach, passed);
-        assert_close(sums[1] / sums[0], 1, 0.06);
-        assert_true(off < 0.1 * sums[0] && reach < 0.25 && passed < 0.03);
+        assert_close(sums[1] / sums[0], 1, 0.02);
+        assert_true(off < 0.02 * sums[0] && reach < 0.06 && passed < 0.03);
         air_end(&even);
         air_end(&cells);
     }

@@ -6,8 +6,20 @@
 
 enum { WIDTH = 64, HEIGHT = 48, RAYS = 4, PASSES = 160, MAP_SIDE = 512 };
 
+typedef enum density { EVEN, UNEVEN } density;
+
+static ty_grid* noise_of(ty_context* context) {
+    ty_noise_def noise = ty_default_noise_def();
+    ty_grid* grid = NULL;
+    noise.kind = TY_NOISE_FBM;
+    noise.size[0] = noise.size[1] = noise.size[2] = 48;
+    noise.octaves = 3;
+    must(context, ty_grid_noise(context, &noise, &grid));
+    return grid;
+}
+
 /* A room without walls, 6 m wide: a floor and four blocks in a box of fog. */
-static ty_scene* blocks_in_fog(ty_context* context, const ty_light_def* light, double g) {
+static ty_scene* blocks_in_fog(ty_context* context, const ty_light_def* light, double g, density kind) {
     static const double block[4][6] = {{-1.6, -1, -0.8, 0.5, 1.5, 0.5},
                                        {0.2, -1, -1.4, 0.6, 0.9, 0.6},
                                        {1.2, -1, 0.3, 0.4, 2, 0.4},
@@ -17,7 +29,10 @@ static ty_scene* blocks_in_fog(ty_context* context, const ty_light_def* light, d
     fog.box_min[1] = -1;
     fog.box_max[1] = 2.5;
     rgb(fog.sigma_s, 0.12, 0.15, 0.2);
+    if (kind == UNEVEN) fog.density_grid = noise_of(context);
+    if (kind == UNEVEN) fog.scale = 3;
     add_medium(scene, &fog);
+    ty_grid_destroy(fog.density_grid);
     add_light(scene, light);
     ty_shape_def floor = ty_default_shape_def();
     floor.kind = TY_SHAPE_BOX;
@@ -41,29 +56,41 @@ static ty_scene* blocks_in_fog(ty_context* context, const ty_light_def* light, d
 
 /* ---- images ---- */
 
-/* Airlight by rays at random places in each pixel, as far as the first surface; mean of the channels. seconds: of rays'
- * airlight alone. */
-static void airlight_image(const ty_scene* scene, const ty_airlight* airlight, double* image, double* seconds) {
+typedef struct eye_ray {
+    ty_vec way;
+    float far;
+} eye_ray;
+
+/* Rays at even places of each pixel, as far as the first surface. */
+static ty_vec find_rays(const ty_scene* scene, eye_ray* rays) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     const ty_camera_def def = ty_scene_camera(scene);
     const ty_camera_view camera = ty_camera_get_view(&def, WIDTH, HEIGHT);
-    *seconds = 0;
-    for (int32_t i = 0; i < WIDTH * HEIGHT; ++i) {
-        image[i] = 0;
-        for (int64_t k = 0; k < RAYS; ++k) {
-            double at[4];
-            even_point(RAYS * i + k, at);
-            const ty_vec way =
-                ty_camera_direction(&camera, (float)(i % WIDTH + at[0]), (float)((int)(i / WIDTH) + at[1]));
-            ty_hit hit;
-            float radiance[3], far = INFINITY;
-            if (ty_mesh_intersect(view->mesh, camera.origin, way, TY_FLOAT_MAX, &hit)) far = hit.distance;
-            const double begun = ty_wall_seconds();
-            ty_airlight_ray(airlight, camera.origin, way, far, 1, radiance, NULL);
-            *seconds += ty_wall_seconds() - begun;
-            for (int c = 0; c < 3; ++c) image[i] += (double)radiance[c] / (3 * RAYS);
-        }
+    for (int32_t i = 0; i < RAYS * WIDTH * HEIGHT; ++i) {
+        const int32_t pixel = i / RAYS;
+        double at[4];
+        ty_hit hit;
+        even_point(i, at);
+        rays[i].way =
+            ty_camera_direction(&camera, (float)(pixel % WIDTH + at[0]), (float)((int)(pixel / WIDTH) + at[1]));
+        const bool met = ty_mesh_intersect(view->mesh, camera.origin, rays[i].way, TY_FLOAT_MAX, &hit);
+        rays[i].far = met ? hit.distance : INFINITY;
     }
+    return camera.origin;
+}
+
+/* Airlight, the mean of the channels, and the processor seconds that it takes. */
+static double airlight_image(const ty_scene* scene, const ty_airlight* airlight, double* image) {
+    static eye_ray rays[RAYS * WIDTH * HEIGHT];
+    const ty_vec eye = find_rays(scene, rays);
+    const double begun = ty_cpu_seconds();
+    memset(image, 0, WIDTH * HEIGHT * sizeof *image);
+    for (int32_t i = 0; i < RAYS * WIDTH * HEIGHT; ++i) {
+        float radiance[3];
+        ty_airlight_ray(airlight, eye, rays[i].way, rays[i].far, 1, radiance, NULL);
+        for (int c = 0; c < 3; ++c) image[i / RAYS] += (double)radiance[c] / (3 * RAYS);
+    }
+    return ty_cpu_seconds() - begun;
 }
 
 static void path_image(const ty_scene* scene, int32_t spp, uint64_t seed, double* image) {
@@ -105,18 +132,18 @@ static void compare(const char* name, const double* image, double* const halves[
     const double count = WIDTH * HEIGHT, ratio = mean / wanted, unit = wanted / count;
     error = sqrt(error) / count / unit;
     const double rmse = sqrt(fmax(0, square - noise) / count) / unit;
-    printf("%-18s mean ratio %.4f +- %.4f, relative RMSE net of noise %.4f (noise %.4f), %.0f ns a ray\n", name, ratio,
+    printf("%-20s mean ratio %.4f +- %.4f, relative RMSE net of noise %.4f (noise %.4f), %.0f ns a ray\n", name, ratio,
            error, rmse, sqrt(noise / count) / unit, 1e9 * seconds / (count * RAYS));
     if (!(error < 0.005)) fail_msg("%s: too noisy to tell", name);
     if (!(fabs(ratio - 1) < 0.02)) fail_msg("%s: the means' ratio is %g", name, ratio);
     if (!(rmse < 0.1)) fail_msg("%s: the images differ by %g", name, rmse);
 }
 
-static void check(ty_context* context, const char* name, const ty_light_def* light, double g) {
+static void check(ty_context* context, const char* name, const ty_light_def* light, double g, density kind) {
     static double image[WIDTH * HEIGHT], first[WIDTH * HEIGHT], second[WIDTH * HEIGHT];
     static const double lower[3] = {-3, -1.2, -3}, upper[3] = {3, 2.5, 3};
     double* const halves[2] = {first, second};
-    ty_scene* scene = blocks_in_fog(context, light, g);
+    ty_scene* scene = blocks_in_fog(context, light, g, kind);
     const ty_light_view* view = &ty_scene_get_view(scene)->lights.lights[0];
     const ty_light_map_def map_def = {.side = MAP_SIDE, .lower = lower, .upper = upper};
     ty_grid_box box;
@@ -124,15 +151,14 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
     ty_light_map* map = NULL;
     ty_lit_map* lit = NULL;
     ty_airlight* airlight = NULL;
-    must(context, ty_grid_box_fit(scene, 8, &box));
+    must(context, ty_grid_box_fit(scene, 48, &box));
     must(context, ty_grid_medium_create(scene, &box, &medium));
     must(context, ty_light_map_trace(scene, &map_def, 0, &map, NULL));
     must(context, ty_lit_map_create(context, view, map, &lit));
     const ty_lit_map* const maps[1] = {lit};
     const ty_airlight_def def = {medium, maps, 1};
     must(context, ty_airlight_create(scene, &def, &airlight));
-    double seconds;
-    airlight_image(scene, airlight, image, &seconds);
+    const double seconds = airlight_image(scene, airlight, image);
     for (int i = 0; i < 2; ++i) path_image(scene, PASSES, 1 + (uint64_t)i, halves[i]);
     compare(name, image, halves, seconds);
     ty_airlight_destroy(airlight);
@@ -145,15 +171,17 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
 static void test_sun(void** state) {
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2);
     set3(sun.direction, -0.5, -1, -0.35);
-    check(*state, "sun, g 0", &sun, 0);
-    check(*state, "sun, g 0.7", &sun, 0.7);
+    check(*state, "sun, g 0", &sun, 0, EVEN);
+    check(*state, "sun, g 0.7", &sun, 0.7, EVEN);
+    check(*state, "sun, g 0.4, uneven", &sun, 0.4, UNEVEN);
 }
 
 static void test_point(void** state) {
     ty_light_def point = light_of(TY_LIGHT_POINT, 2);
     set3(point.position, 0.4, 1.3, -0.3);
-    check(*state, "point, g 0", &point, 0);
-    check(*state, "point, g 0.7", &point, 0.7);
+    check(*state, "point, g 0", &point, 0, EVEN);
+    check(*state, "point, g 0.7", &point, 0.7, EVEN);
+    check(*state, "point, g 0.4, uneven", &point, 0.4, UNEVEN);
 }
 
 static void test_spot(void** state) {
@@ -162,8 +190,9 @@ static void test_spot(void** state) {
     set3(spot.direction, -0.5, -1, -0.4);
     spot.cone = 60;
     spot.penumbra = 0.3;
-    check(*state, "spot, g 0", &spot, 0);
-    check(*state, "spot, g 0.7", &spot, 0.7);
+    check(*state, "spot, g 0", &spot, 0, EVEN);
+    check(*state, "spot, g 0.7", &spot, 0.7, EVEN);
+    check(*state, "spot, g 0.4, uneven", &spot, 0.4, UNEVEN);
 }
 
 int main(void) {

@@ -6,8 +6,6 @@
 #include "direct/transmittance.k.h"
 #include "direct/uncollided.h"
 
-enum { LIGHTS_MAX = 64 };
-
 /* ---- what the media are ---- */
 
 /* Whether a medium's coefficients are the same everywhere. */
@@ -63,8 +61,9 @@ static ty_result find_light(const ty_airlight* airlight, const ty_lit_map* map, 
 ty_result ty_airlight_create(const ty_scene* scene, const ty_airlight_def* def, ty_airlight** out) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
-    if (def->count < 0 || def->count > LIGHTS_MAX)
-        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "airlight: %d lights are not 0..%d", def->count, LIGHTS_MAX);
+    if (def->count < 0 || def->count > TY_AIR_LIGHTS_MAX)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "airlight: %d lights are not 0..%d", def->count,
+                       TY_AIR_LIGHTS_MAX);
     ty_airlight* airlight = ty_alloc_array(scene->context, 1, sizeof *airlight, true);
     if (airlight == NULL) return TY_ERROR_MEMORY;
     airlight->context = scene->context;

@@ -21,8 +21,9 @@ ty_result ty_airlight_create(const ty_scene* scene, const ty_airlight_def* def, 
 void ty_airlight_destroy(ty_airlight* airlight);
 
 /* Radiance, W m^-2 sr^-1, that arrives at the origin of a ray (unit direction) from [0, far], scattered once,
- * extinction up to there and from the light included; and the transmittance of the same stretch (may be NULL). May be
- * called from any thread. offset: (0, 1], where steps begin, in media that are not homogeneous. */
+ * extinction up to there and from the light included, but not what media send by themselves; and the transmittance of
+ * the same stretch (may be NULL). May be called from any thread. offset: (0, 1], where steps begin, in media that are
+ * not homogeneous. */
 void ty_airlight_ray(const ty_airlight* airlight, ty_vec origin, ty_vec direction, float far, float offset,
                      float radiance[3], float transmittance[3]);
 

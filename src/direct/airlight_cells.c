@@ -3,11 +3,6 @@
 #include "direct/airlight_parts.h"
 #include "direct/single.k.h"
 
-enum { LIGHTS_MAX = 64 };
-
-/* Optical depth behind which nothing is seen. */
-#define UNSEEN 20.0f
-
 /* A light and the stretches that it reaches. */
 typedef struct cell_light {
     const ty_air_light* of;
@@ -22,7 +17,7 @@ typedef struct cell_march {
     ty_vec cells, cells_way; /* in cells of the box */
     float depth[3];          /* so far */
     ty_air_sum* sum;
-    cell_light lights[LIGHTS_MAX];
+    cell_light lights[TY_AIR_LIGHTS_MAX];
 } cell_march;
 
 /* Media along a step. */
@@ -156,7 +151,7 @@ void ty_air_cells(const ty_airlight* airlight, ty_vec origin, ty_vec direction, 
         const float end = ty_minf(to, from + ((float)i + offset) * size);
         if (end > t) take_step(&march, t, end);
         t = ty_maxf(t, end);
-        if (ty_minf(march.depth[0], ty_minf(march.depth[1], march.depth[2])) > UNSEEN) break;
+        if (ty_minf(march.depth[0], ty_minf(march.depth[1], march.depth[2])) > TY_AIR_UNSEEN) break;
     }
     for (int c = 0; c < 3; ++c) sum->transmittance[c] = ty_decay(march.depth[c]);
 }

@@ -10,9 +10,6 @@
 
 enum { PIECES_MAX = 2 * TY_SPANS_MAX, CUTS_MAX = 64, NODES = 4 };
 
-/* Optical depth behind which nothing is seen. */
-#define UNSEEN 20.0f
-
 static const float node[NODES] = {-0.861136312f, -0.339981044f, 0.339981044f, 0.861136312f};
 static const float node_weight[NODES] = {0.173927423f, 0.326072577f, 0.326072577f, 0.173927423f};
 
@@ -98,7 +95,7 @@ static void find_pieces(air_ray* ray, float far) {
         for (int32_t m = 0; m < scene->medium_count; ++m)
             for (int c = 0; c < 3 && (piece->media >> m & 1) != 0; ++c)
                 piece->extinction[c] += scene->media[m].sigma_t[c];
-        if (least3(depth) < UNSEEN) ++ray->count;
+        if (least3(depth) < TY_AIR_UNSEEN) ++ray->count;
         for (int c = 0; c < 3; ++c) depth[c] += piece->extinction[c] * (ends[i] - ends[i - 1]);
     }
     for (int c = 0; c < 3; ++c) ray->sum->transmittance[c] = ty_decay(depth[c]);
@@ -110,7 +107,8 @@ static void leave_unseen(air_ray* ray) {
     air_piece* last = &ray->pieces[ray->count - 1];
     float seen = 0;
     for (int c = 0; c < 3; ++c)
-        seen = ty_maxf(seen, last->extinction[c] > 0 ? (UNSEEN - last->depth[c]) / last->extinction[c] : TY_FLOAT_MAX);
+        seen = ty_maxf(seen,
+                       last->extinction[c] > 0 ? (TY_AIR_UNSEEN - last->depth[c]) / last->extinction[c] : TY_FLOAT_MAX);
     last->to = ty_minf(last->to, last->from + seen);
 }
 

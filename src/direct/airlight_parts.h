@@ -7,6 +7,11 @@
 #include "direct/beam.k.h"
 #include "scene/phase.k.h"
 
+enum { TY_AIR_LIGHTS_MAX = 64 };
+
+/* Optical depth behind which nothing is seen. */
+#define TY_AIR_UNSEEN 20.0f
+
 typedef struct ty_air_light {
     const ty_lit_map* map;
     const ty_light_view* light;

@@ -36,9 +36,9 @@ typedef struct ty_lit_map {
 ty_result ty_lit_map_create(ty_context* context, const ty_light_view* light, const ty_light_map* map, ty_lit_map** out);
 void ty_lit_map_destroy(ty_lit_map* map);
 
-/* Stretches of [from, to] of a ray (unit direction), m, that the light reaches (for spots: within their cone), in order
- * of distance; returns how many, at most TY_LIT_STRETCHES (more are joined: the shortest dark ones between them are
- * taken as lit). What lies outside of a light's map is lit. */
+/* Stretches of [from, to] of a ray (unit direction), m, finite, that the light reaches (for spots: within their cone),
+ * in order of distance; returns how many, at most TY_LIT_STRETCHES (more are joined: the shortest dark ones between
+ * them are taken as lit). What lies outside of a light's map is lit. */
 int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
                          float stretches[TY_LIT_STRETCHES][2]);
 /* The same; adds the number of texels and blocks that were looked at to *visited. */
