@@ -36,7 +36,7 @@ ty_result ty_lattice_create(ty_context* context, const ty_grid_box* box, int32_t
 void ty_lattice_destroy(ty_lattice* lattice);
 
 /* The lattices that def asks for, from the finest to the coarsest: where they lie, in cubes. */
-ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
+ty_result ty_lattice_place_all(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
                            int32_t* count);
 
 /* Links: where light goes in one step, and as which function of direction: of the 26 directions to neighbours, link j
@@ -65,7 +65,7 @@ typedef struct ty_lpv_medium_step {
     float pass[TY_LPV_BANDS_MAX];  /* of what goes on, by band: media's extinction and in-scattering */
     float length;                  /* m: sums over steps, times it, over a cell's volume, are radiance */
     float shown[TY_LPV_BANDS_MAX]; /* times these: so that the second band is the flux that does go from cell to cell */
-    float seen;                    /* how much of what is injected counts in its cell (mode links) */
+    float seen[TY_LPV_BANDS_MAX];  /* how much of what is injected counts in its cell (mode links), by band */
 } ty_lpv_medium_step;
 ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell, float extinction,
                                   float scattering, float g);

@@ -41,10 +41,12 @@ static bool is_even(const ty_grid_medium* medium) {
 }
 
 static void store_step(const ty_lpv_medium_step* step, float* factors, size_t apart) {
-    for (int32_t l = 0; l < TY_LPV_BANDS_MAX; ++l) factors[(size_t)(TY_FACTOR_PASS + l) * apart] = step->pass[l];
+    for (int32_t l = 0; l < TY_LPV_BANDS_MAX; ++l) {
+        factors[(size_t)(TY_FACTOR_PASS + l) * apart] = step->pass[l];
+        factors[(size_t)(TY_FACTOR_SEEN + l) * apart] = step->seen[l];
+    }
     factors[TY_FACTOR_LENGTH * apart] = step->length;
     factors[TY_FACTOR_SHOWN * apart] = step->shown[1];
-    factors[TY_FACTOR_SEEN * apart] = step->seen;
 }
 
 static void find_factors(void* user, int64_t z, int32_t worker) {
@@ -275,7 +277,7 @@ static void inject_slab(void* user, int64_t index, int32_t worker) {
             const size_t first = ((size_t)z * (size_t)size[1] + (size_t)y) * (size_t)size[0];
             const float* flow = lattice->flow[c][t] + first;
             const float* pass = ty_lpv_march_factor(march, c, TY_FACTOR_PASS + ty_sh_band(t), y, z);
-            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN, y, z), counted);
+            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z), counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float passed = pass[x] * flow[x];
                 march->from[place + (size_t)x] += passed;
@@ -311,7 +313,7 @@ static void gather_slab(void* user, int64_t index, int32_t worker) {
             const float* even = march->sum + ty_lpv_march_place(march, y, z) + c * lattice->terms * march->pitch.term;
             const float* sum = even + t * march->pitch.term;
             float *flow = lattice->flow[c][t] + first, *light = lattice->light[c][t] + first;
-            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN, y, z), counted);
+            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z), counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float scale = length[x] * per_volume * (ty_sh_band(t) == 1 ? shown[x] : 1.0f);
                 light[x] = even[x] > 0.0f ? sum[x] * scale : 0.0f;

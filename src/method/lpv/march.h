@@ -5,7 +5,7 @@
 #include "method/lpv/kernel.h"
 
 /* Per cell, of ty_lpv_medium_step. */
-enum { TY_FACTOR_PASS = 0, TY_FACTOR_LENGTH = 3, TY_FACTOR_SHOWN = 4, TY_FACTOR_SEEN = 5, TY_FACTORS = 6 };
+enum { TY_FACTOR_PASS = 0, TY_FACTOR_LENGTH = 3, TY_FACTOR_SHOWN = 4, TY_FACTOR_SEEN = 5, TY_FACTORS = 8 };
 
 /* Sums over a slab of cells, or over all, in first terms. */
 typedef struct ty_lpv_sums {

@@ -119,9 +119,9 @@ static ty_lpv_medium_step step_of_links(const ty_lpv_transfer* transfer, double 
     const double depth = extinction * cell * transfer->length, flown = exp(-depth);
     const double absorption = fmax(extinction - scattering, 0), turned = extinction - g * scattering;
     const double beta2 = transfer->slope * transfer->slope;
-    double length = depth > 1e-6 ? (1 - flown) / extinction : cell * transfer->length, kept = momentum_kept;
-    double pass = 1 - absorption * length;
-    ty_lpv_medium_step step = {.seen = (float)(1 - 0.5 * flown)};
+    const double scattered = extinction > 0 ? (1 - flown) * scattering / extinction : 0;
+    double length = depth > 1e-6 ? (1 - flown) / extinction : cell * transfer->length;
+    double pass = 1 - absorption * length, kept = momentum_kept * pass;
     const double resistance = 3 * turned * cell * cell; /* a step's length over it is D in cells^2 a step */
     const double drift = resistance > 0 ? length / (resistance * pass) - reach(transfer) : INFINITY;
     if (drift <= 0) { /* deeper than a free path: it stays until it has spread as far as a step goes */
@@ -129,19 +129,17 @@ static ty_lpv_medium_step step_of_links(const ty_lpv_transfer* transfer, double 
         length = resistance * reach(transfer) / (1 + resistance * reach(transfer) * absorption);
         pass = 1 - absorption * length;
     } else if (drift < INFINITY) {
-        kept = fmin(drift / (beta2 + transfer->momentum * drift), momentum_kept * pass);
+        kept = fmin(drift / (beta2 + transfer->momentum * drift), kept);
     }
-    step.length = (float)length;
-    step.pass[0] = (float)pass;
-    step.pass[1] = (float)kept;
-    const double scattered = extinction > 0 ? (1 - flown) * scattering / extinction : 0;
-    step.pass[2] = (float)fmin(flown + scattered * g * g, kept / momentum_kept);
-    /* Flux out of the lattice's gradients, against -D grad of the fluence. */
-    const double diffusivity = pass * (beta2 * kept / (1 - transfer->momentum * kept) + reach(transfer));
-    const double drawn = transfer->slope * pass / (1 - transfer->momentum * kept);
-    step.shown[0] = step.shown[2] = 1;
-    step.shown[1] = (float)(sqrt(3.0) * diffusivity * cell / (drawn * length));
-    return step;
+    /* Flux out of the lattice's gradients, against -D grad of the fluence; light that was injected has what it flies. */
+    const double straight = 1 - transfer->momentum * kept, seen = 1 - 0.5 * flown;
+    const double shown = sqrt(3.0) * (beta2 * kept + reach(transfer) * straight) * cell / (transfer->slope * length);
+    const double flight = turned * length > 1 ? 1 / (turned * length) : 1;
+    return (ty_lpv_medium_step){
+        .pass = {(float)pass, (float)kept, (float)fmin(flown + scattered * g * g, kept / momentum_kept)},
+        .length = (float)length,
+        .shown = {1, (float)shown, 1},
+        .seen = {(float)seen, (float)(fmin(seen, flight) / shown), (float)fmin(seen, flight)}};
 }
 
 static ty_lpv_medium_step step_as_published(const ty_lpv_transfer* transfer, double cell, double extinction,
@@ -152,7 +150,7 @@ static ty_lpv_medium_step step_as_published(const ty_lpv_transfer* transfer, dou
         .pass = {(float)(flown + scattered), (float)(flown + scattered * g), (float)(flown + scattered * g * g)},
         .length = (float)(depth > 1e-6 ? (1 - flown) / extinction : cell * transfer->length),
         .shown = {1, 1, 1},
-        .seen = 1};
+        .seen = {1, 1, 1}};
 }
 
 ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell, float extinction,
