@@ -2,7 +2,6 @@
 #include "base/context.h"
 #include "direct_maker.h"
 #include "files.h"
-#include "lpv_stub.h"
 #include "method/lpv/inject.h"
 
 static const double pi = 3.14159265358979323846;

@@ -26,7 +26,7 @@ typedef struct block_job {
     ty_lpv_mode mode;
     const ty_surfel* surfels;
     size_t count;
-    ty_lpv_transfer transfer;
+    ty_lpv_transfer transfer;      /* mode published */
     float (*corners)[CORNER_SUMS]; /* (size + 1) each way */
     _Atomic bool failed, blocked;
 } block_job;
@@ -123,9 +123,8 @@ static bool cell_index(const ty_lattice* lattice, const int32_t cell[3], size_t*
 }
 
 /* Both directions of a link between two cells, one of which may be outside. */
-static void set_opening(block_job* job, int32_t link, const int32_t cube[3], float blocked) {
+static void set_opening(block_job* job, int32_t link, const int32_t step[3], const int32_t cube[3], float blocked) {
     const ty_lattice* lattice = job->lattice;
-    const int32_t* step = job->transfer.step[link];
     const uint8_t open = opening(job, blocked);
     int32_t from[3], to[3];
     size_t index;
@@ -142,7 +141,8 @@ static void close_links(void* user, int64_t link, int32_t worker) {
     (void)worker;
     block_job* job = user;
     const ty_lattice* lattice = job->lattice;
-    const int32_t* step = job->transfer.step[link];
+    int32_t step[3];
+    ty_lpv_link_step((int32_t)link, step);
     const int32_t shift[3] = {abs(step[0]), abs(step[1]), abs(step[2])};
     const ty_vec way = ty_vec_make((float)step[0], (float)step[1], (float)step[2]);
     const cube_grid all = cubes_of(lattice, shift);
@@ -163,7 +163,8 @@ static void close_links(void* user, int64_t link, int32_t worker) {
     const float* next = sums;
     for (cube[2] = 0; cube[2] < size[2]; ++cube[2])
         for (cube[1] = 0; cube[1] < size[1]; ++cube[1])
-            for (cube[0] = 0; cube[0] < size[0]; ++cube[0]) set_opening(job, (int32_t)link, cube, *next++ * per_face);
+            for (cube[0] = 0; cube[0] < size[0]; ++cube[0])
+                set_opening(job, (int32_t)link, step, cube, *next++ * per_face);
     ty_free_array(lattice->context, sums, count, sizeof *sums);
 }
 
@@ -213,14 +214,14 @@ ty_result ty_lattice_block(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfe
     const int64_t rows = (int64_t)lattice->box.size[1] * lattice->box.size[2];
     const size_t corners = corner_count(lattice);
     block_job job = {.lattice = lattice, .mode = mode, .surfels = surfels, .count = count};
-    ty_lpv_transfer_make(lattice->bands, mode == TY_LPV_MODE_LINKS, &job.transfer);
     job.corners = ty_alloc_array(lattice->context, corners, sizeof *job.corners, true);
     if (job.corners == NULL) return TY_ERROR_MEMORY;
     add_corners(&job);
     ty_parallel_flushed(lattice->context, rows, find_albedo, &job);
-    if (mode == TY_LPV_MODE_PUBLISHED)
+    if (mode == TY_LPV_MODE_PUBLISHED) {
+        ty_lpv_transfer_make(lattice->bands, false, &job.transfer);
         ty_parallel_flushed(lattice->context, rows, fuzzy_row, &job);
-    else
+    } else
         ty_parallel_flushed(lattice->context, TY_LPV_HALF_LINKS, close_links, &job);
     ty_free_array(lattice->context, job.corners, corners, sizeof *job.corners);
     lattice->blocked = atomic_load(&job.blocked);

@@ -3,29 +3,39 @@
 
 #include "direct/grid_depth.h"
 
-int64_t ty_lamp_rows(const ty_lpv_lamp* lamp) {
-    return (int64_t)lamp->map->faces * lamp->map->side;
+const ty_lamp_kernels* ty_lamp_kernels_best(void) {
+#if TY_ISA_X86
+    static const ty_lamp_kernels* const kernels[TY_ISA_COUNT] = {&ty_lamp_kernels_v1, &ty_lamp_kernels_v3,
+                                                                 &ty_lamp_kernels_v4};
+    return kernels[ty_best_isa()];
+#else
+    return &ty_lamp_kernels_v1;
+#endif
 }
 
-bool ty_lamp_ray_at(const ty_lpv_lamp* lamp, int64_t row, int32_t x, ty_lamp_ray* out) {
+/* ---- the light and the medium ---- */
+
+static ty_vec vec_of(const double v[3]) {
+    return ty_vec_make((float)v[0], (float)v[1], (float)v[2]);
+}
+
+static ty_lamp_face face_of(const ty_lpv_lamp* lamp, int32_t face) {
     const ty_light_map* map = lamp->map;
-    const int32_t face = (int32_t)(row / map->side), y = (int32_t)(row % map->side);
-    ty_vec along;
-    ty_light_map_ray(map, lamp->light, face, (float)x + 0.5f, (float)y + 0.5f, &out->origin, &along);
-    const float stretch = sqrtf(ty_dot(along, along));
-    out->direction = ty_scale(along, 1.0f / stretch);
-    float share = 1.0f;
-    if (lamp->light->kind == TY_KIND_SPOT)
-        share = ty_spot_falloff(lamp->light, ty_dot(out->direction, lamp->light->direction));
-    if (!(share > 0.0f)) return false;
-    share *= ty_light_map_share(map, lamp->light, face, x, y);
-    out->texel = (size_t)row * (size_t)map->side + (size_t)x;
-    out->length = map->depth[out->texel] * stretch;
-    for (int c = 0; c < 3; ++c) out->power[c] = share * lamp->light->color[c];
-    return true;
+    const bool parallel = lamp->light->kind == TY_KIND_DIRECTIONAL;
+    const ty_vec right = vec_of(map->right[face]), up = vec_of(map->up[face]);
+    return (ty_lamp_face){.side = map->side,
+                          .parallel = parallel,
+                          .spot = lamp->light->kind == TY_KIND_SPOT,
+                          .origin = parallel ? vec_of(map->origin) : lamp->light->position,
+                          .forward = vec_of(map->forward[face]),
+                          .right = right,
+                          .up = up,
+                          .axis = lamp->light->direction,
+                          .cos_outer = lamp->light->cos_outer,
+                          .cos_inner = lamp->light->cos_inner,
+                          .area = 4.0f * sqrtf(ty_dot(right, right) * ty_dot(up, up)) /
+                                  ((float)map->side * (float)map->side)};
 }
-
-/* ---- media ---- */
 
 static bool is_even(const float* plane, size_t count) {
     for (size_t i = 1; i < count; ++i)
@@ -33,62 +43,89 @@ static bool is_even(const float* plane, size_t count) {
     return true;
 }
 
-ty_lamp_medium ty_lamp_medium_of(const ty_grid_medium* medium) {
+static ty_lamp_medium medium_of(const ty_grid_medium* medium) {
     ty_lamp_medium out = {.medium = medium, .even = true};
-    for (int32_t c = 0; medium != NULL && c < medium->planes && out.even; ++c)
+    if (medium == NULL) return out;
+    for (int32_t c = 0; c < medium->planes && out.even; ++c)
         out.even = is_even(medium->extinction[c], medium->cells) && is_even(medium->scattering[c], medium->cells);
+    for (int a = 0; a < 3; ++a) {
+        out.lower[a] = (float)medium->box.lower[a];
+        out.upper[a] = (float)medium->box.upper[a];
+    }
     return out;
 }
 
-/* The part of a ray in the medium's box. */
-static bool clip(const ty_lamp_medium* medium, const ty_lamp_ray* ray, float far, double origin[3], double way[3],
-                 ty_cell_ray* cells) {
-    const ty_vec o = ray->origin, d = ray->direction;
-    const double from[3] = {(double)o.x, (double)o.y, (double)o.z}, along[3] = {(double)d.x, (double)d.y, (double)d.z};
-    memcpy(origin, from, sizeof from);
-    memcpy(way, along, sizeof along);
-    *cells = (ty_cell_ray){.end = (double)far};
-    return medium->medium != NULL && ty_cell_ray_clip(&medium->medium->box, origin, way, cells);
+ty_lamp_view ty_lamp_view_of(const ty_lpv_lamp* lamp, const ty_grid_medium* medium) {
+    ty_lamp_view out = {.lamp = lamp, .medium = medium_of(medium), .kernels = ty_lamp_kernels_best()};
+    for (int32_t face = 0; face < lamp->map->faces; ++face) out.faces[face] = face_of(lamp, face);
+    return out;
 }
 
-void ty_lamp_depth(const ty_lamp_medium* medium, const ty_lamp_ray* ray, float far, float depth[3]) {
-    double origin[3], way[3];
-    ty_cell_ray cells;
-    for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
-    if (medium->medium == NULL) return;
-    if (!medium->even) {
-        ty_grid_depth(medium->medium, NULL, ray->origin, ray->direction, far, depth);
+/* ---- rays ---- */
+
+int64_t ty_lamp_rows(const ty_lpv_lamp* lamp) {
+    return (int64_t)lamp->map->faces * lamp->map->side;
+}
+
+void ty_lamp_rays_at(const ty_lamp_view* view, int64_t row, int32_t x, ty_lamp_rays* out) {
+    const ty_light_map* map = view->lamp->map;
+    out->count = map->side - x < TY_LAMP_RAYS ? map->side - x : TY_LAMP_RAYS;
+    out->first = (size_t)row * (size_t)map->side + (size_t)x;
+    memcpy(out->length, map->depth + out->first, (size_t)out->count * sizeof *out->length);
+    view->kernels->rays(&view->faces[row / map->side], x, (int32_t)(row % map->side), out);
+    for (int32_t i = 0; i < out->count; ++i)
+        for (size_t a = 0; a < 3; ++a)
+            out->normal[a][i] = map->normal != NULL ? map->normal[3 * (out->first + (size_t)i) + a] : -out->way[a][i];
+    if (view->medium.medium != NULL) {
+        view->kernels->clip(out, view->medium.lower, view->medium.upper, out->enter, out->leave);
         return;
     }
-    if (!clip(medium, ray, far, origin, way, &cells)) return;
-    for (int c = 0; c < 3; ++c) depth[c] = medium->medium->extinction[c][0] * (float)(cells.end - cells.at);
+    memset(out->enter, 0, sizeof out->enter);
+    memset(out->leave, 0, sizeof out->leave);
 }
 
-ty_lamp_walk ty_lamp_walk_begin(const ty_lamp_medium* medium, const ty_lamp_ray* ray, float far) {
+static ty_vec column(const float rows[3][TY_LAMP_RAYS], int32_t i) {
+    return ty_vec_make(rows[0][i], rows[1][i], rows[2][i]);
+}
+
+void ty_lamp_depth(const ty_lamp_medium* medium, const ty_lamp_rays* rays, int32_t i, float depth[3]) {
+    for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
+    if (medium->medium == NULL) return;
+    if (medium->even)
+        for (int c = 0; c < 3; ++c) depth[c] = medium->medium->extinction[c][0] * (rays->leave[i] - rays->enter[i]);
+    else
+        ty_grid_depth(medium->medium, NULL, column(rays->origin, i), column(rays->way, i), rays->length[i], depth);
+}
+
+/* ---- media that are not the same everywhere ---- */
+
+ty_lamp_walk ty_lamp_walk_begin(const ty_grid_medium* medium, const ty_lamp_rays* rays, int32_t i) {
+    ty_lamp_walk walk = {.medium = medium, .cells = {.end = (double)rays->length[i]}};
     double origin[3], way[3];
-    ty_lamp_walk walk = {.medium = medium};
-    walk.inside = clip(medium, ray, far, origin, way, &walk.cells);
-    if (walk.inside && !medium->even) ty_cell_ray_begin(medium->medium, origin, way, &walk.cells);
+    for (int a = 0; a < 3; ++a) {
+        origin[a] = (double)rays->origin[a][i];
+        way[a] = (double)rays->way[a][i];
+    }
+    walk.inside = ty_cell_ray_clip(&medium->box, origin, way, &walk.cells);
+    if (walk.inside) ty_cell_ray_begin(medium, origin, way, &walk.cells);
     return walk;
 }
 
 bool ty_lamp_walk_step(ty_lamp_walk* walk, double to, ty_lamp_stretch* out) {
-    if (!(walk->at < to)) return false;
-    *out = (ty_lamp_stretch){.begin = (float)walk->at};
     const double begin = walk->at;
+    if (!(begin < to)) return false;
+    *out = (ty_lamp_stretch){.begin = (float)begin};
     if (!walk->inside || begin < walk->cells.at) {
         walk->at = walk->inside ? ty_cell_min(to, walk->cells.at) : to;
     } else {
-        const bool even = walk->medium->even;
-        const ty_grid_medium* medium = walk->medium->medium;
-        const size_t index = even ? 0 : ty_cell_ray_index(medium, &walk->cells);
-        const double end = even ? walk->cells.end : ty_cell_ray_leave(&walk->cells);
+        const size_t index = ty_cell_ray_index(walk->medium, &walk->cells);
+        const double end = ty_cell_ray_leave(&walk->cells);
         walk->at = ty_cell_max(begin, ty_cell_min(to, end));
         for (int c = 0; c < 3; ++c) {
-            out->extinction[c] = medium->extinction[c][index];
-            out->scattering[c] = medium->scattering[c][index];
+            out->extinction[c] = walk->medium->extinction[c][index];
+            out->scattering[c] = walk->medium->scattering[c][index];
         }
-        if (walk->at >= end) walk->inside = !even && ty_cell_ray_advance(medium, &walk->cells);
+        if (walk->at >= end) walk->inside = ty_cell_ray_advance(walk->medium, &walk->cells);
     }
     out->length = (float)(walk->at - begin);
     return true;

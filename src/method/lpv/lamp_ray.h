@@ -4,34 +4,38 @@
 
 #include "direct/cell_ray.h"
 #include "method/lpv/inject.h"
-
-typedef struct ty_lamp_ray {
-    size_t texel;
-    ty_vec origin, direction; /* unit */
-    float length;             /* up to the surface, m; INFINITY: there is none */
-    float power[3];           /* that the light sends along it, W */
-} ty_lamp_ray;
-
-/* Rows of all faces together. */
-int64_t ty_lamp_rows(const ty_lpv_lamp* lamp);
-
-/* The ray of texel x of a row; false: the light sends nothing there. */
-bool ty_lamp_ray_at(const ty_lpv_lamp* lamp, int64_t row, int32_t x, ty_lamp_ray* out);
+#include "method/lpv/lamp_kernel.h"
 
 /* A medium that light passes; where it is the same in all cells it is one. */
 typedef struct ty_lamp_medium {
     const ty_grid_medium* medium; /* NULL: vacuum */
     bool even;
+    float lower[3], upper[3];
 } ty_lamp_medium;
 
-ty_lamp_medium ty_lamp_medium_of(const ty_grid_medium* medium);
+typedef struct ty_lamp_view {
+    const ty_lpv_lamp* lamp;
+    ty_lamp_face faces[6];
+    ty_lamp_medium medium;
+    const ty_lamp_kernels* kernels;
+} ty_lamp_view;
 
-/* Optical depth up to a distance. */
-void ty_lamp_depth(const ty_lamp_medium* medium, const ty_lamp_ray* ray, float far, float depth[3]);
+ty_lamp_view ty_lamp_view_of(const ty_lpv_lamp* lamp, const ty_grid_medium* medium);
+
+/* Rows of all faces together. */
+int64_t ty_lamp_rows(const ty_lpv_lamp* lamp);
+
+/* The rays of up to TY_LAMP_RAYS texels of a row from x on, but for jitter and the stretch in the lattice. */
+void ty_lamp_rays_at(const ty_lamp_view* view, int64_t row, int32_t x, ty_lamp_rays* out);
+
+/* Optical depth of ray i up to its surface. */
+void ty_lamp_depth(const ty_lamp_medium* medium, const ty_lamp_rays* rays, int32_t i, float depth[3]);
+
+/* ---- media that are not the same everywhere ---- */
 
 /* A way along a ray, from one change of the medium to the next. */
 typedef struct ty_lamp_walk {
-    const ty_lamp_medium* medium;
+    const ty_grid_medium* medium;
     ty_cell_ray cells;
     bool inside; /* whether cells are still ahead */
     double at;   /* m */
@@ -42,7 +46,7 @@ typedef struct ty_lamp_stretch {
     float extinction[3], scattering[3]; /* 1/m */
 } ty_lamp_stretch;
 
-ty_lamp_walk ty_lamp_walk_begin(const ty_lamp_medium* medium, const ty_lamp_ray* ray, float far);
+ty_lamp_walk ty_lamp_walk_begin(const ty_grid_medium* medium, const ty_lamp_rays* rays, int32_t i);
 /* The next stretch, which ends at `to` at the latest; false once there. */
 bool ty_lamp_walk_step(ty_lamp_walk* walk, double to, ty_lamp_stretch* out);
 

@@ -58,6 +58,13 @@ static inline int32_t ty_lpv_link(int32_t dx, int32_t dy, int32_t dz) {
     const int32_t place = (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1);
     return place < TY_LPV_HALF_LINKS ? place : 3 * TY_LPV_HALF_LINKS - place;
 }
+/* The same the other way round. */
+static inline void ty_lpv_link_step(int32_t link, int32_t step[3]) {
+    const int32_t place = link < TY_LPV_HALF_LINKS ? link : 3 * TY_LPV_HALF_LINKS - link;
+    step[0] = place % 3 - 1;
+    step[1] = place / 3 % 3 - 1;
+    step[2] = place / 9 - 1;
+}
 
 /* What becomes of light in a cell before it goes on. A step is as long as light stays, on average: in cells that are
  * deeper than a free path longer than what it flies. */

@@ -10,43 +10,44 @@ float ty_lpv_window(const ty_lpv_def* def, int32_t l) {
 
 typedef struct reflect_job {
     const ty_lattice* lattice;
-    const ty_lpv_lamp* lamp;
+    ty_lamp_view view;
     ty_splat_cells cells;
-    ty_lamp_medium medium;
 } reflect_job;
 
 /* false: the texel reflects nothing into the lattice. */
-static bool reflect(const reflect_job* job, const ty_lamp_ray* ray, ty_splat* out) {
-    const ty_light_map* map = job->lamp->map;
-    if (!isfinite(ray->length)) return false;
-    const ty_vec normal = ty_vec_load(map->normal + 3 * ray->texel);
-    const ty_vec point = ty_mad(ray->origin, ray->direction, ray->length);
+static bool reflect(const reflect_job* job, const ty_lamp_rays* rays, int32_t i, ty_splat* out) {
+    if (!(rays->share[i] > 0.0f) || !isfinite(rays->length[i])) return false;
+    const ty_vec origin = ty_vec_make(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]);
+    const ty_vec way = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
+    const ty_vec normal = ty_vec_make(rays->normal[0][i], rays->normal[1][i], rays->normal[2][i]);
+    const ty_vec point = ty_mad(origin, way, rays->length[i]);
     float depth[3];
     out->cell = ty_splat_cell(&job->cells, ty_mad(point, normal, ty_splat_clearance(job->lattice, normal)));
     if (out->cell < 0) return false;
     out->axis = normal;
-    ty_lamp_depth(&job->medium, ray, ray->length, depth);
-    for (int c = 0; c < 3; ++c)
-        out->power[c] = ray->power[c] * map->albedo[3 * ray->texel + (size_t)c] * ty_decay(depth[c]);
+    const float* albedo = job->view.lamp->map->albedo + 3 * (rays->first + (size_t)i);
+    const float* color = job->view.lamp->light->color;
+    ty_lamp_depth(&job->view.medium, rays, i, depth);
+    for (int c = 0; c < 3; ++c) out->power[c] = rays->share[i] * color[c] * albedo[c] * ty_decay(depth[c]);
     return true;
 }
 
 static int32_t reflect_row(const void* user, int64_t row, ty_splat* out) {
     const reflect_job* job = user;
     int32_t count = 0;
-    for (int32_t x = 0; x < job->lamp->map->side; ++x) {
-        ty_lamp_ray ray;
-        if (ty_lamp_ray_at(job->lamp, row, x, &ray)) count += reflect(job, &ray, &out[count]);
+    ty_lamp_rays rays;
+    for (int32_t x = 0; x < job->view.lamp->map->side; x += TY_LAMP_RAYS) {
+        ty_lamp_rays_at(&job->view, row, x, &rays);
+        for (int32_t i = 0; i < rays.count; ++i) count += reflect(job, &rays, i, &out[count]);
     }
     return count;
 }
 
 ty_result ty_lattice_inject_reflected(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_lamp* lamp,
                                       const ty_grid_medium* medium, double power[3]) {
-    const reflect_job job = {.lattice = lattice,
-                             .lamp = lamp,
-                             .cells = ty_splat_cells_of(lattice),
-                             .medium = ty_lamp_medium_of((def->parts & TY_LPV_SCATTERING) != 0 ? medium : NULL)};
+    const bool dims = (def->parts & TY_LPV_SCATTERING) != 0;
+    const reflect_job job = {
+        .lattice = lattice, .view = ty_lamp_view_of(lamp, dims ? medium : NULL), .cells = ty_splat_cells_of(lattice)};
     ty_splat_rows rows = {
         .rows = ty_lamp_rows(lamp), .most = lamp->map->side, .user = &job, .row = reflect_row, .band = {1}};
     if (lamp->map->normal == NULL) return TY_OK;

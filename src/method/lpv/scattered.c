@@ -19,10 +19,10 @@ enum { STRETCHES = 64 };
 
 typedef struct scatter_job {
     const ty_lattice* lattice;
-    const ty_lpv_lamp* lamp;
+    ty_lamp_view view;
     ty_splat_cells cells;
-    ty_lamp_medium medium;
-    int32_t channels; /* of the medium, that are apart */
+    ty_lamp_parts parts;
+    float lower[3], upper[3]; /* of the lattice */
     int32_t samples;
     float offset; /* of the jitter */
 } scatter_job;
@@ -32,6 +32,31 @@ static float jitter_of(const scatter_job* job, int64_t row, int32_t x) {
     const double at = (double)job->offset + 0.7548776662466927 * x + 0.5698402909980532 * (double)row;
     return (float)(at - (double)(int64_t)at);
 }
+
+static void take_splat(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, int32_t cell, const float share[3],
+                       ty_splat* out) {
+    const float* color = job->view.lamp->light->color;
+    out->cell = cell;
+    out->axis = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
+    for (int c = 0; c < 3; ++c) out->power[c] = share[job->parts.channels == 1 ? 0 : c] * color[c];
+}
+
+/* ---- media that are the same everywhere ---- */
+
+static int32_t scatter_evenly(const scatter_job* job, const ty_lamp_rays* rays, ty_splat* out) {
+    int32_t count = 0;
+    ty_lamp_splats splats;
+    for (int32_t part = 0; part < job->samples; ++part) {
+        job->view.kernels->part(&job->parts, rays, part, &splats);
+        for (int32_t i = 0; i < rays->count; ++i) {
+            const float share[3] = {splats.share[0][i], splats.share[1][i], splats.share[2][i]};
+            if (splats.cell[i] >= 0) take_splat(job, rays, i, splats.cell[i], share, &out[count++]);
+        }
+    }
+    return count;
+}
+
+/* ---- others ---- */
 
 /* A part of a ray. */
 typedef struct ray_part {
@@ -44,7 +69,7 @@ typedef struct ray_part {
 /* Takes a stretch, and dims what is left of the light. */
 static void add_stretch(const scatter_job* job, ray_part* part, const ty_lamp_stretch* stretch, float left[3]) {
     float sum = part->count > 0 ? part->until[part->count - 1] : 0.0f;
-    for (int32_t c = 0; c < job->channels; ++c) {
+    for (int32_t c = 0; c < job->parts.channels; ++c) {
         const float across = stretch->extinction[c] * stretch->length, decay = ty_decay(across);
         const float scattered = left[c] * stretch->scattering[c] * stretch->length * ty_mean_decay(across, decay);
         part->scattered[c] += scattered;
@@ -57,102 +82,112 @@ static void add_stretch(const scatter_job* job, ray_part* part, const ty_lamp_st
 
 /* The point of a part up to which a share of what it scatters comes from, m along the ray. */
 static float place_of(const scatter_job* job, const ray_part* part, float share) {
-    const float all = part->until[part->count - 1], wanted = share * all;
+    const float wanted = share * part->until[part->count - 1];
     int32_t i = 0;
     while (i < part->count - 1 && part->until[i] <= wanted) ++i;
     const ty_lamp_stretch* stretch = &part->stretches[i];
     const float before = i > 0 ? part->until[i - 1] : 0.0f, within = part->until[i] - before;
     const float u = within > 0.0f ? ty_clampf((wanted - before) / within, 0.0f, 1.0f) : share;
     float extinction = 0.0f;
-    for (int32_t c = 0; c < job->channels; ++c) extinction += stretch->extinction[c] / (float)job->channels;
-    const float across = extinction * stretch->length;
-    if (across < 1e-2f) return stretch->begin + u * stretch->length;
-    return stretch->begin - ty_logf(1.0f - u * (1.0f - ty_decay(across))) / extinction;
+    for (int32_t c = 0; c < job->parts.channels; ++c) extinction += stretch->extinction[c] / (float)job->parts.channels;
+    return stretch->begin + ty_lamp_place(u, stretch->length, extinction);
 }
 
 /* Off the surface that the ray ends on, so that the cell's middle is on the lit side. */
-static ty_vec move_off(const scatter_job* job, const ty_lamp_ray* ray, float at) {
-    const ty_vec point = ty_mad(ray->origin, ray->direction, at);
-    const float before = ray->length - at;
-    if (!(before < near_end * job->lattice->cell)) return point;
-    const float* normals = job->lamp->map->normal;
-    const ty_vec normal = normals != NULL ? ty_vec_load(normals + 3 * ray->texel) : ty_scale(ray->direction, -1.0f);
-    const float height = -before * ty_dot(ray->direction, normal);
-    const float missing = ty_splat_clearance(job->lattice, normal) - height;
-    return missing > 0.0f ? ty_mad(point, normal, missing) : point;
+static int32_t cell_of(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, float at) {
+    const ty_vec way = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
+    const ty_vec normal = ty_vec_make(rays->normal[0][i], rays->normal[1][i], rays->normal[2][i]);
+    const ty_vec origin = ty_vec_make(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]);
+    const ty_vec point = ty_mad(origin, way, at);
+    const float before = rays->length[i] - at;
+    if (!(before < job->parts.near_end)) return ty_splat_cell(&job->cells, point);
+    const float missing = ty_splat_clearance(job->lattice, normal) + before * ty_dot(way, normal);
+    const int32_t cell = ty_splat_cell(&job->cells, ty_mad(point, normal, ty_maxf(0.0f, missing)));
+    return cell >= 0 ? cell : ty_splat_cell(&job->cells, point);
 }
 
-/* The part of a ray within the lattice, up to what it meets. */
-static bool clip(const scatter_job* job, const ty_lamp_ray* ray, ty_cell_ray* out) {
-    const ty_vec o = ray->origin, d = ray->direction;
-    const double origin[3] = {(double)o.x, (double)o.y, (double)o.z}, way[3] = {(double)d.x, (double)d.y, (double)d.z};
-    *out = (ty_cell_ray){.end = (double)ray->length};
-    return ty_cell_ray_clip(&job->lattice->box, origin, way, out);
-}
-
-static bool scatter_part(const scatter_job* job, const ty_lamp_ray* ray, const ray_part* part, float jitter,
+static bool scatter_part(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, const ray_part* part,
                          ty_splat* out) {
     if (part->count == 0 || !(part->until[part->count - 1] > 0.0f)) return false;
-    const float at = place_of(job, part, jitter);
-    out->cell = ty_splat_cell(&job->cells, move_off(job, ray, at));
-    /* Rounding, or a surface at the edge of the lattice. */
-    if (out->cell < 0) out->cell = ty_splat_cell(&job->cells, ty_mad(ray->origin, ray->direction, at));
-    if (out->cell < 0) return false;
-    out->axis = ray->direction;
-    for (int c = 0; c < 3; ++c) out->power[c] = ray->power[c] * part->scattered[job->channels == 1 ? 0 : c];
+    const int32_t cell = cell_of(job, rays, i, place_of(job, part, rays->jitter[i]));
+    if (cell < 0) return false;
+    float share[3];
+    for (int c = 0; c < 3; ++c) share[c] = rays->share[i] * part->scattered[c];
+    take_splat(job, rays, i, cell, share, out);
     return true;
 }
 
-static int32_t scatter_ray(const scatter_job* job, const ty_lamp_ray* ray, float jitter, ty_splat* out) {
-    ty_cell_ray inside;
-    ty_lamp_stretch stretch;
-    if (!clip(job, ray, &inside)) return 0;
-    const double length = inside.end - inside.at;
-    const int32_t wanted = 1 + (int32_t)((double)per_cell * length / (double)job->lattice->cell);
+static int32_t scatter_ray(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, ty_splat* out) {
+    const double begin = (double)rays->begin[i], length = (double)(rays->end[i] - rays->begin[i]);
+    if (!(length > 0) || !(rays->share[i] > 0.0f)) return 0;
+    const int32_t wanted = 1 + (int32_t)((float)length * job->parts.per_metre);
     const int32_t parts = wanted < job->samples ? wanted : job->samples;
-    ty_lamp_walk walk = ty_lamp_walk_begin(&job->medium, ray, (float)inside.end);
+    ty_lamp_walk walk = ty_lamp_walk_begin(job->view.medium.medium, rays, i);
+    ty_lamp_stretch stretch;
     float left[3] = {1, 1, 1};
-    while (ty_lamp_walk_step(&walk, inside.at, &stretch))
-        for (int32_t c = 0; c < job->channels; ++c) left[c] *= ty_decay(stretch.extinction[c] * stretch.length);
+    while (ty_lamp_walk_step(&walk, begin, &stretch))
+        for (int32_t c = 0; c < job->parts.channels; ++c) left[c] *= ty_decay(stretch.extinction[c] * stretch.length);
     int32_t count = 0;
-    for (int32_t i = 0; i < parts; ++i) {
+    for (int32_t k = 0; k < parts; ++k) {
         ray_part part;
         part.count = 0;
         part.scattered[0] = part.scattered[1] = part.scattered[2] = 0.0f;
-        while (ty_lamp_walk_step(&walk, inside.at + length * (i + 1) / parts, &stretch))
+        while (ty_lamp_walk_step(&walk, begin + length * (k + 1) / parts, &stretch))
             add_stretch(job, &part, &stretch, left);
-        count += scatter_part(job, ray, &part, jitter, &out[count]);
+        count += scatter_part(job, rays, i, &part, &out[count]);
     }
     return count;
 }
+
+/* ---- rows ---- */
 
 static int32_t scatter_row(const void* user, int64_t row, ty_splat* out) {
     const scatter_job* job = user;
     int32_t count = 0;
-    for (int32_t x = 0; x < job->lamp->map->side; ++x) {
-        ty_lamp_ray ray;
-        if (ty_lamp_ray_at(job->lamp, row, x, &ray))
-            count += scatter_ray(job, &ray, jitter_of(job, row, x), &out[count]);
+    ty_lamp_rays rays;
+    for (int32_t x = 0; x < job->view.lamp->map->side; x += TY_LAMP_RAYS) {
+        ty_lamp_rays_at(&job->view, row, x, &rays);
+        job->view.kernels->clip(&rays, job->lower, job->upper, rays.begin, rays.end);
+        for (int32_t i = 0; i < rays.count; ++i) rays.jitter[i] = jitter_of(job, row, x + i);
+        if (job->view.medium.even) count += scatter_evenly(job, &rays, &out[count]);
+        for (int32_t i = 0; i < rays.count && !job->view.medium.even; ++i)
+            count += scatter_ray(job, &rays, i, &out[count]);
     }
     return count;
 }
 
+static scatter_job make_job(const ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_lamp* lamp,
+                            const ty_grid_medium* medium) {
+    scatter_job job = {.lattice = lattice,
+                       .view = ty_lamp_view_of(lamp, medium),
+                       .cells = ty_splat_cells_of(lattice),
+                       .samples = def->samples,
+                       .offset = ty_unit_float((uint32_t)(ty_mix64(def->seed) >> 32)),
+                       .parts = {.channels = medium->planes,
+                                 .samples = (float)def->samples,
+                                 .per_metre = per_cell / lattice->cell,
+                                 .cell = lattice->cell,
+                                 .near_end = near_end * lattice->cell}};
+    for (int a = 0; a < 3; ++a) {
+        job.parts.extinction[a] = medium->extinction[a][0];
+        job.parts.scattering[a] = medium->scattering[a][0];
+        job.parts.size[a] = lattice->box.size[a];
+        job.parts.lower[a] = job.lower[a] = (float)lattice->box.lower[a];
+        job.upper[a] = (float)lattice->box.upper[a];
+    }
+    return job;
+}
+
 ty_result ty_lattice_inject_scattered(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_lamp* lamp,
                                       const ty_grid_medium* medium, double power[3]) {
-    const scatter_job job = {.lattice = lattice,
-                             .lamp = lamp,
-                             .cells = ty_splat_cells_of(lattice),
-                             .medium = ty_lamp_medium_of(medium),
-                             .channels = medium != NULL ? medium->planes : 1,
-                             .samples = def->samples,
-                             .offset = ty_unit_float((uint32_t)(ty_mix64(def->seed) >> 32))};
+    if (medium == NULL) return TY_OK;
+    const scatter_job job = make_job(lattice, def, lamp, medium);
     ty_splat_rows rows = {.rows = ty_lamp_rows(lamp),
                           .most = lamp->map->side * def->samples,
                           .user = &job,
                           .row = scatter_row,
                           .band = {1},
                           .turned = true};
-    if (medium == NULL) return TY_OK;
     for (int32_t l = 1; l < lattice->bands; ++l) rows.band[l] = ty_lpv_window(def, l);
     return ty_splats_add(lattice, &rows, power);
 }

@@ -10,8 +10,7 @@ enum { BATCH = 1 << 17 };
 typedef struct splat_job {
     ty_lattice* lattice;
     const ty_splat_rows* rows;
-    int32_t slabs;
-    size_t slab_cells;
+    int32_t slabs, slab_cells;
     int64_t first, count; /* rows of this batch */
     ty_splat* sorted;     /* `most` a row */
     int32_t* begin;       /* slabs + 1 a row: where each slab's splats begin */
@@ -27,13 +26,16 @@ static void sort_row(void* user, int64_t index, int32_t worker) {
     int32_t* begin = job->begin + (size_t)index * (size_t)(job->slabs + 1);
     const int32_t count = job->rows->row(job->rows->user, job->first + index, unsorted);
     memset(begin, 0, (size_t)(job->slabs + 1) * sizeof *begin);
-    for (int32_t i = 0; i < count; ++i) ++begin[(size_t)unsorted[i].cell / job->slab_cells];
+    for (int32_t i = 0; i < count; ++i) {
+        unsorted[i].slab = unsorted[i].cell / job->slab_cells;
+        ++begin[unsorted[i].slab];
+    }
     for (int32_t slab = 0, next = 0; slab <= job->slabs; ++slab) {
         const int32_t here = begin[slab];
         begin[slab] = next;
         next += here;
     }
-    for (int32_t i = 0; i < count; ++i) sorted[begin[(size_t)unsorted[i].cell / job->slab_cells]++] = unsorted[i];
+    for (int32_t i = 0; i < count; ++i) sorted[begin[unsorted[i].slab]++] = unsorted[i];
     for (int32_t slab = job->slabs; slab > 0; --slab) begin[slab] = begin[slab - 1];
     begin[0] = 0;
 }
@@ -88,7 +90,7 @@ ty_result ty_splats_add(ty_lattice* lattice, const ty_splat_rows* rows, double p
     const int64_t fitting = BATCH / rows->most > 0 ? BATCH / rows->most : 1;
     const size_t batch = (size_t)(fitting < rows->rows ? fitting : rows->rows);
     splat_job job = {.lattice = lattice, .rows = rows, .slabs = lattice->box.size[2]};
-    job.slab_cells = lattice->cells / (size_t)job.slabs;
+    job.slab_cells = lattice->box.size[0] * lattice->box.size[1];
     const size_t begins = batch * (size_t)(job.slabs + 1), powers = 3 * (size_t)job.slabs;
     job.sorted = ty_alloc_array(context, batch * most, sizeof *job.sorted, false);
     job.begin = ty_alloc_array(context, begins, sizeof *job.begin, false);

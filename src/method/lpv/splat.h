@@ -7,6 +7,7 @@
 /* A lobe of light in a cell. */
 typedef struct ty_splat {
     int32_t cell;
+    int32_t slab;   /* found by ty_splats_add */
     float power[3]; /* W */
     ty_vec axis;    /* unit */
 } ty_splat;

@@ -9,7 +9,7 @@
 /* Surfaces behind one another that a ray goes through. */
 enum { LAYERS_MAX = 256 };
 
-/* A task is a strip of BLOCK rows of rays, which start in blocks of BLOCK x BLOCK. */
+/* A task is a strip of BLOCK rows of rays; a packet is a block of BLOCK x BLOCK. */
 enum { BLOCK = 4 };
 
 /* Where within its part of a cell a ray is. All are at the same place: whatever cube of a cell's side is looked at then
@@ -120,28 +120,30 @@ static int32_t step_packet(surfel_job* job, const ray_field* field, ty_ray* rays
     return kept;
 }
 
+/* The rays of a block, through all layers. Where some have ended, others do not take their places: rays that begin and
+ * rays that are on their way are not close together. */
+static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left, int32_t top, int32_t worker) {
+    ty_ray rays[TY_PACKET];
+    int32_t layers[TY_PACKET] = {0}, count = 0;
+    int64_t traced = 0;
+    for (int32_t j = top; j < top + BLOCK && j < field->count[1]; ++j)
+        for (int32_t i = left; i < left + BLOCK && i < field->count[0]; ++i) rays[count++] = ray_at(job, field, i, j);
+    while (count > 0) {
+        traced += count;
+        count = step_packet(job, field, rays, layers, count, worker);
+    }
+    return traced;
+}
+
 static void trace_strip(void* user, int64_t index, int32_t worker) {
     surfel_job* job = user;
     const int32_t axis = index >= job->begin[2] ? 2 : index >= job->begin[1] ? 1 : 0;
     const ray_field field = field_along(job, axis);
-    const int32_t top = BLOCK * (int32_t)(index - job->begin[axis]);
-    const int32_t starts = (field.count[0] + BLOCK - 1) / BLOCK * TY_PACKET;
     surfel_strip* strip = &job->strips[index];
-    ty_ray rays[TY_PACKET];
-    int32_t layers[TY_PACKET], count = 0;
     int64_t traced = 0;
     *strip = (surfel_strip){.list = worker, .first = job->lists[worker].count};
-    for (int32_t start = 0; start < starts || count > 0;) {
-        for (; start < starts && count < TY_PACKET; ++start) {
-            const int32_t i = start / TY_PACKET * BLOCK + start % BLOCK, j = top + start % TY_PACKET / BLOCK;
-            if (i >= field.count[0] || j >= field.count[1]) continue;
-            layers[count] = 0;
-            rays[count++] = ray_at(job, &field, i, j);
-        }
-        if (count == 0) break;
-        traced += count;
-        count = step_packet(job, &field, rays, layers, count, worker);
-    }
+    for (int32_t left = 0; left < field.count[0]; left += BLOCK)
+        traced += trace_block(job, &field, left, BLOCK * (int32_t)(index - job->begin[axis]), worker);
     strip->count = job->lists[worker].count - strip->first;
     atomic_fetch_add(&job->rays, traced);
 }
