@@ -56,7 +56,7 @@ static void values_at(const ty_grid_medium* medium, float* const planes[3], cons
 /* ---- one step ---- */
 
 /* Wider parts of a step, rad as a lamp sees them, are taken in two. */
-#define WIDEST 0.5f
+#define WIDEST 0.25f
 
 /* Light that comes to a part of a step: what it is over color, m or 1/m, the cosine between its way and the ray, and
  * where it is in the middle. */
