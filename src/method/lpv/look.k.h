@@ -160,6 +160,7 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
         float mean[TY_LOOK_FLOATS_MAX];
         ty_look_cells cells;
         const ty_vec off = ty_mad(point, normal, ty_look_off(lattice->cell, normal));
+        if (!(ty_look_depth(lattice, off) >= -0.25f)) continue;
         ty_look_locate(lattice, ty_look_place_in(lattice, off), &cells);
         ty_look_mean(&cells, 0, mean);
         const bool third = lattice->floats > TY_LOOK_FLOATS;
