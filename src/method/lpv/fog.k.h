@@ -125,10 +125,9 @@ TY_FN bool ty_fog_cells_advance(const ty_grid_medium* medium, ty_fog_cells* cell
 
 /* ---- steps ---- */
 
-/* Where the light of a slab of optical depth x comes from in the mean, of its length: 1/x - 1/(e^x - 1). */
-TY_FN float ty_fog_middle(float x, float decay) {
-    const float series = 0.5f - x * (1.0f / 12.0f - x * x * (1.0f / 720.0f));
-    return x < 0.2f ? series : 1.0f / ty_maxf(x, 0.2f) - decay / ty_maxf(1.0f - decay, 0.1f);
+/* Where the light of a slab of optical depth x comes from in the mean, of its length: 1/x - 1/(e^x - 1), nearly. */
+TY_FN float ty_fog_middle(float x) {
+    return (1.0f + 0.1296f * x) / (2.0f + x * (0.5926f + 0.1296f * x));
 }
 
 /* Takes a piece of the ray, from t on, within which media are alike. */
@@ -147,7 +146,7 @@ TY_FN void ty_fog_take(ty_fog_ray* ray, const ty_fog_media* media, float t, floa
     }
     if (!(seen > 0.0f)) return;
     ray->amount += seen;
-    ray->moment += seen * (t + length * ty_fog_middle(depth, ty_decay(depth)));
+    ray->moment += seen * (t + length * ty_fog_middle(depth));
 }
 
 TY_FN void ty_fog_take_cells(ty_fog_ray* ray, float t, float end) {
@@ -217,39 +216,84 @@ TY_FN void ty_fog_even_make(const ty_fog_media* media, float length, ty_fog_even
         depth += x * (1.0f / 3.0f);
     }
     step->length = length;
-    step->at = length * ty_fog_middle(depth, ty_decay(depth));
+    step->at = length * ty_fog_middle(depth);
 }
 
-/* Goes from t to end through homogeneous media in one lattice: light first, with the transmittance step by step, then
- * all that needs no steps. Steps end at the same distances from the eye whatever begins or ends between them. */
+/* Steps of a ray together, so that where they look is found for many at a time. */
+enum { TY_FOG_BATCH = 16 };
+
+typedef struct ty_fog_batch {
+    int32_t count;
+    int32_t kind[TY_FOG_BATCH];
+    float at[TY_FOG_BATCH];                                  /* m along the ray; all are numbers */
+    int32_t base[TY_FOG_BATCH];                              /* the lowest of the eight cells */
+    float x[TY_FOG_BATCH], y[TY_FOG_BATCH], z[TY_FOG_BATCH]; /* how far on the place is towards the others */
+} ty_fog_batch;
+
+TY_FN void ty_fog_locate(const ty_look_lattice* lattice, ty_vec origin, ty_vec direction, ty_fog_batch* batch) {
+    const ty_vec o = ty_look_place_in(lattice, origin), d = ty_scale(direction, lattice->per_metre);
+    const int32_t *size = lattice->size, nx = size[0], nxy = size[0] * size[1];
+#pragma omp simd
+    for (int k = 0; k < TY_FOG_BATCH; ++k) {
+        const float at = batch->at[k];
+        batch->base[k] = ty_look_axis(o.x + d.x * at, size[0], &batch->x[k]) +
+                         nx * ty_look_axis(o.y + d.y * at, size[1], &batch->y[k]) +
+                         nxy * ty_look_axis(o.z + d.z * at, size[2], &batch->z[k]);
+    }
+}
+
+/* The next steps up to `end`, of three kinds: the first one is cut short in front, the last one behind. */
+TY_FN float ty_fog_list(const ty_fog_ray* ray, float t, float end, float step, float* number, ty_fog_even even[3],
+                        ty_fog_batch* batch) {
+    batch->count = 0;
+    while (batch->count < TY_FOG_BATCH && t < end) {
+        const float until = ty_minf(end, (*number + ray->offset) * step);
+        *number += 1.0f;
+        if (!(until > t)) continue;
+        const int32_t kind = until == end ? 2 : even[0].length > 0.0f ? 1 : 0;
+        if (!(even[kind].length > 0.0f)) ty_fog_even_make(&ray->media, until - t, &even[kind]);
+        if (kind == 2 && !(even[0].length > 0.0f)) even[0].length = 1.0f;
+        batch->kind[batch->count] = kind;
+        batch->at[batch->count++] = t + even[kind].at;
+        t = until;
+    }
+    for (int k = batch->count; k < TY_FOG_BATCH; ++k) batch->at[k] = t;
+    return t;
+}
+
+/* Goes from t to end through homogeneous media in one lattice: light alone, with the transmittance step by step. Steps
+ * end at the same distances from the eye whatever begins or ends between them. */
 TY_FN void ty_fog_walk_even(ty_fog_ray* ray, float t, float end, int32_t level) {
-    const float step = ray->request->step * ray->request->look->lattices[level].cell;
+    const ty_look_lattice* lattice = &ray->request->look->lattices[level];
+    const bool blends = level + 1 < ray->request->look->count;
+    const float step = ray->request->step * lattice->cell;
     float number = floorf(t / step - ray->offset) + 1.0f;
     float passed[TY_LOOK_FLOATS], sum[TY_LOOK_FLOATS], light[TY_LOOK_FLOATS];
-    ty_fog_even whole, part;
+    ty_fog_even even[3];
+    ty_fog_batch batch;
+    for (int i = 0; i < 3; ++i) even[i].length = 0.0f;
     for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
         passed[j] = j < 12 ? ray->out.transmittance[j / 4] : 0.0f;
         sum[j] = ray->sum[j];
         light[j] = 0.0f;
     }
-    if (end - t > step) ty_fog_even_make(&ray->media, step, &whole);
-    bool first = true;
     while (t < end && passed[0] + passed[4] + passed[8] > TY_FOG_BLACK) {
-        const float until = ty_minf(end, (number + ray->offset) * step);
-        const ty_fog_even* even = &whole;
-        number += 1.0f;
-        if (!(until > t)) continue;
-        if (first || until == end) {
-            ty_fog_even_make(&ray->media, until - t, &part);
-            even = &part;
+        t = ty_fog_list(ray, t, end, step, &number, even, &batch);
+        if (!blends) ty_fog_locate(lattice, ray->origin, ray->direction, &batch);
+        for (int32_t k = 0; k < batch.count; ++k) {
+            const ty_fog_even* taken = &even[batch.kind[k]];
+            if (blends) {
+                ty_fog_look(ray, batch.at[k], level, light);
+            } else {
+                ty_look_cells cells;
+                ty_look_around(lattice, batch.base[k], batch.x[k], batch.y[k], batch.z[k], &cells);
+                ty_look_mean(&cells, 0, light);
+            }
+            for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
+                sum[j] += passed[j] * taken->scatters[j] * light[j];
+                passed[j] *= taken->passes[j];
+            }
         }
-        first = false;
-        ty_fog_look(ray, t + even->at, level, light);
-        for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
-            sum[j] += passed[j] * even->scatters[j] * light[j];
-            passed[j] *= even->passes[j];
-        }
-        t = until;
     }
     for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
         ray->sum[j] = sum[j];

@@ -63,13 +63,10 @@ TY_FN ty_vec ty_look_place_in(const ty_look_lattice* lattice, ty_vec point) {
     return ty_vec_make(p.x - 0.5f, p.y - 0.5f, p.z - 0.5f);
 }
 
-/* The cells around a place, which is moved into the lattice if it is not there. */
-TY_FN void ty_look_locate(const ty_look_lattice* lattice, ty_vec place, ty_look_cells* cells) {
-    float x, y, z;
+/* The eight cells from `base` on, and their weights at a place that is x, y and z of a cell from there. */
+TY_FN void ty_look_around(const ty_look_lattice* lattice, int32_t base, float x, float y, float z,
+                          ty_look_cells* cells) {
     const int32_t *size = lattice->size, nx = size[0], nxy = size[0] * size[1];
-    const int32_t base =
-        ty_look_axis(place.x, size[0], &x) + nx * ty_look_axis(place.y, size[1], &y) +
-        nxy * ty_look_axis(place.z, size[2], &z);
     const int32_t dx = nx > 1 ? 1 : 0, dy = size[1] > 1 ? nx : 0, dz = size[2] > 1 ? nxy : 0;
     const float near_z = 1.0f - z, near_y = 1.0f - y, near_x = 1.0f - x;
     const float low[4] = {near_x * near_y, x * near_y, near_x * y, x * y};
@@ -93,6 +90,15 @@ TY_FN void ty_look_locate(const ty_look_lattice* lattice, ty_vec place, ty_look_
     const int32_t own[3] = {x >= 0.5f ? 1 : 0, y >= 0.5f ? 1 : 0, z >= 0.5f ? 1 : 0};
     const size_t self = (size_t)(base + own[0] * dx + own[1] * dy + own[2] * dz);
     if (lattice->closed[self] != 0) ty_look_close(lattice->near + self * TY_LOOK_NEAR, own, cells->weight);
+}
+
+/* The cells around a place, which is moved into the lattice if it is not there. */
+TY_FN void ty_look_locate(const ty_look_lattice* lattice, ty_vec place, ty_look_cells* cells) {
+    float x, y, z;
+    const int32_t* size = lattice->size;
+    const int32_t base = ty_look_axis(place.x, size[0], &x) +
+                         size[0] * (ty_look_axis(place.y, size[1], &y) + size[1] * ty_look_axis(place.z, size[2], &z));
+    ty_look_around(lattice, base, x, y, z, cells);
 }
 
 /* The mean of the cells' floats from `first` on. */
@@ -154,13 +160,13 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
         float mean[TY_LOOK_FLOATS_MAX];
         ty_look_cells cells;
         const ty_vec off = ty_mad(point, normal, ty_look_off(lattice->cell, normal));
+        if (!(ty_look_depth(lattice, off) >= -0.25f)) continue;
         ty_look_locate(lattice, ty_look_place_in(lattice, off), &cells);
         ty_look_mean(&cells, 0, mean);
         const bool third = lattice->floats > TY_LOOK_FLOATS;
         if (third) ty_look_mean(&cells, TY_LOOK_FLOATS, mean + TY_LOOK_FLOATS);
         for (int c = 0; c < 3; ++c)
-            irradiance[c] +=
-                share * ty_look_irradiance(mean + 4 * c, third ? mean + TY_LOOK_FLOATS + 5 * c : NULL, y);
+            irradiance[c] += share * ty_look_irradiance(mean + 4 * c, third ? mean + TY_LOOK_FLOATS + 5 * c : NULL, y);
     }
 }
 
