@@ -114,7 +114,7 @@ static ty_result make_scene(ty_context* context, vec forward, ty_scene** out) {
     for (int a = 0; a < 3; ++a) {
         fog.box_min[a] = a == 1 ? 0 : -7;
         fog.box_max[a] = a == 1 ? 5 : 7;
-        fog.sigma_s[a] = 0.12f;
+        fog.sigma_s[a] = 0.04f;
         fog.g[a] = 0.5f;
     }
     ty_light_def sun = ty_default_light_def();
@@ -148,7 +148,7 @@ static ty_result look(ty_scene* scene, const ty_lpv* light, ty_lpv_def* def, con
     ty_result result = ty_scene_set_camera(scene, &camera);
     if (result == TY_OK) result = ty_scene_commit(scene);
     if (result == TY_OK) result = ty_lpv_view(light, scene, def, &image, &stats);
-    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, 0, true, path);
+    if (result == TY_OK) result = ty_image_write_png(ty_scene_context(scene), image, -1, true, path);
     if (result == TY_OK)
         printf("%s: surfaces %.1f ms, lattice marched %.1f ms, single scattering %.1f ms\n", path,
                1e3 * stats.surface_seconds, 1e3 * stats.march_seconds, 1e3 * stats.single_seconds);

@@ -78,7 +78,7 @@ test_ordinates() {
 # Light propagation volumes: without Sponza the atrium stands for it.
 test_propagation() {
   expect 0 figure lpv -o made --quick --size 24x20 --spp 2
-  for name in parts leaking truth shafts animation energy; do figure_files "lpv-$name"; done
+  for name in parts leaking truth shafts animation energy dense; do figure_files "lpv-$name"; done
   said made/lpv-parts.csv '^"published, plain_march",mean,W m\^-2 sr\^-1,[0-9.e-]+,,$'
   said made/lpv-truth.csv '^atrium,mean ratio of full,1,[0-9.e-]+,1,0\.2$'
   unsaid made/lpv-truth.csv Sponza

@@ -92,6 +92,7 @@ ty_result figure_lpv_truth(figure_run* run);
 ty_result figure_lpv_shafts(figure_run* run);
 ty_result figure_lpv_animation(figure_run* run);
 ty_result figure_lpv_energy(figure_run* run);
+ty_result figure_lpv_dense(figure_run* run);
 ty_result figure_screen_leaking(figure_run* run);
 ty_result figure_screen_thickness(figure_run* run);
 ty_result figure_screen_truth(figure_run* run);
