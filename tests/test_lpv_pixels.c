@@ -19,11 +19,7 @@ typedef struct view_case {
     ty_grid_medium* medium;
     ty_light_map* map;
     ty_lit_map* lit;
-<<<<<<< HEAD
-=======
     ty_airlight* airlight;
-    int32_t light;
->>>>>>> wip-pixels
     ty_lpv_image_job job;
 } view_case;
 
