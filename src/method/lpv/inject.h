@@ -14,9 +14,8 @@ typedef struct ty_surfel {
 } ty_surfel;
 
 /* All layers of the scene's surfaces within a box and half a cell around it, where links that lead out of the box are,
- * along three axes, `side` rays a cell of the box each way; areas are
- * such that all three axes together count each surface once. Errors: TY_ERROR_MEMORY. Freed with ty_free_array of
- * *capacity. */
+ * along three axes, `side` rays a cell of the box each way; areas are such that all three axes together count each
+ * surface once. Errors: TY_ERROR_MEMORY. Freed with ty_free_array of *capacity. */
 ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_t side, ty_surfel** out, size_t* count,
                            size_t* capacity, int64_t* rays);
 
