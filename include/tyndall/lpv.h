@@ -121,8 +121,9 @@ TY_API ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_l
 TY_API void ty_lpv_destroy(ty_lpv* light);
 
 /* Radiance through the pixels of the scene's camera: R, G, B and def->aovs (single: light that media scatter once and
- * nothing else touches; multiple: all other that media scatter). The scene is the one that was solved, but for its
- * camera; of def, the options of images count. Errors: as ty_lpv_solve. After any *out is NULL. */
+ * nothing else touches; multiple: other light that media scatter towards the camera, but not what they scatter onto
+ * surfaces). The scene is the one that was solved, but for its camera; of def, the options of images count. Errors: as
+ * ty_lpv_solve. After any *out is NULL. */
 TY_API ty_result ty_lpv_view(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def, ty_image** out,
                              ty_lpv_stats* stats);
 TY_API ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image** out, ty_lpv_stats* stats);

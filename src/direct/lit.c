@@ -307,21 +307,62 @@ int32_t ty_lit_at(const ty_lit_map* map, ty_vec point, float slack) {
     return lit == 4 ? 1 : lit == 0 ? 0 : -1;
 }
 
-float ty_lit_share(const ty_lit_map* map, ty_vec point) {
+/* The plane through a point with a normal, before a face: 1 / depth on it is linear in the place on the map for lights
+ * with a place, depth for others. */
+typedef struct lit_plane {
+    float depth, facing, along[2]; /* at the point: depth, how much it faces the light; its change by the texel */
+} lit_plane;
+
+static lit_plane plane_before(const ty_lit_map* map, int32_t face, ty_vec at, ty_vec normal) {
+    const ty_light_map* of = map->map;
+    const float per_texel = 2.0f / (float)of->side;
+    const double n[3] = {(double)normal.x, (double)normal.y, (double)normal.z};
+    double facing = 0, along[2] = {0, 0};
+    for (int a = 0; a < 3; ++a) {
+        facing -= n[a] * of->forward[face][a];
+        along[0] -= n[a] * of->right[face][a];
+        along[1] -= n[a] * of->up[face][a];
+    }
+    lit_plane plane = {.depth = at.z, .facing = (float)facing};
+    for (int i = 0; i < 2; ++i) plane.along[i] = (float)along[i] * per_texel;
+    if (!is_parallel(map))
+        plane.facing +=
+            plane.along[0] * (at.x - 0.5f * (float)of->side) + plane.along[1] * (at.y - 0.5f * (float)of->side);
+    return plane;
+}
+
+/* Depth on the plane so many texels from the point; INFINITY: the plane is not before the light there. */
+static float plane_depth(const ty_lit_map* map, const lit_plane* plane, float x, float y) {
+    const float turn = plane->along[0] * x + plane->along[1] * y;
+    if (is_parallel(map)) return plane->depth - turn / plane->facing;
+    const float facing = plane->facing + turn;
+    return facing > 0.0f ? plane->depth * plane->facing / facing : INFINITY;
+}
+
+float ty_lit_share(const ty_lit_map* map, ty_vec point, ty_vec normal, float slack, float close, bool* sure) {
     int32_t face;
     ty_vec at;
+    *sure = true;
     if (map->light.kind == TY_KIND_SPOT && is_outside_cone(&map->light, point)) return 0.0f;
     if (!locate(map, point, &face, &at)) return 1.0f;
     const lit_job job = {.map = map, .face = face};
+    const lit_plane plane = plane_before(map, face, at, normal);
+    if (!(plane.facing > 0.0f)) return 0.0f;
     const int32_t last = map->map->side - 1;
     const float x = floorf(at.x - 0.5f), y = floorf(at.y - 0.5f);
+    const float across = at.x - 0.5f - x, down = at.y - 0.5f - y;
     float share = 0.0f;
+    int32_t lit = 0;
     for (int32_t i = 0; i < 4; ++i) {
-        const float across = i % 2 == 0 ? 1.0f - (at.x - 0.5f - x) : at.x - 0.5f - x;
-        const float down = i / 2 == 0 ? 1.0f - (at.y - 0.5f - y) : at.y - 0.5f - y;
-        const int32_t column = ty_lit_clamp((int32_t)x + i % 2, 0, last),
-                      row = ty_lit_clamp((int32_t)y + i / 2, 0, last);
-        if (at.z < depth_at(&job, column, row)) share += across * down;
+        const int32_t column = ty_lit_clamp((int32_t)x + i % 2, 0, last);
+        const int32_t row = ty_lit_clamp((int32_t)y + i / 2, 0, last);
+        const float nearer = plane_depth(map, &plane, (float)column + 0.5f - at.x, (float)row + 0.5f - at.y) -
+                             depth_at(&job, column, row);
+        const bool shines = !(nearer > slack);
+        if (shines) share += (i % 2 == 0 ? 1.0f - across : across) * (i / 2 == 0 ? 1.0f - down : down);
+        lit += shines;
+        if (!(nearer <= slack || nearer > close)) *sure = false;
     }
+    if (lit != 0 && lit != 4) *sure = false;
     return share;
 }

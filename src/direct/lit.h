@@ -48,7 +48,10 @@ int32_t ty_lit_stretches_counted(const ty_lit_map* map, ty_vec origin, ty_vec di
 /* Whether the light reaches a point: 1, 0, or -1 where the four texels around differ, or lie within `slack` (m) of the
  * point's depth. So points of surfaces are first moved off them, by more than that. */
 int32_t ty_lit_at(const ty_lit_map* map, ty_vec point, float slack);
-/* The share of those four texels, weighted by how near they are, that leave the point lit: shadows with soft edges. */
-float ty_lit_share(const ty_lit_map* map, ty_vec point);
+/* The share of those four texels, weighted by how near they are, that leave a point of a surface with a unit normal
+ * lit: they are not nearer to the light than the plane through it by more than `slack` (m). *sure: whether all four say
+ * the same, and none is nearer by just less than `close`, where it may be what touches the surface, or the surface
+ * itself. */
+float ty_lit_share(const ty_lit_map* map, ty_vec point, ty_vec normal, float slack, float close, bool* sure);
 
 #endif

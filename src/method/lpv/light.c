@@ -1,6 +1,5 @@
 /* The lattices' light at single points. */
 #include "method/lpv/look.k.h"
-#include "method/lpv/lookup.k.h"
 #include "method/lpv/pixels.h"
 
 void ty_lpv_irradiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec normal, float irradiance[3]) {

@@ -4,9 +4,7 @@
 #ifndef TY_METHOD_LPV_LOOK_K_H
 #define TY_METHOD_LPV_LOOK_K_H
 
-#include "base/sh.k.h"
-
-#include <tyndall/lpv.h>
+#include "method/lpv/lookup.k.h"
 
 /* Floats of a cell: channel by channel the first two bands and a quarter to spare, then, with three bands, five more
  * terms a channel and one to spare. */
@@ -141,12 +139,6 @@ TY_FN float ty_look_irradiance(const float band01[4], const float* band2, const 
     return ty_maxf(sum, 0.0f);
 }
 
-/* How far off a surface its light is looked up, m: by what a cell measures along the normal, so that the cell is on the
- * side that is asked for. */
-TY_FN float ty_look_off(float cell, ty_vec normal) {
-    return 0.5f * cell * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
-}
-
 /* Irradiance at a surface with a unit normal on the side that is asked for; 0 outside of all lattices. */
 TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, float irradiance[3]) {
     float y[TY_SH_TERMS], coarser;
@@ -159,7 +151,7 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
         const float share = i == finest ? 1.0f - coarser : coarser;
         float mean[TY_LOOK_FLOATS_MAX];
         ty_look_cells cells;
-        const ty_vec off = ty_mad(point, normal, ty_look_off(lattice->cell, normal));
+        const ty_vec off = ty_lattice_lift(point, normal, lattice->cell);
         if (!(ty_look_depth(lattice, off) >= -0.25f)) continue;
         ty_look_locate(lattice, ty_look_place_in(lattice, off), &cells);
         ty_look_mean(&cells, 0, mean);

@@ -1,4 +1,7 @@
-/* Images: what the camera sees of surfaces, lit by lights and lattices, and of media. */
+/* Images: what the camera sees of surfaces, lit by lights and lattices, and of media. Channels: single is airlight,
+ * multiple what media scatter of the lattice's light towards the eye. What the lattice brings to surfaces is in
+ * neither: light that media scattered there cannot be told from light that other surfaces reflected. albedo is, as path
+ * has it, the part of the light that media scatter before the first surface. */
 #ifndef TY_METHOD_LPV_PIXELS_H
 #define TY_METHOD_LPV_PIXELS_H
 

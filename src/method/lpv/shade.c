@@ -1,27 +1,24 @@
 /* What surfaces reflect. */
 #include "method/lpv/frame.h"
 
-/* Slopes, texels of depth a texel, from which on maps are not asked if rays may be. */
-static const float steepest = 8.0f;
+/* Cosines between surfaces and lights below which maps are not asked if rays may be. */
+static const float grazing = 0.02f;
+/* How much nearer than a surface's plane texels may be, in their widths, to be of the surface itself: where rays decide
+ * whether those up to `touching` of them are, and where they do not. */
+static const float own_with_rays = 0.1f, own_without = 1.0f, touching = 6.0f;
 
 /* ---- shadows ---- */
 
-/* How far a surface's depths in a map may differ among the four texels around a point, m; *texel: how wide they are
- * there. */
-static float spread_in_map(const ty_lit_map* lit, const ty_lpv_pixel* pixel, const ty_light_sample* sample,
-                           float* texel) {
+/* How wide the texels of a map are about so far from its light, m. */
+static float texel_width(const ty_lit_map* lit, float distance) {
     const ty_light_map* map = lit->map;
-    const ty_vec right = ty_vec_make((float)map->right[0][0], (float)map->right[0][1], (float)map->right[0][2]);
-    const ty_vec up = ty_vec_make((float)map->up[0][0], (float)map->up[0][1], (float)map->up[0][2]);
-    const float per_side = 2.0f / (float)map->side;
-    const float facing = ty_maxf(ty_dot(pixel->facing, sample->look), 1e-4f);
-    const float widest = per_side * sqrtf(ty_maxf(ty_dot(right, right), ty_dot(up, up)));
-    if (lit->light.kind == TY_KIND_DIRECTIONAL) {
-        *texel = widest;
-        return per_side * (fabsf(ty_dot(pixel->facing, right)) + fabsf(ty_dot(pixel->facing, up))) / facing;
+    double square[2] = {0, 0};
+    for (int a = 0; a < 3; ++a) {
+        square[0] += map->right[0][a] * map->right[0][a];
+        square[1] += map->up[0][a] * map->up[0][a];
     }
-    *texel = widest * sample->distance;
-    return 1.4142136f * *texel / facing;
+    const float width = 2.0f * (float)sqrt(fmax(square[0], square[1])) / (float)map->side;
+    return lit->light.kind == TY_KIND_DIRECTIONAL ? width : width * distance;
 }
 
 /* Rays towards a light that wait until there are enough of them. */
@@ -54,18 +51,16 @@ static void ask_ray(ty_lpv_frame* frame, const ty_light_sample* sample, ty_lpv_p
     if (++packet->count == TY_PACKET) trace_shadows(frame, packet);
 }
 
-/* The share of a light that gets to a pixel by its map; -1: a ray is to say. The point is moved towards the light by
- * what its own surface's depths differ around it, so that it does not shadow itself; shadows do not move by that. */
+/* The share of a light that gets to a pixel by its map; -1: a ray is to say. */
 static float share_of_light(const ty_lpv_frame* frame, const ty_lit_map* map, const ty_lpv_pixel* pixel,
                             const ty_light_sample* sample) {
     const bool asks = frame->job->def->shadow_rays && frame->scene->mesh != NULL;
-    float texel;
-    const float spread = spread_in_map(map, pixel, sample, &texel);
-    if (asks && spread > steepest * texel) return -1.0f;
-    const float off = ty_minf(spread, steepest * texel) + 0.25f * texel + pixel->margin;
-    const ty_vec point = ty_mad(pixel->position, sample->look, ty_minf(off, sample->distance));
-    if (!asks) return ty_lit_share(map, point);
-    return (float)ty_lit_at(map, point, 0.1f * texel);
+    if (asks && ty_dot(pixel->facing, sample->look) < grazing) return -1.0f;
+    const float texel = texel_width(map, sample->distance), own = asks ? own_with_rays : own_without;
+    bool sure;
+    const float share =
+        ty_lit_share(map, pixel->position, pixel->facing, own * texel + 2.0f * pixel->margin, touching * texel, &sure);
+    return asks && !sure ? -1.0f : share;
 }
 
 /* ---- direct light ---- */
