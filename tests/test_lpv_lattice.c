@@ -186,7 +186,7 @@ static void steps_keep_what_is_not_absorbed(void** state) {
                     const double taken = sigma * (1 - albedo) * (double)step.length;
                     assert_close(step.pass[0], 1 - taken, 2e-5);
                     assert_true(step.pass[0] >= 0 && step.pass[0] <= 1);
-                    assert_true(fabsf(step.pass[1]) <= step.pass[0] + 1e-6f && fabsf(step.pass[2]) <= 1.0f);
+                    assert_true(fabsf(step.pass[1]) <= step.pass[0] + 2e-6f && fabsf(step.pass[2]) <= 1.0f);
                     assert_true(step.length > 0 && step.seen[0] >= 0.5f && step.seen[0] <= 1 && step.seen[1] >= 0);
                     assert_true(step.shown[1] > 0 && step.shown[1] < 2000);
                     if (m == 0) assert_true(step.pass[1] >= 0);

@@ -186,7 +186,7 @@ static void point_at(const ty_lpv_march* march, int32_t y, int32_t z, ty_lpv_row
     const size_t index = (size_t)z * (size_t)lattice->box.size[1] + (size_t)y;
     row->from = march->from + place;
     row->to = march->to + place;
-    row->sum = march->sum + place;
+    row->sum = march->adds ? march->sum + place : NULL;
     row->first = index * (size_t)lattice->box.size[0];
     row->near = march->near != NULL ? march->near + index * (size_t)march->blocks : NULL;
     for (int32_t c = 0; c < 3; ++c) {
@@ -245,7 +245,8 @@ static ty_lpv_sums add_slabs(const ty_lpv_march* march) {
     return sums;
 }
 
-ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march) {
+ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march, bool adds) {
+    march->adds = adds;
     ty_parallel_flushed(march->lattice->context, march->lattice->box.size[2], step_slab, march);
     float* done = march->from;
     march->from = march->to;
@@ -258,6 +259,7 @@ ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march) {
 typedef struct slab_job {
     ty_lpv_march* march;
     float* const (*seen)[TY_SH_TERMS]; /* NULL: what media's steps say */
+    bool pending;                      /* whether what flows is not in the sum yet */
 } slab_job;
 
 /* What counts of the light that is injected into a row. */
@@ -285,11 +287,12 @@ static void inject_slab(void* user, int64_t index, int32_t worker) {
             const size_t first = ((size_t)z * (size_t)size[1] + (size_t)y) * (size_t)size[0];
             const float* flow = lattice->flow[c][t] + first;
             const float* pass = ty_lpv_march_factor(march, c, TY_FACTOR_PASS + ty_sh_band(t), y, z);
-            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z), counted);
+            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z),
+                      counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float passed = pass[x] * flow[x];
                 march->from[place + (size_t)x] += passed;
-                march->sum[place + (size_t)x] += counted[x];
+                march->sum[place + (size_t)x] = pass[x] * counted[x] - passed;
                 if (t > 0) continue;
                 sums->arrived[c] += (double)flow[x];
                 sums->size[c] += (double)fabsf(flow[x]);
@@ -318,19 +321,24 @@ static void gather_slab(void* user, int64_t index, int32_t worker) {
             const size_t first = ((size_t)z * (size_t)size[1] + (size_t)y) * (size_t)size[0];
             const float *length = ty_lpv_march_factor(march, c, TY_FACTOR_LENGTH, y, z),
                         *shown = ty_lpv_march_factor(march, c, TY_FACTOR_SHOWN, y, z);
-            const float* even = march->sum + ty_lpv_march_place(march, y, z) + c * lattice->terms * march->pitch.term;
-            const float* sum = even + t * march->pitch.term;
+            const float* pass = ty_lpv_march_factor(march, c, TY_FACTOR_PASS + ty_sh_band(t), y, z);
+            const size_t even = ty_lpv_march_place(march, y, z) + (size_t)(c * lattice->terms * march->pitch.term);
+            const size_t place = even + (size_t)(t * march->pitch.term);
+            const float flowing = job->pending ? 1.0f : 0.0f;
             float *flow = lattice->flow[c][t] + first, *light = lattice->light[c][t] + first;
-            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z), counted);
+            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z),
+                      counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float scale = length[x] * per_volume * (ty_sh_band(t) == 1 ? shown[x] : 1.0f);
-                light[x] = even[x] > 0.0f ? sum[x] * scale : 0.0f;
+                const bool lit = march->sum[even + (size_t)x] + flowing * march->from[even + (size_t)x] > 0.0f;
+                const float sum = march->sum[place + (size_t)x] + flowing * march->from[place + (size_t)x];
+                light[x] = lit ? sum / pass[x] * scale : 0.0f;
                 flow[x] = (flow[x] - counted[x]) * scale;
             }
         }
 }
 
-void ty_lpv_march_gather(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS]) {
-    slab_job job = {.march = march, .seen = seen};
+void ty_lpv_march_gather(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS], bool pending) {
+    slab_job job = {.march = march, .seen = seen, .pending = pending};
     ty_parallel_flushed(march->lattice->context, march->lattice->box.size[2], gather_slab, &job);
 }
