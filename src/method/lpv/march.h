@@ -30,6 +30,7 @@ typedef struct ty_lpv_march {
     size_t factor_floats; /* of each factor */
     uint32_t* near;       /* per block: bits of the links into it that are not open; NULL: all are */
     size_t near_count;
+    int32_t batch;      /* slabs that one thread takes at a time */
     ty_lpv_sums* slabs; /* per z */
 } ty_lpv_march;
 
