@@ -263,11 +263,23 @@ TY_INLINE float left_at_ends(const ty_lpv_row* row, int32_t channel, int32_t ter
     return left;
 }
 
+/* Asks for the rows that the next one begins with: of wide lattices, which caches do not hold. */
+enum { WIDE = 48 };
+TY_INLINE void fetch_next(const ty_lpv_row* row) {
+    const ptrdiff_t line = 64 / (ptrdiff_t)sizeof(float);
+    for (ptrdiff_t i = 0; i < row->pitch.row; i += line) {
+        __builtin_prefetch(row->from + row->pitch.plane + 2 * row->pitch.row + i, 0, 2);
+        __builtin_prefetch(row->to + row->pitch.row + i, 1, 2);
+        if (row->sum != NULL) __builtin_prefetch(row->sum + row->pitch.row + i, 1, 2);
+    }
+}
+
 TY_INLINE void step_row(const ty_lpv_row* row, int32_t terms, ty_lpv_lane_sums* sums) {
     cell_block block;
     block.row = row;
     block.begin = 0;
     if (row->near != NULL) open_all(&block, all_links);
+    if (row->count > WIDE) fetch_next(row);
     for (; block.begin < row->count; block.begin += LANES) {
         block.count = row->count - block.begin;
         block.near = row->near != NULL ? row->near[block.begin / TY_LPV_BLOCK] : 0;
