@@ -186,7 +186,7 @@ static void steps_keep_what_is_not_absorbed(void** state) {
                     const double taken = sigma * (1 - albedo) * (double)step.length;
                     assert_close(step.pass[0], 1 - taken, 2e-5);
                     assert_true(step.pass[0] >= 0 && step.pass[0] <= 1);
-                    assert_true(fabsf(step.pass[1]) <= step.pass[0] + 1e-6f && fabsf(step.pass[2]) <= 1.0f);
+                    assert_true(fabsf(step.pass[1]) <= step.pass[0] + 2e-6f && fabsf(step.pass[2]) <= 1.0f);
                     assert_true(step.length > 0 && step.seen[0] >= 0.5f && step.seen[0] <= 1 && step.seen[1] >= 0);
                     assert_true(step.shown[1] > 0 && step.shown[1] < 2000);
                     if (m == 0) assert_true(step.pass[1] >= 0);
@@ -301,29 +301,26 @@ static void closed_rooms_keep_light(void** state) {
 /* A lamp in the middle of a cube of a medium without absorption, against 1 / (4 pi D r) less what it is at the faces:
  * differences between two distances. */
 static void check_diffusion(ty_context* context, double depth, double g, double tolerance) {
-    const int32_t n = 41, m = 20;
+    const int32_t n = 25, m = 12;
     ty_lattice* lattice = make_lattice(context, n, n, n, 2);
     const double cell = (double)lattice->cell, sigma = depth / cell / (1 - g);
     set_medium(lattice, sigma, 0, g, false);
     for (int c = 0; c < 3; ++c) lattice->flow[c][0][cell_at(lattice, m, m, m)] = (float)(1 / power_of_term);
-    const ty_lpv_def def = {.mode = TY_LPV_MODE_LINKS, .tolerance = 1e-4};
+    const ty_lpv_def def = {.mode = TY_LPV_MODE_LINKS, .tolerance = 1e-3};
     ty_lattice_power power;
     assert_int_equal(ty_lattice_propagate(lattice, &def, NULL, NULL, NULL, NULL, &power), TY_OK);
     const float* even = lattice->light[1][0];
-    const double near = power_of_term * (double)even[cell_at(lattice, m + 6, m, m)];
-    const double far = power_of_term * (double)even[cell_at(lattice, m + 12, m, m)];
-    const double d = 1 / (3 * depth / cell), expected = (1 / 6.0 - 1 / 12.0) / (4 * 3.14159265 * d * cell);
-    print_message("depth %g g %g: %g of diffusion, %d iterations\n", depth, g, (near - far) / expected,
-                  (int)power.iterations);
+    const double near = power_of_term * (double)even[cell_at(lattice, m + 4, m, m)];
+    const double far = power_of_term * (double)even[cell_at(lattice, m + 8, m, m)];
+    const double d = 1 / (3 * depth / cell), expected = (1 / 4.0 - 1 / 8.0) / (4 * 3.14159265 * d * cell);
     assert_close((near - far) / expected, 1, tolerance);
     ty_lattice_destroy(lattice);
 }
 
 static void lattices_diffuse_as_media_do(void** state) {
-    check_diffusion(*state, 0.25, 0, 0.08);
-    check_diffusion(*state, 0.5, 0, 0.05);
+    check_diffusion(*state, 0.5, 0, 0.08); /* two free paths from the lamp */
     check_diffusion(*state, 0.8, 0.6, 0.05);
-    check_diffusion(*state, 2, 0, 0.05);
+    check_diffusion(*state, 0.9, 0, 0.05);
     check_diffusion(*state, 8, -0.4, 0.05);
 }
 
@@ -465,8 +462,7 @@ static void finer_lattices_see_what_is_around(void** state) {
             const double there = (double)outer->light[0][0][cell_at(outer, x + 6, 10, z + 6)];
             worst = fmax(worst, fabs(mean / there - 1));
         }
-    print_message("a finer lattice differs by %.3f at most\n", worst);
-    assert_true(worst < 0.1);
+    assert_true(worst < 0.05);
     ty_lattice_destroy(inner);
     ty_lattice_destroy(outer);
 }

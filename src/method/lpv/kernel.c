@@ -48,7 +48,7 @@ typedef int32_t whole_lanes __attribute__((vector_size(BYTES)));
     LINK(0, 1, 1, 14)                                                                                                  \
     LINK(1, 1, 1, 13)
 
-/* Up to LANES cells of a row, and what links into them let pass. */
+/* Up to LANES cells of a row, and what links into them let pass: 1 where `near` has no bit. */
 typedef struct cell_block {
     const ty_lpv_row* row;
     int32_t begin, count;
@@ -115,7 +115,7 @@ TY_INLINE void gather_two(const cell_block* block, const float* at, bool near, l
 #define LINK(dx, dy, dz, k)                                                                                            \
     {                                                                                                                  \
         const int32_t kind = abs(dx) + abs(dy) + abs(dz) - 1;                                                          \
-        const float* source = at - (dx) - (dy) * to_row - (dz) * to_plane;                                             \
+        const float* source = at - (dx) - (dy)*to_row - (dz)*to_plane;                                                 \
         lanes value = along_two(source, term, shapes, dx, dy, dz);                                                     \
         if (near) value *= load(block->open[k]);                                                                       \
         add_two(sum, value, shapes->even[kind], shapes->along[kind], dx, dy, dz);                                      \
@@ -131,7 +131,7 @@ TY_INLINE void gather_three(const cell_block* block, const float* at, bool near,
     const ptrdiff_t term = row->pitch.term, to_row = row->pitch.row, to_plane = row->pitch.plane;
 #define LINK(dx, dy, dz, k)                                                                                            \
     {                                                                                                                  \
-        const float* source = at - (dx) - (dy) * to_row - (dz) * to_plane;                                             \
+        const float* source = at - (dx) - (dy)*to_row - (dz)*to_plane;                                                 \
         const float* shape = row->shapes->all[k];                                                                      \
         lanes value = shape[0] * load(source);                                                                         \
         for (int32_t t = 1; t < TY_SH_TERMS; ++t) value += shape[t] * load(source + t * term);                         \
@@ -167,11 +167,10 @@ TY_INLINE void find_open(cell_block* block) {
     for (uint32_t links = block->near; links != 0;) {
         const int32_t k = take_link(&links);
         const uint8_t* from = block->row->open[k] + first;
-        if (block->count >= LANES) {
-            for (int32_t i = 0; i < LANES; ++i) block->open[k][i] = (float)from[i] * (1.0f / 255.0f);
-            continue;
-        }
-        for (int32_t i = 0; i < block->count; ++i) block->open[k][i] = (float)from[i] * (1.0f / 255.0f);
+        float* open = block->open[k];
+        const int32_t count = block->count < LANES ? block->count : LANES; /* known, GCC would do one by one */
+#pragma omp simd
+        for (int32_t i = 0; i < count; ++i) open[i] = (float)from[i] * (1.0f / 255.0f);
     }
 }
 
@@ -211,7 +210,8 @@ TY_INLINE void add_sum(float* sums, lanes value) {
 TY_INLINE void turn_back(const cell_block* block, const float* at, int32_t channel, int32_t terms, lanes* sum,
                          float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
     const ty_lpv_row* row = block->row;
-    lanes lobes[TY_SH_TERMS] = {{0}};
+    lanes lobes[TY_SH_TERMS];
+    for (int32_t t = 0; t < terms; ++t) lobes[t] = (lanes){0};
     add_sum(sums[TY_LPV_LEFT], -stop(block, at, terms, lobes));
     if (row->albedo[channel] == NULL) {
         add_sum(sums[TY_LPV_KEPT], lobes[0]);
@@ -230,7 +230,8 @@ TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t term
     const ty_lpv_row* row = block->row;
     const ptrdiff_t term = row->pitch.term, place = channel * terms * term + block->begin;
     const float* at = row->from + place;
-    lanes sum[TY_SH_TERMS] = {{0}};
+    lanes sum[TY_SH_TERMS];
+    for (int32_t t = 0; t < terms; ++t) sum[t] = (lanes){0};
     if (terms == 4 && block->near != 0) gather_two(block, at, true, sum);
     if (terms == 4 && block->near == 0) gather_two(block, at, false, sum);
     if (terms != 4) gather_three(block, at, block->near != 0, sum);
@@ -238,9 +239,8 @@ TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t term
     for (int32_t t = 0; t < terms; ++t) {
         const lanes value = within(sum[t], block->count);
         const lanes passed = value * load(row->pass[channel][t == 0 ? 0 : t < 4 ? 1 : 2] + block->begin);
-        float* add = row->sum + place + t * term;
         store(row->to + place + t * term, passed);
-        store(add, load(add) + value);
+        if (row->sum != NULL) add_sum(row->sum + place + t * term, load(at + t * term) + passed);
         if (t > 0) continue;
         add_sum(sums[TY_LPV_ARRIVED], value);
         add_sum(sums[TY_LPV_SIZE], size_of(value));
@@ -263,20 +263,23 @@ TY_INLINE float left_at_ends(const ty_lpv_row* row, int32_t channel, int32_t ter
     return left;
 }
 
-/* Asks for the rows that the next one begins with. */
+/* Asks for the rows that the next one begins with: of wide lattices, which caches do not hold. */
+enum { WIDE = 48 };
 TY_INLINE void fetch_next(const ty_lpv_row* row) {
     const ptrdiff_t line = 64 / (ptrdiff_t)sizeof(float);
     for (ptrdiff_t i = 0; i < row->pitch.row; i += line) {
         __builtin_prefetch(row->from + row->pitch.plane + 2 * row->pitch.row + i, 0, 2);
         __builtin_prefetch(row->to + row->pitch.row + i, 1, 2);
-        __builtin_prefetch(row->sum + row->pitch.row + i, 1, 2);
+        if (row->sum != NULL) __builtin_prefetch(row->sum + row->pitch.row + i, 1, 2);
     }
 }
 
 TY_INLINE void step_row(const ty_lpv_row* row, int32_t terms, ty_lpv_lane_sums* sums) {
-    cell_block block = {.row = row};
+    cell_block block;
+    block.row = row;
+    block.begin = 0;
     if (row->near != NULL) open_all(&block, all_links);
-    fetch_next(row);
+    if (row->count > WIDE) fetch_next(row);
     for (; block.begin < row->count; block.begin += LANES) {
         block.count = row->count - block.begin;
         block.near = row->near != NULL ? row->near[block.begin / TY_LPV_BLOCK] : 0;

@@ -32,19 +32,19 @@ typedef struct ty_lpv_row {
     int32_t count, terms;
     ty_lpv_pitch pitch;
     const ty_lpv_shapes* shapes;
-    const float* from;                       /* what flows, at the row's first cell and term, extinction applied */
-    float* to;                               /* what flows from here, in the same order */
-    float* sum;                              /* what arrived in all steps */
-    const float* pass[3][TY_LPV_BANDS_MAX];  /* per channel and band, in whole blocks */
-    const uint8_t* const* open;              /* of all cells, by link */
-    size_t first;                            /* of this row's cells there */
-    const uint32_t* near;                    /* per block: bits of the links that are not open; NULL: all are */
-    const float* albedo[3];                  /* of the row; NULL: nothing comes back */
-    float out[3][TY_SH_TERMS];               /* what of a cell's terms leaves the lattice if links are open, in first
-                                                terms: at the first cell, between, at the last one */
-    uint8_t leaves[3][TY_LPV_LINKS];         /* whether light that would have come by a link from outside, or that goes
-                                                the other way, crosses the border: at the same cells */
-    bool border;                             /* whether any of the row's cells but its ends is at the border */
+    const float* from;                      /* what flows, at the row's first cell and term, extinction applied */
+    float* to;                              /* what flows from here, in the same order */
+    float* sum;                             /* of both; NULL: at another step */
+    const float* pass[3][TY_LPV_BANDS_MAX]; /* per channel and band, in whole blocks */
+    const uint8_t* const* open;             /* of all cells, by link */
+    size_t first;                           /* of this row's cells there */
+    const uint32_t* near;                   /* per block: bits of the links that are not open; NULL: all are */
+    const float* albedo[3];                 /* of the row; NULL: nothing comes back */
+    float out[3][TY_SH_TERMS];              /* what of a cell's terms leaves the lattice if links are open, in first
+                                               terms: at the first cell, between, at the last one */
+    uint8_t leaves[3][TY_LPV_LINKS];        /* whether light that would have come by a link from outside, or that goes
+                                               the other way, crosses the border: at the same cells */
+    bool border;                            /* whether any of the row's cells but its ends is at the border */
 } ty_lpv_row;
 
 typedef struct ty_lpv_kernels {

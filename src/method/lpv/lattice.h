@@ -37,7 +37,7 @@ void ty_lattice_destroy(ty_lattice* lattice);
 
 /* The lattices that def asks for, from the finest to the coarsest: where they lie, in cubes. */
 ty_result ty_lattice_place_all(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
-                           int32_t* count);
+                               int32_t* count);
 
 /* Links: where light goes in one step, and as which function of direction: of the 26 directions to neighbours, link j
  * takes those that it is the nearest to, angles being taken in the planes of the axes. */

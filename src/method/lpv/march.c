@@ -96,6 +96,8 @@ static void find_near(void* user, int64_t z, int32_t worker) {
 
 /* ---- memory ---- */
 
+enum { BATCHES = 4 }; /* of slabs, per thread and step */
+
 static ty_result take_memory(ty_lpv_march* march) {
     ty_context* context = march->lattice->context;
     const double bytes = sizeof(float) * (3.0 * (double)march->floats +
@@ -104,7 +106,7 @@ static ty_result take_memory(ty_lpv_march* march) {
     if (result != TY_OK) return result;
     float** const arrays[3] = {&march->from, &march->to, &march->sum};
     for (int i = 0; i < 3; ++i) {
-        *arrays[i] = ty_alloc_array(context, march->floats, sizeof(float), true);
+        *arrays[i] = ty_alloc_array(context, march->floats, sizeof(float), false);
         if (*arrays[i] == NULL) return TY_ERROR_MEMORY;
     }
     for (int32_t c = 0; c < march->planes; ++c) {
@@ -116,6 +118,18 @@ static ty_result take_memory(ty_lpv_march* march) {
     if (!march->lattice->blocked) return TY_OK;
     march->near = ty_alloc_array(context, march->near_count, sizeof *march->near, false);
     return march->near == NULL ? TY_ERROR_MEMORY : TY_OK;
+}
+
+/* A plane of cells with what is around it; together with the first and the last, all there is. */
+static void clear_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const ty_lpv_march* march = user;
+    const int32_t last = march->lattice->box.size[2] + 1;
+    const size_t plane = (size_t)march->pitch.plane, first = index == 0 ? 0 : (size_t)index * plane + TY_LPV_BLOCK;
+    const size_t end = index == last ? march->floats : ((size_t)index + 1) * plane + TY_LPV_BLOCK;
+    memset(march->from + first, 0, (end - first) * sizeof(float));
+    memset(march->to + first, 0, (end - first) * sizeof(float));
+    memset(march->sum + first, 0, (end - first) * sizeof(float));
 }
 
 void ty_lpv_march_destroy(ty_lpv_march* march) {
@@ -139,6 +153,7 @@ ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv
     march->pitch.row = 3 * lattice->terms * march->pitch.term;
     march->pitch.plane = (size[1] + 2) * march->pitch.row;
     march->floats = (size_t)((size[2] + 2) * march->pitch.plane) + 2 * (size_t)TY_LPV_BLOCK;
+    march->batch = size[2] / (BATCHES * ty_context_threads(lattice->context)) + 1;
     march->even = is_even(lattice->medium);
     march->planes = lattice->medium != NULL ? lattice->medium->planes : 1;
     const size_t rows = (size_t)size[1] * (size_t)size[2];
@@ -149,6 +164,7 @@ ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv
         ty_lpv_march_destroy(march);
         return result;
     }
+    ty_parallel_flushed(lattice->context, size[2] + 2, clear_plane, march);
     ty_parallel_flushed(lattice->context, march->even ? 1 : size[2], find_factors, march);
     if (march->near != NULL) ty_parallel_flushed(lattice->context, size[2], find_near, march);
     return TY_OK;
@@ -186,7 +202,7 @@ static void point_at(const ty_lpv_march* march, int32_t y, int32_t z, ty_lpv_row
     const size_t index = (size_t)z * (size_t)lattice->box.size[1] + (size_t)y;
     row->from = march->from + place;
     row->to = march->to + place;
-    row->sum = march->sum + place;
+    row->sum = march->adds ? march->sum + place : NULL;
     row->first = index * (size_t)lattice->box.size[0];
     row->near = march->near != NULL ? march->near + index * (size_t)march->blocks : NULL;
     for (int32_t c = 0; c < 3; ++c) {
@@ -212,10 +228,8 @@ static void add_slab(const ty_lpv_lane_sums* row, ty_lpv_sums* sums) {
     }
 }
 
-static void step_slab(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const ty_lpv_march* march = user;
-    const int32_t z = (int32_t)index, *size = march->lattice->box.size;
+static void step_slab(const ty_lpv_march* march, int32_t z) {
+    const int32_t* size = march->lattice->box.size;
     ty_lpv_row row = {.count = size[0],
                       .terms = march->lattice->terms,
                       .pitch = march->pitch,
@@ -232,6 +246,15 @@ static void step_slab(void* user, int64_t index, int32_t worker) {
     add_slab(&sums, &march->slabs[z]);
 }
 
+/* Slabs one after another, as each begins with what the last one read. */
+static void step_slabs(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const ty_lpv_march* march = user;
+    const int32_t begin = (int32_t)index * march->batch, size = march->lattice->box.size[2];
+    const int32_t end = begin + march->batch < size ? begin + march->batch : size;
+    for (int32_t z = begin; z < end; ++z) step_slab(march, z);
+}
+
 static ty_lpv_sums add_slabs(const ty_lpv_march* march) {
     ty_lpv_sums sums = {.arrived = {0}};
     for (int32_t z = 0; z < march->lattice->box.size[2]; ++z)
@@ -245,8 +268,10 @@ static ty_lpv_sums add_slabs(const ty_lpv_march* march) {
     return sums;
 }
 
-ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march) {
-    ty_parallel_flushed(march->lattice->context, march->lattice->box.size[2], step_slab, march);
+ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march, bool adds) {
+    march->adds = adds;
+    const int32_t size = march->lattice->box.size[2];
+    ty_parallel_flushed(march->lattice->context, (size + march->batch - 1) / march->batch, step_slabs, march);
     float* done = march->from;
     march->from = march->to;
     march->to = done;
@@ -258,6 +283,7 @@ ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march) {
 typedef struct slab_job {
     ty_lpv_march* march;
     float* const (*seen)[TY_SH_TERMS]; /* NULL: what media's steps say */
+    bool pending;                      /* whether what flows is not in the sum yet */
 } slab_job;
 
 /* What counts of the light that is injected into a row. */
@@ -285,11 +311,12 @@ static void inject_slab(void* user, int64_t index, int32_t worker) {
             const size_t first = ((size_t)z * (size_t)size[1] + (size_t)y) * (size_t)size[0];
             const float* flow = lattice->flow[c][t] + first;
             const float* pass = ty_lpv_march_factor(march, c, TY_FACTOR_PASS + ty_sh_band(t), y, z);
-            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z), counted);
+            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z),
+                      counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float passed = pass[x] * flow[x];
                 march->from[place + (size_t)x] += passed;
-                march->sum[place + (size_t)x] += counted[x];
+                march->sum[place + (size_t)x] = pass[x] * counted[x] - passed;
                 if (t > 0) continue;
                 sums->arrived[c] += (double)flow[x];
                 sums->size[c] += (double)fabsf(flow[x]);
@@ -318,19 +345,24 @@ static void gather_slab(void* user, int64_t index, int32_t worker) {
             const size_t first = ((size_t)z * (size_t)size[1] + (size_t)y) * (size_t)size[0];
             const float *length = ty_lpv_march_factor(march, c, TY_FACTOR_LENGTH, y, z),
                         *shown = ty_lpv_march_factor(march, c, TY_FACTOR_SHOWN, y, z);
-            const float* even = march->sum + ty_lpv_march_place(march, y, z) + c * lattice->terms * march->pitch.term;
-            const float* sum = even + t * march->pitch.term;
+            const float* pass = ty_lpv_march_factor(march, c, TY_FACTOR_PASS + ty_sh_band(t), y, z);
+            const size_t even = ty_lpv_march_place(march, y, z) + (size_t)(c * lattice->terms * march->pitch.term);
+            const size_t place = even + (size_t)(t * march->pitch.term);
+            const float flowing = job->pending ? 1.0f : 0.0f;
             float *flow = lattice->flow[c][t] + first, *light = lattice->light[c][t] + first;
-            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z), counted);
+            count_row(job, c, t, first, flow, ty_lpv_march_factor(march, c, TY_FACTOR_SEEN + ty_sh_band(t), y, z),
+                      counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float scale = length[x] * per_volume * (ty_sh_band(t) == 1 ? shown[x] : 1.0f);
-                light[x] = even[x] > 0.0f ? sum[x] * scale : 0.0f;
+                const bool lit = march->sum[even + (size_t)x] + flowing * march->from[even + (size_t)x] > 0.0f;
+                const float sum = march->sum[place + (size_t)x] + flowing * march->from[place + (size_t)x];
+                light[x] = lit ? sum / pass[x] * scale : 0.0f;
                 flow[x] = (flow[x] - counted[x]) * scale;
             }
         }
 }
 
-void ty_lpv_march_gather(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS]) {
-    slab_job job = {.march = march, .seen = seen};
+void ty_lpv_march_gather(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS], bool pending) {
+    slab_job job = {.march = march, .seen = seen, .pending = pending};
     ty_parallel_flushed(march->lattice->context, march->lattice->box.size[2], gather_slab, &job);
 }

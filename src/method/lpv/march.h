@@ -19,17 +19,19 @@ typedef struct ty_lpv_march {
     ty_lpv_shapes shapes;
     const ty_lpv_kernels* kernels;
     ty_lpv_pitch pitch;
-    size_t floats;           /* of each of the following, which begin before the first cell */
-    float *from, *to, *sum;  /* what flows, with extinction applied; the next; what arrived, injected light as far as it
-                                counts */
-    int32_t blocks;          /* of TY_LPV_BLOCK cells in a row */
-    int32_t planes;          /* 1: media are alike in all channels */
-    bool even;               /* media are the same everywhere: factors are of one row */
-    float* factors[3];       /* TY_FACTORS after one another, rows of whole blocks */
-    size_t factor_floats;    /* of each factor */
-    uint32_t* near;          /* per block: bits of the links into it that are not open; NULL: all are */
+    size_t floats;        /* of each of the following, which begin before the first cell */
+    float *from, *to;     /* what flows, with extinction applied, and the next */
+    float* sum;           /* of all that flowed, injected light as far as it counts; every other step adds two */
+    bool adds;            /* whether this step does */
+    int32_t blocks;       /* of TY_LPV_BLOCK cells in a row */
+    int32_t planes;       /* 1: media are alike in all channels */
+    bool even;            /* media are the same everywhere: factors are of one row */
+    float* factors[3];    /* TY_FACTORS after one another, rows of whole blocks */
+    size_t factor_floats; /* of each factor */
+    uint32_t* near;       /* per block: bits of the links into it that are not open; NULL: all are */
     size_t near_count;
-    ty_lpv_sums* slabs;      /* per z */
+    int32_t batch;      /* slabs that one thread takes at a time */
+    ty_lpv_sums* slabs; /* per z */
 } ty_lpv_march;
 
 ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv_march* march);
@@ -49,15 +51,16 @@ static inline const float* ty_lpv_march_factor(const ty_lpv_march* march, int32_
            row * (size_t)(march->blocks * TY_LPV_BLOCK);
 }
 
-/* One step of all light: from goes to `to`, and they change places. */
-ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march);
+/* One step of all light: from goes to `to`, and they change places. adds: whether both are added to sum. */
+ty_lpv_sums ty_lpv_march_step(ty_lpv_march* march, bool adds);
 
 /* Light of the outer lattice that comes in through the faces, as having arrived in the cells at the border. To be done
  * first. */
 ty_lpv_sums ty_lpv_march_enter(ty_lpv_march* march, const ty_lattice* outer);
 /* The lattice's own light, which counts as far as `seen` says. */
 ty_lpv_sums ty_lpv_march_inject(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS]);
-/* What arrived as radiance into the lattice's light, and what does not count of what was injected. */
-void ty_lpv_march_gather(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS]);
+/* What arrived as radiance into the lattice's light, and what does not count of what was injected. pending: whether the
+ * last step did not add to sum. */
+void ty_lpv_march_gather(ty_lpv_march* march, float* const seen[3][TY_SH_TERMS], bool pending);
 
 #endif

@@ -58,7 +58,7 @@ static void place_camera(const double camera[3], double extent, int32_t resoluti
 }
 
 ty_result ty_lattice_place_all(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
-                           int32_t* count) {
+                               int32_t* count) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     *count = def->cascades;
@@ -71,7 +71,6 @@ ty_result ty_lattice_place_all(const ty_scene* scene, const ty_lpv_def* def, ty_
     if (!find_extent(scene, view, lower, upper))
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv: the scene has neither media nor surfaces");
     place_about(lower, upper, def->resolution, &boxes[def->cascades - 1]);
-    for (int32_t i = def->cascades - 2; i >= 0; --i)
-        place_within(&boxes[i + 1], scene->camera.position, &boxes[i]);
+    for (int32_t i = def->cascades - 2; i >= 0; --i) place_within(&boxes[i + 1], scene->camera.position, &boxes[i]);
     return TY_OK;
 }

@@ -49,7 +49,7 @@ static ty_result iterate(ty_lpv_march* march, const ty_lpv_def* def, const doubl
     for (bool done = false; !done && power->iterations < plan.most; ++power->iterations) {
         const ty_progress part = {.stage = "propagation", .fraction = (double)power->iterations / plan.most};
         if (ty_wall_seconds() - progress->reported > 0.1 && !ty_part_report(progress, &part)) return TY_CANCELLED;
-        const ty_lpv_sums sums = ty_lpv_march_step(march);
+        const ty_lpv_sums sums = ty_lpv_march_step(march, power->iterations % 2 == 0);
         done = book(&sums, size, plan.tolerance, power, absorbed);
     }
     return TY_OK;
@@ -74,7 +74,7 @@ ty_result ty_lattice_propagate(ty_lattice* lattice, const ty_lpv_def* def, float
     const double prepared = ty_wall_seconds();
     result = iterate(&march, def, size, absorbed, &part, power);
     const double arrived = ty_wall_seconds();
-    ty_lpv_march_gather(&march, seen);
+    ty_lpv_march_gather(&march, seen, power->iterations % 2 == 0);
     ty_lpv_march_destroy(&march);
     power->prepare_seconds = prepared - begun;
     power->propagate_seconds = arrived - prepared;

@@ -131,7 +131,8 @@ static ty_lpv_medium_step step_of_links(const ty_lpv_transfer* transfer, double 
     } else if (drift < INFINITY) {
         kept = fmin(drift / (beta2 + transfer->momentum * drift), kept);
     }
-    /* Flux out of the lattice's gradients, against -D grad of the fluence; light that was injected has what it flies. */
+    /* Flux out of the lattice's gradients, against -D grad of the fluence; light that was injected has what it flies.
+     */
     const double straight = 1 - transfer->momentum * kept, seen = 1 - 0.5 * flown;
     const double shown = sqrt(3.0) * (beta2 * kept + reach(transfer) * straight) * cell / (transfer->slope * length);
     const double flight = turned * length > 1 ? 1 / (turned * length) : 1;
@@ -153,9 +154,18 @@ static ty_lpv_medium_step step_as_published(const ty_lpv_transfer* transfer, dou
         .seen = {1, 1, 1}};
 }
 
+/* Sums are of light that goes on, divided by how much of what arrives that is: never 0. */
+static float at_least_something(float pass) {
+    static const float least = 1e-6f;
+    return fabsf(pass) < least ? least : pass;
+}
+
 ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell, float extinction,
                                   float scattering, float g) {
-    return mode == TY_LPV_MODE_LINKS
-               ? step_of_links(transfer, (double)cell, (double)extinction, (double)scattering, (double)g)
-               : step_as_published(transfer, (double)cell, (double)extinction, (double)scattering, (double)g);
+    ty_lpv_medium_step step =
+        mode == TY_LPV_MODE_LINKS
+            ? step_of_links(transfer, (double)cell, (double)extinction, (double)scattering, (double)g)
+            : step_as_published(transfer, (double)cell, (double)extinction, (double)scattering, (double)g);
+    for (int32_t l = 0; l < TY_LPV_BANDS_MAX; ++l) step.pass[l] = at_least_something(step.pass[l]);
+    return step;
 }
