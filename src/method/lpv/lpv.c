@@ -154,10 +154,7 @@ ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** ou
 
 void ty_lpv_destroy(ty_lpv* light) {
     if (light == NULL) return;
-    for (int32_t i = 0; i < light->count; ++i) {
-        ty_grid_medium_destroy(light->lattices[i]->medium);
-        ty_lattice_destroy(light->lattices[i]);
-    }
+    for (int32_t i = 0; i < light->count; ++i) ty_lattice_destroy(light->lattices[i]);
     ty_lpv_free_maps(light);
     ty_grid_medium_destroy(light->medium);
     ty_free_array(light->context, light, 1, sizeof *light);

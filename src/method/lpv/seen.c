@@ -92,7 +92,10 @@ static ty_result block_by_scene(ty_lpv_job* job, ty_lattice* lattice) {
 ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice) {
     const double begun = ty_wall_seconds();
     ty_result result = TY_OK;
-    if (ty_scene_get_view(job->scene)->mesh != NULL) result = block_by_scene(job, lattice);
+    const bool own = ty_scene_get_view(job->scene)->mesh != NULL;
+    if (own) result = block_by_scene(job, lattice);
+    if (result == TY_OK && own && job->def->mode == TY_LPV_MODE_LINKS)
+        result = ty_lattice_cross(lattice, job->scene, &job->stats.rays);
     for (int32_t i = 0; i < job->light->source_count && job->def->maps != NULL && result == TY_OK; ++i)
         result = block_by_map(job, lattice, &job->light->sources[i]);
     if (result == TY_OK && job->def->view != NULL) result = block_by_view(job, lattice);
