@@ -67,7 +67,8 @@ typedef struct ty_fld_def {
     double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
     double relaxation;        /* omega of SOR, (0, 2); default 1.85 */
-    double tolerance;         /* of rms(residual) / rms(source), (0, 1); default 3e-4, which is 1e-4 of images */
+    double tolerance;         /* of rms(residual) / rms(source), (0, 1); default 1e-3, which is 3e-4 of images at most;
+                                 unless the limiter is none, there are two iterations at least */
     int32_t iterations;       /* at most; 0 (default): the solver's own bound */
 
     int32_t environment_beams; /* per environment light, 1..65536; default 64 */

@@ -21,7 +21,7 @@ static const double thickest_inside = 2.5, thickest_at_faces = 1.5;
 
 /* Channels are solved side by side, one thread each, by few threads and on boxes of at most so many cells: a loop over
  * planes of small boxes is over before other threads have woken up. */
-enum { SIDE_BY_SIDE_THREADS = 4, SIDE_BY_SIDE_CELLS = 1 << 18 };
+enum { SIDE_BY_SIDE_THREADS = 4, SIDE_BY_SIDE_CELLS = 1 << 20 };
 
 struct solve_work;
 
