@@ -52,7 +52,8 @@ typedef struct ty_fld_def {
     int32_t resolution; /* cells of direct light along the longest side of the box around all media, 4..1024; 0
                            (default): as the finest voxels, but 256 at most; 64 where media have no voxels */
     double ratio; /* cells of direct light per cell of diffusion, along each side, 1..64; 0 (default): 3, but 2 where
-                     that leaves less than 48 cells along the longest side */
+                     that leaves less than 48 cells along the longest side. Above 3 diffuse light is relaxed, and kept,
+                     on cells half as large */
     ty_fld_beam beam; /* default TY_FLD_BEAM_REDUCED */
 
     ty_fld_limiter limiter; /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */

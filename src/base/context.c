@@ -11,11 +11,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <time.h>
 #include <unistd.h>
 
-enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64, HUGE_PAGE = 1 << 21, MANY_PAGES = 2 * HUGE_PAGE };
+enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64 };
 
 static const double mebibyte = 1048576;
 
@@ -54,16 +53,9 @@ const char* ty_version(void) {
     return TY_VERSION;
 }
 
-/* Arrays of many pages are backed by huge ones where the system has them: else a good part of what is done to them but
- * once is spent on page faults. */
 static void* default_alloc(void* user, size_t size) {
     (void)user;
-    const size_t alignment = size >= MANY_PAGES ? HUGE_PAGE : ALIGNMENT;
-    void* pointer = aligned_alloc(alignment, (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
-#ifdef MADV_HUGEPAGE
-    if (pointer != NULL && size >= MANY_PAGES) madvise(pointer, size / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
-#endif
-    return pointer;
+    return aligned_alloc(ALIGNMENT, (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
 }
 
 static void default_free(void* user, void* pointer, size_t size) {
