@@ -125,7 +125,7 @@ static void defaults_are_as_documented(void** state) {
     const ty_fld_def def = ty_default_fld_def();
     assert_int_equal(def.resolution, 0);
     assert_true(def.ratio == 0 && def.larsen_power == 2 && def.streaming == 0 && def.sigma_eps == 0);
-    assert_true(def.relaxation == 1.85 && def.tolerance == 3e-4 && def.step == 1);
+    assert_true(def.relaxation == 1.85 && def.tolerance == 1e-3 && def.step == 1);
     assert_int_equal(def.beam, TY_FLD_BEAM_REDUCED);
     assert_int_equal(def.limiter, TY_FLD_LIMITER_LEVERMORE_POMRANING);
     assert_int_equal(def.boundary, TY_FLD_BOUNDARY_MARSHAK);

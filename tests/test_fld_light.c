@@ -433,6 +433,42 @@ static void limiters_meet(void** state) {
     ty_scene_destroy(scene);
 }
 
+enum { FEW = 12 };
+
+/* How far fluence on FEW^3 cells of the box of colored_block is off, relative rms. */
+static double fluence_error(const ty_scene* scene, const ty_fld_def* def, const double* truth, double* fluence) {
+    static const int32_t size[3] = {FEW, FEW, FEW};
+    static const double lower[3] = {-1, -0.75, -0.5}, upper[3] = {1, 0.75, 0.5};
+    double squares[2] = {0, 0};
+    ty_fld* light = solve(scene, def, NULL);
+    check_result(ty_scene_context(scene), ty_fld_fluence(light, lower, upper, size, fluence, NULL, NULL));
+    for (int i = 0; i < 3 * FEW * FEW * FEW && truth != NULL; ++i) {
+        squares[0] += pow(fluence[i] - truth[i], 2);
+        squares[1] += pow(truth[i], 2);
+    }
+    ty_fld_destroy(light);
+    return truth != NULL ? sqrt(squares[0] / squares[1]) : 0;
+}
+
+/* On a quarter of the cells and a few sweeps on a half: nearer than a third without them. */
+static void coarse_diffusion_is_refined(void** state) {
+    static double truth[3 * FEW * FEW * FEW], fluence[3 * FEW * FEW * FEW];
+    const ty_medium_def medium = cloud_block(*state);
+    const ty_light_def sun = sun_light(1, 1, 1);
+    ty_scene* scene = lit(*state, &medium, &sun, 1);
+    ty_fld_def def = small_fld();
+    def.resolution = 24;
+    def.ratio = 1;
+    fluence_error(scene, &def, NULL, truth);
+    def.ratio = 3;
+    const double third = fluence_error(scene, &def, truth, fluence);
+    def.ratio = 4;
+    const double quarter = fluence_error(scene, &def, truth, fluence);
+    if (!(quarter < third)) fail_msg("off by %g on a quarter, %g on a third", quarter, third);
+    ty_grid_destroy(medium.density_grid);
+    ty_scene_destroy(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(flux_never_exceeds_fluence),
@@ -450,6 +486,7 @@ int main(void) {
         cmocka_unit_test(solvers_agree),
         cmocka_unit_test(beams_differ_by_anisotropy),
         cmocka_unit_test(limiters_meet),
+        cmocka_unit_test(coarse_diffusion_is_refined),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

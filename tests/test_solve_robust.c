@@ -49,6 +49,7 @@ static const medium_case cases[] = {
     {fill_beam, TY_LIMITER_KERSHAW, TY_BOUNDARY_MARSHAK, {33, 17, 9}, 1},
     {fill_beam, TY_LIMITER_LARSEN, TY_BOUNDARY_MARSHAK, {1, 12, 7}, 1},
     {fill_beam, TY_LIMITER_SUM, TY_BOUNDARY_MARSHAK, {12, 1, 1}, 1},
+    {fill_beam, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_MARSHAK, {139, 3, 4}, 1},
     {fill_beam, TY_LIMITER_NONE, TY_BOUNDARY_MARSHAK, {1, 1, 1}, 1},
     {fill_beam, TY_LIMITER_NONE, TY_BOUNDARY_MARSHAK, {31, 2, 19}, 1},
     {fill_cloud, TY_LIMITER_LEVERMORE_POMRANING, TY_BOUNDARY_DIRICHLET, {16, 16, 16}, 1},

@@ -83,7 +83,7 @@ static void cube_scattering_forwards(void** state) {
 }
 
 static void cloud_in_sunlight(void** state) {
-    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, 256, 0.15, 0.032});
+    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, 256, 0.15, 0.02});
 }
 
 static void cloud_under_a_sky(void** state) {
@@ -92,7 +92,7 @@ static void cloud_under_a_sky(void** state) {
 
 static void measured_cloud(void** state) {
     static const char data[] = "volumes/wdas_cloud_sixteenth.vdb";
-    check_case(*state, &(scene_case){"scenes/disney_cloud_sun.json", data, {DENSITY}, 48, 36, 128, 0.09, 0.09});
+    check_case(*state, &(scene_case){"scenes/disney_cloud_sun.json", data, {DENSITY}, 48, 36, 128, 0.09, 0.075});
 }
 
 static void smoke(void** state) {

@@ -52,7 +52,8 @@ typedef struct ty_fld_def {
     int32_t resolution; /* cells of direct light along the longest side of the box around all media, 4..1024; 0
                            (default): as the finest voxels, but 256 at most; 64 where media have no voxels */
     double ratio; /* cells of direct light per cell of diffusion, along each side, 1..64; 0 (default): 3, but 2 where
-                     that leaves less than 48 cells along the longest side */
+                     that leaves less than 48 cells along the longest side. Above 3 diffuse light is relaxed, and kept,
+                     on cells half as large */
     ty_fld_beam beam; /* default TY_FLD_BEAM_REDUCED */
 
     ty_fld_limiter limiter; /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
@@ -67,7 +68,8 @@ typedef struct ty_fld_def {
     double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
     double relaxation;        /* omega of SOR, (0, 2); default 1.85 */
-    double tolerance;         /* of rms(residual) / rms(source), (0, 1); default 3e-4, which is 1e-4 of images */
+    double tolerance;         /* of rms(residual) / rms(source), (0, 1); default 1e-3, which is 3e-4 of images at most;
+                                 unless the limiter is none, there are two iterations at least */
     int32_t iterations;       /* at most; 0 (default): the solver's own bound */
 
     int32_t environment_beams; /* per environment light, 1..65536; default 64 */

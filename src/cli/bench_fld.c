@@ -204,7 +204,7 @@ static ty_result bench_solvers(const bench_session* bench) {
 typedef struct timed {
     double seconds[2], parts[2][4]; /* of fld and cda: medians; medium, direct, solve, march */
     double path;                    /* at TRUTH_SPP, from PATH_SPP */
-    double floats;                  /* of the solve, per cell */
+    double floats;                  /* of the solve, per cell and channel */
     ty_fld_stats stats;
 } timed;
 
@@ -255,7 +255,10 @@ static ty_result time_scene(const bench_session* bench, const ty_scene* scene, t
         for (int i = 0; i < 4; ++i) out->parts[m][i] = bench_median(parts[m][i], runs);
     }
     const int32_t* size = out->stats.diffusion_size;
-    out->floats = out->stats.bytes / sizeof(float) / ((double)size[0] * size[1] * size[2]);
+    ty_diffusion_def channel = ty_default_diffusion_def();
+    memcpy(channel.size, size, sizeof channel.size);
+    for (int a = 0; a < 3; ++a) channel.cell[a] = 1;
+    out->floats = (double)ty_diffusion_memory(&channel) / sizeof(float) / ((double)size[0] * size[1] * size[2]);
     return time_path(bench, scene, &out->path);
 }
 

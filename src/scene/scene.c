@@ -38,7 +38,7 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .beam = "reduced",
                                                    .larsen_power = 2,
                                                    .relaxation = 1.85,
-                                                   .tolerance = 3e-4,
+                                                   .tolerance = 1e-3,
                                                    .step = 1,
                                                    .environment_beams = 64,
                                                    .surface_points = 16,

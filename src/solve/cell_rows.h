@@ -37,77 +37,132 @@ static void NAME(ghosts)(const ty_cells* cells, REAL* phi, int32_t z) {
     }
 }
 
+/* extinction, at least the least; phi, and differences of the cells on either side. */
+INLINE float NAME(limited)(const ty_cells* cells, const int32_t limiter, float sigma, REAL phi, REAL dx, REAL dy,
+                           REAL dz) {
+    return ty_cell_diffusivity(limiter, cells->larsen_power, ty_maxf(sigma, cells->least_extinction), (float)phi,
+                               (float)dx * cells->half_inverse[0], (float)dy * cells->half_inverse[1],
+                               (float)dz * cells->half_inverse[2]);
+}
+
 INLINE float NAME(diffusivity)(const ty_cells* cells, const int32_t limiter, const REAL* phi, float sigma,
                                ptrdiff_t i) {
     const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
-    const float gx = (float)(phi[i + 1] - phi[i - 1]) * cells->half_inverse[0];
-    const float gy = (float)(phi[i + row] - phi[i - row]) * cells->half_inverse[1];
-    const float gz = (float)(phi[i + plane] - phi[i - plane]) * cells->half_inverse[2];
-    return ty_cell_diffusivity(limiter, cells->larsen_power, ty_maxf(sigma, cells->least_extinction), (float)phi[i], gx,
-                               gy, gz);
+    return NAME(limited)(cells, limiter, sigma, phi[i], phi[i + 1] - phi[i - 1], phi[i + row] - phi[i - row],
+                         phi[i + plane] - phi[i - plane]);
 }
 
-/* A pass of Algorithm 1 over cells begin, begin + 2, ... of a row; edge: whether any of them touches a boundary. */
-INLINE double NAME(sor_range)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL* phi,
-                              float* diff, REAL omega, int32_t begin, int32_t end, const bool edge) {
+/* Cells of a colour of a row, and their neighbours, side by side, so that vectors are loaded as they lie and the last
+ * one may be filled up. Neighbours along x are one more: those below each, and that above the last. */
+typedef struct NAME(sor_block) {
+    REAL here[SOR_BLOCK], x[SOR_BLOCK + 1], y0[SOR_BLOCK], y1[SOR_BLOCK], z0[SOR_BLOCK], z1[SOR_BLOCK];
+    float d[SOR_BLOCK], dx[SOR_BLOCK + 1], dy0[SOR_BLOCK], dy1[SOR_BLOCK], dz0[SOR_BLOCK], dz1[SOR_BLOCK];
+    float sigma[SOR_BLOCK], absorption[SOR_BLOCK], source[SOR_BLOCK], value[4][SOR_BLOCK];
+} NAME(sor_block);
+
+static void NAME(every_other)(const REAL* from, int32_t count, REAL* to) {
+#pragma omp simd
+    for (int32_t n = 0; n < count; ++n) to[n] = from[2 * n];
+}
+
+/* Takes cells i, i + 2, ... edge: whether the row touches a boundary along y or z. */
+INLINE void NAME(sor_take)(const ty_cells* cells, const row_view* view, const REAL* phi, const float* diff, int32_t i,
+                           int32_t count, const bool edge, NAME(sor_block) * block) {
     const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
-    const float *k = view->k, *absorption = view->absorption;
+    NAME(every_other)(phi + i, count, block->here);
+    NAME(every_other)(phi + i - 1, count + 1, block->x);
+    NAME(every_other)(phi + i - row, count, block->y0);
+    NAME(every_other)(phi + i + row, count, block->y1);
+    NAME(every_other)(phi + i - plane, count, block->z0);
+    NAME(every_other)(phi + i + plane, count, block->z1);
+    every_other_float(diff + i, count, block->d);
+    every_other_float(diff + i - 1, count + 1, block->dx);
+    every_other_float(diff + i - row, count, block->dy0);
+    every_other_float(diff + i + row, count, block->dy1);
+    every_other_float(diff + i - plane, count, block->dz0);
+    every_other_float(diff + i + plane, count, block->dz1);
+    every_other_float(view->extinction + i, count, block->sigma);
+    every_other_float(view->absorption + i, count, block->absorption);
+    every_other_float(view->source + i, count, block->source);
+    for (int side = 2; side < 6 && edge; ++side)
+        every_other_float(view->value[side] + i, count, block->value[side - 2]);
+}
+
+/* Some cells of a block, from n on: D, then fluence. Cells from `count` on are there to fill up. */
+INLINE double NAME(sor_lanes)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL omega, int32_t i,
+                              int32_t begin, int32_t count, const bool edge, NAME(sor_block) * block) {
+    const int32_t last = cells->box.size[0] - 1;
+    const float* k = view->k;
     const REAL scale = (REAL)cells->scale;
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
-    for (int32_t i = begin; i < end; i += 2) {
-        const float d = ty_cell_hold(diff[i], NAME(diffusivity)(cells, limiter, phi, view->extinction[i], i));
-        diff[i] = d;
-        const REAL x0 = (REAL)(k[0] * (d + diff[i - 1])), x1 = (REAL)(k[1] * (d + diff[i + 1]));
-        const REAL y0 = (REAL)(k[2] * (d + diff[i - row])), y1 = (REAL)(k[3] * (d + diff[i + row]));
-        const REAL z0 = (REAL)(k[4] * (d + diff[i - plane])), z1 = (REAL)(k[5] * (d + diff[i + plane]));
-        REAL numerator = (REAL)view->source[i] * scale + x0 * phi[i - 1] + x1 * phi[i + 1] + y0 * phi[i - row] +
-                         y1 * phi[i + row] + z0 * phi[i - plane] + z1 * phi[i + plane];
-        REAL denominator = (REAL)absorption[i] + x0 + x1 + y0 + y1 + z0 + z1;
+    for (int32_t lane = 0; lane < SOR_LANES; ++lane) {
+        const int32_t n = begin + lane, x = i + 2 * n;
+        const REAL here = block->here[n];
+        const float limited = NAME(limited)(cells, limiter, block->sigma[n], here, block->x[n + 1] - block->x[n],
+                                            block->y1[n] - block->y0[n], block->z1[n] - block->z0[n]);
+        const float d = ty_cell_hold(block->d[n], limited), low = x == 0 ? 1.0f : 0.0f, high = x == last ? 1.0f : 0.0f;
+        const REAL x0 = (REAL)((1.0f - low) * k[0] * (d + block->dx[n]));
+        const REAL x1 = (REAL)((1.0f - high) * k[1] * (d + block->dx[n + 1]));
+        const REAL y0 = (REAL)(k[2] * (d + block->dy0[n])), y1 = (REAL)(k[3] * (d + block->dy1[n]));
+        const REAL z0 = (REAL)(k[4] * (d + block->dz0[n])), z1 = (REAL)(k[5] * (d + block->dz1[n]));
+        const REAL w0 = (REAL)(low * ty_cell_boundary(view->a[0], view->b[0], d));
+        const REAL w1 = (REAL)(high * ty_cell_boundary(view->a[1], view->b[1], d));
+        REAL numerator = (REAL)block->source[n] * scale + x0 * block->x[n] + x1 * block->x[n + 1] + y0 * block->y0[n] +
+                         y1 * block->y1[n] + z0 * block->z0[n] + z1 * block->z1[n] + w0 * (REAL)view->value[0][0] +
+                         w1 * (REAL)view->value[1][0];
+        REAL denominator = (REAL)block->absorption[n] + x0 + x1 + y0 + y1 + z0 + z1 + w0 + w1;
         if (edge)
-            for (int s = 0; s < 6; ++s) {
+            for (int s = 2; s < 6; ++s) {
                 const REAL w = (REAL)ty_cell_boundary(view->a[s], view->b[s], d);
-                numerator += w * (REAL)view->value[s][s < 2 ? 0 : i];
+                numerator += w * (REAL)block->value[s - 2][n];
                 denominator += w;
             }
-        const REAL here = phi[i], left = numerator - here * denominator;
+        const REAL left = numerator - here * denominator;
         const REAL next = here + omega * left / (denominator > (REAL)1e-30 ? denominator : (REAL)1e-30);
         const REAL kept = (REAL)TY_CELL_KEPT * here;
-        phi[i] = limiter == TY_LIMITER_NONE || next > kept ? next : kept;
-        sum += (double)left * (double)left;
+        block->d[n] = d;
+        block->here[n] = limiter == TY_LIMITER_NONE || next > kept ? next : kept;
+        sum += n < count ? (double)left * (double)left : 0.0;
+    }
+    return sum;
+}
+
+/* A pass of Algorithm 1 over the cells of a colour. */
+INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL* phi,
+                               float* diff, REAL omega, int32_t first, const bool edge, NAME(sor_block) * block) {
+    double sum = 0;
+    for (int32_t i = first; i < cells->box.size[0]; i += 2 * SOR_BLOCK) {
+        const int32_t left = (cells->box.size[0] - i + 1) / 2, count = left < SOR_BLOCK ? left : SOR_BLOCK;
+        NAME(sor_take)(cells, view, phi, diff, i, count, edge, block);
+        for (int32_t n = 0; n < count; n += SOR_LANES)
+            sum += NAME(sor_lanes)(cells, limiter, view, omega, i, n, count, edge, block);
+        for (int32_t n = 0; n < count; ++n) {
+            diff[i + 2 * n] = block->d[n];
+            phi[i + 2 * n] = block->here[n];
+        }
     }
     return sum;
 }
 
 INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* phi, float* diff, REAL omega,
-                            int32_t color, int32_t y, int32_t z) {
-    const int32_t nx = cells->box.size[0], first = (color + y + z) & 1;
-    row_view view = view_row(cells, y, z);
-    const bool edge = is_edge(cells, y, z);
+                            int32_t color, int32_t y, int32_t z, NAME(sor_block) * block) {
+    const int32_t first = (color + y + z) & 1;
+    const row_view view = with_x_values(cells, view_row(cells, y, z), y, z);
     REAL* row = phi + ty_box_at(&cells->box, y, z);
     float* d = diff + ty_box_at(&cells->box, y, z);
-    double sum = 0;
-    if (first == 0) {
-        const row_view low = with_x_sides(cells, view, y, z, true, nx == 1);
-        sum += NAME(sor_range)(cells, limiter, &low, row, d, omega, 0, 1, true);
-    }
-    const int32_t begin = first == 0 ? 2 : 1;
-    sum += edge ? NAME(sor_range)(cells, limiter, &view, row, d, omega, begin, nx - 1, true)
-                : NAME(sor_range)(cells, limiter, &view, row, d, omega, begin, nx - 1, false);
-    if (nx > 1 && ((nx - 1) & 1) == first) {
-        const row_view high = with_x_sides(cells, view, y, z, false, true);
-        sum += NAME(sor_range)(cells, limiter, &high, row, d, omega, nx - 1, nx, true);
-    }
-    return sum;
+    return is_edge(cells, y, z) ? NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, true, block)
+                                : NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, false, block);
 }
 
 #define SOR_ROWS(kind)                                                                                                 \
     case kind:                                                                                                         \
         for (int32_t y = 0; y < cells->box.size[1]; ++y)                                                               \
-            sum += NAME(sor_row)(cells, kind, phi, diffusivity, (REAL)omega, color, y, z);                             \
+            sum += NAME(sor_row)(cells, kind, phi, diffusivity, (REAL)omega, color, y, z, &block);                     \
         break
 
 static double NAME(sor)(const ty_cells* cells, REAL* phi, float* diffusivity, double omega, int32_t color, int32_t z) {
+    NAME(sor_block) block = {0};
     double sum = 0;
     switch (cells->limiter) {
         SOR_ROWS(TY_LIMITER_SUM);

@@ -21,7 +21,7 @@ static const double thickest_inside = 2.5, thickest_at_faces = 1.5;
 
 /* Channels are solved side by side, one thread each, by few threads and on boxes of at most so many cells: a loop over
  * planes of small boxes is over before other threads have woken up. */
-enum { SIDE_BY_SIDE_THREADS = 4, SIDE_BY_SIDE_CELLS = 1 << 18 };
+enum { SIDE_BY_SIDE_THREADS = 4, SIDE_BY_SIDE_CELLS = 1 << 20 };
 
 struct solve_work;
 
@@ -41,7 +41,8 @@ typedef struct solve_work {
     const ty_grid_medium* medium;
     float* const* source; /* W m^-3 */
     bool reduced;
-    float* extinction[3]; /* sigma_t (1 - albedo g), 1/m */
+    const ty_diffuse_light* start; /* NULL: none */
+    float* extinction[3];          /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
     int32_t beside;  /* how many are solved side by side */
     void* memory[3]; /* of as many */
@@ -221,6 +222,11 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     def.progress = report;
     def.progress_user = solve;
     float* const* terms = work->light->terms[solve->channel];
+    if (work->start != NULL) {
+        /* Where the fluence will be: it is read before it is written. */
+        ty_diffuse_light_prolong(work->start, solve->channel, work->medium->box.size, terms[0]);
+        def.start = terms[0];
+    }
     const ty_diffusion_out out = {.fluence = terms[0], .flux = {terms[1], terms[2], terms[3]}};
     solve->result = ty_diffusion_solve(work->context, &def, &out, &solve->stats);
     if (solve->result == TY_OK) make_terms(work, solve->channel);
@@ -319,10 +325,17 @@ void ty_diffuse_light_destroy(ty_diffuse_light* light) {
 ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                  float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
                                  ty_diffuse_stats* stats) {
+    return ty_diffuse_light_refine(NULL, solver, reduced, medium, source, progress, out, stats);
+}
+
+ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
+                                  const ty_grid_medium* medium, float* const source[3], ty_part_progress* progress,
+                                  ty_diffuse_light** out, ty_diffuse_stats* stats) {
     solve_work work = {.context = medium->context,
                        .medium = medium,
                        .source = source,
                        .reduced = reduced,
+                       .start = start,
                        .def = *solver,
                        .progress = progress,
                        .stats = stats};

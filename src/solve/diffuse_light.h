@@ -31,6 +31,12 @@ typedef struct ty_diffuse_stats {
 ty_result ty_diffuse_light_solve(const ty_diffusion_def* solver, bool reduced, const ty_grid_medium* medium,
                                  float* const source[3], ty_part_progress* progress, ty_diffuse_light** out,
                                  ty_diffuse_stats* stats);
+/* The same from light on other cells of the same box; start may be NULL. */
+ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffusion_def* solver, bool reduced,
+                                  const ty_grid_medium* medium, float* const source[3], ty_part_progress* progress,
+                                  ty_diffuse_light** out, ty_diffuse_stats* stats);
+/* A channel's fluence, W m^-2, on finer cells of the box: linear between the middles of the light's. */
+void ty_diffuse_light_prolong(const ty_diffuse_light* light, int32_t channel, const int32_t size[3], float* fluence);
 void ty_diffuse_light_destroy(ty_diffuse_light* light);
 
 /* The field that it is: its arrays stay the light's. directed: with its direction where media scatter unevenly, or

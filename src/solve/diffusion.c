@@ -109,8 +109,9 @@ static ty_result check(ty_context* context, const ty_diffusion_def* def, const t
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: relaxation: %g is outside (0, 2)", def->relaxation);
     if (!(def->tolerance > 0 && def->tolerance < 1))
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: tolerance: %g is outside (0, 1)", def->tolerance);
-    if (!(def->least_extinction >= 0) || def->iterations < 0)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: least_extinction and iterations are at least 0");
+    if (!(def->least_extinction >= 0) || def->iterations < 0 || def->least_iterations < 0)
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "diffusion: least_extinction, iterations and least_iterations are at least 0");
     return TY_OK;
 }
 

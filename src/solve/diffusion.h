@@ -63,6 +63,8 @@ typedef struct ty_diffusion_def {
     double tolerance;   /* of rms(residual) / rms(source), where the source counts what comes in through boundaries;
                            default 1e-6. Fluences are good to about a tenth of it */
     int32_t iterations; /* at most; 0 (default): 500 of multigrid, 20000 of SOR */
+    int32_t least_iterations; /* of multigrid, unless `iterations` is less: a few bright cells may hide behind their own
+                                 source what is left elsewhere at first. Default 0 */
     const float* start; /* a fluence to start from, W m^-2, at least 0; NULL (default): the solver's own, of multigrid
                            what coarser boxes find */
     ty_progress_fn progress; /* default NULL */

@@ -20,7 +20,7 @@ static bool is_edge(const ty_cells* cells, int32_t y, int32_t z) {
     return y == 0 || z == 0 || y == cells->box.size[1] - 1 || z == cells->box.size[2] - 1;
 }
 
-static void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {
+INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {
     view->k[side] = 0;
     view->a[side] = cells->sides[side].a;
     view->b[side] = cells->sides[side].b;
@@ -28,7 +28,7 @@ static void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t 
 }
 
 /* Without boundaries along x. */
-static row_view view_row(const ty_cells* cells, int32_t y, int32_t z) {
+INLINE row_view view_row(const ty_cells* cells, int32_t y, int32_t z) {
     const ptrdiff_t at = ty_box_dense(&cells->box, y, z);
     row_view view = {.extinction = cells->extinction + at,
                      .absorption = cells->absorption != NULL ? cells->absorption + at : cells->zeros,
@@ -44,19 +44,31 @@ static row_view view_row(const ty_cells* cells, int32_t y, int32_t z) {
     return view;
 }
 
-static row_view with_x_sides(const ty_cells* cells, row_view view, int32_t y, int32_t z, bool low, bool high) {
+INLINE row_view with_x_sides(const ty_cells* cells, row_view view, int32_t y, int32_t z, bool low, bool high) {
     if (low) set_side(cells, &view, 0, cells->sides[0].step * z + y);
     if (high) set_side(cells, &view, 1, cells->sides[1].step * z + y);
     return view;
 }
 
-#define REAL double
-#define NAME(name) name##_double
+/* The same with what is at both ends of the row, but the couplings of all its cells. */
+INLINE row_view with_x_values(const ty_cells* cells, row_view view, int32_t y, int32_t z) {
+    for (int side = 0; side < 2; ++side) {
+        set_side(cells, &view, side, cells->sides[side].step * z + y);
+        view.k[side] = cells->coupling[0];
+    }
+    return view;
+}
+
+/* Cells of a colour that Algorithm 1 has at hand, and those that it relaxes at once. */
+enum { SOR_BLOCK = 64, SOR_LANES = 8 };
+
+#define REAL float
+#define NAME(name) name##_float
 #include "solve/cell_rows.h"
 #undef REAL
 #undef NAME
-#define REAL float
-#define NAME(name) name##_float
+#define REAL double
+#define NAME(name) name##_double
 #include "solve/cell_rows.h"
 #undef REAL
 #undef NAME

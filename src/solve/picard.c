@@ -99,7 +99,8 @@ ty_result ty_solve_picard(ty_diffusion_job* job) {
     for (int32_t i = 0;; ++i) {
         const double squares = ty_stage_linearise(job, 0), residual = rms(job, squares);
         const ty_result result = ty_solve_note(job, residual);
-        if (job->stats->converged || result != TY_OK || i == limit) return result;
+        const bool enough = job->stats->converged && i >= def->least_iterations;
+        if (enough || result != TY_OK || i == limit) return result;
         judge(&p, residual);
         iterate(&p, squares);
         job->stats->iterations = i + 1;

@@ -68,12 +68,27 @@ static void start(const ty_diffusion_job* job) {
         }
 }
 
+static void diffuse_plane(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const sweep* s = user;
+    s->job->cell_kernels->diffuse(s->cells, s->phi, s->diffusivity, (int32_t)index);
+}
+
+/* D of a fluence that was given, so that the first sweeps do not spoil it. */
+static void diffuse_start(ty_diffusion_job* job) {
+    const ty_box* box = &job->cells.box;
+    sweep s = {.job = job, .cells = &job->cells, .phi = job->phi, .diffusivity = job->diffusivity};
+    ty_solve_planes(job, box, ghosts_plane, &s);
+    ty_solve_planes(job, box, diffuse_plane, &s);
+}
+
 ty_result ty_solve_sor(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
     const int32_t limit = def->iterations > 0 ? def->iterations : 20000;
     const double cells = (double)ty_box_cells(&job->cells.box);
     job->stages[0] = (ty_stage){.cells = job->cells, .phi = job->phi, .diffusivity = job->diffusivity};
     start(job);
+    if (def->start != NULL && def->solver == TY_DIFFUSION_SOR) diffuse_start(job);
     for (int32_t i = 0;; ++i) {
         const double squares = ty_stage_sweep(job, 0, def->relaxation);
         job->stats->iterations = i + 1;

@@ -145,19 +145,19 @@ static ty_result light_all(ty_fld_job* job, float* const extinction[3]) {
 
 /* ---- what scatters of it ---- */
 
-static ty_result find_sources(ty_fld_job* job) {
+ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, float* source[3]) {
     float* fine = ty_alloc_array(job->context, job->fine->cells, sizeof *fine, false);
     if (fine == NULL) return TY_ERROR_MEMORY;
     ty_result result = TY_OK;
     for (int32_t c = 0; c < 3 && result == TY_OK; ++c) {
-        job->source[c] = ty_alloc_array(job->context, job->coarse->cells, sizeof(float), false);
-        if (job->source[c] == NULL) {
+        source[c] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
+        if (source[c] == NULL) {
             result = TY_ERROR_MEMORY;
             break;
         }
         ty_turned_find(job->fine, job->light->lights, job->light->light_count, c, job->def->beam == TY_FLD_BEAM_REDUCED,
                        fine);
-        ty_grid_average(job->context, fine, job->fine->box.size, job->coarse->box.size, job->source[c]);
+        ty_grid_average(job->context, fine, job->fine->box.size, medium->box.size, source[c]);
     }
     ty_free_array(job->context, fine, job->fine->cells, sizeof *fine);
     return result;
@@ -176,5 +176,5 @@ ty_result ty_fld_light_directly(ty_fld_job* job) {
     if (result == TY_OK) ty_turned_extinction(fine, job->def->beam == TY_FLD_BEAM_REDUCED ? 1 : 0, extinction);
     if (result == TY_OK) result = light_all(job, extinction);
     for (int32_t p = 0; p < fine->planes; ++p) ty_free_array(job->context, extinction[p], fine->cells, sizeof(float));
-    return result == TY_OK ? find_sources(job) : result;
+    return result == TY_OK ? ty_fld_find_sources(job, job->coarse, job->source) : result;
 }

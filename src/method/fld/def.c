@@ -9,7 +9,7 @@ ty_fld_def ty_default_fld_def(void) {
                         .limiter = TY_FLD_LIMITER_LEVERMORE_POMRANING,
                         .larsen_power = 2,
                         .relaxation = 1.85,
-                        .tolerance = 3e-4,
+                        .tolerance = 1e-3,
                         .environment_beams = 64,
                         .surface_points = 16,
                         .spp = 1,

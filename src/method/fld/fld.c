@@ -7,7 +7,7 @@
 #include "solve/diffusion.h"
 
 /* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
-static const double medium_until = 0.15, direct_until = 0.5, solve_share = 0.5;
+static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9, solve_share = 0.5;
 
 /* ---- solving ---- */
 
@@ -33,7 +33,11 @@ static ty_result run_parts(ty_fld_job* job, double share) {
     ty_result result = run_part(job, "media", share * medium_until, ty_fld_sample_media, &stats->medium_seconds);
     if (result == TY_OK)
         result = run_part(job, "direct light", share * direct_until, ty_fld_light_directly, &stats->direct_seconds);
-    if (result == TY_OK) result = run_part(job, "fluence", share, ty_fld_diffuse, &stats->solve_seconds);
+    if (result == TY_OK)
+        result = run_part(job, "fluence", share * diffuse_until, ty_fld_diffuse, &stats->solve_seconds);
+    double seconds = 0;
+    if (result == TY_OK) result = run_part(job, "finer fluence", share, ty_fld_refine, &seconds);
+    stats->solve_seconds += seconds;
     return result;
 }
 

@@ -42,7 +42,13 @@ ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
 ty_result ty_fld_sample_media(ty_fld_job* job);
 /* Uncollided light of all sources on fine cells, and what of it scatters, on coarse ones. */
 ty_result ty_fld_light_directly(ty_fld_job* job);
+/* What of it scatters on a medium's cells, W m^-3, to arrays that are the caller's to free, also after an error. */
+ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, float* source[3]);
+/* How diffusion is solved. */
+ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job);
 /* The diffuse light of all channels. */
 ty_result ty_fld_diffuse(ty_fld_job* job);
+/* The same on finer cells, where its own are coarse. */
+ty_result ty_fld_refine(ty_fld_job* job);
 
 #endif
