@@ -148,14 +148,13 @@ static void light_one(void* user, int64_t index, int32_t worker) {
     batch* b = user;
     const ty_pop* light = b->job->light;
     ty_pop_light* grid = &b->lights[index];
-    float* scratch = b->scratch + b->scratch_floats * (size_t)worker;
     grid->floats = b->floats;
     grid->seen = b->seen + b->seen_floats * (size_t)index;
     if (light->def.mode == TY_POP_MODE_SPLIT)
-        ty_pop_sweep(b->job->scene, light->medium, light->eye, scratch, grid);
+        ty_pop_sweep(b->job->scene, light->medium, light->eye, grid);
     else
-        ty_pop_walk(b->job->scene, &light->def, light->medium, light->eye, b->iterations, scratch, grid,
-                    &b->walks[index]);
+        ty_pop_walk(b->job->scene, &light->def, light->medium, light->eye, b->iterations,
+                    b->scratch + b->scratch_floats * (size_t)worker, grid, &b->walks[index]);
 }
 
 static ty_result keep_lobes(ty_pop* light, int32_t iterations) {

@@ -63,9 +63,7 @@ static void sweep_columns(sweep* s) {
     }
 }
 
-void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], float* scratch,
-                  ty_pop_light* light) {
-    (void)scratch; /* a block of columns fits the stack */
+void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], ty_pop_light* light) {
     sweep s;
     const unsigned state = ty_flush_denormals();
     light->mode = TY_POP_MODE_SPLIT;
