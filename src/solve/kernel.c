@@ -50,6 +50,49 @@ static row_view with_x_sides(const ty_cells* cells, row_view view, int32_t y, in
     return view;
 }
 
+/* Cells of a row that Algorithm 1 takes at once; even. */
+enum { SOR_BLOCK = 16 };
+
+/* A row as Algorithm 1 takes it. Of the block at hand SOR_BLOCK numbers each can be read. */
+typedef struct sor_view {
+    float k[6], a[6], b[6];   /* along x as within the row, and as beyond its ends */
+    float beyond[2];          /* values there */
+    const float* rows[7];     /* extinction, absorption, source, values of sides 2 to 5 */
+    int32_t count;            /* of these rows: the last four matter beside boundaries alone */
+    const float* cells[7];    /* where the block begins in them */
+    float room[7][SOR_BLOCK]; /* for the end of a row, which has not got as many */
+} sor_view;
+
+static void sor_view_set(const ty_cells* cells, int32_t y, int32_t z, bool edge, sor_view* v) {
+    const ptrdiff_t at = ty_box_dense(&cells->box, y, z);
+    const int32_t* size = cells->box.size;
+    const ty_side* sides = cells->sides;
+    const bool there[6] = {true, true, y == 0, y == size[1] - 1, z == 0, z == size[2] - 1};
+    v->rows[0] = cells->extinction + at;
+    v->rows[1] = cells->absorption != NULL ? cells->absorption + at : cells->zeros;
+    v->rows[2] = cells->source + at;
+    v->count = edge ? 7 : 3;
+    for (int side = 0; side < 6; ++side) {
+        v->k[side] = there[side] && side > 1 ? 0 : cells->coupling[side / 2];
+        v->a[side] = there[side] ? sides[side].a : 0;
+        v->b[side] = there[side] ? sides[side].b : 0;
+    }
+    for (int side = 0; side < 2; ++side) v->beyond[side] = sides[side].value[sides[side].step * z + y];
+    for (int side = 2; side < 6 && edge; ++side) {
+        const ty_side* s = &sides[side];
+        v->rows[1 + side] = there[side] ? s->value + s->step * (side < 4 ? z : y) : cells->zeros;
+    }
+}
+
+static void sor_view_enter(sor_view* v, int32_t begin, int32_t count) {
+    for (int i = 0; i < v->count; ++i) {
+        v->cells[i] = v->rows[i] + begin;
+        if (count >= SOR_BLOCK) continue;
+        for (int32_t n = 0; n < SOR_BLOCK; ++n) v->room[i][n] = n < count ? v->cells[i][n] : 0;
+        v->cells[i] = v->room[i];
+    }
+}
+
 #define REAL double
 #define NAME(name) name##_double
 #include "solve/cell_rows.h"

@@ -15,7 +15,8 @@ typedef struct sweep {
     float* diffusivity;
     double omega;
     int32_t color;
-    bool narrow; /* single precision */
+    int32_t first; /* plane */
+    bool narrow;   /* single precision */
 } sweep;
 
 static void ghosts_plane(void* user, int64_t index, int32_t worker) {
@@ -32,16 +33,18 @@ static void relax_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sweep* s = user;
     const ty_cell_kernels* kernels = s->job->cell_kernels;
-    const int32_t z = (int32_t)index;
+    const int32_t z = s->first + 2 * (int32_t)index;
     s->job->sums[z].a = s->narrow ? kernels->sor_float(s->cells, s->phi, s->diffusivity, s->omega, s->color, z)
                                   : kernels->sor(s->cells, s->phi, s->diffusivity, s->omega, s->color, z);
 }
 
+/* Every other plane at a time: the kernels read all cells of the planes on either side. */
 static double pass(sweep* s, int32_t color) {
     const ty_box* box = &s->cells->box;
     s->color = color;
     ty_solve_planes(s->job, box, ghosts_plane, s);
-    ty_solve_planes(s->job, box, relax_plane, s);
+    for (s->first = 0; s->first < 2; ++s->first)
+        ty_solve_tasks(s->job, box, (box->size[2] + 1 - s->first) / 2, relax_plane, s);
     return ty_solve_sum(s->job, box->size[2]).a;
 }
 
