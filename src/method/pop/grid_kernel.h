@@ -94,6 +94,8 @@ typedef struct ty_pop_grid_kernels {
     void (*sample)(ty_pop_slab* slab);
     void (*light)(ty_pop_slab* slab);
     void (*pass)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
+    /* What a plane turns aside of a fluence R, W per color. */
+    float (*turned)(const ty_pop_slab* slab, int32_t plane, const float* kept);
     void (*look)(const ty_pop_slab* slab, ty_pop_look* look);
     void (*scatter)(const ty_pop_slab* slab, ty_pop_look* look);
     void (*start)(const ty_pop_slab* slab, ty_pop_start* start);

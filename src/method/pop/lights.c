@@ -7,9 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Ordinates whose grids are in memory at a time: as many as fit into so many floats, and at least a few. */
+/* Ordinates whose grids are in memory at a time: a few for each thread, so that they are still in its caches when they
+ * are merged; but no more than fit into so many floats, if that is enough for a few. */
 static const size_t batch_floats = (size_t)1 << 26;
-enum { BATCH_MIN = 8, BATCH_MAX = 256, ALONG = 2 };
+enum { BATCH_EACH = 4, BATCH_MIN = 8, BATCH_MAX = 256, ALONG = 2 };
 
 /* Iterations of the isotropic rest at most, and of what there was the part that may be left. */
 static const int32_t residuum_most = 1000;
@@ -120,6 +121,10 @@ static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
+static int32_t least(int32_t a, int32_t b) {
+    return a < b ? a : b;
+}
+
 static ty_result begin_batch(batch* b) {
     const ty_pop* light = b->job->light;
     const ty_pop_def* def = &light->def;
@@ -128,9 +133,10 @@ static ty_result begin_batch(batch* b) {
         b->seen_floats = larger(b->seen_floats, ty_pop_seen_floats(frame, b->floats));
         b->scratch_floats = larger(b->scratch_floats, ty_pop_scratch_floats(frame, def, light->medium->planes));
     }
-    size_t most = batch_floats / b->seen_floats;
-    most = most < BATCH_MIN ? BATCH_MIN : most > BATCH_MAX ? BATCH_MAX : most;
-    b->most = (int32_t)most < light->count ? (int32_t)most : light->count;
+    const size_t fit = larger(BATCH_MIN, batch_floats / b->seen_floats);
+    const int32_t room = fit < BATCH_MAX ? (int32_t)fit : BATCH_MAX;
+    const int32_t wanted = least(light->count, BATCH_EACH * ty_context_threads(light->context));
+    b->most = least(wanted, room);
     b->seen = ty_alloc_array(light->context, b->seen_floats * (size_t)b->most, sizeof(float), false);
     b->scratch = ty_alloc_array(light->context, b->scratch_floats * (size_t)ty_context_threads(light->context),
                                 sizeof(float), false);

@@ -32,9 +32,9 @@ TY_FN float ty_pop_hg(float mu, float cosine) {
 TY_FN float ty_pop_disc_lobe(float g, float disc) {
     const float a = ty_minf(fabsf(g), 0.9999f), less = 1.0f - a, least = less * less;
     const float wider = 4.0f * a * ty_maxf(0.0f, 1.0f - disc), s = sqrtf(least + wider);
-    const float peak = 2.0f * (1.0f + a) / (s * (s + less));
+    const float sum = s + less, part = 1.0f / (s * s * sum), peak = 2.0f * (1.0f + a) * s * part;
     const float bright = 1.0f - 4.0f / (1.0f + sqrtf(1.0f + 8.0f * peak)), mean = disc * a;
-    const float share = wider / (s * s), found = mean + share * share * (bright - mean);
+    const float share = wider * sum * part, found = mean + share * share * (bright - mean);
     return g < 0.0f ? -found : found;
 }
 

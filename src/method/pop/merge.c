@@ -54,29 +54,42 @@ static void add_light(const work* w, const ty_pop_light* light, block* b) {
     }
 }
 
-static void add_row(const float* sums, int32_t place, int32_t count, float* out) {
-    for (int32_t n = 0; n < count; ++n) out[n] += sums[n * TY_POP_MERGE_SUMS + place];
+/* Where a row of a block begins in the merged arrays. */
+static size_t row_start(const work* w, const block* b, int32_t row) {
+    const int32_t* size = w->merged->box.size;
+    const size_t y = (size_t)(b->lower[1] + row % b->size[1]), z = (size_t)(b->lower[2] + row / b->size[1]);
+    return (z * (size_t)size[1] + y) * (size_t)size[0] + (size_t)b->lower[0];
 }
 
-static void add_block(const work* w, const block* b) {
+static float* row_sums(block* b, int32_t row) {
+    return b->sums[row / b->size[1]] + TY_POP_MERGE_SUMS * (row % b->size[1]) * b->size[0];
+}
+
+/* Lights are added to what is there one by one: how many come at a time makes no difference. */
+static void load_block(const work* w, block* b) {
     const ty_pop_merged* merged = w->merged;
-    const int32_t *size = merged->box.size, count = b->size[0];
     for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
-        const int32_t y = row % b->size[1], z = row / b->size[1];
-        const float* sums = b->sums[z] + TY_POP_MERGE_SUMS * y * count;
-        const size_t first =
-            ((size_t)(b->lower[2] + z) * (size_t)size[1] + (size_t)(b->lower[1] + y)) * (size_t)size[0] +
-            (size_t)b->lower[0];
-        for (int c = 0; c < 3; ++c) {
-            add_row(sums, c, count, merged->seen[c] + first);
-            add_row(sums, 3 + c, count, merged->fluence[c] + first);
-        }
+        const size_t first = row_start(w, b, row);
+        float* sums = row_sums(b, row);
+        for (int32_t n = 0; n < b->size[0]; ++n)
+            for (int c = 0; c < TY_POP_MERGE_SUMS; ++c)
+                sums[TY_POP_MERGE_SUMS * n + c] = c < 3   ? merged->seen[c][first + (size_t)n]
+                                                  : c < 6 ? merged->fluence[c - 3][first + (size_t)n]
+                                                          : 0;
     }
 }
 
-static void clear(block* b) {
-    const size_t cells = (size_t)b->size[0] * (size_t)b->size[1];
-    for (int32_t z = 0; z < b->size[2]; ++z) memset(b->sums[z], 0, TY_POP_MERGE_SUMS * cells * sizeof(float));
+static void store_block(const work* w, block* b) {
+    const ty_pop_merged* merged = w->merged;
+    for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
+        const size_t first = row_start(w, b, row);
+        const float* sums = row_sums(b, row);
+        for (int32_t n = 0; n < b->size[0]; ++n)
+            for (int c = 0; c < 3; ++c) {
+                merged->seen[c][first + (size_t)n] = sums[TY_POP_MERGE_SUMS * n + c];
+                merged->fluence[c][first + (size_t)n] = sums[TY_POP_MERGE_SUMS * n + 3 + c];
+            }
+    }
 }
 
 static int32_t least(int32_t a, int32_t b) {
@@ -94,9 +107,9 @@ static void merge_block(void* user, int64_t index, int32_t worker) {
         b.lower[a] = at[a] * most[a];
         b.size[a] = least(most[a], size[a] - b.lower[a]);
     }
-    clear(&b);
+    load_block(w, &b);
     for (int32_t l = 0; l < w->count; ++l) add_light(w, &w->lights[l], &b);
-    add_block(w, &b);
+    store_block(w, &b);
 }
 
 void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {

@@ -103,5 +103,6 @@ void ty_pop_write_seen(const ty_pop_light* light, const ty_pop_slab* slab, const
             seen[3 + c] = color * look->mean[p][1][i];
         }
         seen[TY_POP_WEIGHT] = weight;
+        seen[TY_POP_WEIGHT + 1] = 0;
     }
 }
