@@ -220,32 +220,44 @@ static void look(const ty_pop_slab* slab, ty_pop_look* l) {
     }
 }
 
-/* once: the lobe of what scatters for the first time. */
-static void scatter_plane(const ty_pop_slab* slab, int32_t plane, const float* once, ty_pop_look* l) {
-    const float *u = l->mean[plane][0], *r = l->mean[plane][1], *s = l->mean[plane][2], *g = slab->g[plane];
-    const float cosine = l->cosine, *mu = l->mu;
-    float* radiance = l->radiance[plane];
+/* Lobes of what scatters once, and their means under the disc's tent. */
+typedef struct lobes {
+    float lobe[TY_POP_BLOCK], mean[TY_POP_BLOCK];
+} lobes;
+
+static void find_lobes(const ty_pop_slab* slab, int32_t plane, const ty_pop_look* look, lobes* out) {
+    const float *g = slab->g[plane], width = look->width, cosine = look->cosine;
+    const int32_t count = slab->columns->count;
+    float *lobe = out->lobe, *mean = out->mean;
+    if (slab->multiples != 0) {
+        const float even = ty_pop_disc_lobe(fabsf(slab->usual_g[plane]), cosine, width);
+        const float middle = ty_pop_disc_mean(even, width);
+        for (int32_t i = 0; i < count; ++i) lobe[i] = even;
+        for (int32_t i = 0; i < count; ++i) mean[i] = middle;
+        return;
+    }
 #pragma omp simd
-    for (int32_t i = 0; i < slab->columns->count; ++i) {
-        const float again = ty_pop_disc_spread(u[i], r[i], s[i], g[i], cosine);
-        radiance[i] = u[i] * ty_pop_hg(mu[i], once[i]) + ty_forward_lobe(mu[i], u[i], r[i], s[i], again);
+    for (int32_t i = 0; i < count; ++i) {
+        lobe[i] = ty_pop_disc_lobe(fabsf(g[i]), cosine, width);
+        mean[i] = ty_pop_disc_mean(lobe[i], width);
     }
 }
 
-static void find_once(const ty_pop_slab* slab, int32_t plane, float cosine, float once[TY_POP_BLOCK]) {
-    const float *g = slab->g[plane], even = ty_pop_disc_lobe(slab->usual_g[plane], cosine);
-    const int32_t count = slab->columns->count;
-    for (int32_t i = 0; i < count && slab->multiples != 0; ++i) once[i] = even;
-    if (slab->multiples != 0) return;
+static void scatter_plane(const ty_pop_slab* slab, int32_t plane, const lobes* l, ty_pop_look* look) {
+    const float *u = look->mean[plane][0], *r = look->mean[plane][1], *s = look->mean[plane][2], *g = slab->g[plane];
+    const float *lobe = l->lobe, *mean = l->mean, *mu = look->mu, width = look->width, cosine = look->cosine;
+    float* radiance = look->radiance[plane];
 #pragma omp simd
-    for (int32_t i = 0; i < count; ++i) once[i] = ty_pop_disc_lobe(g[i], cosine);
+    for (int32_t i = 0; i < slab->columns->count; ++i)
+        radiance[i] = u[i] * ty_pop_disc_once(mu[i], g[i], width, lobe[i], mean[i]) +
+                      ty_pop_disc_forward(mu[i], u[i], r[i], s[i], g[i], cosine, width, lobe[i]);
 }
 
-static void scatter(const ty_pop_slab* slab, ty_pop_look* l) {
-    float once[TY_POP_BLOCK];
+static void scatter(const ty_pop_slab* slab, ty_pop_look* look) {
+    lobes l;
     for (int32_t p = 0; p < slab->medium->planes; ++p) {
-        find_once(slab, p, l->cosine, once);
-        scatter_plane(slab, p, once, l);
+        find_lobes(slab, p, look, &l);
+        scatter_plane(slab, p, &l, look);
     }
 }
 

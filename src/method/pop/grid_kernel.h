@@ -32,6 +32,7 @@ typedef struct ty_pop_look {
     float eye[3];                    /* m from the medium's lower corner */
     float mu[TY_POP_BLOCK];          /* cosines of light that scatters towards the eye */
     float cosine;                    /* a_n */
+    float width;                     /* of the disc that has this mean cosine (ty_pop_disc_width) */
     const float* mean[3][3];         /* U, R, S per plane */
     float radiance[3][TY_POP_BLOCK]; /* per plane */
 } ty_pop_look;
