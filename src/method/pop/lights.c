@@ -69,7 +69,7 @@ static ty_result join(ty_pop_job* job, const ty_pop_ordinate* own, int32_t own_c
     for (int32_t i = 0; i < count; ++i) {
         ty_pop_light* grid = &light->ordinates[i];
         grid->ordinate = i < own_count ? own[i] : vpls[i - own_count];
-        ty_pop_frame_fit(&light->medium->box, &grid->ordinate, job->def->resolution, &grid->frame);
+        ty_pop_frame_fit(&light->medium->box, &grid->ordinate, light->def.resolution, &grid->frame);
         if (job->def->mode == TY_POP_MODE_SPLIT) refine_along(&grid->frame);
     }
     job->stats.ordinates = count;
@@ -238,7 +238,7 @@ static void balance(ty_pop_job* job) {
 
 static int32_t walk_length(const ty_pop_job* job) {
     const ty_pop* light = job->light;
-    int32_t most = job->def->resolution;
+    int32_t most = light->def.resolution;
     if (job->def->iterations > 0) return job->def->iterations;
     if (!(job->def->residuum > 0)) return most;
     for (int32_t i = 0; i < light->count; ++i) {
