@@ -64,7 +64,7 @@ static inline pop_case pop_begin(ty_scene* scene, const ty_pop_ordinate* ordinat
 
 static inline void pop_run(pop_case* made) {
     if (made->def.mode == TY_POP_MODE_SPLIT)
-        ty_pop_sweep(made->scene, made->medium, made->eye, made->scratch, &made->light);
+        ty_pop_sweep(made->scene, made->medium, made->eye, &made->light);
     else
         ty_pop_walk(made->scene, &made->def, made->medium, made->eye, made->iterations, made->scratch, &made->light,
                     &made->walked);

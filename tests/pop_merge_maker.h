@@ -84,14 +84,13 @@ static inline size_t box_cells(const ty_grid_box* box) {
     return (size_t)box->size[0] * (size_t)box->size[1] * (size_t)box->size[2];
 }
 
-static inline ty_pop_merged make_merged(const ty_grid_box* box, bool left, bool flux) {
+static inline ty_pop_merged make_merged(const ty_grid_box* box, bool left) {
     ty_pop_merged merged = {.box = *box};
     const size_t cells = box_cells(box);
     for (int c = 0; c < 3; ++c) {
         merged.seen[c] = new_floats(cells);
         merged.fluence[c] = new_floats(cells);
         if (left) merged.left[c] = new_floats(cells);
-        for (int a = 0; a < 3 && flux; ++a) merged.flux[c][a] = new_floats(cells);
     }
     return merged;
 }
@@ -101,7 +100,6 @@ static inline void free_merged(ty_pop_merged* merged) {
         free(merged->seen[c]);
         free(merged->fluence[c]);
         free(merged->left[c]);
-        for (int a = 0; a < 3; ++a) free(merged->flux[c][a]);
     }
 }
 

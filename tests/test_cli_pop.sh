@@ -71,7 +71,7 @@ test_wrong_options() {
   refused_options pop << 'END'
 mod=split did you mean .*mode
 mode=splitt did you mean .*split
-resolution=3 render.pop.resolution: 3 is outside \[4, 128\]
+resolution=3 pop.resolution: 3 is outside \[4, 128\]
 resolution=129 render.pop.resolution
 merged=3 pop.merged: 3 is outside \[4, 512\]
 merged=513 render.pop.merged

@@ -189,20 +189,44 @@ static double between_cosines(double a, double low, double high) {
     return c * (1 / sqrt(1 + a * a - 2 * a * high) - 1 / sqrt(1 + a * a - 2 * a * low));
 }
 
-/* Lines leave lobes as they are; small discs take a mean cosine's share; large ones are no brighter than they are. */
+/* p: U, R, S, g, the disc's mean cosine. */
+static double disc_lobe(double mu, const double* p) {
+    const float m = (float)mu, g = (float)p[3], disc = (float)p[4], width = ty_pop_disc_width(disc);
+    const float lobe = ty_pop_disc_lobe(fabsf(g), disc, width);
+    const float once = ty_pop_disc_once(m, g, width, lobe, ty_pop_disc_mean(lobe, width));
+    const float u = (float)p[0], r = (float)p[1], s = (float)p[2];
+    return (double)(u * once + ty_pop_disc_forward(m, u, r, s, g, disc, width, lobe));
+}
+
+/* Discs take nothing away, and their share of the mean cosine. */
 static void test_discs(void** state) {
     (void)state;
-    for (int i = -9; i <= 9; ++i) {
-        const float g = 0.1f * (float)i;
-        assert_close((double)ty_pop_disc_lobe(g, 1), (double)g, 2e-6);
-        assert_close((double)ty_pop_disc_lobe(g, 0.9999f), 0.9999 * (double)g, 2e-4);
-        for (int j = 0; j < 10; ++j)
-            assert_true(fabsf(ty_pop_disc_lobe(g, 0.1f * (float)j)) <= 0.1f * (float)j * fabsf(g) + 2e-6f);
-    }
+    static const double gs[] = {-0.8, 0, 1e-4, 0.3, 0.7, 0.9}, depths[] = {0, 1e-6, 0.01, 1, 8},
+                        discs[] = {1, 0.999, 0.9, 0.5};
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 5; ++j)
+            for (int k = 0; k < 4; ++k) {
+                const double g = gs[i], on = fmax(0, g), t = depths[j];
+                const double p[5] = {exp(-t), exp(-t * (1 - on)), exp(-t * (1 - on * on)), g, discs[k]};
+                double moment[3];
+                moments_of(disc_lobe, p, moment);
+                assert_close(moment[0], p[1], 3e-4);
+                assert_close(moment[1], p[1] * g * discs[k], 0.03 * p[1]);
+            }
+}
+
+/* What lines become is no brighter than light from a disc, and has no edge. */
+static void test_disc_of_a_line(void** state) {
+    (void)state;
     for (int n = 2; n < 100; n *= 2) {
-        const float disc = 1 - 1 / (float)n;
-        assert_close((double)ty_pop_disc_lobe(0.01f, disc), 0.01 * (double)disc, 1e-4);
-        assert_close((double)ty_pop_hg(1, ty_pop_disc_lobe(0.9995f, disc)) * 4 * 3.14159265358979, n, 0.05 * n);
+        const double disc = 1 - 1.0 / n, p[5] = {1, 1, 1, 0.9999, disc};
+        double before = disc_lobe(1, p);
+        assert_close(before * 4 * 3.14159265358979, 4 * n / 3.0, 0.05 * n);
+        for (int i = 1; i < 2000; ++i) {
+            const double next = disc_lobe(1 - 0.001 * i, p);
+            assert_true(next <= 1.005 * before && next >= before - 1e-4 * n * n);
+            before = next;
+        }
     }
 }
 
@@ -263,9 +287,7 @@ static void test_seen_value(void** state) {
         const ty_vec to = ty_normalize(ty_sub(ty_vec_load(made.eye), at));
         const double depth = (double)at.x, t = sigma_s + sigma_a, mu = (double)to.x;
         const double u = exp(-t * depth), r = exp(-(t - g * sigma_s) * depth), s = exp(-(t - g * g * sigma_s) * depth);
-        const float b = (float)((s - u) / (r - u)), again = ty_pop_disc_lobe(b * (float)g, 0.8f) / b;
-        const double expected = u * (double)ty_pop_hg((float)mu, ty_pop_disc_lobe((float)g, 0.8f)) +
-                                (double)ty_forward_lobe((float)mu, (float)u, (float)r, (float)s, again);
+        const double p[5] = {u, r, s, g, 0.8}, expected = disc_lobe(mu, p);
         const float* seen = pop_seen(&made.light, 7, 20, k);
         const double weight = (double)seen[TY_POP_WEIGHT];
         assert_true(weight > 0);
@@ -482,11 +504,22 @@ static void test_one_density(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_axis_frame),  cmocka_unit_test(test_slanted_frame), cmocka_unit_test(test_radial_frame),
-        cmocka_unit_test(test_homogeneous), cmocka_unit_test(test_moments),       cmocka_unit_test(test_discs),
-        cmocka_unit_test(test_patches),     cmocka_unit_test(test_see),           cmocka_unit_test(test_seen_value),
-        cmocka_unit_test(test_radiance),    cmocka_unit_test(test_shadows),       cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_profiles),    cmocka_unit_test(test_afar),          cmocka_unit_test(test_extremes),
+        cmocka_unit_test(test_axis_frame),
+        cmocka_unit_test(test_slanted_frame),
+        cmocka_unit_test(test_radial_frame),
+        cmocka_unit_test(test_homogeneous),
+        cmocka_unit_test(test_moments),
+        cmocka_unit_test(test_discs),
+        cmocka_unit_test(test_disc_of_a_line),
+        cmocka_unit_test(test_patches),
+        cmocka_unit_test(test_see),
+        cmocka_unit_test(test_seen_value),
+        cmocka_unit_test(test_radiance),
+        cmocka_unit_test(test_shadows),
+        cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_profiles),
+        cmocka_unit_test(test_afar),
+        cmocka_unit_test(test_extremes),
         cmocka_unit_test(test_one_density),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

@@ -38,14 +38,13 @@ static void fill_constant(const ty_pop_light* light, ty_vec middle, float* cell)
 static void constants_stay(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d) {
         ty_pop_light light = parallel_light(&slab, direction_of(d), TY_POP_SEEN_LEFT);
-        ty_pop_merged merged = make_merged(&slab, true, true);
+        ty_pop_merged merged = make_merged(&slab, false);
         fill_light(&light, fill_constant);
         merge(*state, &light, &merged);
         for (size_t i = 0; i < box_cells(&slab); ++i)
             for (int c = 0; c < 3; ++c) {
                 assert_close(merged.seen[c][i], c + 1, 1e-5);
                 assert_close(merged.fluence[c][i], c + 4, 1e-5);
-                assert_close(merged.left[c][i], c + 9, 1e-5);
             }
         free_merged(&merged);
         free_light(&light);
@@ -64,7 +63,7 @@ static void slopes_stay_between_middles(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d)
         for (int32_t floats = TY_POP_SEEN; floats <= TY_POP_SEEN_LEFT; floats += 4) {
             ty_pop_light light = parallel_light(&slab, direction_of(d), floats);
-            ty_pop_merged merged = make_merged(&slab, floats == TY_POP_SEEN_LEFT, false);
+            ty_pop_merged merged = make_merged(&slab, false);
             int looked_at = 0;
             fill_light(&light, fill_slopes);
             merge(*state, &light, &merged);
@@ -75,7 +74,6 @@ static void slopes_stay_between_middles(void** state) {
                 for (int c = 0; c < 3; ++c) {
                     assert_close(merged.seen[c][i], slope(c, middle), 3e-5);
                     assert_close(merged.fluence[c][i], slope(3 + c, middle), 3e-5);
-                    if (merged.left[c] != NULL) assert_close(merged.left[c][i], slope(8 + c, middle), 3e-5);
                 }
             }
             assert_true(looked_at > 1000);
@@ -105,7 +103,7 @@ static float blend(const ty_pop_light* light, const ty_pop_place* place, int n) 
 }
 
 static void check_places(ty_context* context, const ty_pop_light* light) {
-    ty_pop_merged merged = make_merged(&slab, light->floats == TY_POP_SEEN_LEFT, false);
+    ty_pop_merged merged = make_merged(&slab, false);
     fill_light(light, fill_noise);
     merge(context, light, &merged);
     for (size_t i = 0; i < box_cells(&slab); ++i) {
@@ -114,7 +112,6 @@ static void check_places(ty_context* context, const ty_pop_light* light) {
         for (int c = 0; c < 3; ++c) {
             assert_close(merged.seen[c][i], blend(light, &place, c), tolerance);
             assert_close(merged.fluence[c][i], blend(light, &place, 3 + c), tolerance);
-            if (merged.left[c] != NULL) assert_close(merged.left[c][i], blend(light, &place, 8 + c), tolerance);
         }
     }
     free_merged(&merged);
@@ -143,7 +140,7 @@ static void points_outside_do_no_harm(void** state) {
     for (int d = 0; d < DIRECTIONS; ++d) {
         ty_pop_light lights[2] = {parallel_light(&slab, direction_of(d), TY_POP_SEEN),
                                   radial_light(box_middle(&slab), 6, 6, 0.1f, 2, TY_POP_SEEN)};
-        ty_pop_merged merged = make_merged(&far, false, true);
+        ty_pop_merged merged = make_merged(&far, false);
         for (int l = 0; l < 2; ++l) fill_light(&lights[l], fill_constant);
         ty_pop_merge(*state, lights, 2, &merged);
         for (size_t i = 0; i < box_cells(&far); ++i) assert_close(merged.fluence[2][i], 6, 1e-4);
@@ -153,27 +150,6 @@ static void points_outside_do_no_harm(void** state) {
 }
 
 /* ---- what lights add ---- */
-
-static float* flux_of(const ty_pop_merged* merged, int channel, size_t cell, float out[3]) {
-    for (int a = 0; a < 3; ++a) out[a] = merged->flux[channel][a][cell];
-    return out;
-}
-
-static void a_beams_flux_is_its_fluence(void** state) {
-    for (int d = 0; d < DIRECTIONS; ++d) {
-        const ty_vec way = direction_of(d);
-        ty_pop_light light = parallel_light(&slab, way, TY_POP_SEEN);
-        ty_pop_merged merged = make_merged(&slab, false, true);
-        float flux[3];
-        fill_light(&light, fill_noise);
-        merge(*state, &light, &merged);
-        for (size_t i = 0; i < box_cells(&slab); ++i)
-            for (int c = 0; c < 3; ++c)
-                assert_vec_close(ty_vec_load(flux_of(&merged, c, i, flux)), ty_scale(way, merged.fluence[c][i]), 1e-6);
-        free_merged(&merged);
-        free_light(&light);
-    }
-}
 
 /* Half of the cells are vacuum, from which those beside them take next to nothing. */
 static void fill_weighted(const ty_pop_light* light, ty_vec middle, float* cell) {
@@ -185,7 +161,7 @@ static void fill_weighted(const ty_pop_light* light, ty_vec middle, float* cell)
 
 static void weights_decide(void** state) {
     ty_pop_light light = parallel_light(&cube, direction_of(0), TY_POP_SEEN);
-    ty_pop_merged merged = make_merged(&cube, false, false);
+    ty_pop_merged merged = make_merged(&cube, false);
     const ty_pop_frame* frame = &light.frame;
     for (int32_t k = 0; k < frame->size[2]; ++k)
         for (int32_t j = 0; j < frame->size[1]; ++j)
@@ -215,19 +191,16 @@ static void fill_intensity(const ty_pop_light* light, ty_vec middle, float* cell
 static void lamps_spread(void** state) {
     static const ty_vec lamp = {0.3f, -0.2f, 0.1f};
     ty_pop_light light = radial_light(lamp, 8, 12, 0.05f, 3, TY_POP_SEEN);
-    ty_pop_merged merged = make_merged(&cube, false, true);
-    float flux[3];
+    ty_pop_merged merged = make_merged(&cube, false);
     light.ordinate.least = 0.25f;
     fill_light(&light, fill_intensity);
     merge(*state, &light, &merged);
     for (size_t i = 0; i < box_cells(&cube); ++i) {
         const ty_vec off = ty_sub(merged_middle(&cube, i), lamp);
-        const float distance = sqrtf(ty_dot(off, off)), held = ty_maxf(distance, 0.25f);
+        const float held = ty_maxf(sqrtf(ty_dot(off, off)), 0.25f);
         for (int c = 0; c < 3; ++c) {
             const float expected = (float)(c + 1) / (held * held);
             assert_close(merged.fluence[c][i], expected, 1e-5 * (double)expected);
-            assert_vec_close(ty_vec_load(flux_of(&merged, c, i, flux)), ty_scale(off, expected / distance),
-                             1e-5 * (double)expected);
         }
     }
     free_merged(&merged);
@@ -244,19 +217,17 @@ static void make_lights(ty_pop_light lights[LIGHTS]) {
     }
 }
 
+/* To the last bit, however many come at a time. */
 static void lights_add_up(void** state) {
     ty_pop_light lights[LIGHTS];
     make_lights(lights);
-    ty_pop_merged all = make_merged(&slab, false, true), one_by_one = make_merged(&slab, false, true);
+    ty_pop_merged all = make_merged(&slab, false), one_by_one = make_merged(&slab, false);
     ty_pop_merge(*state, lights, LIGHTS, &all);
     for (int l = 0; l < LIGHTS; ++l) merge(*state, &lights[l], &one_by_one);
-    for (size_t i = 0; i < box_cells(&slab); ++i)
-        for (int c = 0; c < 3; ++c) {
-            const double tolerance = 1e-5 * (1 + (double)all.fluence[c][i]);
-            assert_close(all.seen[c][i], one_by_one.seen[c][i], tolerance);
-            assert_close(all.fluence[c][i], one_by_one.fluence[c][i], tolerance);
-            for (int a = 0; a < 3; ++a) assert_close(all.flux[c][a][i], one_by_one.flux[c][a][i], tolerance);
-        }
+    for (int c = 0; c < 3; ++c) {
+        assert_memory_equal(all.seen[c], one_by_one.seen[c], box_cells(&slab) * sizeof(float));
+        assert_memory_equal(all.fluence[c], one_by_one.fluence[c], box_cells(&slab) * sizeof(float));
+    }
     free_merged(&all);
     free_merged(&one_by_one);
     for (int l = 0; l < LIGHTS; ++l) free_light(&lights[l]);
@@ -268,13 +239,13 @@ static void threads_make_no_difference(void** state) {
     make_lights(lights);
     for (int t = 0; t < 2; ++t) {
         ty_context* context = make_context(1 + 2 * t);
-        merged[t] = make_merged(&slab, false, true);
+        merged[t] = make_merged(&slab, false);
         ty_pop_merge(context, lights, LIGHTS, &merged[t]);
         ty_context_destroy(context);
     }
     for (int c = 0; c < 3; ++c) {
         assert_memory_equal(merged[0].seen[c], merged[1].seen[c], box_cells(&slab) * sizeof(float));
-        assert_memory_equal(merged[0].flux[c][2], merged[1].flux[c][2], box_cells(&slab) * sizeof(float));
+        assert_memory_equal(merged[0].fluence[c], merged[1].fluence[c], box_cells(&slab) * sizeof(float));
     }
     for (int t = 0; t < 2; ++t) free_merged(&merged[t]);
     for (int l = 0; l < LIGHTS; ++l) free_light(&lights[l]);
@@ -292,8 +263,7 @@ typedef struct glow {
 static const size_t lit = (7 * 15 + 7) * 15 + 7;
 
 static glow make_glow(const float absorption[3]) {
-    glow g = {.medium = {.box = cube, .cells = box_cells(&cube), .planes = 3},
-              .merged = make_merged(&cube, true, false)};
+    glow g = {.medium = {.box = cube, .cells = box_cells(&cube), .planes = 3}, .merged = make_merged(&cube, true)};
     for (int c = 0; c < 3; ++c) {
         g.medium.cell[c] = 2.0 / 15;
         g.medium.extinction[c] = new_floats(g.medium.cells);
@@ -423,7 +393,7 @@ static void residuum_takes_all(void** state) {
         const ty_grid_box box = ty_pop_residuum_box(&slab, lights, 1);
         const double cell = (box.upper[0] - box.lower[0]) * (box.upper[1] - box.lower[1]) *
                             (box.upper[2] - box.lower[2]) / (double)box_cells(&box);
-        ty_pop_merged merged = make_merged(&box, true, false);
+        ty_pop_merged merged = make_merged(&box, true);
         for (int l = 0; l < 2; ++l) fill_light(&lights[l], fill_constant);
         ty_pop_residuum_take(*state, lights, 2, &merged);
         for (int c = 0; c < 3; ++c) {
@@ -439,7 +409,7 @@ static void residuum_takes_all(void** state) {
 /* A slope stays one on other cells, between the middles of the outer ones. */
 static void residuum_is_brought_to_other_cells(void** state) {
     static const ty_grid_box large = {{-2, 0, 1}, {4, 2, 4}, {12, 11, 10}};
-    ty_pop_merged from = make_merged(&large, false, false), to = make_merged(&slab, false, false);
+    ty_pop_merged from = make_merged(&large, false), to = make_merged(&slab, false);
     for (size_t i = 0; i < box_cells(&large); ++i)
         for (int c = 0; c < 3; ++c) {
             from.seen[c][i] = slope(c, merged_middle(&large, i));
@@ -463,7 +433,6 @@ int main(void) {
         cmocka_unit_test(slopes_stay_between_middles),
         cmocka_unit_test(cells_lie_where_points_are),
         cmocka_unit_test(points_outside_do_no_harm),
-        cmocka_unit_test(a_beams_flux_is_its_fluence),
         cmocka_unit_test(lamps_spread),
         cmocka_unit_test(weights_decide),
         cmocka_unit_test(lights_add_up),

@@ -35,11 +35,12 @@ typedef struct ty_pop_def {
     uint32_t cookie; /* set by ty_default_pop_def; checked */
     ty_pop_mode mode;
 
-    int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; default 32 (the paper: 20); split
-                           mode has twice as many along the light */
+    int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; 0 (default): a third of the cells
+                           of `direct`, 32..48, modes published and collided 32 (the paper: 20); split mode has twice as
+                           many along the light */
     int32_t merged; /* cells of the grid that all ordinates are brought together in, along the longest side of the box
-                       around all media, 4..512; 0 (default): one and a half of the resolution, modes published and
-                           collided twice (Sec. 5.3) */
+                       around all media, 4..512; 0 (default): one and a half of the resolution, but no more than 48 or
+                       the resolution; modes published and collided twice (Sec. 5.3) */
     bool sharp;     /* whether directional, point and spot lights (the first eight of them) go through cells as fine
                        as the medium's instead of grids of their own; default true; split mode alone */
     int32_t direct; /* these cells along the longest side, 4..1024; 0 (default): as the finest voxels, but 256 at

@@ -44,7 +44,6 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .surface_points = 16,
                                                    .spp = 1},
                                            .pop = {.mode = "split",
-                                                   .resolution = 32,
                                                    .sharp = true,
                                                    .ordinates = 64,
                                                    .prefilter = 1,

@@ -5,7 +5,6 @@
 
 ty_pop_def ty_default_pop_def(void) {
     return (ty_pop_def){.cookie = TY_DEF_COOKIE,
-                        .resolution = 32,
                         .sharp = true,
                         .ordinates = 64,
                         .prefilter = 1,
@@ -27,7 +26,7 @@ static ty_result check_choice(ty_context* context, const char* field, double val
 
 static ty_result check_cells(ty_context* context, const ty_pop_def* def) {
     ty_result result = ty_check_number(context, "pop.mode", (double)def->mode, 0, 2);
-    if (result == TY_OK) result = ty_check_number(context, "pop.resolution", def->resolution, 4, TY_POP_CELLS_MAX);
+    if (result == TY_OK) result = check_choice(context, "pop.resolution", def->resolution, 4, TY_POP_CELLS_MAX);
     if (result == TY_OK) result = check_choice(context, "pop.merged", def->merged, 4, 512);
     if (result == TY_OK) result = check_choice(context, "pop.direct", def->direct, 4, 1024);
     return result;

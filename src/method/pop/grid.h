@@ -40,17 +40,15 @@ enum { TY_POP_BANDS = 12 };
  * distance in it all the same. */
 void ty_pop_frame_fit(const ty_grid_box* box, const ty_pop_ordinate* ordinate, int32_t resolution, ty_pop_frame* out);
 
-/* Floats of a light's seen and lobes, and of the scratch that the calls below need. */
+/* Floats of a light's seen and lobes, and of the scratch that ty_pop_walk needs. */
 size_t ty_pop_seen_floats(const ty_pop_frame* frame, int32_t floats);
 size_t ty_pop_lobe_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes, int32_t iterations);
 size_t ty_pop_scratch_floats(const ty_pop_frame* frame, const ty_pop_def* def, int32_t planes);
 
 /* Split mode, in one sweep: U, R and S of direct/forward.k.h along columns, as means over cells, and what of them
- * scatters towards the eye, with a_n from
- * prefiltering by ty_pop_disc_lobe. Negative g counts as 0 in R and S, and as it is in what
- * scatters. medium: cells about as large as the grid's. */
-void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], float* scratch,
-                  ty_pop_light* light);
+ * scatters towards the eye, flattened as light from a disc of mean cosine a_n is (lobe.k.h). Negative g counts as 0 in
+ * R and S, and as it is in what scatters. medium: cells about as large as the grid's. */
+void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], ty_pop_light* light);
 
 /* What the published modes found of an ordinate. */
 typedef struct ty_pop_walk_stats {

@@ -1,6 +1,7 @@
 /* Loops over columns and cells of ordinates' grids; built once per instruction set, with TY_ISA naming it. */
 #include "method/pop/grid_kernel.h"
 
+#include "direct/turned.h"
 #include "method/pop/lobe.k.h"
 
 #define TY_JOIN_(a, b) a##b
@@ -195,6 +196,16 @@ static void pass(const ty_pop_slab* slab, ty_pop_transmittance* t) {
         }
 }
 
+static float turned(const ty_pop_slab* slab, int32_t plane, const float* kept) {
+    const float *scattering = slab->scattering[plane], *g = slab->g[plane];
+    const float *length = slab->length, *across = slab->columns->across;
+    float sum = 0.0f;
+#pragma omp simd reduction(+ : sum)
+    for (int32_t i = 0; i < slab->columns->count; ++i)
+        sum += ty_turned_coefficient(scattering[i], g[i]) * kept[i] * (length[i] * across[i]);
+    return sum;
+}
+
 /* ---- what is seen ---- */
 
 static void look(const ty_pop_slab* slab, ty_pop_look* l) {
@@ -209,20 +220,45 @@ static void look(const ty_pop_slab* slab, ty_pop_look* l) {
     }
 }
 
-static void scatter_plane(const ty_pop_slab* slab, int32_t plane, ty_pop_look* l) {
-    const float *u = l->mean[plane][0], *r = l->mean[plane][1], *s = l->mean[plane][2], *g = slab->g[plane];
-    const float cosine = l->cosine, *mu = l->mu;
-    float* radiance = l->radiance[plane];
+/* Lobes of what scatters once, and their means under the disc's tent. */
+typedef struct lobes {
+    float lobe[TY_POP_BLOCK], mean[TY_POP_BLOCK];
+} lobes;
+
+static void find_lobes(const ty_pop_slab* slab, int32_t plane, const ty_pop_look* look, lobes* out) {
+    const float *g = slab->g[plane], width = look->width, cosine = look->cosine;
+    const int32_t count = slab->columns->count;
+    float *lobe = out->lobe, *mean = out->mean;
+    if (slab->multiples != 0) {
+        const float even = ty_pop_disc_lobe(fabsf(slab->usual_g[plane]), cosine, width);
+        const float middle = ty_pop_disc_mean(even, width);
+        for (int32_t i = 0; i < count; ++i) lobe[i] = even;
+        for (int32_t i = 0; i < count; ++i) mean[i] = middle;
+        return;
+    }
 #pragma omp simd
-    for (int32_t i = 0; i < slab->columns->count; ++i) {
-        const float once = ty_pop_disc_lobe(g[i], cosine);
-        const float again = ty_pop_disc_spread(u[i], r[i], s[i], g[i], cosine);
-        radiance[i] = u[i] * ty_pop_hg(mu[i], once) + ty_forward_lobe(mu[i], u[i], r[i], s[i], again);
+    for (int32_t i = 0; i < count; ++i) {
+        lobe[i] = ty_pop_disc_lobe(fabsf(g[i]), cosine, width);
+        mean[i] = ty_pop_disc_mean(lobe[i], width);
     }
 }
 
-static void scatter(const ty_pop_slab* slab, ty_pop_look* l) {
-    for (int32_t p = 0; p < slab->medium->planes; ++p) scatter_plane(slab, p, l);
+static void scatter_plane(const ty_pop_slab* slab, int32_t plane, const lobes* l, ty_pop_look* look) {
+    const float *u = look->mean[plane][0], *r = look->mean[plane][1], *s = look->mean[plane][2], *g = slab->g[plane];
+    const float *lobe = l->lobe, *mean = l->mean, *mu = look->mu, width = look->width, cosine = look->cosine;
+    float* radiance = look->radiance[plane];
+#pragma omp simd
+    for (int32_t i = 0; i < slab->columns->count; ++i)
+        radiance[i] = u[i] * ty_pop_disc_once(mu[i], g[i], width, lobe[i], mean[i]) +
+                      ty_pop_disc_forward(mu[i], u[i], r[i], s[i], g[i], cosine, width, lobe[i]);
+}
+
+static void scatter(const ty_pop_slab* slab, ty_pop_look* look) {
+    lobes l;
+    for (int32_t p = 0; p < slab->medium->planes; ++p) {
+        find_lobes(slab, p, look, &l);
+        scatter_plane(slab, p, &l, look);
+    }
 }
 
 /* ---- from cell to cell ---- */
@@ -330,6 +366,7 @@ const ty_pop_grid_kernels TY_JOIN(ty_pop_grid_kernels_, TY_ISA) = {.misfit = mis
                                                                    .sample = sample,
                                                                    .light = light,
                                                                    .pass = pass,
+                                                                   .turned = turned,
                                                                    .look = look,
                                                                    .scatter = scatter,
                                                                    .start = start,

@@ -32,6 +32,7 @@ typedef struct ty_pop_look {
     float eye[3];                    /* m from the medium's lower corner */
     float mu[TY_POP_BLOCK];          /* cosines of light that scatters towards the eye */
     float cosine;                    /* a_n */
+    float width;                     /* of the disc that has this mean cosine (ty_pop_disc_width) */
     const float* mean[3][3];         /* U, R, S per plane */
     float radiance[3][TY_POP_BLOCK]; /* per plane */
 } ty_pop_look;
@@ -94,6 +95,8 @@ typedef struct ty_pop_grid_kernels {
     void (*sample)(ty_pop_slab* slab);
     void (*light)(ty_pop_slab* slab);
     void (*pass)(const ty_pop_slab* slab, ty_pop_transmittance* transmittance);
+    /* What a plane turns aside of a fluence R, W per color. */
+    float (*turned)(const ty_pop_slab* slab, int32_t plane, const float* kept);
     void (*look)(const ty_pop_slab* slab, ty_pop_look* look);
     void (*scatter)(const ty_pop_slab* slab, ty_pop_look* look);
     void (*start)(const ty_pop_slab* slab, ty_pop_start* start);

@@ -11,7 +11,7 @@
 
 struct ty_pop {
     ty_context* context;
-    ty_pop_def def;
+    ty_pop_def def; /* with the resolution that is meant by 0 */
     float eye[3];
     /* Sharp lights. */
     ty_grid_box fine_box;

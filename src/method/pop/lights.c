@@ -7,9 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Ordinates whose grids are in memory at a time: as many as fit into so many floats, and at least a few. */
+/* Ordinates whose grids are in memory at a time: a few for each thread, so that they are still in its caches when they
+ * are merged; but no more than fit into so many floats, if that is enough for a few. */
 static const size_t batch_floats = (size_t)1 << 26;
-enum { BATCH_MIN = 8, BATCH_MAX = 256, ALONG = 2 };
+enum { BATCH_EACH = 4, BATCH_MIN = 8, BATCH_MAX = 256, ALONG = 2 };
 
 /* Iterations of the isotropic rest at most, and of what there was the part that may be left. */
 static const int32_t residuum_most = 1000;
@@ -68,7 +69,7 @@ static ty_result join(ty_pop_job* job, const ty_pop_ordinate* own, int32_t own_c
     for (int32_t i = 0; i < count; ++i) {
         ty_pop_light* grid = &light->ordinates[i];
         grid->ordinate = i < own_count ? own[i] : vpls[i - own_count];
-        ty_pop_frame_fit(&light->medium->box, &grid->ordinate, job->def->resolution, &grid->frame);
+        ty_pop_frame_fit(&light->medium->box, &grid->ordinate, light->def.resolution, &grid->frame);
         if (job->def->mode == TY_POP_MODE_SPLIT) refine_along(&grid->frame);
     }
     job->stats.ordinates = count;
@@ -120,6 +121,10 @@ static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
+static int32_t least(int32_t a, int32_t b) {
+    return a < b ? a : b;
+}
+
 static ty_result begin_batch(batch* b) {
     const ty_pop* light = b->job->light;
     const ty_pop_def* def = &light->def;
@@ -128,9 +133,10 @@ static ty_result begin_batch(batch* b) {
         b->seen_floats = larger(b->seen_floats, ty_pop_seen_floats(frame, b->floats));
         b->scratch_floats = larger(b->scratch_floats, ty_pop_scratch_floats(frame, def, light->medium->planes));
     }
-    size_t most = batch_floats / b->seen_floats;
-    most = most < BATCH_MIN ? BATCH_MIN : most > BATCH_MAX ? BATCH_MAX : most;
-    b->most = (int32_t)most < light->count ? (int32_t)most : light->count;
+    const size_t fit = larger(BATCH_MIN, batch_floats / b->seen_floats);
+    const int32_t room = fit < BATCH_MAX ? (int32_t)fit : BATCH_MAX;
+    const int32_t wanted = least(light->count, BATCH_EACH * ty_context_threads(light->context));
+    b->most = least(wanted, room);
     b->seen = ty_alloc_array(light->context, b->seen_floats * (size_t)b->most, sizeof(float), false);
     b->scratch = ty_alloc_array(light->context, b->scratch_floats * (size_t)ty_context_threads(light->context),
                                 sizeof(float), false);
@@ -148,14 +154,13 @@ static void light_one(void* user, int64_t index, int32_t worker) {
     batch* b = user;
     const ty_pop* light = b->job->light;
     ty_pop_light* grid = &b->lights[index];
-    float* scratch = b->scratch + b->scratch_floats * (size_t)worker;
     grid->floats = b->floats;
     grid->seen = b->seen + b->seen_floats * (size_t)index;
     if (light->def.mode == TY_POP_MODE_SPLIT)
-        ty_pop_sweep(b->job->scene, light->medium, light->eye, scratch, grid);
+        ty_pop_sweep(b->job->scene, light->medium, light->eye, grid);
     else
-        ty_pop_walk(b->job->scene, &light->def, light->medium, light->eye, b->iterations, scratch, grid,
-                    &b->walks[index]);
+        ty_pop_walk(b->job->scene, &light->def, light->medium, light->eye, b->iterations,
+                    b->scratch + b->scratch_floats * (size_t)worker, grid, &b->walks[index]);
 }
 
 static ty_result keep_lobes(ty_pop* light, int32_t iterations) {
@@ -233,7 +238,7 @@ static void balance(ty_pop_job* job) {
 
 static int32_t walk_length(const ty_pop_job* job) {
     const ty_pop* light = job->light;
-    int32_t most = job->def->resolution;
+    int32_t most = light->def.resolution;
     if (job->def->iterations > 0) return job->def->iterations;
     if (!(job->def->residuum > 0)) return most;
     for (int32_t i = 0; i < light->count; ++i) {

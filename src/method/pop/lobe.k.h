@@ -24,24 +24,63 @@ TY_FN float ty_pop_hg(float mu, float cosine) {
     return ty_pop_hg_tilted(2.0f * (1.0f - mu), cosine);
 }
 
-/* Scattering of mean cosine g spreads light that comes evenly from a disc of the sky, of mean cosine `disc`, into what
- * a lobe stands for. Where discs are small beside lobes, that of mean cosine disc g is best, since neighbours add up.
- * Where they are large it is far brighter in the middle than they are, and a lobe is taken that is as bright: HG's part
- * within the disc, (1 + g) / (2 g) (1 - (1 - g) / s) with s^2 = (1 - g)^2 + 4 g (1 - disc), over the disc. It goes from
- * one to the other as s^2 grows over (1 - g)^2. Returns the lobe's mean cosine. */
-TY_FN float ty_pop_disc_lobe(float g, float disc) {
-    const float a = ty_minf(fabsf(g), 0.9999f), less = 1.0f - a, least = less * less;
-    const float wider = 4.0f * a * ty_maxf(0.0f, 1.0f - disc), s = sqrtf(least + wider);
-    const float peak = 2.0f * (1.0f + a) / (s * (s + less));
-    const float bright = 1.0f - 4.0f / (1.0f + sqrtf(1.0f + 8.0f * peak)), mean = disc * a;
-    const float share = wider / (s * s), found = mean + share * share * (bright - mean);
-    return g < 0.0f ? -found : found;
+/* Light from a disc of the sky, of mean cosine `disc`, is less peaked after scattering than a lobe about the disc's
+ * middle, but far from it alike. So lobes are flattened about their axis: what is under a tent of 1 - mu, share
+ * max(0, 1 - (1 - mu) / width), gets its own mean, and nothing is lost. Of a line that leaves the tent, of mean cosine
+ * 1 - width / 3: this width makes it the disc's. Of HG of mean cosine x it takes
+ * 2 x (1 + x) width^3 / (3 (1 - x + s)^4), s^2 = (1 - x)^2 + 2 x width, from the mean cosine. What is missing of the
+ * disc's share, wider lobes take. Those of negative g are flattened about their own axis. */
+TY_FN float ty_pop_disc_width(float disc) {
+    return ty_clampf(3.0f * (1.0f - disc), 1e-12f, 2.0f);
 }
 
-/* The same for ty_forward_lobe: of light that has scattered, over that light's own mean cosine. */
-TY_FN float ty_pop_disc_spread(float u, float r, float s, float g, float disc) {
-    const float b = ty_maxf(ty_forward_cosine(u, r, s), 1e-3f);
-    return ty_pop_disc_lobe(b * g, disc) / b;
+TY_FN float ty_pop_disc_share(float mu, float width) {
+    return ty_maxf(0.0f, 1.0f - (1.0f - mu) / width);
+}
+
+TY_FN float ty_pop_disc_root(float x, float width) {
+    return sqrtf((1.0f - x) * (1.0f - x) + 2.0f * x * width);
+}
+
+/* What flattening takes from the mean cosine of HG(x), over x. */
+TY_FN float ty_pop_disc_loss(float x, float width) {
+    const float sum = 1.0f - x + ty_pop_disc_root(x, width), part = width / (sum * sum);
+    return (2.0f / 3.0f) * (1.0f + x) * part * part * width;
+}
+
+/* The mean cosine of the HG that, flattened, has that of HG(a) times the disc's, for a >= 0. */
+TY_FN float ty_pop_disc_lobe(float a, float disc, float width) {
+    float x = a;
+    for (int n = 0; n < 4; ++n) x = ty_minf(a * disc / (1.0f - ty_pop_disc_loss(x, width)), a);
+    return x;
+}
+
+/* The mean of HG(x) under the tent. */
+TY_FN float ty_pop_disc_mean(float x, float width) {
+    const float sum = 1.0f - x + ty_pop_disc_root(x, width);
+    return 4.0f * TY_INV_4PI * (1.0f + x) / (sum * sum);
+}
+
+/* (4 pi ty_pop_disc_mean(x) - 1) / x, also where x is 0. */
+TY_FN float ty_pop_disc_slope(float x, float width) {
+    const float q = (x - 2.0f + 2.0f * width) / (1.0f + ty_pop_disc_root(x, width)) - 1.0f, sum = 2.0f + x * q;
+    return (4.0f - 4.0f * q - x * q * q) / (sum * sum);
+}
+
+/* What of a disc's light scatters once; lobe and mean: ty_pop_disc_lobe of |g|, and its ty_pop_disc_mean. */
+TY_FN float ty_pop_disc_once(float mu, float g, float width, float lobe, float mean) {
+    const float along = g < 0.0f ? -mu : mu, plain = ty_pop_hg(along, lobe);
+    const float share = ty_pop_disc_share(along, width);
+    return (1.0f - share) * plain + share * mean; /* lines are too bright for differences */
+}
+
+/* What of its light that has scattered and kept its direction does so once more: ty_forward_lobe, flattened. */
+TY_FN float ty_pop_disc_forward(float mu, float u, float r, float s, float g, float disc, float width, float lobe) {
+    const float a = fabsf(g), along = g < 0.0f ? -mu : mu, b = ty_forward_cosine(u, r, s);
+    const float spread = ty_minf(a * disc / (1.0f - ty_pop_disc_loss(b * lobe, width)), a), x = b * spread;
+    const float share = ty_pop_disc_share(along, width);
+    const float slope = (1.0f - share) * ty_hg_slope(along, x) + share * ty_pop_disc_slope(x, width);
+    return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * slope);
 }
 
 /* What fraction of a lobe goes to the cells in front, to each of the four beside and behind (Eq. 2 and 3), to 2e-6:

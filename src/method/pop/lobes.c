@@ -122,7 +122,8 @@ static float radiance_split(const ty_pop_light* light, const neighbours* near, s
     const float u = between(light, near, 3 * plane), r = between(light, near, 3 * plane + 1);
     const float s = between(light, near, 3 * plane + 2);
     *uncollided = u;
-    return ty_forward_lobe(mu, u, r, s, ty_pop_disc_spread(u, r, s, 1, light->ordinate.cosine));
+    const float disc = light->ordinate.cosine, width = ty_pop_disc_width(disc);
+    return ty_pop_disc_forward(mu, u, r, s, 1, disc, width, ty_pop_disc_lobe(1, disc, width));
 }
 
 static float radiance_bands(const ty_pop_light* light, const neighbours* near, size_t plane, float mu,

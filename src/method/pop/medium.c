@@ -38,9 +38,24 @@ static ty_result take_guide(ty_pop_job* job) {
     return TY_OK;
 }
 
-static int32_t merged_cells(const ty_pop_def* def) {
+/* Cells of an ordinate's grid where nothing is asked for: about a third of the voxels, which pictures of clouds lit by
+ * the sky need, but so many at least (smooth media) and at most (time). */
+enum { OWN_SHARE = 3, OWN_LEAST = 32, OWN_MOST = 48 };
+
+static int32_t own_cells(const ty_pop_def* def, const ty_grid_box* fine) {
+    if (def->resolution > 0) return def->resolution;
+    if (def->mode != TY_POP_MODE_SPLIT) return OWN_LEAST;
+    int32_t cells = OWN_LEAST * OWN_SHARE;
+    for (int a = 0; a < 3; ++a) cells = fine->size[a] > cells ? fine->size[a] : cells;
+    return cells / OWN_SHARE < OWN_MOST ? cells / OWN_SHARE : OWN_MOST;
+}
+
+/* Light of few cells is brought together in finer ones, so that directions mix well; many hold what can be seen. */
+static int32_t merged_cells(const ty_pop_def* def, int32_t own) {
     if (def->merged > 0) return def->merged;
-    return def->mode == TY_POP_MODE_SPLIT ? def->resolution * 3 / 2 : def->resolution * 2;
+    if (def->mode != TY_POP_MODE_SPLIT) return own * 2;
+    const int32_t finer = own * 3 / 2 < OWN_MOST ? own * 3 / 2 : OWN_MOST;
+    return finer > own ? finer : own;
 }
 
 /* Whether merged cells cannot be sampled from the scene as exactly as from fine cells: these are voxels, unless
@@ -75,8 +90,9 @@ ty_result ty_pop_sample_media(ty_pop_job* job) {
     int32_t merged[3], own[3];
     ty_result result = ty_grid_box_fit(job->scene, longest, &light->fine_box);
     if (result != TY_OK) return result;
-    cut_box(&light->fine_box, merged_cells(def), merged);
-    cut_box(&light->fine_box, def->resolution, own);
+    light->def.resolution = own_cells(def, &light->fine_box);
+    cut_box(&light->fine_box, merged_cells(def, light->def.resolution), merged);
+    cut_box(&light->fine_box, light->def.resolution, own);
     if (needs_fine(job, longest, merged)) result = ty_grid_medium_create(job->scene, &light->fine_box, &job->fine);
     if (result == TY_OK) result = sample_merged(job, merged);
     if (result == TY_OK) result = sample_own(job, own);

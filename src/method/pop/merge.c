@@ -4,7 +4,7 @@
 #include "method/pop/merge.h"
 #include "method/pop/merge_kernel.h"
 
-enum { SLABS = 4, LEFT = 4, SLAB_CELLS = TY_POP_MERGE_ROWS * TY_POP_MERGE_RUN };
+enum { SLABS = 4, SLAB_CELLS = TY_POP_MERGE_ROWS * TY_POP_MERGE_RUN };
 
 const ty_pop_merge_kernels* ty_pop_merge_kernels_best(void) {
 #if TY_ISA_X86
@@ -23,14 +23,12 @@ typedef struct work {
     ty_pop_merged* merged;
     int32_t runs, length; /* rows are cut into as many, of so many cells at most */
     int32_t blocks;       /* along y */
-    int32_t pitch;        /* floats of a cell's sums */
 } work;
 
 /* A block of cells. Slabs' sums are one after another, rows without gaps. */
 typedef struct block {
     int32_t lower[3], size[3];
     _Alignas(64) float sums[SLABS][SLAB_CELLS * TY_POP_MERGE_SUMS];
-    float left[SLABS][SLAB_CELLS * LEFT];
 } block;
 
 static double step_along(const ty_grid_box* box, int axis) {
@@ -50,47 +48,47 @@ static void add_light(const work* w, const ty_pop_light* light, block* b) {
             .first =
                 ty_vec_make(middle(box, 0, b->lower[0]), middle(box, 1, b->lower[1]), middle(box, 2, b->lower[2] + z)),
             .step = {(float)step_along(box, 0), (float)step_along(box, 1)},
-            .flux = w->pitch == TY_POP_MERGE_SUMS,
             .sums = b->sums[z],
-            .left = w->merged->left[0] != NULL ? b->left[z] : NULL,
         };
         w->kernels->merge(light, &rows);
     }
 }
 
-static void add_row(const float* sums, int32_t stride, int32_t place, int32_t count, float* out) {
-    for (int32_t n = 0; n < count; ++n) out[n] += sums[n * stride + place];
+/* Where a row of a block begins in the merged arrays. */
+static size_t row_start(const work* w, const block* b, int32_t row) {
+    const int32_t* size = w->merged->box.size;
+    const size_t y = (size_t)(b->lower[1] + row % b->size[1]), z = (size_t)(b->lower[2] + row / b->size[1]);
+    return (z * (size_t)size[1] + y) * (size_t)size[0] + (size_t)b->lower[0];
 }
 
-/* Where a channel's flux along x, y and z is among a cell's sums. */
-static int32_t flux_place(int axis, int channel) {
-    return axis == 2 && channel == 2 ? 6 : 8 + 3 * axis + channel;
+static float* row_sums(block* b, int32_t row) {
+    return b->sums[row / b->size[1]] + TY_POP_MERGE_SUMS * (row % b->size[1]) * b->size[0];
 }
 
-static void add_block(const work* w, const block* b) {
+/* Lights are added to what is there one by one: how many come at a time makes no difference. */
+static void load_block(const work* w, block* b) {
     const ty_pop_merged* merged = w->merged;
-    const int32_t *size = merged->box.size, count = b->size[0];
     for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
-        const int32_t y = row % b->size[1], z = row / b->size[1];
-        const float *sums = b->sums[z] + w->pitch * y * count, *left = b->left[z] + LEFT * y * count;
-        const size_t first =
-            ((size_t)(b->lower[2] + z) * (size_t)size[1] + (size_t)(b->lower[1] + y)) * (size_t)size[0] +
-            (size_t)b->lower[0];
-        for (int c = 0; c < 3; ++c) {
-            add_row(sums, w->pitch, c, count, merged->seen[c] + first);
-            add_row(sums, w->pitch, 3 + c, count, merged->fluence[c] + first);
-            if (merged->left[c] != NULL) add_row(left, LEFT, c, count, merged->left[c] + first);
-            for (int a = 0; a < 3 && merged->flux[c][a] != NULL; ++a)
-                add_row(sums, w->pitch, flux_place(a, c), count, merged->flux[c][a] + first);
-        }
+        const size_t first = row_start(w, b, row);
+        float* sums = row_sums(b, row);
+        for (int32_t n = 0; n < b->size[0]; ++n)
+            for (int c = 0; c < TY_POP_MERGE_SUMS; ++c)
+                sums[TY_POP_MERGE_SUMS * n + c] = c < 3   ? merged->seen[c][first + (size_t)n]
+                                                  : c < 6 ? merged->fluence[c - 3][first + (size_t)n]
+                                                          : 0;
     }
 }
 
-static void clear(const work* w, block* b) {
-    const size_t cells = (size_t)b->size[0] * (size_t)b->size[1];
-    for (int32_t z = 0; z < b->size[2]; ++z) {
-        memset(b->sums[z], 0, (size_t)w->pitch * cells * sizeof(float));
-        if (w->merged->left[0] != NULL) memset(b->left[z], 0, LEFT * cells * sizeof(float));
+static void store_block(const work* w, block* b) {
+    const ty_pop_merged* merged = w->merged;
+    for (int32_t row = 0; row < b->size[1] * b->size[2]; ++row) {
+        const size_t first = row_start(w, b, row);
+        const float* sums = row_sums(b, row);
+        for (int32_t n = 0; n < b->size[0]; ++n)
+            for (int c = 0; c < 3; ++c) {
+                merged->seen[c][first + (size_t)n] = sums[TY_POP_MERGE_SUMS * n + c];
+                merged->fluence[c][first + (size_t)n] = sums[TY_POP_MERGE_SUMS * n + 3 + c];
+            }
     }
 }
 
@@ -109,25 +107,18 @@ static void merge_block(void* user, int64_t index, int32_t worker) {
         b.lower[a] = at[a] * most[a];
         b.size[a] = least(most[a], size[a] - b.lower[a]);
     }
-    clear(w, &b);
+    load_block(w, &b);
     for (int32_t l = 0; l < w->count; ++l) add_light(w, &w->lights[l], &b);
-    add_block(w, &b);
+    store_block(w, &b);
 }
 
 void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {
     const int32_t* size = merged->box.size;
-    work w = {ty_pop_merge_kernels_best(),
-              lights,
-              count,
-              merged,
-              0,
-              0,
-              (size[1] + TY_POP_MERGE_ROWS - 1) / TY_POP_MERGE_ROWS,
-              0};
+    work w = {.kernels = ty_pop_merge_kernels_best(), .lights = lights, .count = count, .merged = merged};
+    w.blocks = (size[1] + TY_POP_MERGE_ROWS - 1) / TY_POP_MERGE_ROWS;
     const int32_t runs = (size[0] + TY_POP_MERGE_RUN - 1) / TY_POP_MERGE_RUN;
     w.length = (size[0] + runs - 1) / runs;
     w.runs = (size[0] + w.length - 1) / w.length;
-    w.pitch = merged->flux[0][0] != NULL ? TY_POP_MERGE_SUMS : TY_POP_MERGE_STILL;
     const int64_t slabs = (size[2] + SLABS - 1) / SLABS;
     ty_parallel_flushed(context, slabs * w.blocks * w.runs, merge_block, &w);
 }

@@ -9,11 +9,11 @@ typedef struct ty_pop_merged {
     ty_grid_box box;
     float* seen[3];    /* radiance that scatters towards the eye per scattering coefficient, W m^-2 sr^-1 */
     float* fluence[3]; /* of light that keeps its direction (propagated: of all light), W m^-2 */
-    float* left[3];    /* not passed on yet; NULL in split mode */
-    float* flux[3][3]; /* of light that keeps its direction, along x, y, z; all NULL: not asked for */
+    float* left[3];    /* not passed on yet: of the residuum's cells; else NULL */
 } ty_pop_merged;
 
-/* Adds lights, at the middles of cells, on all threads; the order of lights decides nothing but rounding. */
+/* Adds what is seen of lights and their fluence, at the middles of cells, on all threads; the order of lights decides
+ * nothing but rounding. */
 void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged);
 
 /* The box of the residuum's cells. Light that moves one cell a step gets as far as its cells are large, and what goes

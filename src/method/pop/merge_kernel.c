@@ -4,11 +4,10 @@
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
 
-/* What one load brings: two neighbours' eight floats, one cell's, or half of it. Without registers as wide compilers
+/* What one load brings: two neighbours' eight floats, or one cell's. Without registers as wide compilers
  * take them apart. */
 typedef float two_cells __attribute__((vector_size(64), aligned(4), may_alias));
 typedef float one_cell __attribute__((vector_size(32), aligned(4), may_alias));
-typedef float half_cell __attribute__((vector_size(16), aligned(4), may_alias));
 
 /* Registers are filled with cells beyond a row's end, which the next row's take the place of. */
 enum { LANES = 16, CELLS = TY_POP_MERGE_ROWS * TY_POP_MERGE_RUN, ROOM = CELLS + LANES };
@@ -19,9 +18,8 @@ typedef struct places {
     _Alignas(64) int32_t base[ROOM];
     float share[ROOM];
     float weight[4][ROOM];
-    float spread[ROOM];  /* what these sum up to */
-    float way[CELLS][4]; /* radial: 1 and the way of the light */
-    int32_t step[3];     /* to the upper cells */
+    float spread[ROOM]; /* what these sum up to */
+    int32_t step[3];    /* to the upper cells */
 } places;
 
 TY_FN void weigh(int32_t cell, float j, float k, float spread, places* p) {
@@ -100,8 +98,6 @@ static void place_radial(const ty_pop_light* light, const ty_pop_merge_rows* row
 #pragma omp simd
         for (int32_t n = 0; n < rows->count; ++n) {
             const ty_vec point = ty_vec_make(rows->first.x + rows->step[0] * (float)n, y, rows->first.z);
-            const ty_vec off = ty_sub(point, frame->origin);
-            const float per_distance = 1.0f / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
             const ty_pop_place place = ty_pop_locate(frame, least, point);
             int32_t base = (int32_t)place.base;
             const float i = shift_place(&place, 0, step[0], &base), j = shift_place(&place, 1, step[1], &base),
@@ -109,10 +105,6 @@ static void place_radial(const ty_pop_light* light, const ty_pop_merge_rows* row
             p->base[first + n] = base;
             p->share[first + n] = i;
             weigh(first + n, j, k, place.spread, p);
-            p->way[first + n][0] = 1.0f;
-            p->way[first + n][1] = off.x * per_distance;
-            p->way[first + n][2] = off.y * per_distance;
-            p->way[first + n][3] = off.z * per_distance;
         }
     }
 }
@@ -122,18 +114,14 @@ static void place_radial(const ty_pop_light* light, const ty_pop_merge_rows* row
     (w0 * *(const type*)(from) + w1 * *(const type*)((from) + j) + w2 * *(const type*)((from) + k) +                   \
      w3 * *(const type*)((from) + j + k))
 
-/* Adds what a light has at rows' cells. ways: 1 and the way of the light, every `stride` floats; NULL: flux
- * is not asked for. */
-TY_FN void add_cells(const ty_pop_light* light, int32_t floats, bool weighted, const places* p, const float* ways,
-                     size_t stride, const ty_pop_merge_rows* rows) {
+/* Adds what a light has at rows' cells. */
+TY_FN void add_cells(const ty_pop_light* light, int32_t floats, bool weighted, const places* p,
+                     const ty_pop_merge_rows* rows) {
     const size_t j = (size_t)p->step[1] * (size_t)floats, k = (size_t)p->step[2] * (size_t)floats;
     const int32_t count = rows->count * rows->rows;
-    const float* seen = light->seen;
-    float *sums = rows->sums, *left = rows->left;
     for (int32_t n = 0; n < count; ++n) {
-        const float* at = seen + (size_t)p->base[n] * (size_t)floats;
+        const float* at = light->seen + (size_t)p->base[n] * (size_t)floats;
         const float w0 = p->weight[0][n], w1 = p->weight[1][n], w2 = p->weight[2][n], w3 = p->weight[3][n];
-        const float share = p->share[n];
         one_cell lower, upper;
         if (floats == TY_POP_SEEN) {
             const two_cells both = BLEND(two_cells, at);
@@ -143,44 +131,24 @@ TY_FN void add_cells(const ty_pop_light* light, int32_t floats, bool weighted, c
             lower = BLEND(one_cell, at);
             upper = BLEND(one_cell, at + floats);
         }
-        one_cell cell = lower + share * (upper - lower);
+        one_cell cell = lower + p->share[n] * (upper - lower);
         if (weighted) cell *= p->spread[n] / ty_maxf(cell[TY_POP_WEIGHT], 1e-30f);
-        if (ways != NULL) {
-            const half_cell way = *(const half_cell*)(ways + stride * (size_t)n);
-            one_cell* sum = (one_cell*)(sums + (size_t)TY_POP_MERGE_SUMS * (size_t)n);
-            sum[0] += __builtin_shufflevector(cell, cell, 0, 1, 2, 3, 4, 5, 5, 7) *
-                      __builtin_shufflevector(way, way, 0, 0, 0, 0, 0, 0, 3, 0);
-            sum[1] += __builtin_shufflevector(cell, cell, 3, 4, 5, 3, 4, 5, 3, 4) *
-                      __builtin_shufflevector(way, way, 1, 1, 1, 2, 2, 2, 3, 3);
-        } else {
-            *(one_cell*)(sums + (size_t)TY_POP_MERGE_STILL * (size_t)n) += cell;
-        }
-        if (floats == TY_POP_SEEN || left == NULL) continue;
-        const half_cell below = BLEND(half_cell, at + TY_POP_SEEN), above = BLEND(half_cell, at + floats + TY_POP_SEEN);
-        *(half_cell*)(left + 4 * (size_t)n) += below + share * (above - below);
+        *(one_cell*)(rows->sums + (size_t)TY_POP_MERGE_SUMS * (size_t)n) += cell;
     }
 }
 
 #undef BLEND
 
 static void merge(const ty_pop_light* light, const ty_pop_merge_rows* rows) {
-    const ty_vec along = light->frame.axis[2];
-    const float way[4] = {1.0f, along.x, along.y, along.z};
-    const bool radial = light->frame.kind == TY_POP_RADIAL;
     places p;
-    if (radial)
+    if (light->frame.kind == TY_POP_RADIAL)
         place_radial(light, rows, &p);
     else
         place_parallel(&light->frame, rows, &p);
-    const float* ways = rows->flux == 0 ? NULL : radial ? p.way[0] : way;
-    if (light->floats != TY_POP_SEEN)
-        add_cells(light, TY_POP_SEEN_LEFT, false, &p, ways, radial ? 4 : 0, rows);
-    else if (ways == NULL)
-        add_cells(light, TY_POP_SEEN, true, &p, NULL, 0, rows);
-    else if (radial)
-        add_cells(light, TY_POP_SEEN, true, &p, ways, 4, rows);
+    if (light->floats == TY_POP_SEEN)
+        add_cells(light, TY_POP_SEEN, true, &p, rows);
     else
-        add_cells(light, TY_POP_SEEN, true, &p, ways, 0, rows);
+        add_cells(light, TY_POP_SEEN_LEFT, false, &p, rows);
 }
 
 /* A sixth of each neighbour's light comes in, less what half of either cell absorbs. */

@@ -5,11 +5,9 @@
 #include "method/pop/grid.h"
 
 enum {
-    TY_POP_MERGE_RUN = 64,  /* cells of a row at most */
-    TY_POP_MERGE_ROWS = 8,  /* at most, at once: what is known of their places before the first of them is added */
-    TY_POP_MERGE_SUMS = 16, /* floats of a merged cell: seen (R, G, B), fluence (R, G, B), blue flux along z, 1 unused,
-                               flux along x (R, G, B), along y (R, G, B), along z (R, G) */
-    TY_POP_MERGE_STILL = 8  /* the same without flux: the first six and 2 unused */
+    TY_POP_MERGE_RUN = 64, /* cells of a row at most */
+    TY_POP_MERGE_ROWS = 8, /* at most, at once: what is known of their places before the first of them is added */
+    TY_POP_MERGE_SUMS = 8  /* floats of a merged cell: seen (R, G, B), fluence (R, G, B), 2 unused */
 };
 
 /* Rows of merged cells along x, one after another along y. */
@@ -17,9 +15,7 @@ typedef struct ty_pop_merge_rows {
     int32_t count, rows; /* cells of a row */
     ty_vec first;        /* the middle of the first, m */
     float step[2];       /* from one middle to the next along x and y, m */
-    int32_t flux;        /* whether it is asked for */
-    float* sums;         /* TY_POP_MERGE_SUMS or _STILL a cell, aligned to 64 bytes */
-    float* left;         /* 4 a cell: not passed on (R, G, B), 1 unused; NULL: not asked for */
+    float* sums;         /* TY_POP_MERGE_SUMS a cell */
 } ty_pop_merge_rows;
 
 /* A row of the residuum: light in it and beside it, and e^(-sigma_a dx / 2) of the same cells, dx along each axis.

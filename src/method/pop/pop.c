@@ -239,7 +239,7 @@ ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image**
 
 ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float* map) {
     ty_context* context = ty_scene_context(scene);
-    ty_pop light = {.context = context};
+    ty_pop light = {.context = context, .def = *def};
     ty_pop_job job = {.context = context, .scene = scene, .def = def, .light = &light};
     ty_result result = ty_pop_check(context, def);
     if (result == TY_OK && (ty_scene_get_view(scene) == NULL || ty_scene_get_view(scene)->medium_count == 0))

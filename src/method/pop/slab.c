@@ -1,6 +1,8 @@
 /* Slabs of an ordinate's grid. */
 #include "method/pop/slab.h"
 
+#include "method/pop/lobe.k.h"
+
 size_t ty_pop_cells(const ty_pop_frame* frame) {
     return (size_t)frame->size[0] * (size_t)frame->size[1] * (size_t)frame->size[2];
 }
@@ -80,6 +82,7 @@ void ty_pop_transmittance_begin(const ty_pop_grid_kernels* kernels, int32_t orde
 void ty_pop_look_setup(const ty_grid_medium* medium, const float eye[3], const ty_pop_light* light, ty_pop_look* look) {
     for (int a = 0; a < 3; ++a) look->eye[a] = (float)((double)eye[a] - medium->box.lower[a]);
     look->cosine = light->ordinate.cosine;
+    look->width = ty_pop_disc_width(look->cosine);
 }
 
 /* Merged cells take light most from where it scatters, not from vacuum beside it; cells of little depth count alike. */
@@ -103,5 +106,6 @@ void ty_pop_write_seen(const ty_pop_light* light, const ty_pop_slab* slab, const
             seen[3 + c] = color * look->mean[p][1][i];
         }
         seen[TY_POP_WEIGHT] = weight;
+        seen[TY_POP_WEIGHT + 1] = 0;
     }
 }

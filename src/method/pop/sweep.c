@@ -2,7 +2,6 @@
 #include "method/pop/slab.h"
 
 #include "base/float_mode.h"
-#include "direct/turned.h"
 
 typedef struct sweep {
     const ty_pop_grid_kernels* kernels;
@@ -33,12 +32,7 @@ static void add_turned(sweep* s) {
     ty_pop_light* light = s->light;
     for (int32_t c = 0; c < 3; ++c) {
         const int32_t p = light->planes == 3 ? c : 0;
-        double sum = 0;
-        for (int32_t i = 0; i < s->columns.count; ++i) {
-            const float turned = ty_turned_coefficient(s->slab.scattering[p][i], s->slab.g[p][i]);
-            sum += (double)(turned * s->through.mean[p][1][i] * s->slab.length[i] * s->columns.across[i]);
-        }
-        light->turned[c] += sum * (double)light->ordinate.color[c];
+        light->turned[c] += (double)(s->kernels->turned(&s->slab, p, s->through.mean[p][1]) * light->ordinate.color[c]);
     }
 }
 
@@ -63,16 +57,13 @@ static void sweep_columns(sweep* s) {
     }
 }
 
-void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], float* scratch,
-                  ty_pop_light* light) {
-    (void)scratch; /* a block of columns fits the stack */
+void ty_pop_sweep(const ty_scene* scene, const ty_grid_medium* medium, const float eye[3], ty_pop_light* light) {
     sweep s;
     const unsigned state = ty_flush_denormals();
     light->mode = TY_POP_MODE_SPLIT;
     light->planes = medium->planes;
     light->bands = 0;
     memset(light->turned, 0, sizeof light->turned);
-    memset(light->seen, 0, ty_pop_seen_floats(&light->frame, light->floats) * sizeof *light->seen);
     begin(medium, eye, light, &s);
     for (int32_t first = 0; first < light->frame.size[0] * light->frame.size[1]; first += s.columns.count) {
         ty_pop_columns_begin(scene, medium, light, first, &s.columns);
