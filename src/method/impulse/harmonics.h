@@ -1,0 +1,32 @@
+/* Spherical harmonics of order 11 about an axis. */
+#ifndef TY_METHOD_IMPULSE_HARMONICS_H
+#define TY_METHOD_IMPULSE_HARMONICS_H
+
+#include <math.h>
+#include <tyndall/impulse.h>
+
+enum { TY_IMPULSE_PAIRS = TY_IMPULSE_TERMS * (TY_IMPULSE_TERMS + 1) / 2 }; /* of l and m, 0 <= m <= l */
+
+#define TY_IMPULSE_PI 3.14159265358979323846
+
+/* Pairs are sorted by m, then l. */
+static inline int32_t ty_impulse_pair(int32_t l, int32_t m) {
+    return m * TY_IMPULSE_TERMS - m * (m - 1) / 2 + l - m;
+}
+
+/* Recurrences' factors: P_l = up_l x P_(l-1) - down_l P_(l-2) at fixed m, and P_mm = side_m sin P_(m-1)(m-1). */
+typedef struct ty_impulse_recurrence {
+    double up[TY_IMPULSE_PAIRS], down[TY_IMPULSE_PAIRS], side[TY_IMPULSE_TERMS];
+} ty_impulse_recurrence;
+
+void ty_impulse_make_recurrence(ty_impulse_recurrence* out);
+/* Orthonormal associated Legendre functions without the Condon-Shortley phase: y_l^0 for m = 0, and y_l^m over
+ * sqrt(2) cos(m phi) for the others. sine >= 0. */
+void ty_impulse_legendre(const ty_impulse_recurrence* r, double cosine, double sine, double out[TY_IMPULSE_PAIRS]);
+/* y_l^0 alone. */
+void ty_impulse_zonal(double cosine, double out[TY_IMPULSE_TERMS]);
+
+/* Zonal harmonics of max(0, cosine). */
+extern const float ty_impulse_cosine_lobe[TY_IMPULSE_TERMS];
+
+#endif

@@ -1,0 +1,140 @@
+/* Looking tables up. */
+#include "method/impulse/harmonics.h"
+#include "method/impulse/tables.h"
+
+/* What is nearer counts as this far away (optical): what comes from there grows without bound. */
+static const float closest = 1e-6f;
+
+double ty_impulse_place(const ty_impulse* tables, double distance) {
+    const double near = TY_IMPULSE_NEAREST;
+    return tables->density * (log(fmax(distance, 1e-300) / near) + TY_IMPULSE_EVEN * (distance - near));
+}
+
+double ty_impulse_distance(const ty_impulse* tables, double place) {
+    const double near = TY_IMPULSE_NEAREST;
+    double low = near, high = near + place / (tables->density * TY_IMPULSE_EVEN);
+    for (int i = 0; i < 200 && low < high; ++i) {
+        const double middle = 0.5 * (low + high);
+        if (middle <= low || middle >= high) break;
+        *(ty_impulse_place(tables, middle) < place ? &low : &high) = middle;
+    }
+    return low;
+}
+
+double ty_impulse_scale(ty_impulse_emitter emitter, bool single, double distance) {
+    if (!single) return exp(0.5 * distance);
+    return (emitter == TY_IMPULSE_DIRECTIONAL ? 1 : distance) * exp(distance);
+}
+
+/* Where a lookup goes: rows of one or two angles, two bins each, with their weights. */
+typedef struct place {
+    const float* rows[4];
+    float weight[4];
+    int32_t count;
+    float optical; /* distance */
+} place;
+
+static place find(const ty_impulse* tables, ty_impulse_emitter emitter, float optical, float cosine) {
+    const float near = (float)TY_IMPULSE_NEAREST, last = TY_IMPULSE_DISTANCES - 1;
+    place out = {.optical = fmaxf(optical, closest)};
+    const float length =
+        (float)tables->density * (logf(out.optical / near) + (float)TY_IMPULSE_EVEN * (out.optical - near));
+    const float bin = fminf(last, fmaxf(0, length));
+    const int32_t low = bin < last ? (int32_t)bin : TY_IMPULSE_DISTANCES - 2;
+    const float onward = bin - (float)low;
+    const float angle = fminf(1, fmaxf(0, cosine)) * (TY_IMPULSE_ANGLES - 1);
+    const int32_t left = angle < TY_IMPULSE_ANGLES - 1 ? (int32_t)angle : TY_IMPULSE_ANGLES - 2;
+    const float right = angle - (float)left;
+    const bool area = emitter == TY_IMPULSE_AREA;
+    for (int32_t a = 0; a < (area ? 2 : 1); ++a) {
+        const float share = !area ? 1 : a == 0 ? 1 - right : right;
+        out.rows[out.count] = ty_impulse_row(tables, emitter, area ? left + a : 0, low);
+        out.rows[out.count + 1] = out.rows[out.count] + tables->row;
+        out.weight[out.count++] = share * (1 - onward);
+        out.weight[out.count++] = share * onward;
+    }
+    return out;
+}
+
+static void add(const float* restrict vector, float weight, float* restrict out) {
+    for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out[l] += weight * vector[l];
+}
+
+static void look_single(const place* p, float g, float factor, float out[TY_IMPULSE_VECTOR]) {
+    const float phase = fminf(1, fmaxf(-1, g / (float)TY_IMPULSE_PHASE_G));
+    const int32_t other = phase < 0 ? 0 : 2 * TY_IMPULSE_VECTOR;
+    for (int32_t i = 0; i < p->count; ++i) {
+        const float weight = factor * p->weight[i];
+        add(p->rows[i] + TY_IMPULSE_VECTOR, weight * (1 - fabsf(phase)), out);
+        if (phase != 0) add(p->rows[i] + other, weight * fabsf(phase), out);
+    }
+}
+
+/* Bounces 2.., by Horner's rule: every one more is the albedo times what follows. */
+static void look_multiple(const place* p, float albedo, int32_t bounces, float factor, float out[TY_IMPULSE_VECTOR]) {
+    float sum[TY_IMPULSE_VECTOR] = {0};
+    for (int32_t bounce = bounces; bounce >= 2; --bounce) {
+        const int32_t at = (TY_IMPULSE_PHASES + bounce - 2) * TY_IMPULSE_VECTOR;
+        for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) sum[l] *= albedo;
+        for (int32_t i = 0; i < p->count; ++i) add(p->rows[i] + at, p->weight[i], sum);
+    }
+    for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out[l] = factor * albedo * albedo * sum[l];
+}
+
+/* exp(-optical), and over the optical distance for what an emitter's nearness makes brighter. */
+static float single_factor(ty_impulse_emitter emitter, float optical) {
+    return expf(-optical) / (emitter == TY_IMPULSE_DIRECTIONAL ? 1 : optical);
+}
+
+void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
+                     float distance, float cosine, int32_t bounces, ty_impulse_response* out) {
+    *out = (ty_impulse_response){0};
+    if (!(medium->sigma_t > 0) || !(medium->sigma_s > 0) || bounces < 1) return;
+    const bool near = emitter != TY_IMPULSE_DIRECTIONAL;
+    const float albedo = fminf(1, medium->sigma_s / medium->sigma_t), g = fminf(0.99f, fmaxf(-0.99f, medium->g));
+    float vector[TY_IMPULSE_VECTOR] = {0};
+    place p = find(tables, emitter, medium->sigma_t * distance, cosine);
+    const float ratio = near ? medium->sigma_t * medium->sigma_t : 1;
+    for (int32_t i = 0; i < p.count && emitter == TY_IMPULSE_AREA; ++i)
+        out->shift += p.weight[i] * p.rows[i][TY_IMPULSE_SHIFT];
+    look_single(&p, g, albedo * ratio * single_factor(emitter, p.optical), vector);
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->single[l] = vector[l];
+    if (bounces < 2) return;
+    /* Similarity: light that hardly turns has as good as not scattered. */
+    const float scattered = (1 - g) * medium->sigma_s, met = medium->sigma_t - medium->sigma_s + scattered;
+    if (g != 0) p = find(tables, emitter, met * distance, cosine);
+    look_multiple(&p, fminf(1, scattered / met), bounces < tables->bounces ? bounces : tables->bounces,
+                  expf(-0.5f * p.optical) * (near ? met * met : 1), vector);
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->multiple[l] = vector[l];
+}
+
+ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g, int32_t angle,
+                         int32_t bin, double* distance, float zonal[TY_IMPULSE_TERMS]) {
+    const bool area = emitter == TY_IMPULSE_AREA;
+    if (emitter < TY_IMPULSE_POINT || emitter > TY_IMPULSE_AREA || bounce < 1 || bounce > tables->bounces || g < -1 ||
+        g > 1 || (g != 0 && bounce > 1) || angle < 0 || angle >= (area ? TY_IMPULSE_ANGLES : 1) || bin < 0 ||
+        bin >= TY_IMPULSE_DISTANCES)
+        return ty_fail(tables->context, TY_ERROR_ARGUMENT,
+                       "ty_impulse_bin: there is no bounce %d with g %d at angle %d in bin %d", bounce, g, angle, bin);
+    const float* row = ty_impulse_row(tables, emitter, angle, bin);
+    const int32_t vector = bounce == 1 ? 1 + g : TY_IMPULSE_PHASES + bounce - 2;
+    *distance = ty_impulse_distance(tables, bin);
+    const double scale = ty_impulse_scale(emitter, bounce == 1, *distance);
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l)
+        zonal[l] = (float)((double)row[vector * TY_IMPULSE_VECTOR + l] / scale);
+    return TY_OK;
+}
+
+/* sum of sqrt(4 pi / (2 l + 1)) lobe_l zonal_l y_l^0, y_l^0 being sqrt((2 l + 1) / (4 pi)) P_l: only even orders and
+ * the first have a share (Appendix A). */
+float ty_impulse_irradiance(const float zonal[TY_IMPULSE_TERMS], float cosine) {
+    float before = 1, last = cosine,
+          sum = ty_impulse_cosine_lobe[0] * zonal[0] + ty_impulse_cosine_lobe[1] * zonal[1] * cosine;
+    for (int32_t l = 2; l < TY_IMPULSE_TERMS; ++l) {
+        const float next = ((float)(2 * l - 1) * cosine * last - (float)(l - 1) * before) / (float)l;
+        before = last;
+        last = next;
+        sum += ty_impulse_cosine_lobe[l] * zonal[l] * next;
+    }
+    return sum;
+}
