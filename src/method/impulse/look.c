@@ -2,6 +2,8 @@
 #include "method/impulse/harmonics.h"
 #include "method/impulse/tables.h"
 
+#include <string.h>
+
 /* What is nearer counts as this far away (optical): what comes from there grows without bound. */
 static const float closest = 1e-6f;
 
@@ -56,29 +58,44 @@ static place find(const ty_impulse* tables, ty_impulse_emitter emitter, float op
     return out;
 }
 
-static void add(const float* restrict vector, float weight, float* restrict out) {
-    for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out[l] += weight * vector[l];
+/* Sums of vectors' harmonics; each loop is three or six vector instructions. */
+typedef struct harmonics {
+    float at[TY_IMPULSE_VECTOR];
+} harmonics;
+
+static inline void add(harmonics* out, const float* restrict vector, float weight) {
+    for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out->at[l] += weight * vector[l];
 }
 
-static void look_single(const place* p, float g, float factor, float out[TY_IMPULSE_VECTOR]) {
+static harmonics look_single(const place* p, float g, float factor) {
     const float phase = fminf(1, fmaxf(-1, g / (float)TY_IMPULSE_PHASE_G));
     const int32_t other = phase < 0 ? 0 : 2 * TY_IMPULSE_VECTOR;
+    harmonics out = {{0}};
     for (int32_t i = 0; i < p->count; ++i) {
         const float weight = factor * p->weight[i];
-        add(p->rows[i] + TY_IMPULSE_VECTOR, weight * (1 - fabsf(phase)), out);
-        if (phase != 0) add(p->rows[i] + other, weight * fabsf(phase), out);
+        add(&out, p->rows[i] + TY_IMPULSE_VECTOR, weight * (1 - fabsf(phase)));
+        if (phase != 0) add(&out, p->rows[i] + other, weight * fabsf(phase));
     }
+    return out;
 }
 
-/* Bounces 2.., by Horner's rule: every one more is the albedo times what follows. */
-static void look_multiple(const place* p, float albedo, int32_t bounces, float factor, float out[TY_IMPULSE_VECTOR]) {
-    float sum[TY_IMPULSE_VECTOR] = {0};
-    for (int32_t bounce = bounces; bounce >= 2; --bounce) {
-        const int32_t at = (TY_IMPULSE_PHASES + bounce - 2) * TY_IMPULSE_VECTOR;
-        for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) sum[l] *= albedo;
-        for (int32_t i = 0; i < p->count; ++i) add(p->rows[i] + at, p->weight[i], sum);
+/* Bounces 2.., each weighed by the albedo once more than the one before. */
+static harmonics look_multiple(const place* p, float albedo, int32_t bounces, float factor) {
+    harmonics out = {{0}};
+    for (int32_t i = 0; i < p->count; i += 2) {
+        const float *low = p->rows[i] + TY_IMPULSE_PHASES * TY_IMPULSE_VECTOR,
+                    *high = low + (p->rows[i + 1] - p->rows[i]);
+        float at_low = factor * albedo * albedo * p->weight[i], at_high = factor * albedo * albedo * p->weight[i + 1];
+        for (int32_t bounce = 2; bounce <= bounces; ++bounce) {
+            add(&out, low, at_low);
+            add(&out, high, at_high);
+            low += TY_IMPULSE_VECTOR;
+            high += TY_IMPULSE_VECTOR;
+            at_low *= albedo;
+            at_high *= albedo;
+        }
     }
-    for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out[l] = factor * albedo * albedo * sum[l];
+    return out;
 }
 
 /* exp(-optical), and over the optical distance for what an emitter's nearness makes brighter. */
@@ -92,20 +109,20 @@ void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const
     if (!(medium->sigma_t > 0) || !(medium->sigma_s > 0) || bounces < 1) return;
     const bool near = emitter != TY_IMPULSE_DIRECTIONAL;
     const float albedo = fminf(1, medium->sigma_s / medium->sigma_t), g = fminf(0.99f, fmaxf(-0.99f, medium->g));
-    float vector[TY_IMPULSE_VECTOR] = {0};
     place p = find(tables, emitter, medium->sigma_t * distance, cosine);
     const float ratio = near ? medium->sigma_t * medium->sigma_t : 1;
     for (int32_t i = 0; i < p.count && emitter == TY_IMPULSE_AREA; ++i)
         out->shift += p.weight[i] * p.rows[i][TY_IMPULSE_SHIFT];
-    look_single(&p, g, albedo * ratio * single_factor(emitter, p.optical), vector);
-    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->single[l] = vector[l];
+    const harmonics single = look_single(&p, g, albedo * ratio * single_factor(emitter, p.optical));
+    memcpy(out->single, single.at, sizeof out->single);
     if (bounces < 2) return;
     /* Similarity: light that hardly turns has as good as not scattered. */
     const float scattered = (1 - g) * medium->sigma_s, met = medium->sigma_t - medium->sigma_s + scattered;
     if (g != 0) p = find(tables, emitter, met * distance, cosine);
-    look_multiple(&p, fminf(1, scattered / met), bounces < tables->bounces ? bounces : tables->bounces,
-                  expf(-0.5f * p.optical) * (near ? met * met : 1), vector);
-    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->multiple[l] = vector[l];
+    const harmonics multiple =
+        look_multiple(&p, fminf(1, scattered / met), bounces < tables->bounces ? bounces : tables->bounces,
+                      expf(-0.5f * p.optical) * (near ? met * met : 1));
+    memcpy(out->multiple, multiple.at, sizeof out->multiple);
 }
 
 ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g, int32_t angle,
