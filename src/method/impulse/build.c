@@ -98,7 +98,7 @@ static ty_result prepare(ty_impulse_work* work) {
     for (int32_t i = 0; i < work->places; ++i) work->distances[i] = ty_impulse_distance(work->tables, i);
     ty_impulse_make_recurrence(&work->recurrence);
     for (int32_t i = 0; i < TY_IMPULSE_ANGLES; ++i) {
-        const double cosine = ty_impulse_cosine(i);
+        const double cosine = (double)ty_impulse_cosines[i];
         ty_impulse_legendre(&work->recurrence, cosine, sqrt(1 - cosine * cosine), work->angles[i].at);
     }
     return ty_impulse_make_lattice(work);

@@ -7,6 +7,8 @@
 /* What is nearer counts as this far away (optical): what comes from there grows without bound. */
 static const float closest = 1e-6f;
 
+const float ty_impulse_cosines[TY_IMPULSE_ANGLES] = {0, 0.04f, 0.09f, 0.172f, 0.312f, 0.53f, 0.765f, 1};
+
 double ty_impulse_place(const ty_impulse* tables, double distance) {
     const double near = TY_IMPULSE_NEAREST;
     return tables->density * (log(fmax(distance, 1e-300) / near) + TY_IMPULSE_EVEN * (distance - near));
@@ -44,9 +46,9 @@ static place find(const ty_impulse* tables, ty_impulse_emitter emitter, float op
     const float bin = fminf(last, fmaxf(0, length));
     const int32_t low = bin < last ? (int32_t)bin : TY_IMPULSE_DISTANCES - 2;
     const float onward = bin - (float)low;
-    const float angle = fminf(1, fmaxf(0, cosine)) * (TY_IMPULSE_ANGLES - 1);
-    const int32_t left = angle < TY_IMPULSE_ANGLES - 1 ? (int32_t)angle : TY_IMPULSE_ANGLES - 2;
-    const float right = angle - (float)left;
+    int32_t left = 0;
+    while (left < TY_IMPULSE_ANGLES - 2 && cosine >= ty_impulse_cosines[left + 1]) ++left;
+    const float right = (cosine - ty_impulse_cosines[left]) / (ty_impulse_cosines[left + 1] - ty_impulse_cosines[left]);
     const bool area = emitter == TY_IMPULSE_AREA;
     for (int32_t a = 0; a < (area ? 2 : 1); ++a) {
         const float share = !area ? 1 : a == 0 ? 1 - right : right;
@@ -79,6 +81,13 @@ static harmonics look_single(const place* p, float g, float factor) {
     return out;
 }
 
+static float look_shift(const place* p, float cosine) {
+    const float sine = sqrtf(fmaxf(0, 1 - cosine * cosine));
+    float shift = 0;
+    for (int32_t i = 0; i < p->count; ++i) shift += p->weight[i] * p->rows[i][TY_IMPULSE_SHIFT];
+    return sine * shift;
+}
+
 /* Bounces 2.., each weighed by the albedo once more than the one before. */
 static harmonics look_multiple(const place* p, float albedo, int32_t bounces, float factor) {
     harmonics out = {{0}};
@@ -109,10 +118,10 @@ void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const
     if (!(medium->sigma_t > 0) || !(medium->sigma_s > 0) || bounces < 1) return;
     const bool near = emitter != TY_IMPULSE_DIRECTIONAL;
     const float albedo = fminf(1, medium->sigma_s / medium->sigma_t), g = fminf(0.99f, fmaxf(-0.99f, medium->g));
+    cosine = fminf(1, fmaxf(0, cosine));
     place p = find(tables, emitter, medium->sigma_t * distance, cosine);
     const float ratio = near ? medium->sigma_t * medium->sigma_t : 1;
-    for (int32_t i = 0; i < p.count && emitter == TY_IMPULSE_AREA; ++i)
-        out->shift += p.weight[i] * p.rows[i][TY_IMPULSE_SHIFT];
+    if (emitter == TY_IMPULSE_AREA) out->shift = look_shift(&p, cosine);
     const harmonics single = look_single(&p, g, albedo * ratio * single_factor(emitter, p.optical));
     memcpy(out->single, single.at, sizeof out->single);
     if (bounces < 2) return;

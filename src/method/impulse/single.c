@@ -60,7 +60,7 @@ static void make_point(const ty_impulse_recurrence* recurrence, double psi, doub
         out->emitted[l] = turn * sqrt(4 * TY_IMPULSE_PI / (2 * l + 1)) * zonal[l];
     }
     for (int32_t angle = 0; angle < TY_IMPULSE_ANGLES; ++angle) {
-        const double cosine = ty_impulse_cosine(angle), sine = sqrt(1 - cosine * cosine);
+        const double cosine = (double)ty_impulse_cosines[angle], sine = sqrt(1 - cosine * cosine);
         clamped_cosine(cosine * cos(alpha), sine * sin(alpha), fourier);
         for (int32_t m = 0; m < TY_IMPULSE_TERMS; ++m)
             for (int32_t l = m; l < TY_IMPULSE_TERMS; ++l) {

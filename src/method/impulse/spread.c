@@ -145,7 +145,19 @@ static void keep_area(const ty_impulse_work* work, int32_t angle, int32_t bin, c
         ty_impulse_lean(&work->recurrence, &response, shift, zonal);
         ty_impulse_keep(work, TY_IMPULSE_AREA, angle, bin, TY_IMPULSE_PHASES + bounce - 2, zonal);
     }
-    ty_impulse_row(work->tables, TY_IMPULSE_AREA, angle, bin)[TY_IMPULSE_SHIFT] = (float)shift;
+    const double cosine = (double)ty_impulse_cosines[angle], sine = sqrt(1 - cosine * cosine);
+    if (sine > 0) ty_impulse_row(work->tables, TY_IMPULSE_AREA, angle, bin)[TY_IMPULSE_SHIFT] = (float)(shift / sine);
+}
+
+/* Shift over sine where both are 0. */
+static void keep_straight_shift(const ty_impulse_work* work, int32_t bin) {
+    enum { LAST = TY_IMPULSE_ANGLES - 1 };
+    const float* before = ty_impulse_row(work->tables, TY_IMPULSE_AREA, LAST - 2, bin);
+    const float* next = ty_impulse_row(work->tables, TY_IMPULSE_AREA, LAST - 1, bin);
+    const float steps = (ty_impulse_cosines[LAST] - ty_impulse_cosines[LAST - 1]) /
+                        (ty_impulse_cosines[LAST - 1] - ty_impulse_cosines[LAST - 2]);
+    ty_impulse_row(work->tables, TY_IMPULSE_AREA, LAST, bin)[TY_IMPULSE_SHIFT] =
+        next[TY_IMPULSE_SHIFT] + steps * (next[TY_IMPULSE_SHIFT] - before[TY_IMPULSE_SHIFT]);
 }
 
 void ty_impulse_scatter_again(void* user, int64_t bin, int32_t worker) {
@@ -166,4 +178,5 @@ void ty_impulse_scatter_again(void* user, int64_t bin, int32_t worker) {
     }
     keep_points(work, (int32_t)bin, sums);
     for (int32_t angle = 0; angle < TY_IMPULSE_ANGLES; ++angle) keep_area(work, angle, (int32_t)bin, sums);
+    keep_straight_shift(work, (int32_t)bin);
 }

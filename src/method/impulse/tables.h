@@ -8,9 +8,9 @@
 #include <tyndall/impulse.h>
 
 enum {
-    TY_IMPULSE_VECTOR = 12, /* floats of a vector: zonal harmonics and, in a row's first, the shift */
-    TY_IMPULSE_SHIFT = TY_IMPULSE_TERMS,
-    TY_IMPULSE_PHASES = 3, /* single scattering with g = -0.5, 0, 0.5: a row's first vectors */
+    TY_IMPULSE_VECTOR = 12, /* floats of a vector: zonal harmonics and, in a row's first, of areas, the shift */
+    TY_IMPULSE_SHIFT = TY_IMPULSE_TERMS, /* over the sine of the angle, which makes it smooth */
+    TY_IMPULSE_PHASES = 3,               /* single scattering with g = -0.5, 0, 0.5: a row's first vectors */
     TY_IMPULSE_AREA_ROWS =
         2 * TY_IMPULSE_DISTANCES, /* the first row of areas: those of points and directions precede */
     TY_IMPULSE_ROWS = (2 + TY_IMPULSE_ANGLES) * TY_IMPULSE_DISTANCES
@@ -55,10 +55,9 @@ static inline float* ty_impulse_row(const ty_impulse* tables, ty_impulse_emitter
     return tables->values + (size_t)(first + bin) * (size_t)tables->row;
 }
 
-/* The cosine that an angle of areas stands for. */
-static inline double ty_impulse_cosine(int32_t angle) {
-    return (double)angle / (TY_IMPULSE_ANGLES - 1);
-}
+/* The cosines that the angles of areas stand for: closer together where the receiver is near the emitter's plane, since
+ * there responses bend most. */
+extern const float ty_impulse_cosines[TY_IMPULSE_ANGLES];
 
 /* ---- the file ---- */
 
