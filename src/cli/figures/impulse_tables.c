@@ -7,7 +7,7 @@
 #include <math.h>
 #include <tyndall/impulse.h>
 
-enum { SHOWN = 3, TAUS = 8, LINE_POINTS = 56, ALBEDOS = 3 };
+enum { SHOWN = 3, TAUS = 8, LINE_POINTS = 56, ALBEDOS = 3, COLORS = 8 /* before they come again */ };
 
 static const int32_t shown[SHOWN] = {1, 2, 10};
 static const double taus[TAUS] = {0.01, 0.034, 0.1, 0.37, 1, 4.9, 9.1, 20};
@@ -24,24 +24,23 @@ static ty_impulse_response look(const ty_impulse* tables, ty_impulse_emitter emi
     return out;
 }
 
-/* As the paper has it: a harmonic a curve; what is negative is not on it. */
+/* A harmonic a curve, as the paper has it. */
 static void fill_chart(const ty_impulse* tables, int kind, int32_t bounces, const char* title, plot_chart* out) {
+    const bool point = kinds[kind].emitter == TY_IMPULSE_POINT;
     *out = (plot_chart){.title = title,
                         .x_label = "optical distance",
-                        .y_label = kind == 0 ? "coefficient times distance², sr" : "coefficient, sr",
+                        .y_label = point ? "coefficient times distance²" : "coefficient",
                         .x_logarithmic = true,
-                        .y_logarithmic = true,
                         .width = 330,
                         .series_count = TY_IMPULSE_TERMS};
     for (int l = 0; l < TY_IMPULSE_TERMS; ++l) {
         plot_series* series = &out->series[l];
-        series->style = PLOT_LINE;
-        if (kind == 0 && bounces == shown[0]) snprintf(series->name, sizeof series->name, "l = %d", l);
+        series->style = l < COLORS ? PLOT_LINE : PLOT_DASHES;
+        if (bounces == shown[SHOWN - 1]) snprintf(series->name, sizeof series->name, "l = %d", l);
         for (int i = 0; i < LINE_POINTS; ++i) {
             const double tau = 0.01 * pow(2000, (double)i / (LINE_POINTS - 1));
             const ty_impulse_response r = look(tables, kinds[kind].emitter, tau, 0, 1, bounces);
-            const double value = (double)(r.single[l] + r.multiple[l]) * (kind == 0 ? tau * tau : 1);
-            if (value > 1e-6) plot_add_point(series, tau, value, 0);
+            plot_add_point(series, tau, (double)(r.single[l] + r.multiple[l]) * (point ? tau * tau : 1), 0);
         }
     }
 }
@@ -157,7 +156,7 @@ ty_result figure_impulse_tables(figure_run* run) {
     snprintf(
         run->caption, sizeof run->caption,
         "Zonal harmonics of radiance that has scattered up to 1, 2 and 10 times, isotropically, σt = σs = 1/m, per "
-        "unit of intensity or irradiance; harmonics below 10⁻⁶ or 0 are left out. Below: fluence of up to 64 "
-        "bounces about a point over that of exact transport. The files hold the tables against sums along rays.");
+        "unit of intensity or irradiance. Below: fluence of up to 64 bounces about a point over that of exact "
+        "transport. The files hold the tables against sums along rays.");
     return result;
 }
