@@ -214,11 +214,11 @@ static void tables_are_kept_and_found(void** state) {
     ty_impulse_destroy(again);
     size_t size;
     uint8_t* bytes = get_file(stats.path, &size);
-    /* Damaged, cut short, of another version: made anew, and whole again afterwards. */
-    static const size_t places[] = {0, 8, 40, 5000};
+    /* Of another version, damaged and cut short: made anew, and whole again afterwards. */
+    static const size_t places[] = {8, 5000};
     for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
         bytes[places[i]] ^= 1;
-        put_file(stats.path, bytes, i == 3 ? size / 2 : size);
+        put_file(stats.path, bytes, i == 1 ? size / 2 : size);
         bytes[places[i]] ^= 1;
         ty_impulse_destroy(make(*state, &def, &stats));
         assert_true(stats.built);
