@@ -20,6 +20,7 @@ static const bench_entry benches[] = {
     {"fld", "flux-limited diffusion: its solvers, and images beside path", bench_fld},
     {"pop", "principal-ordinates propagation: its stages, and how they grow", bench_pop},
     {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
+    {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"load", "reading volumes of every format", bench_load},
 };
 enum { BENCH_COUNT = sizeof benches / sizeof benches[0] };
@@ -99,7 +100,7 @@ int cli_bench(int count, char** arguments) {
         {"data", 0, CLI_TEXT, "DIR", "lpv: third-party scenes (default: the environment variable TYNDALL_DATA)",
          &options.data, 0, 0, NULL},
     };
-    char details[512] = "benches:";
+    char details[1024] = "benches:";
     for (int i = 0; i < BENCH_COUNT; ++i) {
         const size_t used = strlen(details);
         snprintf(details + used, sizeof details - used, "\n  %-10s %s", benches[i].name, benches[i].summary);

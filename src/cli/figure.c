@@ -43,6 +43,7 @@ static const figure_entry figures[] = {
     {"lpv-animation", "Light propagation volumes: sun and camera in small steps", figure_lpv_animation},
     {"lpv-energy", "Light propagation volumes: where the energy goes", figure_lpv_energy},
     {"lpv-dense", "Light propagation volumes: thin to dense fog around a lamp", figure_lpv_dense},
+    {"impulse-tables", "Impulse responses: zonal harmonics over distance (Fig. 10)", figure_impulse_tables},
     {"screen-leaking", "Screen-space scattering: what keeps light from leaking (Fig. 6)", figure_screen_leaking},
     {"screen-thickness", "Screen-space scattering: optical thickness 2 to 8 (Fig. 7)", figure_screen_thickness},
     {"screen-truth", "Screen-space scattering: against path tracing (Fig. 8)", figure_screen_truth},

@@ -1,0 +1,126 @@
+/* Tyndall: baking, light on surfaces and at points computed once and kept. Apache-2.0. docs/bake.md explains targets,
+ * units and conventions; the result does not depend on the number of threads. */
+#ifndef TYNDALL_BAKE_H
+#define TYNDALL_BAKE_H
+
+#include <tyndall/base.h>
+#include <tyndall/image.h>
+#include <tyndall/impulse.h>
+#include <tyndall/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum ty_bake_method {
+    TY_BAKE_IMPULSE = 0,     /* surfaces by paths, media by impulse responses */
+    TY_BAKE_ATTENUATION = 1, /* media take light away, and scatter none */
+    TY_BAKE_SURFACES = 2,    /* as if there were no media */
+    TY_BAKE_PATH = 3         /* the truth: paths through media, too */
+} ty_bake_method;
+
+/* What light has done before it arrives; they add up to all of it. */
+enum {
+    TY_BAKE_DIRECT = 0,   /* came from a light, unhindered but for the media's extinction */
+    TY_BAKE_INDIRECT = 1, /* surfaces alone reflected it */
+    TY_BAKE_SINGLE = 2,   /* a medium scattered it once, and nothing else touched it */
+    TY_BAKE_MULTIPLE = 3, /* all else */
+    TY_BAKE_LAYERS = 4
+};
+
+enum { TY_BAKE_SH_TERMS = 25 };
+
+/* A place that gathers light. normal (0, 0, 0): a probe, which gathers from all around. */
+typedef struct ty_bake_receiver {
+    float position[3]; /* m; on surfaces: on them */
+    float normal[3];   /* unit, on the side that is lit */
+    float face[3];     /* unit normal of the flat face on that side; light from behind it does not count */
+    float margin;      /* m: rays start this far off along face */
+} ty_bake_receiver;
+
+/* What a receiver got, per layer. Surfaces: irradiance E (W m^-2) and the vector irradiance of light from the lit side
+ * (the integral of radiance times the unit vector to where it comes from: x, y, z), of which L1 is made. Probes:
+ * radiance in real spherical harmonics, without the Condon-Shortley phase, of where light comes from, in the order
+ * l (l + 1) + m. */
+typedef struct ty_bake_light {
+    float irradiance[TY_BAKE_LAYERS][3];
+    float toward[TY_BAKE_LAYERS][3][3]; /* [layer][channel][axis] */
+    float variance[3];                  /* of the sum of all layers' irradiance, or of the first harmonic */
+    int32_t samples;
+} ty_bake_light;
+
+typedef struct ty_bake_probe {
+    float sh[TY_BAKE_LAYERS][3][TY_BAKE_SH_TERMS];
+    float variance[3];
+    int32_t samples;
+    float blocked; /* the fraction of rays that met the back of a surface: near 1 within walls */
+} ty_bake_probe;
+
+typedef struct ty_bake_def {
+    uint32_t cookie; /* set by ty_default_bake_def; checked */
+    ty_bake_method method;
+    int32_t spp;     /* paths per receiver at most, 1..2^20; default 64 */
+    double error;    /* stop a receiver when its standard error is below this part of its irradiance (or of the mean of
+                        all, where that is more), > 0; 0 (default): no bound */
+    int32_t bounces; /* reflections and, for TY_BAKE_PATH, scatterings at most; 0 (default): 16 and Russian roulette */
+    int32_t scatterings;      /* of impulse responses, 1..tables' bounces; default 10 */
+    bool back_scattering;     /* whether light counts that surfaces behind a receiver send into the medium (Sec. 5.2);
+                                 default true */
+    const ty_impulse* tables; /* method TY_BAKE_IMPULSE; NULL: made with defaults */
+    uint64_t seed;
+    ty_progress_fn progress; /* default NULL */
+    void* progress_user;
+} ty_bake_def;
+
+TY_API ty_bake_def ty_default_bake_def(void);
+
+typedef struct ty_bake_stats {
+    double seconds, table_seconds;
+    int64_t paths, rays; /* segments and shadow rays */
+    double ray_seconds;  /* estimate: rays at the speed of bare tracing; 0: not measured */
+    double mean_samples;
+} ty_bake_stats;
+
+/* Light at receivers of a committed scene. On TY_CANCELLED what is there is valid with fewer samples (0: none yet).
+ * stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const ty_bake_receiver* receivers,
+                                  int64_t count, ty_bake_light* light, ty_bake_stats* stats);
+TY_API ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const float* positions, int64_t count,
+                                ty_bake_probe* probes, ty_bake_stats* stats);
+
+/* ---- Lightmaps ---- */
+
+typedef struct ty_atlas_def {
+    uint32_t cookie;       /* set by ty_default_atlas_def; checked */
+    int32_t width, height; /* texels of one map, 4..16384; 0 (default): from density */
+    double density;        /* texels per metre, > 0; default 8; at most 4096 texels a side come of it */
+    int32_t padding;       /* texels around charts that are filled, 0..64; default 4 */
+    bool close_seams; /* whether both sides of an edge that charts share on the surface, but not in the map, are made
+                         alike; default true */
+} ty_atlas_def;
+
+TY_API ty_atlas_def ty_default_atlas_def(void);
+
+/* Where the texels of a mesh's second texture coordinates lie on it. */
+typedef struct ty_atlas ty_atlas;
+
+/* Of one mesh (an index as of ty_scene_get_mesh). Texels count that triangles cover the middle of, or touch, in which
+ * case they take the nearest place on the triangle. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, and TY_ERROR_INPUT when
+ * the mesh has no second texture coordinates, or they leave 0..1, or charts overlap: the message says which, how much,
+ * and what to do. name: of the mesh, for messages. */
+TY_API ty_result ty_atlas_create(const ty_scene* scene, int32_t mesh, const char* name, const ty_atlas_def* def,
+                                 ty_atlas** out);
+TY_API void ty_atlas_destroy(ty_atlas* atlas);
+TY_API int32_t ty_atlas_width(const ty_atlas* atlas);
+TY_API int32_t ty_atlas_height(const ty_atlas* atlas);
+/* The atlas' receivers, one per texel that counts; *count of them; they last as long as it. */
+TY_API const ty_bake_receiver* ty_atlas_receivers(const ty_atlas* atlas, int64_t* count);
+/* An image of what they got: R, G, B: irradiance; LAYER.R, .G, .B of direct, indirect, single, multiple; L1.RX ..
+ * L1.BZ: the vector irradiance over the irradiance; coverage.A, samples.N, variance.R, .G, .B. Texels within walls take
+ * their neighbours' light, then seams are closed, then charts are padded. Errors: TY_ERROR_MEMORY. */
+TY_API ty_result ty_atlas_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,157 @@
+/* Tables between runs: a header that tells which they are, then the values as they are in memory. A file that is not
+ * what is wanted is made anew, so that nothing here is an error. */
+#define _POSIX_C_SOURCE 200809L
+#include "io/file.h"
+
+#include "method/impulse/tables.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* The version counts changes of what is tabled or how; tables of another are stale. */
+enum { TABLES_VERSION = 2, BYTE_ORDER_MARK = 0x01020304, PATH_SIZE = 1024 };
+
+static const char tables_magic[8] = "tyndimpr";
+
+typedef struct tables_header {
+    char magic[8];
+    uint32_t version, byte_order;
+    uint64_t size;     /* of the whole file */
+    uint64_t checksum; /* of all that follows */
+    double range;
+    int32_t bounces, row;
+} tables_header;
+
+static const size_t checked_from = offsetof(tables_header, range);
+
+size_t ty_impulse_file_size(const ty_impulse* tables) {
+    return sizeof(tables_header) + tables->count * sizeof *tables->values;
+}
+
+static tables_header make_header(const ty_impulse* tables) {
+    tables_header header;
+    memset(&header, 0, sizeof header);
+    memcpy(header.magic, tables_magic, sizeof header.magic);
+    header.version = TABLES_VERSION;
+    header.byte_order = BYTE_ORDER_MARK;
+    header.size = ty_impulse_file_size(tables);
+    header.range = tables->range;
+    header.bounces = tables->bounces;
+    header.row = tables->row;
+    return header;
+}
+
+void ty_impulse_seal(uint8_t* bytes, size_t size) {
+    if (size < sizeof(tables_header)) return;
+    const uint64_t sum = ty_hash_bytes(TY_HASH_START, bytes + checked_from, size - checked_from);
+    memcpy(bytes + offsetof(tables_header, checksum), &sum, sizeof sum);
+}
+
+void ty_impulse_pack(const ty_impulse* tables, uint8_t* bytes) {
+    const tables_header header = make_header(tables);
+    memcpy(bytes, &header, sizeof header);
+    memcpy(bytes + sizeof header, tables->values, tables->count * sizeof *tables->values);
+    ty_impulse_seal(bytes, ty_impulse_file_size(tables));
+}
+
+const char* ty_impulse_unpack(ty_impulse* tables, const uint8_t* bytes, size_t size) {
+    const tables_header wanted = make_header(tables);
+    tables_header is;
+    if (size < sizeof is) return "it is cut short";
+    memcpy(&is, bytes, sizeof is);
+    if (memcmp(is.magic, wanted.magic, sizeof is.magic) != 0) return "it holds no impulse responses";
+    if (is.version != wanted.version || is.byte_order != wanted.byte_order) return "it is of another version";
+    if (is.size != size || size != wanted.size) return "it is cut short or damaged";
+    if (is.checksum != ty_hash_bytes(TY_HASH_START, bytes + checked_from, size - checked_from)) return "it is damaged";
+    if (!(is.range == wanted.range) || is.bounces != wanted.bounces || is.row != wanted.row)
+        return "it has other bounces or another range";
+    memcpy(tables->values, bytes + sizeof is, tables->count * sizeof *tables->values);
+    for (size_t i = 0; i < tables->count; ++i)
+        if (!isfinite(tables->values[i])) return "it holds what is no number";
+    return NULL;
+}
+
+/* ---- where ---- */
+
+/* Writes the folder's name; false: there is none, or it is too long. */
+static bool cache_folder(char out[PATH_SIZE]) {
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    int length = -1;
+    /* Relative names are to be taken as not set. */
+    if (cache != NULL && cache[0] == '/')
+        length = snprintf(out, PATH_SIZE, "%s/tyndall", cache);
+    else if (home != NULL && home[0] == '/')
+        length = snprintf(out, PATH_SIZE, "%s/.cache/tyndall", home);
+    return length > 0 && length < PATH_SIZE;
+}
+
+void ty_impulse_path(const ty_impulse_def* def, char path[PATH_SIZE]) {
+    char folder[PATH_SIZE] = "", name[64];
+    path[0] = '\0';
+    if (def->folder == NULL) {
+        if (!cache_folder(folder)) return;
+    } else if (snprintf(folder, sizeof folder, "%s", def->folder) >= PATH_SIZE) {
+        return;
+    }
+    if (folder[0] == '\0') return;
+    /* Thousandths, so that names depend on no locale; the header has the range itself. */
+    snprintf(name, sizeof name, "impulse-%d-%ld.tables", (int)def->bounces, lround(1000 * def->range));
+    if (strlen(folder) + 1 + strlen(name) >= PATH_SIZE) return;
+    memcpy(path, folder, strlen(folder));
+    path[strlen(folder)] = '/';
+    memcpy(path + strlen(folder) + 1, name, strlen(name) + 1);
+}
+
+/* Makes the folders on the way to a file; those that cannot be made are noticed when it is written. */
+static void make_folders(const char* path) {
+    char folder[PATH_SIZE];
+    const size_t length = strlen(path);
+    for (size_t i = 1; i < length; ++i) {
+        if (path[i] != '/') continue;
+        memcpy(folder, path, i);
+        folder[i] = '\0';
+        mkdir(folder, 0777);
+    }
+}
+
+/* ---- reading and writing ---- */
+
+bool ty_impulse_load(ty_impulse* tables, const char* path) {
+    uint64_t size = 0;
+    FILE* stream = ty_open_regular(path, &size);
+    if (stream == NULL) return false;
+    const size_t wanted = ty_impulse_file_size(tables);
+    const char* reason = size == wanted ? NULL : "it has another size";
+    uint8_t* bytes = reason == NULL ? ty_alloc_array(tables->context, wanted, 1, false) : NULL;
+    if (bytes != NULL) {
+        reason =
+            fread(bytes, 1, wanted, stream) == wanted ? ty_impulse_unpack(tables, bytes, wanted) : "reading failed";
+        ty_free_array(tables->context, bytes, wanted, 1);
+    }
+    fclose(stream);
+    if (reason != NULL) ty_log(tables->context, TY_LOG_INFO, "%s is made anew: %s", path, reason);
+    return bytes != NULL && reason == NULL;
+}
+
+bool ty_impulse_save(const ty_impulse* tables, const char* path) {
+    const size_t size = ty_impulse_file_size(tables);
+    uint8_t* bytes = ty_alloc_array(tables->context, size, 1, false);
+    if (bytes == NULL) return false;
+    /* Errors are another context's, so that this one does not come to have failed. */
+    ty_context* apart = NULL;
+    const ty_context_def def = ty_default_context_def();
+    bool written = false;
+    if (ty_context_create(&def, &apart) == TY_OK) {
+        ty_impulse_pack(tables, bytes);
+        make_folders(path);
+        written = ty_write_file(apart, path, bytes, size) == TY_OK;
+        if (!written)
+            ty_log(tables->context, TY_LOG_WARNING, "impulse responses are not kept: %s", ty_last_error(apart));
+    }
+    ty_context_destroy(apart);
+    ty_free_array(tables->context, bytes, size, 1);
+    return written;
+}

@@ -1,0 +1,166 @@
+/* Looking tables up. */
+#include "method/impulse/harmonics.h"
+#include "method/impulse/tables.h"
+
+#include <string.h>
+
+/* What is nearer counts as this far away (optical): what comes from there grows without bound. */
+static const float closest = 1e-6f;
+
+const float ty_impulse_cosines[TY_IMPULSE_ANGLES] = {0, 0.04f, 0.09f, 0.172f, 0.312f, 0.53f, 0.765f, 1};
+
+double ty_impulse_place(const ty_impulse* tables, double distance) {
+    const double near = TY_IMPULSE_NEAREST;
+    return tables->density * (log(fmax(distance, 1e-300) / near) + TY_IMPULSE_EVEN * (distance - near));
+}
+
+double ty_impulse_distance(const ty_impulse* tables, double place) {
+    const double near = TY_IMPULSE_NEAREST;
+    double low = near, high = near + place / (tables->density * TY_IMPULSE_EVEN);
+    for (int i = 0; i < 200 && low < high; ++i) {
+        const double middle = 0.5 * (low + high);
+        if (middle <= low || middle >= high) break;
+        *(ty_impulse_place(tables, middle) < place ? &low : &high) = middle;
+    }
+    return low;
+}
+
+double ty_impulse_scale(ty_impulse_emitter emitter, bool single, double distance) {
+    if (!single) return exp(0.5 * distance);
+    return (emitter == TY_IMPULSE_DIRECTIONAL ? 1 : distance) * exp(distance);
+}
+
+/* Where a lookup goes: rows of one or two angles, two bins each, with their weights. */
+typedef struct place {
+    const float* rows[4];
+    float weight[4];
+    int32_t count;
+    float optical; /* distance */
+} place;
+
+static place find(const ty_impulse* tables, ty_impulse_emitter emitter, float optical, float cosine) {
+    const float near = (float)TY_IMPULSE_NEAREST, last = TY_IMPULSE_DISTANCES - 1;
+    place out = {.optical = fmaxf(optical, closest)};
+    const float length =
+        (float)tables->density * (logf(out.optical / near) + (float)TY_IMPULSE_EVEN * (out.optical - near));
+    const float bin = fminf(last, fmaxf(0, length));
+    const int32_t low = bin < last ? (int32_t)bin : TY_IMPULSE_DISTANCES - 2;
+    const float onward = bin - (float)low;
+    int32_t left = 0;
+    while (left < TY_IMPULSE_ANGLES - 2 && cosine >= ty_impulse_cosines[left + 1]) ++left;
+    const float right = (cosine - ty_impulse_cosines[left]) / (ty_impulse_cosines[left + 1] - ty_impulse_cosines[left]);
+    const bool area = emitter == TY_IMPULSE_AREA;
+    for (int32_t a = 0; a < (area ? 2 : 1); ++a) {
+        const float share = !area ? 1 : a == 0 ? 1 - right : right;
+        out.rows[out.count] = ty_impulse_row(tables, emitter, area ? left + a : 0, low);
+        out.rows[out.count + 1] = out.rows[out.count] + tables->row;
+        out.weight[out.count++] = share * (1 - onward);
+        out.weight[out.count++] = share * onward;
+    }
+    return out;
+}
+
+/* Sums of vectors' harmonics; each loop is three or six vector instructions. */
+typedef struct harmonics {
+    float at[TY_IMPULSE_VECTOR];
+} harmonics;
+
+static inline void add(harmonics* out, const float* restrict vector, float weight) {
+    for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out->at[l] += weight * vector[l];
+}
+
+static harmonics look_single(const place* p, float g, float factor) {
+    const float phase = fminf(1, fmaxf(-1, g / (float)TY_IMPULSE_PHASE_G));
+    const int32_t other = phase < 0 ? 0 : 2 * TY_IMPULSE_VECTOR;
+    harmonics out = {{0}};
+    for (int32_t i = 0; i < p->count; ++i) {
+        const float weight = factor * p->weight[i];
+        add(&out, p->rows[i] + TY_IMPULSE_VECTOR, weight * (1 - fabsf(phase)));
+        if (phase != 0) add(&out, p->rows[i] + other, weight * fabsf(phase));
+    }
+    return out;
+}
+
+static float look_shift(const place* p, float cosine) {
+    const float sine = sqrtf(fmaxf(0, 1 - cosine * cosine));
+    float shift = 0;
+    for (int32_t i = 0; i < p->count; ++i) shift += p->weight[i] * p->rows[i][TY_IMPULSE_SHIFT];
+    return sine * shift;
+}
+
+/* Bounces 2.., each weighed by the albedo once more than the one before. */
+static harmonics look_multiple(const place* p, float albedo, int32_t bounces, float factor) {
+    harmonics out = {{0}};
+    for (int32_t i = 0; i < p->count; i += 2) {
+        const float *low = p->rows[i] + TY_IMPULSE_PHASES * TY_IMPULSE_VECTOR,
+                    *high = low + (p->rows[i + 1] - p->rows[i]);
+        float at_low = factor * albedo * albedo * p->weight[i], at_high = factor * albedo * albedo * p->weight[i + 1];
+        for (int32_t bounce = 2; bounce <= bounces; ++bounce) {
+            add(&out, low, at_low);
+            add(&out, high, at_high);
+            low += TY_IMPULSE_VECTOR;
+            high += TY_IMPULSE_VECTOR;
+            at_low *= albedo;
+            at_high *= albedo;
+        }
+    }
+    return out;
+}
+
+/* exp(-optical), and over the optical distance for what an emitter's nearness makes brighter. */
+static float single_factor(ty_impulse_emitter emitter, float optical) {
+    return expf(-optical) / (emitter == TY_IMPULSE_DIRECTIONAL ? 1 : optical);
+}
+
+void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
+                     float distance, float cosine, int32_t bounces, ty_impulse_response* out) {
+    *out = (ty_impulse_response){0};
+    if (!(medium->sigma_t > 0) || !(medium->sigma_s > 0) || bounces < 1) return;
+    const bool near = emitter != TY_IMPULSE_DIRECTIONAL;
+    const float albedo = fminf(1, medium->sigma_s / medium->sigma_t), g = fminf(0.99f, fmaxf(-0.99f, medium->g));
+    cosine = fminf(1, fmaxf(0, cosine));
+    place p = find(tables, emitter, medium->sigma_t * distance, cosine);
+    const float ratio = near ? medium->sigma_t * medium->sigma_t : 1;
+    if (emitter == TY_IMPULSE_AREA) out->shift = look_shift(&p, cosine);
+    const harmonics single = look_single(&p, g, albedo * ratio * single_factor(emitter, p.optical));
+    memcpy(out->single, single.at, sizeof out->single);
+    if (bounces < 2) return;
+    /* Similarity: light that hardly turns has as good as not scattered. */
+    const float scattered = (1 - g) * medium->sigma_s, met = medium->sigma_t - medium->sigma_s + scattered;
+    if (g != 0) p = find(tables, emitter, met * distance, cosine);
+    const harmonics multiple =
+        look_multiple(&p, fminf(1, scattered / met), bounces < tables->bounces ? bounces : tables->bounces,
+                      expf(-0.5f * p.optical) * (near ? met * met : 1));
+    memcpy(out->multiple, multiple.at, sizeof out->multiple);
+}
+
+ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g, int32_t angle,
+                         int32_t bin, double* distance, float zonal[TY_IMPULSE_TERMS]) {
+    const bool area = emitter == TY_IMPULSE_AREA;
+    if (emitter < TY_IMPULSE_POINT || emitter > TY_IMPULSE_AREA || bounce < 1 || bounce > tables->bounces || g < -1 ||
+        g > 1 || (g != 0 && bounce > 1) || angle < 0 || angle >= (area ? TY_IMPULSE_ANGLES : 1) || bin < 0 ||
+        bin >= TY_IMPULSE_DISTANCES)
+        return ty_fail(tables->context, TY_ERROR_ARGUMENT,
+                       "ty_impulse_bin: there is no bounce %d with g %d at angle %d in bin %d", bounce, g, angle, bin);
+    const float* row = ty_impulse_row(tables, emitter, angle, bin);
+    const int32_t vector = bounce == 1 ? 1 + g : TY_IMPULSE_PHASES + bounce - 2;
+    *distance = ty_impulse_distance(tables, bin);
+    const double scale = ty_impulse_scale(emitter, bounce == 1, *distance);
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l)
+        zonal[l] = (float)((double)row[vector * TY_IMPULSE_VECTOR + l] / scale);
+    return TY_OK;
+}
+
+/* sum of sqrt(4 pi / (2 l + 1)) lobe_l zonal_l y_l^0, y_l^0 being sqrt((2 l + 1) / (4 pi)) P_l: only even orders and
+ * the first have a share (Appendix A). */
+float ty_impulse_irradiance(const float zonal[TY_IMPULSE_TERMS], float cosine) {
+    float before = 1, last = cosine,
+          sum = ty_impulse_cosine_lobe[0] * zonal[0] + ty_impulse_cosine_lobe[1] * zonal[1] * cosine;
+    for (int32_t l = 2; l < TY_IMPULSE_TERMS; ++l) {
+        const float next = ((float)(2 * l - 1) * cosine * last - (float)(l - 1) * before) / (float)l;
+        before = last;
+        last = next;
+        sum += ty_impulse_cosine_lobe[l] * zonal[l] * next;
+    }
+    return sum;
+}
