@@ -1,0 +1,472 @@
+/* One path from a receiver over surfaces; media answer to each of its segments. docs/bake.md explains it. */
+#ifndef TY_BAKE_GATHER_K_H
+#define TY_BAKE_GATHER_K_H
+
+#include "base/sh.k.h"
+#include "bake/response.k.h"
+#include "method/path/path.k.h"
+
+enum { TY_BACK_EVERY = 8 }; /* every so many samples look for what is near and behind */
+
+/* Cosines below this count as this where a surface's light, scattered, is weighed by how it was found. */
+#define TY_LEAST_COSINE 0.1f
+
+typedef struct ty_gather {
+    const ty_bake_request* request;
+    const ty_bake_receiver* receiver;
+    ty_vec position, normal, face; /* of the receiver; normal 0: a probe */
+    double* light;                 /* layers x 3 x terms */
+    float sample[3];               /* of this sample: all layers' first terms */
+    float step;                    /* m, off the surface: where rays that look behind start */
+    uint64_t rays;
+    ty_path path;
+} ty_gather;
+
+TY_FN bool ty_gather_scatters(const ty_gather* g) {
+    return g->request->method == TY_BAKE_IMPULSE && g->request->path.scene->medium_count > 0;
+}
+
+/* ---- what is kept ---- */
+
+/* What a receiver keeps of light from a direction. */
+TY_FN void ty_gather_basis(const ty_gather* g, ty_vec from, float basis[TY_BAKE_TERMS_MAX]) {
+    if (g->request->terms == TY_BAKE_SH_TERMS) {
+        ty_sh_at(from, TY_SH_BANDS_MAX, basis);
+        return;
+    }
+    basis[0] = ty_dot(g->normal, from);
+    basis[1] = from.x;
+    basis[2] = from.y;
+    basis[3] = from.z;
+}
+
+TY_FN void ty_gather_keep(ty_gather* g, int32_t layer, int32_t channel, float amount, const float* basis) {
+    const int32_t terms = g->request->terms;
+    double* light = g->light + (layer * 3 + channel) * terms;
+    for (int32_t t = 0; t < terms; ++t) light[t] += (double)(amount * basis[t]);
+    g->sample[channel] += amount * basis[0];
+}
+
+/* Radiance times solid angle that arrives from a direction. */
+TY_FN void ty_gather_keep_all(ty_gather* g, int32_t layer, const float amount[3], const float* basis) {
+    for (int c = 0; c < 3; ++c)
+        if (amount[c] != 0.0f) ty_gather_keep(g, layer, c, amount[c], basis);
+}
+
+/* The same of a zonal function about an axis: Eq. 13; on surfaces Appendix A, and its first harmonics, of which what
+ * goes along the normal is known better. */
+TY_FN void ty_gather_zonal_basis(const ty_gather* g, const float zonal[TY_IMPULSE_TERMS], ty_vec axis,
+                                 float basis[TY_BAKE_TERMS_MAX]) {
+    if (g->request->terms == TY_BAKE_SH_TERMS) {
+        ty_sh_at(axis, TY_SH_BANDS_MAX, basis);
+        for (int32_t l = 0, t = 0; l < TY_SH_BANDS_MAX; ++l) {
+            const float turned = zonal[l] * sqrtf(4.0f * TY_PI / (float)(2 * l + 1));
+            for (const int32_t end = (l + 1) * (l + 1); t < end; ++t) basis[t] *= turned;
+        }
+        return;
+    }
+    const float cosine = ty_dot(axis, g->normal), first = zonal[1] * 2.04665342f; /* sqrt(4 pi / 3) */
+    basis[0] = ty_maxf(0.0f, ty_impulse_irradiance(zonal, cosine));
+    const ty_vec vector = ty_mad(ty_scale(axis, first), g->normal, basis[0] - first * cosine);
+    basis[1] = vector.x;
+    basis[2] = vector.y;
+    basis[3] = vector.z;
+}
+
+/* Light of an emitter that media scatter towards the receiver; strength per channel beside the emitter's own. single:
+ * the layer of light that scattered once. */
+TY_FN void ty_gather_keep_response(ty_gather* g, const ty_response* response, const float strength[3], int32_t single) {
+    float one[TY_BAKE_TERMS_MAX], more[TY_BAKE_TERMS_MAX];
+    for (int c = 0; c < 3; ++c) {
+        const int from = c < response->channels ? c : 0;
+        if (c < response->channels) {
+            ty_gather_zonal_basis(g, response->channel[from].single, response->axis[from], one);
+            ty_gather_zonal_basis(g, response->channel[from].multiple, response->axis[from], more);
+        }
+        ty_gather_keep(g, single, c, strength[c], one);
+        ty_gather_keep(g, TY_BAKE_MULTIPLE, c, strength[c], more);
+    }
+}
+
+/* ---- emitters ---- */
+
+/* A light, by its sample from a point. */
+TY_FN void ty_emitter_of_light(const ty_light_view* light, const ty_light_sample* sample, ty_vec from,
+                               const ty_segment* segment, float weight, ty_emitter* out) {
+    const float d2 = sample->distance * sample->distance;
+    float factor = weight * d2;
+    out->kind = TY_IMPULSE_POINT;
+    out->look = sample->look;
+    out->distance = sample->distance;
+    out->cosine = 1.0f;
+    if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT) {
+        out->kind = TY_IMPULSE_DIRECTIONAL;
+        out->distance = segment->leave;
+        factor = weight;
+    } else if (light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE) {
+        const float mu = ty_light_facing(light, sample->look);
+        out->kind = TY_IMPULSE_AREA;
+        out->cosine = mu;
+        out->normal = ty_scale(light->direction, ty_dot(light->direction, sample->look) < 0.0f ? 1.0f : -1.0f);
+        factor = weight * d2 / mu;
+    } else if (light->kind == TY_KIND_SPHERE) {
+        const ty_vec to = ty_sub(light->position, from);
+        out->distance = sqrtf(ty_dot(to, to));
+        out->look = ty_scale(to, 1.0f / out->distance);
+        for (int c = 0; c < 3; ++c) out->strength[c] = weight * light->color[c] * TY_PI * light->radius * light->radius;
+        return;
+    }
+    for (int c = 0; c < 3; ++c) out->strength[c] = factor * sample->radiance[c];
+}
+
+/* A surface that a ray from `from` met; its strength is left alone. */
+TY_FN void ty_emitter_of_surface(const ty_encounter* end, ty_vec from, ty_emitter* out) {
+    const ty_vec to = ty_sub(end->hit.position, from);
+    out->kind = TY_IMPULSE_AREA;
+    out->distance = sqrtf(ty_dot(to, to));
+    out->look = ty_scale(to, 1.0f / out->distance);
+    out->normal = end->point.facing;
+    out->cosine = ty_maxf(0.0f, -ty_dot(out->normal, out->look));
+}
+
+/* ---- segments ---- */
+
+TY_FN void ty_gather_segment(const ty_gather* g, ty_vec from, ty_vec direction, float far, ty_segment* segment) {
+    const ty_scene_view* scene = g->request->path.scene;
+    ty_segment_find(segment, scene->media, scene->medium_count, from, direction, far);
+}
+
+/* The path's ray to its end, and the media on it; false where it meets no surface. */
+TY_FN bool ty_gather_trace(ty_gather* g, ty_encounter* end, ty_segment* segment) {
+    const ty_scene_view* scene = g->request->path.scene;
+    const ty_path* path = &g->path;
+    ++g->rays;
+    const bool hit =
+        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
+    if (hit) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+    ty_gather_segment(g, path->origin, path->direction, hit ? end->hit.distance : TY_FLOAT_MAX, segment);
+    return hit;
+}
+
+/* A light that the path's vertex sees, and the media in between. weight: of its light that goes straight to the vertex,
+ * which may take that direction itself, with density cosine / pi (surfaces) or evenly (probes). */
+typedef struct ty_seen_light {
+    const ty_light_view* light;
+    ty_light_sample sample;
+    ty_segment segment;
+    float chosen, weight, cosine;
+} ty_seen_light;
+
+TY_FN bool ty_gather_see_light(ty_gather* g, ty_vec facing, ty_seen_light* seen) {
+    ty_path* path = &g->path;
+    seen->light = ty_path_choose_light(path, path->origin, &seen->chosen, &seen->sample);
+    if (seen->light == NULL) return false;
+    const bool probe = ty_dot(path->normal, path->normal) == 0.0f;
+    seen->cosine = probe ? 1.0f : ty_dot(path->normal, seen->sample.look);
+    if (!probe && (!(seen->cosine > 0.0f) || !(ty_dot(facing, seen->sample.look) > 0.0f))) return false;
+    ++g->rays;
+    if (!ty_path_sees(path, path->origin, &seen->sample)) return false;
+    const float pdf = probe ? TY_INV_4PI : seen->cosine * (1.0f / TY_PI), own = seen->sample.pdf;
+    seen->weight = own > 0.0f ? own / (seen->chosen * own + pdf) : 1.0f / seen->chosen;
+    ty_gather_segment(g, path->origin, seen->sample.look, seen->sample.distance, &seen->segment);
+    return true;
+}
+
+/* ---- light that leaves a surface ---- */
+
+/* Radiance, up to what the ray that found the surface lost: of light that only surfaces reflected, and of all. */
+typedef struct ty_leaving {
+    float clear[3], all[3];
+} ty_leaving;
+
+/* Environments beyond the path's last ray. found: of light that is sampled, too, what is left to the ray; weigh_found
+ * false: all of what is never sampled, and nothing else. */
+TY_FN void ty_gather_sky(const ty_gather* g, bool sampled, float radiance[3]) {
+    const ty_light_set* lights = &g->request->path.scene->lights;
+    const ty_path* path = &g->path;
+    float sends[3];
+    for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
+    for (int32_t i = 0; i < lights->distant_count; ++i) {
+        const ty_light_view* light = &lights->lights[lights->distant[i]];
+        if (light->kind != TY_KIND_ENVIRONMENT || (!sampled && light->chosen > 0.0f)) continue;
+        float weight = 1.0f;
+        if (light->chosen > 0.0f)
+            weight = path->pdf / (path->pdf + light->chosen * ty_environment_pdf(&light->environment, path->direction));
+        ty_environment_radiance(&light->environment, path->direction, sends);
+        for (int c = 0; c < 3; ++c) radiance[c] += sends[c] * weight;
+    }
+}
+
+/* Irradiance at the path's vertex of light scattered on the way from where its ray ends: per radiance of a surface, or
+ * of the sky, of the part of directions that the ray stands for. */
+TY_FN void ty_gather_scattered(const ty_gather* g, const ty_encounter* end, const ty_segment* segment,
+                               float irradiance[3]) {
+    const ty_path* path = &g->path;
+    ty_emitter emitter;
+    ty_response response;
+    float amount = TY_PI / ty_maxf(ty_dot(path->normal, path->direction), TY_LEAST_COSINE);
+    for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
+    if (end != NULL) {
+        ty_emitter_of_surface(end, path->origin, &emitter);
+        amount *= emitter.distance * emitter.distance / ty_maxf(emitter.cosine, TY_LEAST_COSINE);
+    } else {
+        emitter.kind = TY_IMPULSE_DIRECTIONAL;
+        emitter.look = path->direction;
+        emitter.distance = segment->leave;
+        emitter.cosine = 1.0f;
+    }
+    if (!ty_response_find(g->request, segment, &emitter, &response)) return;
+    ty_response_irradiance(&response, path->normal, irradiance);
+    for (int c = 0; c < 3; ++c) irradiance[c] *= amount;
+}
+
+/* What one light sends over a surface point. */
+TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, const float clear[3], ty_leaving* out) {
+    ty_path* path = &g->path;
+    ty_seen_light seen;
+    float scattered[3] = {0.0f, 0.0f, 0.0f};
+    if (!ty_gather_see_light(g, at->point.facing, &seen)) return;
+    if (ty_gather_scatters(g)) {
+        ty_emitter emitter;
+        ty_response response;
+        ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, 1.0f / seen.chosen, &emitter);
+        if (ty_response_find(g->request, &seen.segment, &emitter, &response)) {
+            ty_response_irradiance(&response, path->normal, scattered);
+            for (int c = 0; c < 3; ++c) scattered[c] *= emitter.strength[c];
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        const float reflects = at->point.albedo[c] * (1.0f / TY_PI);
+        const float straight = seen.sample.radiance[c] * seen.weight * seen.cosine * seen.segment.transmittance[c];
+        out->clear[c] += clear[c] * reflects * straight;
+        out->all[c] += path->beta[c] * reflects * (straight + scattered[c]);
+    }
+}
+
+/* Light that the path's ray meets, on a surface (end) or beyond all (NULL). */
+TY_FN void ty_gather_meet(ty_gather* g, const ty_encounter* end, const ty_segment* segment, const float clear[3],
+                          const float scattered[3], ty_leaving* out) {
+    float radiance[3], rest[3];
+    if (end != NULL) {
+        if (!(ty_max3(end->point.emission) > 0.0f)) return;
+        const float weight = ty_path_met_weight(&g->path, end);
+        for (int c = 0; c < 3; ++c) {
+            radiance[c] = end->point.emission[c] * weight;
+            rest[c] = end->point.light < 0 ? end->point.emission[c] : 0.0f;
+        }
+    } else {
+        ty_gather_sky(g, true, radiance);
+        ty_gather_sky(g, false, rest);
+    }
+    for (int c = 0; c < 3; ++c) {
+        out->clear[c] += clear[c] * segment->transmittance[c] * radiance[c];
+        out->all[c] +=
+            g->path.beta[c] * (segment->transmittance[c] * radiance[c] + scattered[c] * (1.0f / TY_PI) * rest[c]);
+    }
+}
+
+/* Follows the path from the surface at *at, which it has just reached. */
+TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* at, ty_leaving* out) {
+    ty_path* path = &g->path;
+    const int32_t most = path->request->max_depth;
+    const bool scatters = ty_gather_scatters(g);
+    ty_encounter end = *at;
+    ty_segment segment;
+    float clear[3] = {1.0f, 1.0f, 1.0f};
+    memset(out, 0, sizeof *out);
+    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
+    path->survival = 1.0f;
+    path->depth = 0;
+    while (ty_max3(end.point.albedo) > 0.0f && (most == 0 || path->depth < most)) {
+        ++path->depth;
+        path->origin = ty_hit_leave(&end.hit, end.point.facing);
+        path->normal = end.point.normal;
+        ty_gather_reflect_light(g, &end, clear, out);
+        ty_path_turn(path);
+        if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
+        const float before = ty_sum3(path->beta);
+        for (int c = 0; c < 3; ++c) {
+            path->beta[c] *= end.point.albedo[c];
+            clear[c] *= end.point.albedo[c];
+        }
+        path->survival *= ty_max3(end.point.albedo);
+        float scattered[3] = {0.0f, 0.0f, 0.0f};
+        const bool hit = ty_gather_trace(g, &end, &segment);
+        if (scatters) ty_gather_scattered(g, hit ? &end : NULL, &segment, scattered);
+        ty_gather_meet(g, hit ? &end : NULL, &segment, clear, scattered, out);
+        if (!hit) return;
+        for (int c = 0; c < 3; ++c) {
+            path->beta[c] *= segment.transmittance[c] + scattered[c] * (1.0f / TY_PI);
+            clear[c] *= segment.transmittance[c];
+        }
+        const float now = ty_sum3(path->beta);
+        if (!ty_path_survives(path, before)) return;
+        const float kept = ty_sum3(path->beta) / now;
+        for (int c = 0; c < 3; ++c) clear[c] *= kept;
+    }
+}
+
+/* ---- at the receiver ---- */
+
+TY_FN void ty_gather_light(ty_gather* g) {
+    ty_path* path = &g->path;
+    ty_seen_light seen;
+    float basis[TY_BAKE_TERMS_MAX], straight[3];
+    if (!ty_gather_see_light(g, g->face, &seen)) return;
+    ty_gather_basis(g, seen.sample.look, basis);
+    for (int c = 0; c < 3; ++c) straight[c] = seen.sample.radiance[c] * seen.weight * seen.segment.transmittance[c];
+    ty_gather_keep_all(g, TY_BAKE_DIRECT, straight, basis);
+    if (!ty_gather_scatters(g)) return;
+    ty_emitter emitter;
+    ty_response response;
+    ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, 1.0f / seen.chosen, &emitter);
+    if (ty_response_find(g->request, &seen.segment, &emitter, &response))
+        ty_gather_keep_response(g, &response, emitter.strength, TY_BAKE_SINGLE);
+}
+
+/* The area that a surface point stands for, found by the path's ray, or by rays all around from g->step off the
+ * surface, every TY_BACK_EVERY samples: together they find what is near the surface's plane, too. */
+TY_FN float ty_gather_area(const ty_gather* g, const ty_encounter* end, const ty_emitter* emitter, bool probe) {
+    const float d2 = emitter->distance * emitter->distance;
+    if (probe) return d2 / (ty_maxf(emitter->cosine, TY_LEAST_COSINE) * TY_INV_4PI);
+    const ty_vec off = ty_mad(g->position, g->face, g->step), way = ty_sub(end->hit.position, off);
+    const float w2 = ty_maxf(ty_dot(way, way), 1e-20f);
+    const float aside = ty_maxf(0.0f, -ty_dot(way, end->point.facing) / sqrtf(w2));
+    const float cosine = ty_dot(g->normal, emitter->look);
+    const float ahead = cosine > 0.0f && ty_dot(g->face, emitter->look) > 0.0f
+                            ? cosine * emitter->cosine / (TY_PI * ty_maxf(d2, 1e-20f))
+                            : 0.0f;
+    const float density = ahead + aside * TY_INV_4PI / (w2 * (float)TY_BACK_EVERY);
+    return density > 0.0f ? 1.0f / density : 0.0f;
+}
+
+/* Light that a surface point sends out and media scatter towards the receiver. */
+TY_FN void ty_gather_surface_response(ty_gather* g, const ty_encounter* end, const ty_segment* segment,
+                                      const ty_leaving* leaving) {
+    ty_emitter emitter;
+    ty_response response;
+    float strength[3];
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    ty_emitter_of_surface(end, g->position, &emitter);
+    const float area = ty_gather_area(g, end, &emitter, probe);
+    if (!(area > 0.0f) || !ty_response_find(g->request, segment, &emitter, &response)) return;
+    for (int c = 0; c < 3; ++c) strength[c] = area * leaving->all[c];
+    ty_gather_keep_response(g, &response, strength, TY_BAKE_MULTIPLE);
+    if (!(ty_max3(end->point.emission) > 0.0f) || end->point.light >= 0) return;
+    for (int c = 0; c < 3; ++c) strength[c] = area * end->point.emission[c];
+    ty_gather_keep_response(g, &response, strength, TY_BAKE_SINGLE);
+}
+
+/* What the path's first ray met, and all that follows. */
+TY_FN void ty_gather_ahead(ty_gather* g, ty_encounter* end, bool hit, const ty_segment* segment) {
+    ty_path* path = &g->path;
+    const float weight = 1.0f / path->pdf;
+    const bool scatters = ty_gather_scatters(g);
+    const ty_vec direction = path->direction;
+    float basis[TY_BAKE_TERMS_MAX], clear[3], rest[3] = {0.0f, 0.0f, 0.0f};
+    const float one[3] = {1.0f, 1.0f, 1.0f};
+    ty_leaving leaving;
+    memset(&leaving, 0, sizeof leaving);
+    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
+    ty_gather_basis(g, direction, basis);
+    ty_gather_meet(g, hit ? end : NULL, segment, one, rest, &leaving);
+    for (int c = 0; c < 3; ++c) clear[c] = weight * leaving.clear[c];
+    ty_gather_keep_all(g, TY_BAKE_DIRECT, clear, basis);
+    if (!hit) {
+        if (!scatters) return;
+        const ty_emitter emitter = {.kind = TY_IMPULSE_DIRECTIONAL, .look = direction, .distance = segment->leave};
+        ty_response response;
+        ty_gather_sky(g, false, rest);
+        for (int c = 0; c < 3; ++c) rest[c] *= weight;
+        if (ty_max3(rest) > 0.0f && ty_response_find(g->request, segment, &emitter, &response))
+            ty_gather_keep_response(g, &response, rest, TY_BAKE_SINGLE);
+        return;
+    }
+    ty_gather_follow(g, end, &leaving);
+    for (int c = 0; c < 3; ++c) {
+        const float passing = weight * segment->transmittance[c];
+        clear[c] = passing * leaving.clear[c];
+        rest[c] = passing * (leaving.all[c] - leaving.clear[c]);
+    }
+    ty_gather_keep_all(g, TY_BAKE_INDIRECT, clear, basis);
+    if (!scatters) return;
+    ty_gather_keep_all(g, TY_BAKE_MULTIPLE, rest, basis);
+    ty_gather_surface_response(g, end, segment, &leaving);
+}
+
+/* A ray from off the surface to anywhere: what it meets sends light into the medium, in front or behind. */
+TY_FN void ty_gather_behind(ty_gather* g) {
+    ty_path* path = &g->path;
+    ty_encounter end;
+    ty_segment segment;
+    ty_leaving leaving;
+    path->origin = ty_mad(g->position, g->face, g->step);
+    ty_path_turn_anywhere(path);
+    const ty_scene_view* scene = g->request->path.scene;
+    ++g->rays;
+    if (scene->mesh == NULL || !ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit))
+        return;
+    ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
+    const ty_vec to = ty_sub(end.hit.position, g->position);
+    const float distance = sqrtf(ty_dot(to, to)), height = ty_dot(to, g->face);
+    if (!(distance > 0.0f) || (g->request->back_scattering == 0 && height < 0.01f * distance)) return;
+    if (-ty_dot(to, end.point.facing) < -0.1f * distance) return;
+    ty_gather_segment(g, ty_mad(g->position, g->face, g->receiver->margin), ty_scale(to, 1.0f / distance), distance,
+                      &segment);
+    ty_gather_follow(g, &end, &leaving);
+    ty_gather_surface_response(g, &end, &segment, &leaving);
+}
+
+/* One path of TY_BAKE_PATH: through media as well. */
+TY_FN void ty_gather_path(ty_gather* g) {
+    ty_path* path = &g->path;
+    ty_light_sample sample;
+    float basis[TY_BAKE_TERMS_MAX], chosen;
+    const float factor[3] = {1.0f, 1.0f, 1.0f};
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
+    const float cosine = light != NULL && !probe ? ty_dot(g->normal, sample.look) : 1.0f;
+    if (light != NULL && cosine > 0.0f && (probe || ty_dot(g->face, sample.look) > 0.0f)) {
+        ty_path_add_vertex_light(path, light, chosen, &sample, factor, probe ? TY_INV_4PI : cosine * (1.0f / TY_PI),
+                                 0.0f);
+        ty_gather_basis(g, sample.look, basis);
+        ty_gather_keep_all(g, TY_BAKE_DIRECT, path->radiance[TY_PART_UNCOLLIDED], basis);
+        memset(path->radiance, 0, sizeof path->radiance);
+    }
+    if (probe)
+        ty_path_turn_anywhere(path);
+    else
+        ty_path_turn(path);
+    if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return;
+    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / path->pdf;
+    ty_gather_basis(g, path->direction, basis);
+    g->rays += 2 * ty_path_follow(path);
+    for (int32_t part = 0; part < TY_PART_COUNT; ++part) ty_gather_keep_all(g, part, path->radiance[part], basis);
+}
+
+/* One sample of a receiver; true where its ray met the back of a surface. */
+TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
+    ty_path* path = &g->path;
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    ty_encounter end;
+    ty_segment segment;
+    ty_path_begin(path, &g->request->path, item, number);
+    path->origin = ty_mad(g->position, g->face, g->receiver->margin);
+    path->normal = g->normal;
+    if (g->request->method == TY_BAKE_PATH) {
+        ty_gather_path(g);
+        return false;
+    }
+    ty_gather_light(g);
+    if (probe)
+        ty_path_turn_anywhere(path);
+    else
+        ty_path_turn(path);
+    if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
+    const bool hit = ty_gather_trace(g, &end, &segment);
+    const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
+    ty_gather_ahead(g, &end, hit, &segment);
+    return blocked;
+}
+
+#endif
