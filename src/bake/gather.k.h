@@ -18,6 +18,8 @@ typedef struct ty_gather {
     double* light;                 /* layers x 3 x terms */
     float sample[3];               /* of this sample: all layers' first terms */
     float step;                    /* m, off the surface: where rays that look behind start */
+    ty_bake_sums* sums;
+    float most[3], once; /* what the receiver's surroundings leave of responses (ty_bake_sums) */
     uint64_t rays;
     ty_path path;
 } ty_gather;
@@ -73,19 +75,56 @@ TY_FN void ty_gather_zonal_basis(const ty_gather* g, const float zonal[TY_IMPULS
     basis[3] = vector.z;
 }
 
-/* Light of an emitter that media scatter towards the receiver; strength per channel beside the emitter's own. single:
- * the layer of light that scattered once. */
-TY_FN void ty_gather_keep_response(ty_gather* g, const ty_response* response, const float strength[3], int32_t single) {
+/* Takes off what a response holds of light scattered behind the surface that the receiver's last ray met: one ray
+ * stands for all directions. */
+TY_FN void ty_gather_take_beyond(ty_gather* g, const ty_emitter* emitter, const ty_response* response,
+                                 const float strength[3], int32_t layer) {
+    ty_bake_sums* sums = g->sums;
+    float basis[TY_BAKE_TERMS_MAX], beyond = 0.0f;
+    if (!(sums->way[3] > 0.0f)) return;
+    const ty_vec direction = ty_vec_load(sums->way);
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    const float weight = probe ? 1.0f / TY_INV_4PI : TY_PI / ty_dot(g->normal, direction);
+    ty_gather_basis(g, direction, basis);
+    for (int c = 0; c < 3; ++c) {
+        if (c < response->channels)
+            beyond = -weight * ty_response_beyond(emitter, &response->medium[c], direction, sums->way[3]);
+        ty_gather_keep(g, layer, c, beyond * strength[c], basis);
+    }
+    sums->beyond -= (double)(beyond * strength[1] * basis[0]);
+}
+
+/* Light of an emitter that media scatter towards the receiver. single: the layer of light that scattered once. */
+TY_FN void ty_gather_keep_response(ty_gather* g, const ty_emitter* emitter, const ty_response* response,
+                                   const float strength[3], int32_t single) {
     float one[TY_BAKE_TERMS_MAX], more[TY_BAKE_TERMS_MAX];
     for (int c = 0; c < 3; ++c) {
-        const int from = c < response->channels ? c : 0;
         if (c < response->channels) {
-            ty_gather_zonal_basis(g, response->channel[from].single, response->axis[from], one);
-            ty_gather_zonal_basis(g, response->channel[from].multiple, response->axis[from], more);
+            ty_gather_zonal_basis(g, response->channel[c].single, response->axis[c], one);
+            ty_gather_zonal_basis(g, response->channel[c].multiple, response->axis[c], more);
         }
         ty_gather_keep(g, single, c, strength[c], one);
         ty_gather_keep(g, TY_BAKE_MULTIPLE, c, strength[c], more);
     }
+    g->sums->once += (double)(strength[1] * one[0]);
+    ty_gather_take_beyond(g, emitter, response, strength, single);
+}
+
+/* Notes how far media go along a sample's first ray. */
+TY_FN void ty_gather_note(ty_gather* g, bool hit, const ty_segment* segment, float distance) {
+    ty_bake_sums* sums = g->sums;
+    const ty_vec d = g->path.direction;
+    const float far = hit ? distance : segment->leave;
+    sums->way[0] = d.x;
+    sums->way[1] = d.y;
+    sums->way[2] = d.z;
+    sums->way[3] = far < TY_FLOAT_MAX ? far : 0.0f;
+    for (int c = 0; c < 3; ++c) {
+        sums->depth[c] += (double)ty_minf(segment->depth[c], 1e6f);
+        sums->stopped[c] += (double)ty_stopped(segment->depth[c]);
+        g->most[c] = ty_response_most(sums->depth[c], sums->stopped[c]);
+    }
+    if (sums->once > 0) g->once = ty_clampf((float)(1 - sums->beyond / sums->once), 0.2f, 1.0f);
 }
 
 /* ---- emitters ---- */
@@ -215,8 +254,8 @@ TY_FN void ty_gather_scattered(const ty_gather* g, const ty_encounter* end, cons
         emitter.distance = segment->leave;
         emitter.cosine = 1.0f;
     }
-    if (!ty_response_find(g->request, segment, &emitter, &response)) return;
-    ty_response_irradiance(&response, path->normal, irradiance);
+    if (!ty_response_find(g->request, segment, &emitter, g->most, &response)) return;
+    ty_response_irradiance(&response, path->normal, g->once, irradiance);
     for (int c = 0; c < 3; ++c) irradiance[c] *= amount;
 }
 
@@ -230,8 +269,8 @@ TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, const f
         ty_emitter emitter;
         ty_response response;
         ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, 1.0f / seen.chosen, &emitter);
-        if (ty_response_find(g->request, &seen.segment, &emitter, &response)) {
-            ty_response_irradiance(&response, path->normal, scattered);
+        if (ty_response_find(g->request, &seen.segment, &emitter, g->most, &response)) {
+            ty_response_irradiance(&response, path->normal, g->once, scattered);
             for (int c = 0; c < 3; ++c) scattered[c] *= emitter.strength[c];
         }
     }
@@ -320,8 +359,8 @@ TY_FN void ty_gather_light(ty_gather* g) {
     ty_emitter emitter;
     ty_response response;
     ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, 1.0f / seen.chosen, &emitter);
-    if (ty_response_find(g->request, &seen.segment, &emitter, &response))
-        ty_gather_keep_response(g, &response, emitter.strength, TY_BAKE_SINGLE);
+    if (ty_response_find(g->request, &seen.segment, &emitter, g->most, &response))
+        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
 }
 
 /* The area that a surface point stands for, found by the path's ray, or by rays all around from g->step off the
@@ -349,12 +388,12 @@ TY_FN void ty_gather_surface_response(ty_gather* g, const ty_encounter* end, con
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     ty_emitter_of_surface(end, g->position, &emitter);
     const float area = ty_gather_area(g, end, &emitter, probe);
-    if (!(area > 0.0f) || !ty_response_find(g->request, segment, &emitter, &response)) return;
+    if (!(area > 0.0f) || !ty_response_find(g->request, segment, &emitter, g->most, &response)) return;
     for (int c = 0; c < 3; ++c) strength[c] = area * leaving->all[c];
-    ty_gather_keep_response(g, &response, strength, TY_BAKE_MULTIPLE);
+    ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_MULTIPLE);
     if (!(ty_max3(end->point.emission) > 0.0f) || end->point.light >= 0) return;
     for (int c = 0; c < 3; ++c) strength[c] = area * end->point.emission[c];
-    ty_gather_keep_response(g, &response, strength, TY_BAKE_SINGLE);
+    ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
 }
 
 /* What the path's first ray met, and all that follows. */
@@ -378,8 +417,8 @@ TY_FN void ty_gather_ahead(ty_gather* g, ty_encounter* end, bool hit, const ty_s
         ty_response response;
         ty_gather_sky(g, false, rest);
         for (int c = 0; c < 3; ++c) rest[c] *= weight;
-        if (ty_max3(rest) > 0.0f && ty_response_find(g->request, segment, &emitter, &response))
-            ty_gather_keep_response(g, &response, rest, TY_BAKE_SINGLE);
+        if (ty_max3(rest) > 0.0f && ty_response_find(g->request, segment, &emitter, g->most, &response))
+            ty_gather_keep_response(g, &emitter, &response, rest, TY_BAKE_SINGLE);
         return;
     }
     ty_gather_follow(g, end, &leaving);
@@ -394,6 +433,30 @@ TY_FN void ty_gather_ahead(ty_gather* g, ty_encounter* end, bool hit, const ty_s
     ty_gather_surface_response(g, end, segment, &leaving);
 }
 
+/* A light that is seen from off the surface, but that sends nothing straight to it: it is behind, or turned away. */
+TY_FN void ty_gather_light_behind(ty_gather* g) {
+    ty_path* path = &g->path;
+    ty_seen_light seen;
+    ty_emitter emitter;
+    ty_response response;
+    path->normal = ty_vec_make(0.0f, 0.0f, 0.0f);
+    if (!ty_gather_see_light(g, g->face, &seen)) return;
+    ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, (float)TY_BACK_EVERY / seen.chosen,
+                        &emitter);
+    if (emitter.kind != TY_IMPULSE_DIRECTIONAL) {
+        const ty_vec to = ty_sub(ty_mad(path->origin, emitter.look, emitter.distance), g->position);
+        emitter.distance = sqrtf(ty_dot(to, to));
+        emitter.look = ty_scale(to, 1.0f / emitter.distance);
+        if (emitter.kind == TY_IMPULSE_AREA) emitter.cosine = -ty_dot(emitter.normal, emitter.look);
+    }
+    const bool ahead = ty_dot(g->normal, emitter.look) > 0.0f && ty_dot(g->face, emitter.look) > 0.0f;
+    if (ahead && emitter.cosine > 0.0f) return;
+    if (!ahead && g->request->back_scattering == 0) return;
+    emitter.cosine = ty_maxf(0.0f, emitter.cosine);
+    if (ty_response_find(g->request, &seen.segment, &emitter, g->most, &response))
+        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
+}
+
 /* A ray from off the surface to anywhere: what it meets sends light into the medium, in front or behind. */
 TY_FN void ty_gather_behind(ty_gather* g) {
     ty_path* path = &g->path;
@@ -401,6 +464,7 @@ TY_FN void ty_gather_behind(ty_gather* g) {
     ty_segment segment;
     ty_leaving leaving;
     path->origin = ty_mad(g->position, g->face, g->step);
+    ty_gather_light_behind(g);
     ty_path_turn_anywhere(path);
     const ty_scene_view* scene = g->request->path.scene;
     ++g->rays;
@@ -465,7 +529,12 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
     const bool hit = ty_gather_trace(g, &end, &segment);
     const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
+    const bool scatters = ty_gather_scatters(g);
+    const float distance = hit ? end.hit.distance : TY_FLOAT_MAX;
+    const ty_vec direction = path->direction;
     ty_gather_ahead(g, &end, hit, &segment);
+    path->direction = direction;
+    if (scatters) ty_gather_note(g, hit, &segment, distance);
     return blocked;
 }
 

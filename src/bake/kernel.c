@@ -33,6 +33,9 @@ TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
         g.face = ty_vec_load(g.receiver->face);
         g.light = light + item * (TY_BAKE_LAYERS * 3) * request->terms;
         g.rays = 0;
+        g.sums = sum;
+        g.once = 1.0f;
+        for (int c = 0; c < 3; ++c) g.most[c] = ty_response_most(sum->depth[c], sum->stopped[c]);
         if (behind) g.step = step_off(&g);
         for (uint32_t i = first; i < first + count; ++i) {
             for (int c = 0; c < 3; ++c) g.sample[c] = 0.0f;

@@ -26,6 +26,10 @@ typedef struct ty_bake_request {
 typedef struct ty_bake_sums {
     double mean[3], square[3]; /* of what variance is told of */
     double blocked;            /* rays that met the back of a surface */
+    /* How far media go around it, by the first rays of samples: sums of optical depth and of what it stops, and of
+     * irradiance scattered once, with what of it comes from behind surfaces. */
+    double depth[3], stopped[3], once, beyond;
+    float way[4]; /* the last first ray: direction and length; 0: none yet */
     uint64_t paths, rays;
     int32_t count; /* samples */
     int32_t done;

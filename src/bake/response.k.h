@@ -4,6 +4,8 @@
 
 #include "bake/kernel.h"
 #include "bake/segment.k.h"
+#include "method/impulse/look.h"
+#include "scene/phase.k.h"
 
 /* An emitter as seen from a receiver. */
 typedef struct ty_emitter {
@@ -19,6 +21,7 @@ typedef struct ty_response {
     ty_impulse_response channel[3];
     int32_t channels; /* 1: all alike */
     ty_vec axis[3];
+    ty_impulse_medium medium[3];
 } ty_response;
 
 TY_FN ty_vec ty_response_axis(const ty_emitter* emitter, float shift) {
@@ -30,31 +33,69 @@ TY_FN ty_vec ty_response_axis(const ty_emitter* emitter, float shift) {
     return ty_mad(axis, aside, shift / sqrtf(length2));
 }
 
-/* False where nothing scatters. */
+/* How many times as bright as one bounce the next is at most, per channel, where light that scattered does so again
+ * with a mean probability p before it leaves the medium or meets a surface. In the long run it is p; the first bounces
+ * fall off less, more of their light being deep in the medium. */
+TY_FN float ty_response_most(double depth, double stopped) {
+    const double p = depth > 0 ? 1 - stopped / depth : 1;
+    return p < 1 ? (float)(p / (1 - p * p)) : TY_FLOAT_MAX;
+}
+
+/* False where nothing scatters. most: per channel, see above. */
 TY_FN bool ty_response_find(const ty_bake_request* request, const ty_segment* segment, const ty_emitter* emitter,
-                            ty_response* out) {
-    const float most = ty_maxf(segment->scattered[0], ty_maxf(segment->scattered[1], segment->scattered[2]));
-    if (!(most > 0.0f) || !(emitter->distance > 0.0f) || !(emitter->distance < TY_FLOAT_MAX)) return false;
+                            const float most[3], ty_response* out) {
+    const float any = ty_maxf(segment->scattered[0], ty_maxf(segment->scattered[1], segment->scattered[2]));
+    if (!(any > 0.0f) || !(emitter->distance > 0.0f) || !(emitter->distance < TY_FLOAT_MAX)) return false;
     const float per_metre = 1.0f / emitter->distance;
     out->channels = request->gray != 0 ? 1 : 3;
     for (int c = 0; c < out->channels; ++c) {
         const float s = segment->scattered[c];
-        const ty_impulse_medium medium = {.sigma_t = segment->depth[c] * per_metre,
-                                          .sigma_s = s * per_metre,
-                                          .g = s > 0.0f ? segment->turned[c] / s : 0.0f};
-        ty_impulse_look(request->tables, (ty_impulse_emitter)emitter->kind, &medium, emitter->distance, emitter->cosine,
-                        request->scatterings, &out->channel[c]);
+        out->medium[c] = (ty_impulse_medium){.sigma_t = segment->depth[c] * per_metre,
+                                             .sigma_s = s * per_metre,
+                                             .g = s > 0.0f ? segment->turned[c] / s : 0.0f};
+        ty_impulse_look_within(request->tables, (ty_impulse_emitter)emitter->kind, &out->medium[c], emitter->distance,
+                               emitter->cosine, request->scatterings, most[c], &out->channel[c]);
         out->axis[c] = ty_response_axis(emitter, out->channel[c].shift);
     }
     return true;
 }
 
-/* Irradiance on a surface from all that scattered, per channel. */
-TY_FN void ty_response_irradiance(const ty_response* response, ty_vec normal, float out[3]) {
+/* Radiance along a ray that is scattered once, behind `far`, per unit of the emitter's strength: what a medium that
+ * ends there does not send. */
+TY_FN float ty_response_beyond(const ty_emitter* emitter, const ty_impulse_medium* medium, ty_vec direction,
+                               float far) {
+    const float mu = ty_clampf(ty_dot(emitter->look, direction), -1.0f, 1.0f), d = emitter->distance;
+    const float sigma = medium->sigma_t, g = ty_clampf(medium->g, -0.5f, 0.5f);
+    if (emitter->kind == TY_IMPULSE_DIRECTIONAL) {
+        const float end = mu * far < d ? (mu > 0.0f ? d / mu : TY_FLOAT_MAX) : far;
+        const float rate = sigma * ty_maxf(1.0f - mu, 1e-6f);
+        const float stretch = ty_expf(-rate * far) - ty_expf(-ty_minf(rate * end, 80.0f));
+        return medium->sigma_s * ty_hg(mu, g) * ty_expf(-sigma * d) * stretch / rate;
+    }
+    /* By the angle under which the emitter sees the ray, with Gauss-Legendre's four nodes. */
+    static const float node[4] = {0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
+    static const float weight[4] = {0.1739274226f, 0.3260725774f, 0.3260725774f, 0.1739274226f};
+    const float nearest = d * mu, off = ty_maxf(d * sqrtf(ty_maxf(0.0f, 1.0f - mu * mu)), 1e-3f * d);
+    const float begin = atanf((far - nearest) / off), range = 0.5f * TY_PI - begin;
+    float sum = 0.0f;
+    for (int i = 0; i < 4; ++i) {
+        const float along = off * tanf(begin + range * node[i]), t = nearest + along;
+        const float r = sqrtf(off * off + along * along);
+        /* From the emitter to where it scatters. */
+        const ty_vec way = ty_scale(ty_mad(ty_scale(direction, t), emitter->look, -d), 1.0f / r);
+        const float sends = emitter->kind == TY_IMPULSE_AREA ? ty_maxf(0.0f, ty_dot(emitter->normal, way)) : 1.0f;
+        sum +=
+            weight[i] * sends * ty_hg(ty_clampf(-ty_dot(way, direction), -1.0f, 1.0f), g) * ty_expf(-sigma * (t + r));
+    }
+    return medium->sigma_s * sum * range / off;
+}
+
+/* Irradiance on a surface from all that scattered, per channel; once: the part of what scattered once that counts. */
+TY_FN void ty_response_irradiance(const ty_response* response, ty_vec normal, float once, float out[3]) {
     float zonal[TY_IMPULSE_TERMS];
     for (int c = 0; c < response->channels; ++c) {
         const ty_impulse_response* r = &response->channel[c];
-        for (int l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = r->single[l] + r->multiple[l];
+        for (int l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = once * r->single[l] + r->multiple[l];
         out[c] = ty_maxf(0.0f, ty_impulse_irradiance(zonal, ty_dot(response->axis[c], normal)));
     }
     for (int c = response->channels; c < 3; ++c) out[c] = out[0];
