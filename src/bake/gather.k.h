@@ -57,8 +57,8 @@ TY_FN void ty_gather_keep_all(ty_gather* g, int32_t layer, const float amount[3]
 
 /* The same of a zonal function about an axis: Eq. 13; on surfaces Appendix A, and its first harmonics, of which what
  * goes along the normal is known better. */
-TY_FN void ty_gather_zonal_basis(const ty_gather* g, const float zonal[TY_IMPULSE_TERMS], ty_vec axis,
-                                 float basis[TY_BAKE_TERMS_MAX]) {
+TY_FN void ty_gather_zonal_basis(const ty_gather* g, const ty_response* response, const float zonal[TY_IMPULSE_TERMS],
+                                 ty_vec axis, float basis[TY_BAKE_TERMS_MAX]) {
     if (g->request->terms == TY_BAKE_SH_TERMS) {
         ty_sh_at(axis, TY_SH_BANDS_MAX, basis);
         for (int32_t l = 0, t = 0; l < TY_SH_BANDS_MAX; ++l) {
@@ -68,7 +68,7 @@ TY_FN void ty_gather_zonal_basis(const ty_gather* g, const float zonal[TY_IMPULS
         return;
     }
     const float cosine = ty_dot(axis, g->normal), first = zonal[1] * 2.04665342f; /* sqrt(4 pi / 3) */
-    basis[0] = ty_maxf(0.0f, ty_impulse_irradiance(zonal, cosine));
+    basis[0] = ty_response_on(response, zonal, axis, g->normal);
     const ty_vec vector = ty_mad(ty_scale(axis, first), g->normal, basis[0] - first * cosine);
     basis[1] = vector.x;
     basis[2] = vector.y;
@@ -76,12 +76,12 @@ TY_FN void ty_gather_zonal_basis(const ty_gather* g, const float zonal[TY_IMPULS
 }
 
 /* Takes off what a response holds of light scattered behind the surface that the receiver's last ray met: one ray
- * stands for all directions. */
-TY_FN void ty_gather_take_beyond(ty_gather* g, const ty_emitter* emitter, const ty_response* response,
-                                 const float strength[3], int32_t layer) {
-    ty_bake_sums* sums = g->sums;
-    float basis[TY_BAKE_TERMS_MAX], beyond = 0.0f;
-    if (!(sums->way[3] > 0.0f)) return;
+ * stands for all directions. Returns how much irradiance, in green. */
+TY_FN float ty_gather_take_beyond(ty_gather* g, const ty_emitter* emitter, const ty_response* response,
+                                  const float strength[3], int32_t layer) {
+    const ty_bake_sums* sums = g->sums;
+    float basis[TY_BAKE_TERMS_MAX], beyond = 0.0f, green = 0.0f;
+    if (!(sums->way[3] > 0.0f)) return 0.0f;
     const ty_vec direction = ty_vec_load(sums->way);
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     const float weight = probe ? 1.0f / TY_INV_4PI : TY_PI / ty_dot(g->normal, direction);
@@ -90,8 +90,9 @@ TY_FN void ty_gather_take_beyond(ty_gather* g, const ty_emitter* emitter, const 
         if (c < response->channels)
             beyond = -weight * ty_response_beyond(emitter, &response->medium[c], direction, sums->way[3]);
         ty_gather_keep(g, layer, c, beyond * strength[c], basis);
+        if (c == 1) green = -beyond * strength[1] * basis[0];
     }
-    sums->beyond -= (double)(beyond * strength[1] * basis[0]);
+    return green;
 }
 
 /* Light of an emitter that media scatter towards the receiver. single: the layer of light that scattered once. */
@@ -100,14 +101,16 @@ TY_FN void ty_gather_keep_response(ty_gather* g, const ty_emitter* emitter, cons
     float one[TY_BAKE_TERMS_MAX], more[TY_BAKE_TERMS_MAX];
     for (int c = 0; c < 3; ++c) {
         if (c < response->channels) {
-            ty_gather_zonal_basis(g, response->channel[c].single, response->axis[c], one);
-            ty_gather_zonal_basis(g, response->channel[c].multiple, response->axis[c], more);
+            ty_gather_zonal_basis(g, response, response->channel[c].single, response->axis[c], one);
+            ty_gather_zonal_basis(g, response, response->channel[c].multiple, response->axis[c], more);
         }
         ty_gather_keep(g, single, c, strength[c], one);
         ty_gather_keep(g, TY_BAKE_MULTIPLE, c, strength[c], more);
     }
+    const float beyond = ty_gather_take_beyond(g, emitter, response, strength, single);
+    if (single != TY_BAKE_SINGLE || !(emitter->cosine > 0.0f) || ty_dot(g->normal, emitter->look) < 0.0f) return;
     g->sums->once += (double)(strength[1] * one[0]);
-    ty_gather_take_beyond(g, emitter, response, strength, single);
+    g->sums->beyond += (double)beyond;
 }
 
 /* Notes how far media go along a sample's first ray. */

@@ -22,7 +22,21 @@ typedef struct ty_response {
     int32_t channels; /* 1: all alike */
     ty_vec axis[3];
     ty_impulse_medium medium[3];
+    float folded; /* areas: how much of what seems to come from behind their plane comes from before it */
+    ty_vec plane; /* the area's normal */
 } ty_response;
+
+/* Irradiance of a zonal function of a response on a surface. A small area sends nothing behind its plane, and a
+ * receiver in that plane gets nothing from there; but about one axis a zonal function cannot say so. What it has there
+ * is folded up. */
+TY_FN float ty_response_on(const ty_response* response, const float zonal[TY_IMPULSE_TERMS], ty_vec axis,
+                           ty_vec normal) {
+    const float straight = ty_impulse_irradiance(zonal, ty_dot(axis, normal));
+    const float folded = response->folded * ty_dot(response->plane, normal);
+    if (!(folded > 0.0f)) return ty_maxf(0.0f, straight);
+    const ty_vec mirrored = ty_mad(axis, response->plane, -2.0f * ty_dot(axis, response->plane));
+    return ty_maxf(0.0f, straight + folded * ty_impulse_irradiance(zonal, ty_dot(mirrored, normal)));
+}
 
 TY_FN ty_vec ty_response_axis(const ty_emitter* emitter, float shift) {
     if (emitter->kind != TY_IMPULSE_AREA || shift == 0.0f) return emitter->look;
@@ -48,6 +62,11 @@ TY_FN bool ty_response_find(const ty_bake_request* request, const ty_segment* se
     if (!(any > 0.0f) || !(emitter->distance > 0.0f) || !(emitter->distance < TY_FLOAT_MAX)) return false;
     const float per_metre = 1.0f / emitter->distance;
     out->channels = request->gray != 0 ? 1 : 3;
+    out->folded = 0.0f;
+    if (emitter->kind == TY_IMPULSE_AREA) {
+        out->folded = (1.0f - emitter->cosine) * (1.0f - emitter->cosine);
+        out->plane = emitter->normal;
+    }
     for (int c = 0; c < out->channels; ++c) {
         const float s = segment->scattered[c];
         out->medium[c] = (ty_impulse_medium){.sigma_t = segment->depth[c] * per_metre,
@@ -96,7 +115,7 @@ TY_FN void ty_response_irradiance(const ty_response* response, ty_vec normal, fl
     for (int c = 0; c < response->channels; ++c) {
         const ty_impulse_response* r = &response->channel[c];
         for (int l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = once * r->single[l] + r->multiple[l];
-        out[c] = ty_maxf(0.0f, ty_impulse_irradiance(zonal, ty_dot(response->axis[c], normal)));
+        out[c] = ty_response_on(response, zonal, response->axis[c], normal);
     }
     for (int c = response->channels; c < 3; ++c) out[c] = out[0];
 }
