@@ -43,9 +43,11 @@ int main(int argc, char** argv) {
         def.scatterings = scatterings[b];
         def.spp = truth_spp;
         def.seed = 1;
+        def.bounces = getenv("B") ? 2 : 0;
         must(context, ty_bake_surfaces(scene, &def, receivers, count, should, &stats));
         printf("%d receivers, truth %.1f s; ", (int)count, stats.seconds);
         def.spp = spp;
+        def.bounces = getenv("B") ? 1 : 0;
         def.tables = tables;
         for (int back = 0; back < 2; ++back) {
             def.method = TY_BAKE_IMPULSE;

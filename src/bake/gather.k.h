@@ -6,10 +6,11 @@
 #include "bake/response.k.h"
 #include "method/path/path.k.h"
 
-enum { TY_BACK_EVERY = 8 }; /* every so many samples look for what is near and behind */
+/* One in so many samples, and of reflections in media, looks all around for what is near and behind. */
+enum { TY_BACK_EVERY = 8 };
 
-/* Cosines below this count as this where a surface's light, scattered, is weighed by how it was found. */
-#define TY_LEAST_COSINE 0.1f
+/* Cosines below this count as this where light that a surface scatters towards a probe is weighed. */
+#define TY_LEAST_COSINE 0.03f
 
 typedef struct ty_gather {
     const ty_bake_request* request;
@@ -214,6 +215,59 @@ TY_FN bool ty_gather_see_light(ty_gather* g, ty_vec facing, ty_seen_light* seen)
     return true;
 }
 
+/* ---- where light is looked for ---- */
+
+/* A point on a surface that gathers light: by cosine-distributed rays from it, ahead per sample, and by even ones from
+ * a place off the surface, around per sample. Together they find what is near its plane, too. */
+typedef struct ty_gatherer {
+    ty_vec position, normal, face, off;
+    float ahead, around;
+} ty_gatherer;
+
+/* The area that a surface point stands for which a ray found. */
+TY_FN float ty_gatherer_area(const ty_gatherer* at, const ty_encounter* end, const ty_emitter* emitter) {
+    const float d2 = ty_maxf(emitter->distance * emitter->distance, 1e-20f);
+    const ty_vec way = ty_sub(end->hit.position, at->off);
+    const float w2 = ty_maxf(ty_dot(way, way), 1e-20f);
+    const float aside = ty_maxf(0.0f, -ty_dot(way, end->point.facing) / sqrtf(w2));
+    const float cosine = ty_dot(at->normal, emitter->look);
+    float density = at->around * aside * TY_INV_4PI / w2;
+    if (cosine > 0.0f && ty_dot(at->face, emitter->look) > 0.0f)
+        density += at->ahead * cosine * emitter->cosine / (TY_PI * d2);
+    return density > 0.0f ? 1.0f / density : 0.0f;
+}
+
+/* Whether what an even ray found counts: without back-scattering, what lies in or behind the plane does not, and
+ * nothing comes from behind a surface. */
+TY_FN bool ty_gatherer_counts(const ty_gatherer* at, const ty_encounter* end, int32_t back_scattering) {
+    const ty_vec to = ty_sub(end->hit.position, at->position);
+    const float distance = sqrtf(ty_dot(to, to));
+    if (!(distance > 0.0f) || -ty_dot(to, end->point.facing) < -0.1f * distance) return false;
+    return back_scattering != 0 || ty_dot(to, at->face) > 0.01f * distance;
+}
+
+/* A light seen from off a surface that sends nothing straight to it: it is behind, or turned away. weight: of its
+ * light. */
+TY_FN bool ty_gather_light_aside(ty_gather* g, const ty_gatherer* at, float weight, ty_emitter* emitter,
+                                 ty_response* response) {
+    ty_path* path = &g->path;
+    ty_seen_light seen;
+    path->origin = at->off;
+    path->normal = ty_vec_make(0.0f, 0.0f, 0.0f);
+    if (!ty_gather_see_light(g, at->face, &seen)) return false;
+    ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, weight / seen.chosen, emitter);
+    if (emitter->kind != TY_IMPULSE_DIRECTIONAL) {
+        const ty_vec to = ty_sub(ty_mad(path->origin, emitter->look, emitter->distance), at->position);
+        emitter->distance = sqrtf(ty_dot(to, to));
+        emitter->look = ty_scale(to, 1.0f / emitter->distance);
+        if (emitter->kind == TY_IMPULSE_AREA) emitter->cosine = -ty_dot(emitter->normal, emitter->look);
+    }
+    const bool ahead = ty_dot(at->normal, emitter->look) > 0.0f && ty_dot(at->face, emitter->look) > 0.0f;
+    if (ahead ? emitter->cosine > 0.0f : g->request->back_scattering == 0) return false;
+    emitter->cosine = ty_maxf(0.0f, emitter->cosine);
+    return ty_response_find(g->request, &seen.segment, emitter, g->most, response);
+}
+
 /* ---- light that leaves a surface ---- */
 
 /* Radiance, up to what the ray that found the surface lost: of light that only surfaces reflected, and of all. */
@@ -239,26 +293,25 @@ TY_FN void ty_gather_sky(const ty_gather* g, bool sampled, float radiance[3]) {
     }
 }
 
-/* Irradiance at the path's vertex of light scattered on the way from where its ray ends: per radiance of a surface, or
- * of the sky, of the part of directions that the ray stands for. */
-TY_FN void ty_gather_scattered(const ty_gather* g, const ty_encounter* end, const ty_segment* segment,
-                               float irradiance[3]) {
-    const ty_path* path = &g->path;
+/* Irradiance on a surface of light scattered on the way from where a ray of the path ends: per radiance of a surface,
+ * or of the sky (end NULL), of the part of directions that the ray stands for. */
+TY_FN void ty_gather_scattered(const ty_gather* g, const ty_gatherer* at, const ty_encounter* end,
+                               const ty_segment* segment, float irradiance[3]) {
     ty_emitter emitter;
     ty_response response;
-    float amount = TY_PI / ty_maxf(ty_dot(path->normal, path->direction), TY_LEAST_COSINE);
+    float amount = 1.0f / (g->path.pdf * at->ahead);
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
     if (end != NULL) {
-        ty_emitter_of_surface(end, path->origin, &emitter);
-        amount *= emitter.distance * emitter.distance / ty_maxf(emitter.cosine, TY_LEAST_COSINE);
+        ty_emitter_of_surface(end, at->position, &emitter);
+        amount = ty_gatherer_area(at, end, &emitter);
     } else {
         emitter.kind = TY_IMPULSE_DIRECTIONAL;
-        emitter.look = path->direction;
+        emitter.look = g->path.direction;
         emitter.distance = segment->leave;
         emitter.cosine = 1.0f;
     }
     if (!ty_response_find(g->request, segment, &emitter, g->most, &response)) return;
-    ty_response_irradiance(&response, path->normal, g->once, irradiance);
+    ty_response_irradiance(&response, at->normal, g->once, irradiance);
     for (int c = 0; c < 3; ++c) irradiance[c] *= amount;
 }
 
@@ -285,9 +338,10 @@ TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, const f
     }
 }
 
-/* Light that the path's ray meets, on a surface (end) or beyond all (NULL). */
+/* Light that the path's ray meets, on a surface (end) or beyond all (NULL). ahead: the weight of what comes straight
+ * along it. */
 TY_FN void ty_gather_meet(ty_gather* g, const ty_encounter* end, const ty_segment* segment, const float clear[3],
-                          const float scattered[3], ty_leaving* out) {
+                          float ahead, const float scattered[3], ty_leaving* out) {
     float radiance[3], rest[3];
     if (end != NULL) {
         if (!(ty_max3(end->point.emission) > 0.0f)) return;
@@ -301,46 +355,98 @@ TY_FN void ty_gather_meet(ty_gather* g, const ty_encounter* end, const ty_segmen
         ty_gather_sky(g, false, rest);
     }
     for (int c = 0; c < 3; ++c) {
-        out->clear[c] += clear[c] * segment->transmittance[c] * radiance[c];
-        out->all[c] +=
-            g->path.beta[c] * (segment->transmittance[c] * radiance[c] + scattered[c] * (1.0f / TY_PI) * rest[c]);
+        const float straight = ahead * segment->transmittance[c] * radiance[c];
+        out->clear[c] += clear[c] * straight;
+        out->all[c] += g->path.beta[c] * (straight + scattered[c] * (1.0f / TY_PI) * rest[c]);
     }
 }
 
-/* Follows the path from the surface at *at, which it has just reached. */
-TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* at, ty_leaving* out) {
+/* The path's next surface, found by a ray that goes all around; false where there is none. factor: of its radiance. */
+TY_FN bool ty_gather_around(ty_gather* g, const ty_gatherer* at, ty_encounter* end, float factor[3], ty_leaving* out) {
+    const ty_scene_view* scene = g->request->path.scene;
+    ty_path* path = &g->path;
+    ty_emitter emitter;
+    ty_response response;
+    ty_segment segment;
+    if (ty_gather_light_aside(g, at, 1.0f / at->around, &emitter, &response)) {
+        ty_response_irradiance(&response, at->normal, g->once, factor);
+        for (int c = 0; c < 3; ++c) out->all[c] += path->beta[c] * factor[c] * emitter.strength[c] * (1.0f / TY_PI);
+    }
+    ty_path_turn_anywhere(path);
+    ++g->rays;
+    if (!ty_mesh_intersect(scene->mesh, at->off, path->direction, TY_FLOAT_MAX, &end->hit)) return false;
+    ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+    if (!ty_gatherer_counts(at, end, g->request->back_scattering)) return false;
+    const ty_vec to = ty_sub(end->hit.position, at->position);
+    const float distance = sqrtf(ty_dot(to, to));
+    ty_gather_segment(g, at->position, ty_scale(to, 1.0f / distance), distance, &segment);
+    ty_gather_scattered(g, at, end, &segment, factor);
+    for (int c = 0; c < 3; ++c) {
+        factor[c] *= 1.0f / TY_PI;
+        if (end->point.light < 0) out->all[c] += path->beta[c] * factor[c] * end->point.emission[c];
+    }
+    return true;
+}
+
+/* The path's next surface, found by a ray that light comes straight along. */
+TY_FN bool ty_gather_onward(ty_gather* g, const ty_gatherer* at, ty_encounter* end, float clear[3], float factor[3],
+                            ty_leaving* out) {
+    ty_segment segment;
+    float scattered[3] = {0.0f, 0.0f, 0.0f};
+    const float weight = 1.0f / at->ahead;
+    const bool hit = ty_gather_trace(g, end, &segment);
+    if (ty_gather_scatters(g)) ty_gather_scattered(g, at, hit ? end : NULL, &segment, scattered);
+    ty_gather_meet(g, hit ? end : NULL, &segment, clear, weight, scattered, out);
+    for (int c = 0; c < 3; ++c) {
+        factor[c] = weight * segment.transmittance[c] + scattered[c] * (1.0f / TY_PI);
+        clear[c] *= weight * segment.transmittance[c];
+    }
+    return hit;
+}
+
+/* The path stands where it has just arrived: at a surface. */
+TY_FN ty_gatherer ty_gather_stand(ty_gather* g, const ty_encounter* end) {
+    ty_path* path = &g->path;
+    ty_gatherer at = {.normal = end->point.normal, .face = end->point.facing, .ahead = 1.0f};
+    at.position = ty_hit_leave(&end->hit, at.face);
+    at.off = ty_mad(at.position, path->direction, -ty_minf(g->step, 0.25f * end->hit.distance));
+    path->origin = at.position;
+    path->normal = at.normal;
+    if (!ty_gather_scatters(g)) return at;
+    at.around = 1.0f / (float)TY_BACK_EVERY;
+    at.ahead = 1.0f - at.around;
+    return at;
+}
+
+/* Follows the path from the surface at *start, which it has just reached. */
+TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* start, ty_leaving* out) {
     ty_path* path = &g->path;
     const int32_t most = path->request->max_depth;
-    const bool scatters = ty_gather_scatters(g);
-    ty_encounter end = *at;
-    ty_segment segment;
-    float clear[3] = {1.0f, 1.0f, 1.0f};
+    ty_encounter end = *start;
+    float clear[3] = {1.0f, 1.0f, 1.0f}, factor[3];
     memset(out, 0, sizeof *out);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     path->survival = 1.0f;
     path->depth = 0;
     while (ty_max3(end.point.albedo) > 0.0f && (most == 0 || path->depth < most)) {
+        const ty_gatherer at = ty_gather_stand(g, &end);
         ++path->depth;
-        path->origin = ty_hit_leave(&end.hit, end.point.facing);
-        path->normal = end.point.normal;
         ty_gather_reflect_light(g, &end, clear, out);
-        ty_path_turn(path);
-        if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
         const float before = ty_sum3(path->beta);
         for (int c = 0; c < 3; ++c) {
             path->beta[c] *= end.point.albedo[c];
             clear[c] *= end.point.albedo[c];
         }
         path->survival *= ty_max3(end.point.albedo);
-        float scattered[3] = {0.0f, 0.0f, 0.0f};
-        const bool hit = ty_gather_trace(g, &end, &segment);
-        if (scatters) ty_gather_scattered(g, hit ? &end : NULL, &segment, scattered);
-        ty_gather_meet(g, hit ? &end : NULL, &segment, clear, scattered, out);
-        if (!hit) return;
-        for (int c = 0; c < 3; ++c) {
-            path->beta[c] *= segment.transmittance[c] + scattered[c] * (1.0f / TY_PI);
-            clear[c] *= segment.transmittance[c];
+        if (at.around > 0.0f && ty_random_white(&path->random) < at.around) {
+            for (int c = 0; c < 3; ++c) clear[c] = 0.0f;
+            if (!ty_gather_around(g, &at, &end, factor, out)) return;
+        } else {
+            ty_path_turn(path);
+            if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
+            if (!ty_gather_onward(g, &at, &end, clear, factor, out)) return;
         }
+        for (int c = 0; c < 3; ++c) path->beta[c] *= factor[c];
         const float now = ty_sum3(path->beta);
         if (!ty_path_survives(path, before)) return;
         const float kept = ty_sum3(path->beta) / now;
@@ -349,6 +455,15 @@ TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* at, ty_leaving* ou
 }
 
 /* ---- at the receiver ---- */
+
+TY_FN ty_gatherer ty_gather_receiver(const ty_gather* g) {
+    return (ty_gatherer){.position = ty_mad(g->position, g->face, g->receiver->margin),
+                         .normal = g->normal,
+                         .face = g->face,
+                         .off = ty_mad(g->position, g->face, g->step),
+                         .ahead = 1.0f,
+                         .around = 1.0f / (float)TY_BACK_EVERY};
+}
 
 TY_FN void ty_gather_light(ty_gather* g) {
     ty_path* path = &g->path;
@@ -366,22 +481,6 @@ TY_FN void ty_gather_light(ty_gather* g) {
         ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
 }
 
-/* The area that a surface point stands for, found by the path's ray, or by rays all around from g->step off the
- * surface, every TY_BACK_EVERY samples: together they find what is near the surface's plane, too. */
-TY_FN float ty_gather_area(const ty_gather* g, const ty_encounter* end, const ty_emitter* emitter, bool probe) {
-    const float d2 = emitter->distance * emitter->distance;
-    if (probe) return d2 / (ty_maxf(emitter->cosine, TY_LEAST_COSINE) * TY_INV_4PI);
-    const ty_vec off = ty_mad(g->position, g->face, g->step), way = ty_sub(end->hit.position, off);
-    const float w2 = ty_maxf(ty_dot(way, way), 1e-20f);
-    const float aside = ty_maxf(0.0f, -ty_dot(way, end->point.facing) / sqrtf(w2));
-    const float cosine = ty_dot(g->normal, emitter->look);
-    const float ahead = cosine > 0.0f && ty_dot(g->face, emitter->look) > 0.0f
-                            ? cosine * emitter->cosine / (TY_PI * ty_maxf(d2, 1e-20f))
-                            : 0.0f;
-    const float density = ahead + aside * TY_INV_4PI / (w2 * (float)TY_BACK_EVERY);
-    return density > 0.0f ? 1.0f / density : 0.0f;
-}
-
 /* Light that a surface point sends out and media scatter towards the receiver. */
 TY_FN void ty_gather_surface_response(ty_gather* g, const ty_encounter* end, const ty_segment* segment,
                                       const ty_leaving* leaving) {
@@ -390,7 +489,10 @@ TY_FN void ty_gather_surface_response(ty_gather* g, const ty_encounter* end, con
     float strength[3];
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     ty_emitter_of_surface(end, g->position, &emitter);
-    const float area = ty_gather_area(g, end, &emitter, probe);
+    const ty_gatherer at = ty_gather_receiver(g);
+    const float d2 = emitter.distance * emitter.distance;
+    const float area =
+        probe ? d2 / (ty_maxf(emitter.cosine, TY_LEAST_COSINE) * TY_INV_4PI) : ty_gatherer_area(&at, end, &emitter);
     if (!(area > 0.0f) || !ty_response_find(g->request, segment, &emitter, g->most, &response)) return;
     for (int c = 0; c < 3; ++c) strength[c] = area * leaving->all[c];
     ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_MULTIPLE);
@@ -411,7 +513,7 @@ TY_FN void ty_gather_ahead(ty_gather* g, ty_encounter* end, bool hit, const ty_s
     memset(&leaving, 0, sizeof leaving);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
     ty_gather_basis(g, direction, basis);
-    ty_gather_meet(g, hit ? end : NULL, segment, one, rest, &leaving);
+    ty_gather_meet(g, hit ? end : NULL, segment, one, 1.0f, rest, &leaving);
     for (int c = 0; c < 3; ++c) clear[c] = weight * leaving.clear[c];
     ty_gather_keep_all(g, TY_BAKE_DIRECT, clear, basis);
     if (!hit) {
@@ -436,50 +538,26 @@ TY_FN void ty_gather_ahead(ty_gather* g, ty_encounter* end, bool hit, const ty_s
     ty_gather_surface_response(g, end, segment, &leaving);
 }
 
-/* A light that is seen from off the surface, but that sends nothing straight to it: it is behind, or turned away. */
-TY_FN void ty_gather_light_behind(ty_gather* g) {
-    ty_path* path = &g->path;
-    ty_seen_light seen;
-    ty_emitter emitter;
-    ty_response response;
-    path->normal = ty_vec_make(0.0f, 0.0f, 0.0f);
-    if (!ty_gather_see_light(g, g->face, &seen)) return;
-    ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, (float)TY_BACK_EVERY / seen.chosen,
-                        &emitter);
-    if (emitter.kind != TY_IMPULSE_DIRECTIONAL) {
-        const ty_vec to = ty_sub(ty_mad(path->origin, emitter.look, emitter.distance), g->position);
-        emitter.distance = sqrtf(ty_dot(to, to));
-        emitter.look = ty_scale(to, 1.0f / emitter.distance);
-        if (emitter.kind == TY_IMPULSE_AREA) emitter.cosine = -ty_dot(emitter.normal, emitter.look);
-    }
-    const bool ahead = ty_dot(g->normal, emitter.look) > 0.0f && ty_dot(g->face, emitter.look) > 0.0f;
-    if (ahead && emitter.cosine > 0.0f) return;
-    if (!ahead && g->request->back_scattering == 0) return;
-    emitter.cosine = ty_maxf(0.0f, emitter.cosine);
-    if (ty_response_find(g->request, &seen.segment, &emitter, g->most, &response))
-        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
-}
-
-/* A ray from off the surface to anywhere: what it meets sends light into the medium, in front or behind. */
+/* From off the surface to anywhere: what is there sends light into the medium, in front or behind. */
 TY_FN void ty_gather_behind(ty_gather* g) {
+    const ty_scene_view* scene = g->request->path.scene;
+    const ty_gatherer at = ty_gather_receiver(g);
     ty_path* path = &g->path;
     ty_encounter end;
     ty_segment segment;
     ty_leaving leaving;
-    path->origin = ty_mad(g->position, g->face, g->step);
-    ty_gather_light_behind(g);
+    ty_emitter emitter;
+    ty_response response;
+    if (ty_gather_light_aside(g, &at, (float)TY_BACK_EVERY, &emitter, &response))
+        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
     ty_path_turn_anywhere(path);
-    const ty_scene_view* scene = g->request->path.scene;
     ++g->rays;
-    if (scene->mesh == NULL || !ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit))
-        return;
+    if (scene->mesh == NULL || !ty_mesh_intersect(scene->mesh, at.off, path->direction, TY_FLOAT_MAX, &end.hit)) return;
     ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
-    const ty_vec to = ty_sub(end.hit.position, g->position);
-    const float distance = sqrtf(ty_dot(to, to)), height = ty_dot(to, g->face);
-    if (!(distance > 0.0f) || (g->request->back_scattering == 0 && height < 0.01f * distance)) return;
-    if (-ty_dot(to, end.point.facing) < -0.1f * distance) return;
-    ty_gather_segment(g, ty_mad(g->position, g->face, g->receiver->margin), ty_scale(to, 1.0f / distance), distance,
-                      &segment);
+    if (!ty_gatherer_counts(&at, &end, g->request->back_scattering)) return;
+    const ty_vec to = ty_sub(end.hit.position, at.position);
+    const float distance = sqrtf(ty_dot(to, to));
+    ty_gather_segment(g, at.position, ty_scale(to, 1.0f / distance), distance, &segment);
     ty_gather_follow(g, &end, &leaving);
     ty_gather_surface_response(g, &end, &segment, &leaving);
 }

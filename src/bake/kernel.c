@@ -10,11 +10,13 @@
  * surface. */
 static float step_off(const ty_gather* g) {
     const ty_scene_view* scene = g->request->path.scene;
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     const ty_vec from = ty_mad(g->position, g->face, g->receiver->margin);
+    const ty_vec away = probe ? ty_vec_make(0.0f, 0.0f, 1.0f) : g->face;
     ty_segment segment;
     ty_hit hit;
-    const bool met = scene->mesh != NULL && ty_mesh_intersect(scene->mesh, from, g->face, TY_FLOAT_MAX, &hit);
-    ty_gather_segment(g, from, g->face, met ? hit.distance : TY_FLOAT_MAX, &segment);
+    const bool met = scene->mesh != NULL && ty_mesh_intersect(scene->mesh, from, away, TY_FLOAT_MAX, &hit);
+    ty_gather_segment(g, from, away, met ? hit.distance : TY_FLOAT_MAX, &segment);
     const float room = met ? hit.distance : segment.leave;
     const float free = segment.leave / ty_maxf(ty_max3(segment.depth), 1e-6f);
     return ty_maxf(g->receiver->margin, 0.25f * ty_minf(room, free));
@@ -23,7 +25,7 @@ static float step_off(const ty_gather* g) {
 TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
     const unsigned thread_state = ty_flush_denormals();
     ty_gather g = {.request = request};
-    const bool behind = ty_gather_scatters(&g) && request->terms == TY_BAKE_SURFACE_TERMS;
+    const bool scatters = ty_gather_scatters(&g), behind = scatters && request->terms == TY_BAKE_SURFACE_TERMS;
     for (int64_t item = begin; item < end; ++item) {
         ty_bake_sums* sum = &sums[item];
         if (sum->done != 0) continue;
@@ -36,7 +38,7 @@ TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
         g.sums = sum;
         g.once = 1.0f;
         for (int c = 0; c < 3; ++c) g.most[c] = ty_response_most(sum->depth[c], sum->stopped[c]);
-        if (behind) g.step = step_off(&g);
+        if (scatters) g.step = step_off(&g);
         for (uint32_t i = first; i < first + count; ++i) {
             for (int c = 0; c < 3; ++c) g.sample[c] = 0.0f;
             if (ty_gather_sample(&g, (uint64_t)item, i)) sum->blocked += 1;
