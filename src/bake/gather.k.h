@@ -12,6 +12,8 @@ enum { TY_BACK_EVERY = 8 };
 /* Cosines below this count as this where light that a surface scatters towards a probe is weighed. */
 #define TY_LEAST_COSINE 0.03f
 
+/* Cosines to a surface's normal below which light counts less in the vector irradiance along the surface. */
+#define TY_LEAST_GRAZING 0.02f
 /* A point of a flat light is no nearer than this, in parts of the light's size: what is scattered close by grows
  * without bound, but the light does not. */
 #define TY_LEAST_LAMP 0.2f
@@ -43,10 +45,14 @@ TY_FN void ty_gather_basis(const ty_gather* g, ty_vec from, float basis[TY_BAKE_
         ty_sh_at(from, TY_SH_BANDS_MAX, basis);
         return;
     }
-    basis[0] = ty_dot(g->normal, from);
-    basis[1] = from.x;
-    basis[2] = from.y;
-    basis[3] = from.z;
+    /* Rays that graze are few, and each would weigh much: the last hundredth of what comes along the surface is left
+     * out, and half the noise of it. */
+    const float cosine = ty_dot(g->normal, from), kept = ty_minf(1.0f, cosine * (1.0f / TY_LEAST_GRAZING));
+    const ty_vec vector = ty_mad(ty_scale(from, kept), g->normal, cosine * (1.0f - kept));
+    basis[0] = cosine;
+    basis[1] = vector.x;
+    basis[2] = vector.y;
+    basis[3] = vector.z;
 }
 
 TY_FN void ty_gather_keep(ty_gather* g, int32_t layer, int32_t channel, float amount, const float* basis) {
