@@ -45,8 +45,11 @@ typedef struct ty_bake_receiver {
 typedef struct ty_bake_light {
     float irradiance[TY_BAKE_LAYERS][3];
     float toward[TY_BAKE_LAYERS][3][3]; /* [layer][channel][axis] */
-    float variance[3];                  /* of the sum of all layers' irradiance, or of the first harmonic */
+    float fluence[3];  /* the integral of radiance from the lit side, W m^-2, of all layers; 0: not measured */
+    float variance[3]; /* of the sum of all layers' irradiance, or of the first harmonic */
     int32_t samples;
+    float blocked; /* the fraction of first rays that met the back of a surface that is not double-sided: near 1 within
+                      walls */
 } ty_bake_light;
 
 typedef struct ty_bake_probe {
@@ -106,6 +109,16 @@ TY_API ty_atlas_def ty_default_atlas_def(void);
 /* Where the texels of a mesh's second texture coordinates lie on it. */
 typedef struct ty_atlas ty_atlas;
 
+/* What an atlas will be. */
+typedef struct ty_atlas_size {
+    int32_t width, height; /* texels */
+    double texels;         /* about how many will count */
+    double bytes;          /* of the atlas, light at its receivers, and an image of it together, at most, but for seams */
+} ty_atlas_size;
+
+/* Before anything is allocated; errors as ty_atlas_create, but for charts that overlap, which is not looked at. */
+TY_API ty_result ty_atlas_estimate(const ty_scene* scene, int32_t mesh, const char* name, const ty_atlas_def* def,
+                                   ty_atlas_size* out);
 /* Of one mesh (an index as of ty_scene_get_mesh). Texels count that triangles cover the middle of, or touch, in which
  * case they take the nearest place on the triangle. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, and TY_ERROR_INPUT when
  * the mesh has no second texture coordinates, or they leave 0..1, or charts overlap: the message says which, how much,
