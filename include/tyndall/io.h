@@ -181,6 +181,14 @@ typedef struct ty_mesh_colors {
 TY_API ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const ty_mesh_colors* colors,
                                            int64_t count, const char* extras, const char* path);
 
+/* ---- Points ---- */
+
+/* Points from a JSON file: an array of [x, y, z], or an object that has such an array at "positions"; m. 3 floats a
+ * point, *count points, at least one; freed with ty_points_free. Errors: TY_ERROR_FILE, TY_ERROR_INPUT,
+ * TY_ERROR_MEMORY. */
+TY_API ty_result ty_points_read(ty_context* context, const char* path, float** out, int64_t* count);
+TY_API void ty_points_free(ty_context* context, float* points, int64_t count);
+
 /* ---- Any file ---- */
 
 /* A file's bytes, freed with ty_bytes_free, and writing bytes whole or not at all. Errors: TY_ERROR_FILE,

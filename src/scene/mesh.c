@@ -61,8 +61,7 @@ static float quad_margin(ty_vec normal, const float* corners) {
     return ty_maxf(margin_share * ty_dot(seen, largest), margin_min);
 }
 
-/* The same for a triangle of a mesh. */
-static float triangle_margin(ty_vec normal, ty_vec a, ty_vec b, ty_vec c) {
+float ty_mesh_triangle_margin(ty_vec normal, ty_vec a, ty_vec b, ty_vec c) {
     const ty_vec largest = ty_vec_make(ty_maxf(fabsf(a.x), ty_maxf(fabsf(b.x), fabsf(c.x))),
                                        ty_maxf(fabsf(a.y), ty_maxf(fabsf(b.y), fabsf(c.y))),
                                        ty_maxf(fabsf(a.z), ty_maxf(fabsf(b.z), fabsf(c.z))));
@@ -266,7 +265,7 @@ static void describe_triangle(const ty_mesh* mesh, unsigned geometry, unsigned t
     float area;
     hit->normal = ty_triangle_normal(ab, ac, &area);
     hit->position = ty_mad(ty_mad(a, ab, b1), ac, b2);
-    hit->margin = triangle_margin(hit->normal, a, b, c);
+    hit->margin = ty_mesh_triangle_margin(hit->normal, a, b, c);
     hit->surface = mesh->first_mesh + (int32_t)(geometry - MESHES);
     hit->part = (int32_t)triangle;
     hit->b1 = b1;

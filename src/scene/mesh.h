@@ -25,6 +25,9 @@ ty_result ty_mesh_create(ty_context* context, const ty_mesh_parts* parts, ty_mes
 void ty_mesh_destroy(ty_mesh* mesh);
 size_t ty_mesh_bytes(const ty_mesh* mesh);
 
+/* How far off a triangle with this unit normal rays may start without meeting it again, m: ty_hit's margin. */
+float ty_mesh_triangle_margin(ty_vec normal, ty_vec a, ty_vec b, ty_vec c);
+
 /* The nearest hit closer than far; direction is unit. mesh is not NULL. Where surfaces have alpha, the ray itself
  * decides which it meets: the same ray always meets the same. */
 bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit);
