@@ -1,0 +1,275 @@
+/* Triangles of a map of light: which texels they touch, and how much of each they cover. */
+#include "base/context.h"
+#include "bake/atlas.h"
+#include "scene/surface.k.h"
+
+#include <math.h>
+
+/* Texels are given out in bands of rows; each band meets all its triangles in order. */
+enum { BAND = 32 };
+
+/* A triangle covers a middle by a margin when it is this far from all edges, texels: more than rounding of
+ * coordinates. */
+static const double strictly = 0.01;
+/* And at all when it is not farther out than this, so that no middle on an edge that triangles share is missed. */
+static const double barely = -1e-6;
+/* What a triangle must cover of a texel, or of its own area if that is less: charts drawn along texels' edges touch
+ * their neighbours by rounding. */
+static const double touch = 1e-4;
+/* Off edges by this, texels. */
+static const double off_edges = 1.0 / 16;
+
+enum { CLIPPED_MAX = 8 };
+
+typedef struct polygon {
+    int count;
+    double at[CLIPPED_MAX][2];
+} polygon;
+
+/* The part of a polygon with sign * (coordinate - limit) <= 0. */
+static polygon clip(const polygon* in, int axis, double limit, double sign) {
+    polygon out = {.count = 0};
+    for (int i = 0; i < in->count; ++i) {
+        const double *a = in->at[i], *b = in->at[(i + 1) % in->count];
+        const double of_a = sign * (a[axis] - limit), of_b = sign * (b[axis] - limit);
+        if (of_a <= 0) {
+            out.at[out.count][0] = a[0];
+            out.at[out.count++][1] = a[1];
+        }
+        if ((of_a < 0 && of_b > 0) || (of_a > 0 && of_b < 0)) {
+            const double t = of_a / (of_a - of_b);
+            out.at[out.count][1 - axis] = a[1 - axis] + t * (b[1 - axis] - a[1 - axis]);
+            out.at[out.count++][axis] = limit;
+        }
+    }
+    return out;
+}
+
+static double area_of(const polygon* p) {
+    double sum = 0;
+    for (int i = 2; i < p->count; ++i)
+        sum += (p->at[i - 1][0] - p->at[0][0]) * (p->at[i][1] - p->at[0][1]) -
+               (p->at[i][0] - p->at[0][0]) * (p->at[i - 1][1] - p->at[0][1]);
+    return 0.5 * fabs(sum);
+}
+
+static double area_left_of(const polygon* p, double x) {
+    const polygon left = clip(p, 0, x, 1);
+    return area_of(&left);
+}
+
+/* Twice the area, positive or negative by orientation. */
+static double twice_area(const double corners[3][2]) {
+    return (corners[1][0] - corners[0][0]) * (corners[2][1] - corners[0][1]) -
+           (corners[2][0] - corners[0][0]) * (corners[1][1] - corners[0][1]);
+}
+
+/* How far inside the edge opposite to a corner a point is. */
+static double inside_by(const double corners[3][2], double twice, int corner, const double point[2]) {
+    const double *a = corners[(corner + 1) % 3], *b = corners[(corner + 2) % 3];
+    const double along[2] = {b[0] - a[0], b[1] - a[1]};
+    const double cross = along[0] * (point[1] - a[1]) - along[1] * (point[0] - a[0]);
+    return (twice < 0 ? -cross : cross) / hypot(along[0], along[1]);
+}
+
+static double inside_all(const double corners[3][2], double twice, const double point[2]) {
+    double least = INFINITY;
+    for (int corner = 0; corner < 3; ++corner) least = fmin(least, inside_by(corners, twice, corner, point));
+    return least;
+}
+
+static ty_vec position_of(const ty_mesh_def* mesh, size_t triangle, double b1, double b2) {
+    float at[3];
+    ty_surface_interpolate(mesh->positions, 3, mesh->indices + 3 * triangle, (float)b1, (float)b2, at);
+    return ty_vec_load(at);
+}
+
+static ty_vec normal_of(const ty_mesh_def* mesh, size_t triangle, float* area) {
+    const uint32_t* corner = mesh->indices + 3 * triangle;
+    const ty_vec a = ty_vec_load(mesh->positions + 3 * (size_t)corner[0]);
+    const ty_vec ab = ty_sub(ty_vec_load(mesh->positions + 3 * (size_t)corner[1]), a);
+    const ty_vec ac = ty_sub(ty_vec_load(mesh->positions + 3 * (size_t)corner[2]), a);
+    return ty_triangle_normal(ab, ac, area);
+}
+
+bool ty_atlas_triangle(const ty_mesh_def* mesh, size_t triangle, int32_t width, int32_t height, double corners[3][2]) {
+    const int32_t sides[2] = {width, height};
+    for (int corner = 0; corner < 3; ++corner)
+        for (int axis = 0; axis < 2; ++axis)
+            corners[corner][axis] =
+                (double)mesh->uv[1][2 * (size_t)mesh->indices[3 * triangle + (size_t)corner] + (size_t)axis] *
+                sides[axis];
+    float area;
+    normal_of(mesh, triangle, &area);
+    return fabs(twice_area(corners)) > 1e-12 && area > 0;
+}
+
+/* Weights of the second and third corner. */
+static void weights_of(const double corners[3][2], const double point[2], double* b1, double* b2) {
+    const double twice = twice_area(corners);
+    const double p[2] = {point[0] - corners[0][0], point[1] - corners[0][1]};
+    const double u[2] = {corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]};
+    const double v[2] = {corners[2][0] - corners[0][0], corners[2][1] - corners[0][1]};
+    *b1 = fmin(fmax((p[0] * v[1] - p[1] * v[0]) / twice, 0), 1);
+    *b2 = fmin(fmax((u[0] * p[1] - u[1] * p[0]) / twice, 0), 1 - *b1);
+}
+
+static void nearest_on_edges(const double corners[3][2], const double point[2], double out[2]) {
+    double least = INFINITY;
+    for (int i = 0; i < 3; ++i) {
+        const double *a = corners[i], *b = corners[(i + 1) % 3];
+        const double along[2] = {b[0] - a[0], b[1] - a[1]};
+        const double square = along[0] * along[0] + along[1] * along[1];
+        double t = square > 0 ? ((point[0] - a[0]) * along[0] + (point[1] - a[1]) * along[1]) / square : 0;
+        t = fmin(fmax(t, 0), 1);
+        const double at[2] = {a[0] + t * along[0], a[1] + t * along[1]};
+        const double distance = hypot(at[0] - point[0], at[1] - point[1]);
+        if (!(distance < least)) continue;
+        least = distance;
+        out[0] = at[0];
+        out[1] = at[1];
+    }
+}
+
+void ty_atlas_place(const double corners[3][2], const double middle[2], double* b1, double* b2) {
+    const double twice = twice_area(corners);
+    double at[2] = {middle[0], middle[1]};
+    if (inside_all(corners, twice, at) < 0) nearest_on_edges(corners, middle, at);
+    if (inside_all(corners, twice, at) < off_edges) {
+        /* towards the middle of the inscribed circle */
+        double center[2] = {0, 0}, around = 0;
+        for (int i = 0; i < 3; ++i) {
+            const double *a = corners[(i + 1) % 3], *b = corners[(i + 2) % 3];
+            const double length = hypot(b[0] - a[0], b[1] - a[1]);
+            for (int axis = 0; axis < 2; ++axis) center[axis] += length * corners[i][axis];
+            around += length;
+        }
+        const double way[2] = {center[0] / around - at[0], center[1] / around - at[1]};
+        const double part = fmin(off_edges / fmax(hypot(way[0], way[1]), 1e-30), 0.5);
+        for (int axis = 0; axis < 2; ++axis) at[axis] += part * way[axis];
+    }
+    weights_of(corners, at, b1, b2);
+}
+
+/* ---- bands ---- */
+
+typedef struct raster_job {
+    const ty_mesh_def* mesh;
+    int32_t width, height;
+    int16_t* rows; /* per triangle: first and last row; the first is higher where there is none */
+    ty_texel* texels;
+    ty_raster* bands;
+} raster_job;
+
+enum { BLOCK = 4096 };
+
+static void find_rows(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    raster_job* job = user;
+    const int64_t end =
+        (index + 1) * BLOCK < job->mesh->triangle_count ? (index + 1) * BLOCK : job->mesh->triangle_count;
+    for (int64_t t = index * BLOCK; t < end; ++t) {
+        double corners[3][2];
+        const bool exists = ty_atlas_triangle(job->mesh, (size_t)t, job->width, job->height, corners);
+        const double low = fmin(corners[0][1], fmin(corners[1][1], corners[2][1]));
+        const double high = fmax(corners[0][1], fmax(corners[1][1], corners[2][1]));
+        job->rows[2 * t] = exists ? (int16_t)fmin(fmax(floor(low), 0), job->height - 1) : 1;
+        job->rows[2 * t + 1] = exists ? (int16_t)fmin(fmax(floor(high), 0), job->height - 1) : 0;
+    }
+}
+
+/* Whether two triangles that cover a texel's middle are apart there, or show it from two sides. */
+static bool apart(const raster_job* job, size_t first, size_t second, const double middle[2]) {
+    ty_vec at[2], normal[2];
+    float area = 0;
+    double extent = 0;
+    for (int i = 0; i < 2; ++i) {
+        const size_t triangle = i == 0 ? first : second;
+        double corners[3][2], b1, b2;
+        ty_atlas_triangle(job->mesh, triangle, job->width, job->height, corners);
+        weights_of(corners, middle, &b1, &b2);
+        at[i] = position_of(job->mesh, triangle, b1, b2);
+        normal[i] = normal_of(job->mesh, triangle, &area);
+        extent = fmax(extent, sqrt((double)area / (0.5 * fabs(twice_area(corners)))));
+    }
+    const ty_vec between = ty_sub(at[0], at[1]);
+    return sqrt((double)ty_dot(between, between)) > 0.5 * extent || ty_dot(normal[0], normal[1]) < 0;
+}
+
+static void claim_texel(const raster_job* job, size_t triangle, const double middle[2], double inside, double area,
+                        ty_texel* texel, ty_raster* counts) {
+    float claim = (float)fmin(area, 1);
+    if (inside >= barely) claim += 1;
+    if (inside > strictly) {
+        claim += 1;
+        if (texel->claim < 2)
+            ++counts->middles;
+        else if (apart(job, (size_t)texel->triangle, triangle, middle))
+            ++counts->overlaps;
+    }
+    if (claim > texel->claim) *texel = (ty_texel){.triangle = (int32_t)triangle, .claim = claim};
+}
+
+static void draw_row(const raster_job* job, size_t triangle, const double corners[3][2], int32_t y, ty_raster* counts) {
+    polygon row = {.count = 3};
+    for (int i = 0; i < 3; ++i)
+        for (int axis = 0; axis < 2; ++axis) row.at[i][axis] = corners[i][axis];
+    row = clip(&row, 1, y, -1);
+    row = clip(&row, 1, y + 1, 1);
+    if (row.count < 3) return;
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < row.count; ++i) {
+        low = fmin(low, row.at[i][0]);
+        high = fmax(high, row.at[i][0]);
+    }
+    const int32_t first = (int32_t)fmax(floor(low), 0), last = (int32_t)fmin(floor(high), job->width - 1);
+    const double twice = twice_area(corners), least = touch * fmin(0.5 * fabs(twice), 1);
+    double before = area_left_of(&row, first);
+    for (int32_t x = first; x <= last; ++x) {
+        const double until = area_left_of(&row, x + 1), area = until - before;
+        const double middle[2] = {x + 0.5, y + 0.5};
+        before = until;
+        if (area > least)
+            claim_texel(job, triangle, middle, inside_all(corners, twice, middle), area,
+                        &job->texels[(size_t)y * (size_t)job->width + (size_t)x], counts);
+    }
+}
+
+static void draw_band(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    raster_job* job = user;
+    const int32_t low = (int32_t)index * BAND, high = low + BAND < job->height ? low + BAND : job->height;
+    ty_raster counts = {0};
+    for (size_t i = (size_t)low * (size_t)job->width; i < (size_t)high * (size_t)job->width; ++i)
+        job->texels[i] = (ty_texel){.triangle = -1, .claim = 0};
+    for (int64_t t = 0; t < job->mesh->triangle_count; ++t) {
+        const int32_t from = job->rows[2 * t], to = job->rows[2 * t + 1];
+        if (from > to || from >= high || to < low) continue;
+        double corners[3][2];
+        ty_atlas_triangle(job->mesh, (size_t)t, job->width, job->height, corners);
+        for (int32_t y = from > low ? from : low; y < high && y <= to; ++y)
+            draw_row(job, (size_t)t, corners, y, &counts);
+    }
+    job->bands[index] = counts;
+}
+
+ty_result ty_atlas_rasterise(ty_context* context, const ty_mesh_def* mesh, int32_t width, int32_t height,
+                             ty_texel* texels, ty_raster* out) {
+    const size_t rows = 2 * (size_t)mesh->triangle_count, bands = (size_t)(height + BAND - 1) / BAND;
+    raster_job job = {.mesh = mesh, .width = width, .height = height, .texels = texels};
+    job.rows = ty_alloc_array(context, rows, sizeof *job.rows, false);
+    job.bands = ty_alloc_array(context, bands, sizeof *job.bands, true);
+    const bool ready = job.rows != NULL && job.bands != NULL;
+    *out = (ty_raster){0};
+    if (ready) {
+        ty_parallel_for(context, (mesh->triangle_count + BLOCK - 1) / BLOCK, find_rows, &job);
+        ty_parallel_for(context, (int64_t)bands, draw_band, &job);
+    }
+    for (size_t i = 0; ready && i < bands; ++i) {
+        out->middles += job.bands[i].middles;
+        out->overlaps += job.bands[i].overlaps;
+    }
+    ty_free_array(context, job.rows, rows, sizeof *job.rows);
+    ty_free_array(context, job.bands, bands, sizeof *job.bands);
+    return ready ? TY_OK : TY_ERROR_MEMORY;
+}

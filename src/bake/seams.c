@@ -1,0 +1,219 @@
+/* Seams: the least change of texels that makes bilinear lookups on both sides of an edge agree. Rows of A are lookups
+ * on one side less lookups on the other, at points along all seams; (A'A + P) d = -A'A x is solved for the change d of
+ * light x by conjugate gradients, with a weak pull P to what texels were. */
+#include "base/context.h"
+#include "bake/atlas.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Pull to their light of texels that count, and of those around charts, which hold none of their own. */
+static const float pull_inside = 2e-3f;
+static const float pull_around = 2e-4f;
+/* Points along seams, per texel. */
+enum { POINTS_PER_TEXEL = 2 };
+enum { ITERATIONS = 300 };
+static const double tolerance = 1e-4;
+/* Points are left out where less of a lookup than this belongs to the chart. */
+static const double least_weight = 0.25;
+
+enum { TAPS = 8 };
+
+typedef struct row {
+    int32_t index[TAPS]; /* among unknowns; weight 0 where there are fewer */
+    float weight[TAPS];
+} row;
+
+typedef struct closer {
+    const ty_atlas* atlas;
+    const int32_t* source;
+    float* const* planes;
+    int32_t* unknown; /* per texel, -1: none */
+    int32_t* texels;  /* per unknown */
+    size_t count, capacity;
+    row* rows;
+    size_t row_count, row_capacity;
+    float* scratch; /* per worker: VECTORS * count */
+    float* pull;    /* per unknown */
+    float* inverse; /* per unknown: 1 / the matrix' diagonal */
+} closer;
+
+enum { X, CHANGE, RESIDUAL, SEARCH, APPLIED, VECTORS };
+
+static bool belongs(const closer* work, size_t texel, int32_t chart) {
+    const int32_t source = work->source[texel];
+    return source >= 0 && work->atlas->charts[work->atlas->receiver[source]] == chart;
+}
+
+/* The texels of a bilinear lookup that are a chart's, their weights adding up to sign; false: too few of them are. */
+static bool look_up(const closer* work, const double at[2], int32_t chart, float sign, int32_t texels[4],
+                    float weights[4]) {
+    const int32_t width = work->atlas->width, height = work->atlas->height;
+    const int32_t x = (int32_t)floor(at[0] - 0.5), y = (int32_t)floor(at[1] - 0.5);
+    const double right = at[0] - 0.5 - x, below = at[1] - 0.5 - y;
+    double share[4], sum = 0;
+    for (int tap = 0; tap < 4; ++tap) {
+        const int32_t column = x + tap % 2, line = y + tap / 2;
+        const size_t clamped_x = (size_t)(column < 0 ? 0 : column >= width ? width - 1 : column);
+        const size_t clamped_y = (size_t)(line < 0 ? 0 : line >= height ? height - 1 : line);
+        texels[tap] = (int32_t)(clamped_y * (size_t)width + clamped_x);
+        share[tap] = (tap % 2 == 1 ? right : 1 - right) * (tap / 2 == 1 ? below : 1 - below);
+        if (!belongs(work, (size_t)texels[tap], chart)) share[tap] = 0;
+        sum += share[tap];
+    }
+    for (int tap = 0; tap < 4 && sum > 0; ++tap) weights[tap] = sign * (float)(share[tap] / sum);
+    return sum >= least_weight;
+}
+
+/* A texel's number among the unknowns; -1: memory is short. */
+static int32_t number_of(closer* work, int32_t texel) {
+    if (work->unknown[texel] >= 0) return work->unknown[texel];
+    if (!ty_grow_array(work->atlas->context, (void**)&work->texels, &work->capacity, work->count, sizeof *work->texels))
+        return -1;
+    work->texels[work->count] = texel;
+    return work->unknown[texel] = (int32_t)work->count++;
+}
+
+static bool add_row(closer* work, const ty_seam* seam, double t) {
+    row added = {{0}, {0}};
+    int32_t texels[TAPS];
+    for (int side = 0; side < 2; ++side) {
+        double at[2];
+        for (int axis = 0; axis < 2; ++axis)
+            at[axis] = (1 - t) * (double)seam->from[side][axis] + t * (double)seam->to[side][axis];
+        if (!look_up(work, at, seam->chart[side], side == 0 ? 1.0f : -1.0f, texels + 4 * side, added.weight + 4 * side))
+            return true;
+    }
+    if (!ty_grow_array(work->atlas->context, (void**)&work->rows, &work->row_capacity, work->row_count,
+                       sizeof *work->rows))
+        return false;
+    for (int tap = 0; tap < TAPS; ++tap) {
+        if (added.weight[tap] == 0) continue;
+        added.index[tap] = number_of(work, texels[tap]);
+        if (added.index[tap] < 0) return false;
+    }
+    work->rows[work->row_count++] = added;
+    return true;
+}
+
+static bool add_seam(closer* work, const ty_seam* seam) {
+    double length = 0;
+    for (int side = 0; side < 2; ++side)
+        length = fmax(length, hypot((double)(seam->to[side][0] - seam->from[side][0]),
+                                    (double)(seam->to[side][1] - seam->from[side][1])));
+    const int32_t points = (int32_t)ceil(POINTS_PER_TEXEL * length);
+    for (int32_t i = 0; i <= points; ++i)
+        if (!add_row(work, seam, points == 0 ? 0.5 : (double)i / points)) return false;
+    return true;
+}
+
+/* ---- conjugate gradients ---- */
+
+/* out = A'A in + pull * in; returns the product of in and out. */
+static double apply(const closer* work, const float* in, bool pulled, float* out) {
+    for (size_t i = 0; i < work->count; ++i) out[i] = pulled ? work->pull[i] * in[i] : 0.0f;
+    for (size_t r = 0; r < work->row_count; ++r) {
+        const row* at = &work->rows[r];
+        float sum = 0;
+        for (int tap = 0; tap < TAPS; ++tap) sum += at->weight[tap] * in[at->index[tap]];
+        for (int tap = 0; tap < TAPS; ++tap) out[at->index[tap]] += at->weight[tap] * sum;
+    }
+    double product = 0;
+    for (size_t i = 0; i < work->count; ++i) product += (double)in[i] * (double)out[i];
+    return product;
+}
+
+static double preconditioned(const closer* work, const float* residual) {
+    double product = 0;
+    for (size_t i = 0; i < work->count; ++i)
+        product += (double)residual[i] * (double)residual[i] * (double)work->inverse[i];
+    return product;
+}
+
+/* The change of a plane's texels. */
+static void solve(const closer* work, float* const vectors[VECTORS]) {
+    float *change = vectors[CHANGE], *residual = vectors[RESIDUAL], *search = vectors[SEARCH];
+    const size_t n = work->count;
+    apply(work, vectors[X], false, residual);
+    for (size_t i = 0; i < n; ++i) {
+        residual[i] = -residual[i];
+        change[i] = 0;
+        search[i] = work->inverse[i] * residual[i];
+    }
+    double now = preconditioned(work, residual);
+    const double enough = tolerance * tolerance * now;
+    for (int iteration = 0; iteration < ITERATIONS && now > enough; ++iteration) {
+        const double bent = apply(work, search, true, vectors[APPLIED]);
+        if (!(bent > 0)) return;
+        const float step = (float)(now / bent);
+        for (size_t i = 0; i < n; ++i) {
+            change[i] += step * search[i];
+            residual[i] -= step * vectors[APPLIED][i];
+        }
+        const double next = preconditioned(work, residual);
+        const float turn = (float)(next / now);
+        for (size_t i = 0; i < n; ++i) search[i] = work->inverse[i] * residual[i] + turn * search[i];
+        now = next;
+    }
+}
+
+static void close_plane(void* user, int64_t index, int32_t worker) {
+    const closer* work = user;
+    float* vectors[VECTORS];
+    for (int i = 0; i < VECTORS; ++i) vectors[i] = work->scratch + ((size_t)worker * VECTORS + (size_t)i) * work->count;
+    float* plane = work->planes[index];
+    for (size_t i = 0; i < work->count; ++i) vectors[X][i] = plane[work->source[work->texels[i]]];
+    solve(work, vectors);
+    const bool directed = index >= TY_ATLAS_TOWARD && index < TY_ATLAS_FLUENCE;
+    for (size_t i = 0; i < work->count; ++i) {
+        const float light = vectors[X][i] + vectors[CHANGE][i];
+        vectors[X][i] = directed || light > 0 ? light : 0.0f;
+    }
+    for (size_t i = 0; i < work->count; ++i) plane[work->texels[i]] = vectors[X][i];
+}
+
+static void find_diagonal(closer* work) {
+    for (size_t i = 0; i < work->count; ++i) {
+        work->pull[i] = work->atlas->receiver[work->texels[i]] >= 0 ? pull_inside : pull_around;
+        work->inverse[i] = work->pull[i];
+    }
+    for (size_t r = 0; r < work->row_count; ++r)
+        for (int tap = 0; tap < TAPS; ++tap)
+            work->inverse[work->rows[r].index[tap]] += work->rows[r].weight[tap] * work->rows[r].weight[tap];
+    for (size_t i = 0; i < work->count; ++i) work->inverse[i] = 1.0f / work->inverse[i];
+}
+
+static bool close_all(closer* work) {
+    ty_context* context = work->atlas->context;
+    const int32_t threads = ty_context_threads(context);
+    const size_t workers = (size_t)(threads < TY_ATLAS_PLANES ? threads : TY_ATLAS_PLANES);
+    const size_t scratch = workers * VECTORS * work->count;
+    work->scratch = ty_alloc_array(context, scratch, sizeof *work->scratch, false);
+    work->pull = ty_alloc_array(context, work->count, sizeof *work->pull, false);
+    work->inverse = ty_alloc_array(context, work->count, sizeof *work->inverse, false);
+    const bool ready = work->scratch != NULL && work->pull != NULL && work->inverse != NULL;
+    if (ready) {
+        find_diagonal(work);
+        ty_parallel_for(context, TY_ATLAS_PLANES, close_plane, work);
+    }
+    ty_free_array(context, work->scratch, scratch, sizeof *work->scratch);
+    ty_free_array(context, work->pull, work->count, sizeof *work->pull);
+    ty_free_array(context, work->inverse, work->count, sizeof *work->inverse);
+    return ready;
+}
+
+ty_result ty_atlas_close_seams(const ty_atlas* atlas, int32_t* source, float* const planes[TY_ATLAS_PLANES]) {
+    if (atlas->seam_count == 0) return TY_OK;
+    const size_t texels = ty_atlas_texels(atlas);
+    closer work = {.atlas = atlas, .source = source, .planes = planes};
+    work.unknown = ty_alloc_array(atlas->context, texels, sizeof *work.unknown, false);
+    bool fine = work.unknown != NULL;
+    if (fine) memset(work.unknown, 0xff, texels * sizeof *work.unknown);
+    for (size_t i = 0; i < atlas->seam_count && fine; ++i) fine = add_seam(&work, &atlas->seams[i]);
+    if (fine && work.count > 0) fine = close_all(&work);
+    for (size_t i = 0; i < work.count && fine; ++i) source[work.texels[i]] = work.texels[i];
+    ty_free_array(atlas->context, work.unknown, texels, sizeof *work.unknown);
+    ty_free_array(atlas->context, work.texels, work.capacity, sizeof *work.texels);
+    ty_free_array(atlas->context, work.rows, work.row_capacity, sizeof *work.rows);
+    return fine ? TY_OK : TY_ERROR_MEMORY;
+}
