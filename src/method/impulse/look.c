@@ -1,7 +1,9 @@
 /* Looking tables up. */
 #include "method/impulse/harmonics.h"
+#include "method/impulse/look.h"
 #include "method/impulse/tables.h"
 
+#include <float.h>
 #include <string.h>
 
 /* What is nearer counts as this far away (optical): what comes from there grows without bound. */
@@ -88,21 +90,19 @@ static float look_shift(const place* p, float cosine) {
     return sine * shift;
 }
 
-/* Bounces 2.., each weighed by the albedo once more than the one before. */
-static harmonics look_multiple(const place* p, float albedo, int32_t bounces, float factor) {
+/* Bounces 2.., each weighed by the albedo once more than the one before, and none brighter than `most` times the one
+ * before, of which the first is `once` (constant terms). */
+static harmonics look_multiple(const place* p, float albedo, int32_t bounces, float factor, float once, float most) {
     harmonics out = {{0}};
-    for (int32_t i = 0; i < p->count; i += 2) {
-        const float *low = p->rows[i] + TY_IMPULSE_PHASES * TY_IMPULSE_VECTOR,
-                    *high = low + (p->rows[i + 1] - p->rows[i]);
-        float at_low = factor * albedo * albedo * p->weight[i], at_high = factor * albedo * albedo * p->weight[i + 1];
-        for (int32_t bounce = 2; bounce <= bounces; ++bounce) {
-            add(&out, low, at_low);
-            add(&out, high, at_high);
-            low += TY_IMPULSE_VECTOR;
-            high += TY_IMPULSE_VECTOR;
-            at_low *= albedo;
-            at_high *= albedo;
-        }
+    float scale = factor * albedo, before = once, kept = 1;
+    for (int32_t bounce = 2; bounce <= bounces; ++bounce) {
+        const int32_t at = (TY_IMPULSE_PHASES + bounce - 2) * TY_IMPULSE_VECTOR;
+        harmonics one = {{0}};
+        scale *= albedo;
+        for (int32_t i = 0; i < p->count; ++i) add(&one, p->rows[i] + at, scale * p->weight[i]);
+        if (one.at[0] > most * before) kept *= most * before / one.at[0];
+        before = one.at[0];
+        add(&out, one.at, kept);
     }
     return out;
 }
@@ -114,6 +114,11 @@ static float single_factor(ty_impulse_emitter emitter, float optical) {
 
 void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
                      float distance, float cosine, int32_t bounces, ty_impulse_response* out) {
+    ty_impulse_look_within(tables, emitter, medium, distance, cosine, bounces, FLT_MAX, out);
+}
+
+void ty_impulse_look_within(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
+                            float distance, float cosine, int32_t bounces, float most, ty_impulse_response* out) {
     *out = (ty_impulse_response){0};
     if (!(medium->sigma_t > 0) || !(medium->sigma_s > 0) || bounces < 1) return;
     const bool near = emitter != TY_IMPULSE_DIRECTIONAL;
@@ -130,7 +135,7 @@ void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const
     if (g != 0) p = find(tables, emitter, met * distance, cosine);
     const harmonics multiple =
         look_multiple(&p, fminf(1, scattered / met), bounces < tables->bounces ? bounces : tables->bounces,
-                      expf(-0.5f * p.optical) * (near ? met * met : 1));
+                      expf(-0.5f * p.optical) * (near ? met * met : 1), out->single[0], most);
     memcpy(out->multiple, multiple.at, sizeof out->multiple);
 }
 

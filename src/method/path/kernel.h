@@ -16,6 +16,7 @@ typedef struct ty_path_request {
     const ty_sobol* sobol;
     uint64_t seed;
     int32_t max_depth;        /* 0: unlimited */
+    int32_t max_run;          /* scatterings between two surfaces at most; 0: unlimited */
     int32_t unscattered;      /* whether media only take light away */
     int32_t kind;             /* TY_PATH_... */
     ty_camera_view camera;    /* pixels */

@@ -28,6 +28,7 @@ typedef struct ty_path {
     int32_t scattered; /* whether the last vertex is in a medium, where equi-angular sampling competed */
     float phase;       /* the phase function (green) of that vertex in direction, per steradian */
     int32_t depth;     /* scatterings and reflections so far */
+    int32_t run;       /* scatterings since the last reflection */
     int32_t part;      /* what became of light that the path finds now */
     float radiance[TY_PART_COUNT][3]; /* found so far */
 } ty_path;
@@ -201,6 +202,13 @@ TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, floa
     return ty_light_sample_from(light, from, u, v, sample) ? light : NULL;
 }
 
+/* Whether no surface lies between a point and a light sample. */
+TY_FN bool ty_path_sees(const ty_path* path, ty_vec from, const ty_light_sample* sample) {
+    const ty_mesh* mesh = path->request->scene->mesh;
+    const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : TY_FLOAT_MAX;
+    return mesh == NULL || !ty_mesh_occluded(mesh, from, sample->look, far);
+}
+
 /* Adds a light sample, with factor per channel (throughput, phase or reflectance, cosine), if nothing shadows it;
  * media attenuate it. */
 TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, const float factor[3],
@@ -214,11 +222,8 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
         const bool traced = ty_random_white(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
-    if (ty_sum3(radiance) > 0.0f && scene->mesh != NULL) {
-        const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : TY_FLOAT_MAX;
-        if (ty_mesh_occluded(scene->mesh, origin, sample->look, far))
-            for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
-    }
+    if (ty_sum3(radiance) > 0.0f && !ty_path_sees(path, origin, sample))
+        for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
     if (!(ty_sum3(radiance) > 0.0f)) return;
     ty_transmittance(scene->media, scene->medium_count, origin, sample->look, sample->distance, &path->random,
                      transmittance);
@@ -307,6 +312,21 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
 }
 
+/* A cosine-distributed direction about the normal of the point where the path is. */
+TY_FN void ty_path_turn(ty_path* path) {
+    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
+    const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
+    path->direction = ty_direction_about(path->normal, cosine, v);
+    path->pdf = cosine * (1.0f / TY_PI);
+}
+
+/* Any direction with equal density. */
+TY_FN void ty_path_turn_anywhere(ty_path* path) {
+    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
+    path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
+    path->pdf = TY_INV_4PI;
+}
+
 /* Light reflected by a Lambertian surface, and the direction in which the path goes on. Cosines are those of the
  * smoothed normal; nothing comes from behind the face itself. */
 TY_FN void ty_path_reflect(ty_path* path, const ty_encounter* at) {
@@ -321,10 +341,7 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_encounter* at) {
         for (int c = 0; c < 3; ++c) factor[c] = point->albedo[c] * facing;
         ty_path_add_vertex_light(path, light, chosen, &sample, factor, facing, 0.0f);
     }
-    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
-    const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
-    path->direction = ty_direction_about(point->normal, cosine, v);
-    path->pdf = cosine * (1.0f / TY_PI);
+    ty_path_turn(path);
     const bool outside = ty_dot(point->facing, path->direction) > 0.0f;
     for (int c = 0; c < 3; ++c) path->beta[c] *= outside ? point->albedo[c] : 0.0f;
     path->survival *= ty_max3(point->albedo);
@@ -367,7 +384,8 @@ TY_FN bool ty_path_advance(ty_path* path, const ty_medium_view** medium, ty_enco
     const ty_medium_view* media = scene->media;
     const float before = ty_sum3(path->beta);
     if (!(before > 1e-30f)) return false;
-    const bool last = path->request->max_depth > 0 && path->depth >= path->request->max_depth;
+    const bool last = (path->request->max_depth > 0 && path->depth >= path->request->max_depth) ||
+                      (path->request->max_run > 0 && path->run >= path->request->max_run);
     const bool on_surface =
         scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
@@ -435,6 +453,8 @@ TY_FN uint32_t ty_path_follow(ty_path* path) {
     uint32_t vertices = 0;
     while (ty_path_advance(path, &medium, &end)) {
         if (max_depth > 0 && path->depth >= max_depth) break;
+        path->run = medium != NULL ? path->run + 1 : 0;
+        if (path->request->max_run > 0 && path->run > path->request->max_run) break;
         ++path->depth;
         ++vertices;
         path->part = medium != NULL ? ty_part_scattered(path->part) : ty_part_reflected(path->part);
@@ -454,6 +474,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     path->scattered = 0;
     path->phase = 0.0f;
     path->depth = 0;
+    path->run = 0;
     path->part = TY_PART_UNCOLLIDED;
     path->normal = ty_vec_make(0, 0, 0);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
@@ -468,9 +489,7 @@ TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     path->origin = point;
     const ty_light_view* light = ty_path_choose_light(path, point, &chosen, &sample);
     if (light != NULL) ty_path_add_vertex_light(path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
-    const float u = ty_random_next(&path->random), v = ty_random_next(&path->random);
-    path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
-    path->pdf = TY_INV_4PI;
+    ty_path_turn_anywhere(path);
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / TY_INV_4PI;
 }
 

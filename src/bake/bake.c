@@ -1,0 +1,64 @@
+/* Entry points: light on surfaces and at probes. */
+#include "bake/gather.h"
+
+#include "base/context.h"
+#include "scene/check.h"
+
+#include <string.h>
+
+static double mean_of(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term) {
+    const int32_t terms = run->request.terms;
+    const size_t at = (((size_t)receiver * TY_BAKE_LAYERS + (size_t)layer) * 3 + (size_t)channel) * (size_t)terms;
+    return run->sums[receiver].count > 0 ? run->light[at + (size_t)term] / run->sums[receiver].count : 0;
+}
+
+ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const ty_bake_receiver* receivers,
+                           int64_t count, ty_bake_light* light, ty_bake_stats* stats) {
+    ty_bake_run run;
+    ty_result result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SURFACE_TERMS);
+    if (result == TY_OK) {
+        result = ty_bake_sample(&run);
+        for (int64_t i = 0; i < count; ++i) {
+            light[i].samples = run.sums[i].count;
+            for (int c = 0; c < 3; ++c) {
+                light[i].variance[c] = (float)ty_bake_variance(&run.sums[i], c);
+                for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) {
+                    light[i].irradiance[layer][c] = (float)mean_of(&run, i, layer, c, 0);
+                    for (int a = 0; a < 3; ++a) light[i].toward[layer][c][a] = (float)mean_of(&run, i, layer, c, 1 + a);
+                }
+            }
+        }
+        if (stats != NULL) *stats = run.stats;
+    }
+    ty_bake_run_end(&run);
+    return result;
+}
+
+static void take_probe(const ty_bake_run* run, int64_t i, ty_bake_probe* out) {
+    out->samples = run->sums[i].count;
+    out->blocked = out->samples > 0 ? (float)(run->sums[i].blocked / out->samples) : 0;
+    for (int c = 0; c < 3; ++c) {
+        out->variance[c] = (float)ty_bake_variance(&run->sums[i], c);
+        for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer)
+            for (int t = 0; t < TY_BAKE_SH_TERMS; ++t) out->sh[layer][c][t] = (float)mean_of(run, i, layer, c, t);
+    }
+}
+
+ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const float* positions, int64_t count,
+                         ty_bake_probe* probes, ty_bake_stats* stats) {
+    ty_context* context = ty_scene_context(scene);
+    if (count < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "bake: a count of %lld probes", (long long)count);
+    ty_bake_receiver* receivers = ty_alloc_array(context, (size_t)count, sizeof *receivers, true);
+    if (receivers == NULL) return TY_ERROR_MEMORY;
+    for (int64_t i = 0; i < count; ++i) memcpy(receivers[i].position, positions + 3 * i, sizeof receivers[i].position);
+    ty_bake_run run;
+    ty_result result = ty_bake_run_begin(&run, scene, def, receivers, count, TY_BAKE_SH_TERMS);
+    if (result == TY_OK) {
+        result = ty_bake_sample(&run);
+        for (int64_t i = 0; i < count; ++i) take_probe(&run, i, &probes[i]);
+        if (stats != NULL) *stats = run.stats;
+    }
+    ty_bake_run_end(&run);
+    ty_free_array(context, receivers, (size_t)count, sizeof *receivers);
+    return result;
+}

@@ -1,0 +1,236 @@
+/* Sampling receivers in passes, with progress, a bound on error, and cancelling. */
+#include "bake/gather.h"
+
+#include "base/context.h"
+#include "base/isa.h"
+#include "scene/check.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Samples of the first pass; receivers that one thread takes at a time, and of all between two looks at progress. */
+enum { PASS_FIRST = 16, BLOCK = 8, CHUNK_FIRST = 64 };
+
+static const double chunk_seconds = 0.1;
+
+static ty_bake_kernel choose_kernel(void) {
+#if TY_ISA_X86
+    static const ty_bake_kernel kernels[TY_ISA_COUNT] = {ty_bake_kernel_v1, ty_bake_kernel_v3, ty_bake_kernel_v4};
+    return kernels[ty_best_isa()];
+#else
+    return ty_bake_kernel_v1;
+#endif
+}
+
+/* ---- media ---- */
+
+static bool has_matter(const ty_medium_view* medium) {
+    if (!(medium->sigma_t_max > 0)) return false;
+    if (medium->has_grid == 0) return true;
+    const int32_t* bricks = medium->grid.bricks;
+    const size_t count = (size_t)bricks[0] * (size_t)bricks[1] * (size_t)bricks[2];
+    for (size_t i = 0; i < count; ++i)
+        if (medium->extremes[2 * i + 1] > 0) return true;
+    return false;
+}
+
+static bool same(const float v[3]) {
+    return v[0] == v[1] && v[0] == v[2];
+}
+
+static bool is_gray(const ty_medium_view* medium) {
+    return medium->gray != 0 && medium->gray_g != 0 && same(medium->sigma_s) && medium->albedo_fields < 3 &&
+           medium->transfer_albedo == 0;
+}
+
+/* Media without matter must change nothing, not even what light is looked at: they are left out. */
+static ty_result take_media(ty_bake_run* run, const ty_scene_view* scene) {
+    if (run->def->method == TY_BAKE_SURFACES || scene->medium_count == 0) return TY_OK;
+    run->media_size = (size_t)scene->medium_count;
+    run->media = ty_alloc_array(run->context, run->media_size, sizeof *run->media, false);
+    if (run->media == NULL) return TY_ERROR_MEMORY;
+    int32_t count = 0;
+    run->request.gray = 1;
+    for (int32_t i = 0; i < scene->medium_count; ++i) {
+        if (!has_matter(&scene->media[i])) continue;
+        run->media[count++] = scene->media[i];
+        if (!is_gray(&scene->media[i])) run->request.gray = 0;
+    }
+    run->path.view.media = run->media;
+    run->path.view.medium_count = count;
+    return TY_OK;
+}
+
+static ty_result take_tables(ty_bake_run* run) {
+    const ty_bake_def* def = run->def;
+    if (def->method != TY_BAKE_IMPULSE || run->path.view.medium_count == 0) return TY_OK;
+    run->request.tables = def->tables;
+    if (def->tables != NULL) return TY_OK;
+    ty_impulse_def impulse = ty_default_impulse_def();
+    ty_impulse_stats stats;
+    if (def->scatterings > impulse.bounces) impulse.bounces = def->scatterings;
+    impulse.progress = def->progress;
+    impulse.progress_user = def->progress_user;
+    const ty_result result = ty_impulse_create(run->context, &impulse, &run->tables, &stats);
+    if (result != TY_OK) return result;
+    run->request.tables = run->tables;
+    run->stats.table_seconds = stats.seconds;
+    return TY_OK;
+}
+
+/* ---- a run ---- */
+
+static ty_result check_receivers(const ty_bake_run* run, const ty_bake_receiver* receivers, int64_t count) {
+    if (count < 0 || (count > 0 && receivers == NULL))
+        return ty_fail(run->context, TY_ERROR_ARGUMENT, "bake: a count of %lld receivers", (long long)count);
+    for (int64_t i = 0; i < count; ++i) {
+        const ty_bake_receiver* r = &receivers[i];
+        float sum = r->margin;
+        for (int a = 0; a < 3; ++a) sum += r->position[a] + r->normal[a] + r->face[a];
+        if (!isfinite(sum) || r->margin < 0)
+            return ty_fail(run->context, TY_ERROR_ARGUMENT, "bake: receiver %lld is not made of finite numbers",
+                           (long long)i);
+    }
+    return TY_OK;
+}
+
+/* Lights are chosen as if there were no media, whatever the method, so that media without matter change nothing. */
+static ty_result begin_path(ty_bake_run* run, const ty_scene* scene) {
+    ty_path_def path = ty_default_path_def();
+    path.ignore_media = true;
+    path.seed = run->def->seed;
+    path.max_depth = run->def->bounces;
+    ty_result result = ty_path_prepare(scene, &path, &run->path);
+    if (result != TY_OK) return result;
+    run->path.item_count = 1;
+    result = ty_path_run_begin(&run->path, scene, false);
+    run->path.def = NULL;
+    return result;
+}
+
+ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
+                            const ty_bake_receiver* receivers, int64_t count, int32_t terms) {
+    memset(run, 0, sizeof *run);
+    run->context = ty_scene_context(scene);
+    run->def = def;
+    ty_result result = ty_bake_check(run->context, def);
+    if (result == TY_OK) result = check_receivers(run, receivers, count);
+    if (result == TY_OK) result = begin_path(run, scene);
+    if (result == TY_OK) result = take_media(run, ty_scene_get_view(scene));
+    if (result == TY_OK) result = take_tables(run);
+    if (result != TY_OK) return result;
+    run->count = count;
+    ty_bake_request* request = &run->request;
+    request->path = run->path.request;
+    if (def->method == TY_BAKE_PATH) request->path.max_run = def->scatterings;
+    request->method = (int32_t)def->method;
+    request->scatterings = def->scatterings;
+    request->back_scattering = def->back_scattering;
+    request->receivers = receivers;
+    request->terms = terms;
+    run->kernel = choose_kernel();
+    const size_t size = (size_t)(TY_BAKE_LAYERS * 3 * terms);
+    run->sums = ty_alloc_array(run->context, (size_t)count, sizeof *run->sums, true);
+    run->light = ty_alloc_array(run->context, (size_t)count, size * sizeof *run->light, true);
+    return run->sums != NULL && run->light != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+void ty_bake_run_end(ty_bake_run* run) {
+    const size_t size = (size_t)(TY_BAKE_LAYERS * 3 * run->request.terms);
+    if (run->light != NULL) ty_free_array(run->context, run->light, (size_t)run->count, size * sizeof *run->light);
+    if (run->sums != NULL) ty_free_array(run->context, run->sums, (size_t)run->count, sizeof *run->sums);
+    if (run->media != NULL) ty_free_array(run->context, run->media, run->media_size, sizeof *run->media);
+    ty_impulse_destroy(run->tables);
+    if (run->path.items != NULL) ty_path_run_end(&run->path);
+}
+
+double ty_bake_variance(const ty_bake_sums* sums, int channel) {
+    if (sums->count < 2) return 0;
+    const double n = sums->count, mean = sums->mean[channel] / n;
+    return fmax(0, (sums->square[channel] - n * mean * mean) / (n - 1)) / n;
+}
+
+/* ---- passes ---- */
+
+typedef struct pass {
+    ty_bake_run* run;
+    int64_t begin, end; /* receivers of this chunk */
+    uint32_t first, count;
+} pass;
+
+static void sample_block(void* user, int64_t block, int32_t worker) {
+    (void)worker;
+    const pass* p = user;
+    const int64_t begin = p->begin + block * BLOCK;
+    const int64_t end = begin + BLOCK < p->end ? begin + BLOCK : p->end;
+    p->run->kernel(&p->run->request, begin, end, p->first, p->count, p->run->sums, p->run->light);
+}
+
+static bool tell(const ty_bake_run* run, double fraction, double seconds, uint64_t done) {
+    const ty_progress progress = {
+        .stage = "bake",
+        .fraction = fmin(1, fraction),
+        .seconds = seconds,
+        .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
+        .done = done,
+        .total = (uint64_t)run->def->spp,
+    };
+    return run->def->progress == NULL || run->def->progress(run->def->progress_user, &progress);
+}
+
+/* One pass over all receivers, in chunks of a tenth of a second. */
+static ty_result sample_pass(ty_bake_run* run, uint32_t first, uint32_t count, double begun) {
+    int64_t chunk = CHUNK_FIRST;
+    for (int64_t at = 0; at < run->count;) {
+        pass p = {run, at, at + chunk < run->count ? at + chunk : run->count, first, count};
+        const double start = ty_wall_seconds();
+        ty_parallel_for(run->context, (p.end - p.begin + BLOCK - 1) / BLOCK, sample_block, &p);
+        const double now = ty_wall_seconds();
+        at = p.end;
+        if (now - start < 0.5 * chunk_seconds) chunk *= 2;
+        if (now - start > 2 * chunk_seconds && chunk > CHUNK_FIRST) chunk /= 2;
+        const double samples = first + (double)count * (double)at / (double)run->count;
+        if (!tell(run, samples / run->def->spp, now - begun, first)) return TY_CANCELLED;
+    }
+    return TY_OK;
+}
+
+static double brightness(const ty_bake_sums* sums) {
+    return sums->count > 0 ? (sums->mean[0] + sums->mean[1] + sums->mean[2]) / (3 * sums->count) : 0;
+}
+
+/* Ends receivers that are precise enough; true when all are. */
+static bool end_receivers(ty_bake_run* run) {
+    if (!(run->def->error > 0)) return false;
+    double mean = 0;
+    bool all = true;
+    for (int64_t i = 0; i < run->count; ++i) mean += brightness(&run->sums[i]) / (double)run->count;
+    for (int64_t i = 0; i < run->count; ++i) {
+        ty_bake_sums* sums = &run->sums[i];
+        double variance = 0;
+        for (int c = 0; c < 3; ++c) variance += ty_bake_variance(sums, c) / 3;
+        if (sqrt(variance) <= run->def->error * fmax(mean, brightness(sums))) sums->done = 1;
+        if (sums->done == 0) all = false;
+    }
+    return all;
+}
+
+ty_result ty_bake_sample(ty_bake_run* run) {
+    const double begun = ty_wall_seconds();
+    const uint32_t spp = (uint32_t)run->def->spp;
+    ty_result result = TY_OK;
+    for (uint32_t done = 0; done < spp && result == TY_OK;) {
+        const uint32_t most = done > 0 ? done : PASS_FIRST, count = spp - done < most ? spp - done : most;
+        result = sample_pass(run, done, count, begun);
+        done += count;
+        if (result == TY_OK && end_receivers(run)) break;
+    }
+    run->stats.seconds = ty_wall_seconds() - begun;
+    for (int64_t i = 0; i < run->count; ++i) {
+        run->stats.paths += (int64_t)run->sums[i].paths;
+        run->stats.rays += (int64_t)run->sums[i].rays;
+        run->stats.mean_samples += (double)run->sums[i].count / (double)run->count;
+    }
+    return result;
+}

@@ -1,0 +1,48 @@
+/* What the baker's driver hands to its kernel, which is built once per instruction set. */
+#ifndef TY_BAKE_KERNEL_H
+#define TY_BAKE_KERNEL_H
+
+#include "method/path/kernel.h"
+
+#include <tyndall/bake.h>
+
+enum {
+    TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
+    TY_BAKE_TERMS_MAX = TY_BAKE_SH_TERMS
+};
+
+typedef struct ty_bake_request {
+    ty_path_request path; /* scene, random numbers, bounds; media without matter are left out of the scene */
+    int32_t method;       /* ty_bake_method */
+    int32_t scatterings;
+    int32_t back_scattering;
+    int32_t gray; /* whether media do the same to all channels */
+    const ty_impulse* tables;
+    const ty_bake_receiver* receivers;
+    int32_t terms; /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
+} ty_bake_request;
+
+/* Sums over a receiver's samples. */
+typedef struct ty_bake_sums {
+    double mean[3], square[3]; /* of what variance is told of */
+    double blocked;            /* rays that met the back of a surface */
+    /* How far media go around it, by the first rays of samples: sums of optical depth and of what it stops, and of
+     * irradiance scattered once, with what of it comes from behind surfaces. */
+    double depth[3], stopped[3], once, beyond;
+    float way[4]; /* the last first ray: direction and length; 0: none yet */
+    uint64_t paths, rays;
+    int32_t count; /* samples */
+    int32_t done;
+} ty_bake_sums;
+
+/* Adds samples [first, first + count) of receivers [begin, end) to sums and to light, both of all receivers. light:
+ * layers x 3 channels x terms each. */
+#define TY_BAKE_KERNEL(name)                                                                                           \
+    void name(const ty_bake_request* request, int64_t begin, int64_t end, uint32_t first, uint32_t count,              \
+              ty_bake_sums* sums, double* light)
+typedef TY_BAKE_KERNEL((*ty_bake_kernel));
+TY_BAKE_KERNEL(ty_bake_kernel_v1);
+TY_BAKE_KERNEL(ty_bake_kernel_v3);
+TY_BAKE_KERNEL(ty_bake_kernel_v4);
+
+#endif
