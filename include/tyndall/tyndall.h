@@ -6,6 +6,7 @@
 #include <tyndall/fld.h>
 #include <tyndall/grid.h>
 #include <tyndall/image.h>
+#include <tyndall/impulse.h>
 #include <tyndall/io.h>
 #include <tyndall/light_map.h>
 #include <tyndall/lpv.h>

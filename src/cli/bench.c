@@ -19,6 +19,7 @@ static const bench_entry benches[] = {
     {"screen", "screen-space scattering, beside streaming its bytes and its reference", bench_screen},
     {"fld", "flux-limited diffusion: its solvers, and images beside path", bench_fld},
     {"pop", "principal-ordinates propagation: its stages, and how they grow", bench_pop},
+    {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"load", "reading volumes of every format", bench_load},
 };
 enum { BENCH_COUNT = sizeof benches / sizeof benches[0] };
@@ -95,7 +96,7 @@ int cli_bench(int count, char** arguments) {
         {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},
     };
-    char details[512] = "benches:";
+    char details[1024] = "benches:";
     for (int i = 0; i < BENCH_COUNT; ++i) {
         const size_t used = strlen(details);
         snprintf(details + used, sizeof details - used, "\n  %-10s %s", benches[i].name, benches[i].summary);

@@ -36,6 +36,7 @@ static const figure_entry figures[] = {
     {"pop-clouds", "Principal-ordinates propagation: clouds, anisotropic and not (Fig. 15)", figure_pop_clouds},
     {"pop-animation", "Principal-ordinates propagation: a plume, frame by frame (Fig. 16)", figure_pop_animation},
     {"pop-surfaces", "Principal-ordinates propagation: a solid in a medium (Fig. 17)", figure_pop_surfaces},
+    {"impulse-tables", "Impulse responses: zonal harmonics over distance (Fig. 10)", figure_impulse_tables},
     {"screen-leaking", "Screen-space scattering: what keeps light from leaking (Fig. 6)", figure_screen_leaking},
     {"screen-thickness", "Screen-space scattering: optical thickness 2 to 8 (Fig. 7)", figure_screen_thickness},
     {"screen-truth", "Screen-space scattering: against path tracing (Fig. 8)", figure_screen_truth},

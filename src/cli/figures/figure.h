@@ -91,5 +91,6 @@ ty_result figure_screen_thickness(figure_run* run);
 ty_result figure_screen_truth(figure_run* run);
 ty_result figure_screen_photo(figure_run* run);
 ty_result figure_screen_table(figure_run* run);
+ty_result figure_impulse_tables(figure_run* run);
 
 #endif

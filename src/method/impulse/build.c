@@ -50,13 +50,14 @@ void ty_impulse_keep(const ty_impulse_work* work, ty_impulse_emitter emitter, in
 
 /* Numbers of spread and sink, fluence, depth, products. */
 typedef struct sizes {
-    size_t operator, fluence, depth, products, singles;
+    size_t spread, sink, fluence, depth, products, singles;
 } sizes;
 
 static sizes sizes_of(const ty_impulse_work* work) {
     const size_t places = (size_t)work->places, bounces = (size_t)work->tables->bounces;
-    return (sizes){.operator= places * TY_IMPULSE_TERMS * places,
-                   .fluence = bounces * TY_IMPULSE_TERMS * places,
+    return (sizes){.spread = places * TY_IMPULSE_ORDERS * places,
+                   .sink = places * TY_IMPULSE_TERMS * places,
+                   .fluence = bounces * TY_IMPULSE_ORDERS * places,
                    .depth = bounces * places,
                    .products = (size_t)ty_context_threads(work->tables->context) * bounces * TY_IMPULSE_PRODUCTS,
                    .singles = (size_t)TY_IMPULSE_DISTANCES * TY_IMPULSE_PHASES};
@@ -77,8 +78,8 @@ static void finish(ty_impulse_work* work) {
     put_back(work, work->products, s.products);
     put_back(work, work->depth, s.depth);
     put_back(work, work->fluence, s.fluence);
-    put_back(work, work->sink, s.operator);
-    put_back(work, work->spread, s.operator);
+    put_back(work, work->sink, s.sink);
+    put_back(work, work->spread, s.spread);
     put_back(work, work->distances, (size_t)work->places);
 }
 
@@ -86,8 +87,8 @@ static ty_result prepare(ty_impulse_work* work) {
     work->places = (int32_t)ceil(ty_impulse_place(work->tables, work->tables->range + behind)) + 1;
     const sizes s = sizes_of(work);
     work->distances = take(work, (size_t)work->places);
-    work->spread = take(work, s.operator);
-    work->sink = take(work, s.operator);
+    work->spread = take(work, s.spread);
+    work->sink = take(work, s.sink);
     work->fluence = take(work, s.fluence);
     work->depth = take(work, s.depth);
     work->products = take(work, s.products);
@@ -99,7 +100,7 @@ static ty_result prepare(ty_impulse_work* work) {
     ty_impulse_make_recurrence(&work->recurrence);
     for (int32_t i = 0; i < TY_IMPULSE_ANGLES; ++i) {
         const double cosine = (double)ty_impulse_cosines[i];
-        ty_impulse_legendre(&work->recurrence, cosine, sqrt(1 - cosine * cosine), work->angles[i].at);
+        ty_impulse_legendre_sent(&work->recurrence, cosine, sqrt(1 - cosine * cosine), work->angles[i]);
     }
     return ty_impulse_make_lattice(work);
 }
@@ -118,18 +119,18 @@ static void run_index(void* user, int64_t index, int32_t worker) {
     p->body(p->user, p->from + index, worker);
 }
 
-/* A loop that takes a share of the whole, and can be cancelled. */
+/* A loop that takes the next share of the whole, and can be cancelled. */
 static ty_result run(ty_impulse_work* work, ty_parallel_fn body, int64_t count, double share,
                      ty_part_progress* progress) {
-    ty_result result = TY_OK;
-    const double from = progress->from;
-    for (int64_t i = 0; i < PARTS && result == TY_OK; ++i) {
+    progress->share = share;
+    for (int64_t i = 0; i < PARTS; ++i) {
         part p = {body, work, count * i / PARTS};
         ty_parallel_flushed(work->tables->context, count * (i + 1) / PARTS - p.from, run_index, &p);
-        progress->share = 0;
-        result = ty_part_next(progress, "impulse", from + share * (double)(i + 1) / PARTS);
+        const ty_progress done = {.stage = "impulse", .fraction = (double)(i + 1) / PARTS};
+        if (!ty_part_report(progress, &done)) return TY_CANCELLED;
     }
-    return result;
+    progress->from += share;
+    return TY_OK;
 }
 
 /* Each bounce's fluence from that of the one before. */
@@ -137,16 +138,17 @@ static void bounce(ty_impulse_work* work) {
     const int32_t places = work->places;
     for (int32_t b = 1; b + 1 < work->tables->bounces; ++b)
         for (int32_t i = 0; i < places; ++i) {
-            const size_t row = (size_t)i * TY_IMPULSE_TERMS * (size_t)places;
-            for (int32_t k = 0; k < TY_IMPULSE_TERMS; ++k) {
-                const double *fluence = ty_impulse_fluence(work, b, k), *weight = work->spread + row + k * places;
-                double sum = 0;
-                for (int32_t j = 0; j < places; ++j) sum += weight[j] * fluence[j];
+            const double* spread = work->spread + (size_t)i * TY_IMPULSE_ORDERS * (size_t)places;
+            const double* sink = work->sink + (size_t)i * TY_IMPULSE_TERMS * (size_t)places;
+            double sum = 0;
+            for (int32_t j = 0; j < places; ++j) sum += sink[j] * ty_impulse_depth(work, b)[j];
+            ty_impulse_depth(work, b + 1)[i] = sqrt(4 * TY_IMPULSE_PI) * sum;
+            for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k, spread += places) {
+                const double* fluence = ty_impulse_fluence(work, b, k);
+                sum = 0;
+                for (int32_t j = 0; j < places; ++j) sum += spread[j] * fluence[j];
                 ty_impulse_fluence(work, b + 1, k)[i] = sum;
             }
-            double sum = 0;
-            for (int32_t j = 0; j < places; ++j) sum += work->sink[row + (size_t)j] * ty_impulse_depth(work, b)[j];
-            ty_impulse_depth(work, b + 1)[i] = sqrt(4 * TY_IMPULSE_PI) * sum;
         }
 }
 

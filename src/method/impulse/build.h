@@ -6,8 +6,8 @@
 #include "method/impulse/nodes.h"
 #include "method/impulse/tables.h"
 
-/* Products of y_l^m at the receiver and y_k^m at the emitter, l, k >= m. */
-enum { TY_IMPULSE_PRODUCTS = TY_IMPULSE_TERMS * (TY_IMPULSE_TERMS + 1) * (2 * TY_IMPULSE_TERMS + 1) / 6 };
+/* Products of y_l^m at the receiver and y_k^m at the emitter, l, k >= m: sorted by m, l, k. */
+enum { TY_IMPULSE_PRODUCTS = 556 };
 
 /* A response about the axis to the emitter, in the plane of that and the emitter's normal: what y_l^m is multiplied by,
  * m >= 0. */
@@ -29,7 +29,7 @@ static inline double ty_impulse_phase(double cosine, double g) {
 typedef struct ty_impulse_work {
     ty_impulse* tables;
     ty_impulse_recurrence recurrence;
-    ty_impulse_pairs angles[TY_IMPULSE_ANGLES]; /* harmonics at the angles of areas */
+    double angles[TY_IMPULSE_ANGLES][TY_IMPULSE_SENT]; /* harmonics at the angles of areas */
 
     /* Fluence is known at the bins' distances and beyond, as far as light comes back from. */
     int32_t places;
@@ -39,17 +39,17 @@ typedef struct ty_impulse_work {
     struct ty_impulse_lattice* lattice;
     ty_impulse_angles* singles; /* [bin][phase] */
 
-    /* What one scattering makes of fluence at all places: [place][term][place]; of areas' Legendre terms, and by depth.
-     */
+    /* What one scattering makes of fluence at all places: [place][order][place] of areas, [place][term][place] by
+     * depth. */
     double *spread, *sink;
-    /* Of lights that scattered 1, 2, .. times: [bounce - 1][term][place] of areas (times distance), [bounce - 1][place]
-     * by depth. */
+    /* Of lights that scattered 1, 2, .. times: [bounce - 1][order][place] of areas (times distance), [bounce -
+     * 1][place] by depth. */
     double *fluence, *depth;
     double* products; /* [worker][bounce - 2][product] */
 } ty_impulse_work;
 
-static inline double* ty_impulse_fluence(const ty_impulse_work* work, int32_t bounce, int32_t term) {
-    return work->fluence + ((size_t)(bounce - 1) * TY_IMPULSE_TERMS + (size_t)term) * (size_t)work->places;
+static inline double* ty_impulse_fluence(const ty_impulse_work* work, int32_t bounce, int32_t order) {
+    return work->fluence + ((size_t)(bounce - 1) * TY_IMPULSE_ORDERS + (size_t)order) * (size_t)work->places;
 }
 
 static inline double* ty_impulse_depth(const ty_impulse_work* work, int32_t bounce) {

@@ -23,11 +23,15 @@ typedef struct fitted {
     const ty_impulse_pairs* response;
 } fitted;
 
-/* The squared error, less the response's own square: harmonics are orthonormal. */
+/* The squared error of irradiance over all normals, less the response's own square: harmonics are orthonormal. Squares
+ * of radiance would be decided by the peak about the emitter, and leave a third of the irradiance to chance. */
 static double error_at(const fitted* fit, double lean) {
     double zonal[TY_IMPULSE_TERMS], sum = 0;
     project(fit->recurrence, fit->response, lean, zonal);
-    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) sum -= zonal[l] * zonal[l];
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
+        const double lobe = (double)ty_impulse_cosine_lobe[l];
+        sum -= zonal[l] * zonal[l] * lobe * lobe / (2 * l + 1);
+    }
     return sum;
 }
 

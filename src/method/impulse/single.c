@@ -19,10 +19,10 @@ enum { PSIS = 64, THETAS = 64, SUMS = TY_IMPULSE_ANGLES * TY_IMPULSE_PAIRS };
 static const double faint = 30; /* optical */
 
 typedef struct lattice_point {
-    double way;                       /* of light, over distance */
-    double zonal[TY_IMPULSE_TERMS];   /* y_l^0 at the receiver times the weight */
-    double emitted[TY_IMPULSE_TERMS]; /* P_k at the emitter times the weight */
-    ty_impulse_angles areas;          /* y_l^m A_m times the weight */
+    double way;                        /* of light, over distance */
+    double zonal[TY_IMPULSE_TERMS];    /* y_l^0 at the receiver times the weight */
+    double emitted[TY_IMPULSE_ORDERS]; /* P_k at the emitter times the weight */
+    ty_impulse_angles areas;           /* y_l^m A_m times the weight */
 } lattice_point;
 
 struct ty_impulse_lattice {
@@ -51,14 +51,13 @@ static void clamped_cosine(double level, double swing, double out[TY_IMPULSE_TER
 static void make_point(const ty_impulse_recurrence* recurrence, double psi, double theta, double weight,
                        lattice_point* out) {
     const double alpha = psi - theta, turn = 2 * TY_IMPULSE_PI * weight, side = sqrt(2) * TY_IMPULSE_PI * weight;
-    double pairs[TY_IMPULSE_PAIRS], fourier[TY_IMPULSE_TERMS], zonal[TY_IMPULSE_TERMS];
+    double pairs[TY_IMPULSE_PAIRS], fourier[TY_IMPULSE_TERMS], sent[TY_IMPULSE_SENT];
     out->way = cos(theta - 0.5 * psi) / cos(0.5 * psi);
     ty_impulse_legendre(recurrence, cos(theta), sin(theta), pairs);
-    ty_impulse_zonal(cos(alpha), zonal);
-    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
-        out->zonal[l] = turn * pairs[l];
-        out->emitted[l] = turn * sqrt(4 * TY_IMPULSE_PI / (2 * l + 1)) * zonal[l];
-    }
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->zonal[l] = turn * pairs[l];
+    ty_impulse_legendre_sent(recurrence, cos(alpha), sin(alpha), sent);
+    for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k)
+        out->emitted[k] = turn * sqrt(4 * TY_IMPULSE_PI / (2 * ty_impulse_orders[k] + 1)) * sent[k];
     for (int32_t angle = 0; angle < TY_IMPULSE_ANGLES; ++angle) {
         const double cosine = (double)ty_impulse_cosines[angle], sine = sqrt(1 - cosine * cosine);
         clamped_cosine(cosine * cos(alpha), sine * sin(alpha), fourier);
@@ -92,7 +91,7 @@ void ty_impulse_free_lattice(ty_impulse_work* work) {
 
 /* Sums over theta, for a block's places. */
 typedef struct sums {
-    double zonal[TY_IMPULSE_BLOCK][TY_IMPULSE_TERMS], emitted[TY_IMPULSE_BLOCK][TY_IMPULSE_TERMS];
+    double zonal[TY_IMPULSE_BLOCK][TY_IMPULSE_TERMS], emitted[TY_IMPULSE_BLOCK][TY_IMPULSE_ORDERS];
     double areas[TY_IMPULSE_BLOCK][SUMS];
 } sums;
 
@@ -104,10 +103,8 @@ static void add_row(const lattice_point* row, const double* distances, int32_t c
         for (int32_t k = 0; k < count; ++k) {
             if (distances[k] * (point->way - 1) > faint) continue;
             const double arrives = exp(-distances[k] * point->way);
-            for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
-                out->zonal[k][l] += arrives * point->zonal[l];
-                out->emitted[k][l] += arrives * point->emitted[l];
-            }
+            for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->zonal[k][l] += arrives * point->zonal[l];
+            for (int32_t l = 0; l < TY_IMPULSE_ORDERS; ++l) out->emitted[k][l] += arrives * point->emitted[l];
             if (!areas) continue;
             for (int32_t n = 0; n < SUMS; ++n) out->areas[k][n] += arrives * all[n];
         }
@@ -127,11 +124,10 @@ void ty_impulse_scatter_once(void* user, int64_t block, int32_t worker) {
         add_row(work->lattice->points[i], work->distances + first, count, tabled, &row);
         for (int32_t k = 0; k < count; ++k) {
             const double over = 1 / work->distances[first + k];
-            for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
-                /* What is kept of fluence is distance times it. */
-                const double share = sqrt((2 * l + 1) / (4 * TY_IMPULSE_PI)) * (double)ty_impulse_cosine_lobe[l];
-                ty_impulse_fluence(work, 1, l)[first + k] += share * phase[1] * row.emitted[k][l];
-            }
+            /* What is kept of fluence is distance times it. */
+            for (int32_t l = 0; l < TY_IMPULSE_ORDERS; ++l)
+                ty_impulse_fluence(work, 1, l)[first + k] +=
+                    ty_impulse_cosine_share(ty_impulse_orders[l]) * phase[1] * row.emitted[k][l];
             if (!tabled) continue;
             for (int32_t g = 0; g < TY_IMPULSE_PHASES; ++g) {
                 double* areas = work->singles[(first + k) * TY_IMPULSE_PHASES + g].angle[0].at;

@@ -8,7 +8,8 @@
  *     harmonics = 1 / d  integral over r of r fluence_k(r)  integral over t = |d - r|..d + r of exp(-t) / (4 pi t)
  *                 y_l^m(theta) y_k^m(alpha)  ...
  *
- * theta and alpha being the triangle's angles at receiver and emitter. */
+ * theta and alpha being the triangle's angles at receiver and emitter. Odd orders but the first are not there: a cosine
+ * lobe has none. */
 #include "method/impulse/build.h"
 
 #include <string.h>
@@ -34,21 +35,22 @@ void ty_impulse_make_spread(void* user, int64_t place, int32_t worker) {
     ty_impulse_work* work = user;
     (void)worker;
     const double d = work->distances[place];
-    double* rows = work->spread + (size_t)place * TY_IMPULSE_TERMS * (size_t)work->places;
+    double* rows = work->spread + (size_t)place * TY_IMPULSE_ORDERS * (size_t)work->places;
     ty_impulse_nodes radii = {0}, ways;
     ty_impulse_add_radii(work, d, &radii);
     for (int32_t i = 0; i < radii.count; ++i) {
         int32_t first;
-        double weight[4], kernel[TY_IMPULSE_TERMS] = {0}, zonal[TY_IMPULSE_TERMS];
+        double weight[4], kernel[TY_IMPULSE_ORDERS] = {0}, there[TY_IMPULSE_SENT];
         if (!ty_impulse_around(work, radii.x[i], &first, weight)) continue;
         add_ways(d, radii.x[i], &ways);
         for (int32_t j = 0; j < ways.count; ++j) {
             const double t = ways.x[j], share = ways.weight[j] * exp(-t) / t;
-            ty_impulse_zonal(angle_between(d, radii.x[i], t), zonal);
-            for (int32_t k = 0; k < TY_IMPULSE_TERMS; ++k) kernel[k] += share * zonal[k];
+            const double alpha = angle_between(d, radii.x[i], t);
+            ty_impulse_legendre_sent(&work->recurrence, alpha, sqrt(1 - alpha * alpha), there);
+            for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k) kernel[k] += share * there[k];
         }
-        for (int32_t k = 0; k < TY_IMPULSE_TERMS; ++k) {
-            const double polynomial = sqrt(4 * TY_IMPULSE_PI / (2 * k + 1)) * kernel[k];
+        for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k) {
+            const double polynomial = sqrt(4 * TY_IMPULSE_PI / (2 * ty_impulse_orders[k] + 1)) * kernel[k];
             for (int32_t j = 0; j < 4; ++j)
                 rows[k * work->places + first + j] += 0.5 * radii.weight[i] * weight[j] * polynomial;
         }
@@ -58,21 +60,22 @@ void ty_impulse_make_spread(void* user, int64_t place, int32_t worker) {
 /* Sums of y_l^m y_k^m over the ways to points at one distance from the emitter. */
 static void add_products(const ty_impulse_recurrence* recurrence, double d, double r, const ty_impulse_nodes* ways,
                          double out[TY_IMPULSE_PRODUCTS]) {
-    double here[TY_IMPULSE_PAIRS], there[TY_IMPULSE_PAIRS];
+    double here[TY_IMPULSE_PAIRS], there[TY_IMPULSE_SENT];
     memset(out, 0, TY_IMPULSE_PRODUCTS * sizeof *out);
     for (int32_t j = 0; j < ways->count; ++j) {
         const double t = ways->x[j], share = ways->weight[j] * exp(-t) / (4 * TY_IMPULSE_PI * t);
         const double theta = angle_between(d, t, r), alpha = angle_between(d, r, t);
         ty_impulse_legendre(recurrence, theta, sqrt(1 - theta * theta), here);
-        ty_impulse_legendre(recurrence, alpha, sqrt(1 - alpha * alpha), there);
+        ty_impulse_legendre_sent(recurrence, alpha, sqrt(1 - alpha * alpha), there);
         double* product = out;
-        for (int32_t m = 0, at = 0; m < TY_IMPULSE_TERMS; ++m) {
-            const int32_t count = TY_IMPULSE_TERMS - m;
-            for (int32_t l = 0; l < count; ++l, product += count) {
-                const double factor = share * here[at + l];
-                for (int32_t k = 0; k < count; ++k) product[k] += factor * there[at + k];
+        const double *at_here = here, *at_there = there;
+        for (int32_t m = 0; m < TY_IMPULSE_TERMS; ++m) {
+            const int32_t count = ty_impulse_sent(m);
+            for (int32_t l = m; l < TY_IMPULSE_TERMS; ++l, product += count) {
+                const double factor = share * *at_here++;
+                for (int32_t k = 0; k < count; ++k) product[k] += factor * at_there[k];
             }
-            at += count;
+            at_there += count;
         }
     }
 }
@@ -80,35 +83,36 @@ static void add_products(const ty_impulse_recurrence* recurrence, double d, doub
 /* Adds what the light of one distance gives, of every bounce. */
 static void add_bounces(const ty_impulse_work* work, int32_t first, const double weight[4], double share,
                         const double kernel[TY_IMPULSE_PRODUCTS], double* sums) {
-    for (int32_t bounce = 2; bounce <= work->tables->bounces; ++bounce, sums += TY_IMPULSE_PRODUCTS) {
-        double light[TY_IMPULSE_TERMS];
-        for (int32_t k = 0; k < TY_IMPULSE_TERMS; ++k) {
+    for (int32_t bounce = 2; bounce <= work->tables->bounces; ++bounce) {
+        double light[TY_IMPULSE_ORDERS];
+        for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k) {
             const double* fluence = ty_impulse_fluence(work, bounce - 1, k) + first;
             light[k] = share * (weight[0] * fluence[0] + weight[1] * fluence[1] + weight[2] * fluence[2] +
                                 weight[3] * fluence[3]);
         }
         const double* from = kernel;
-        double* to = sums;
         for (int32_t m = 0; m < TY_IMPULSE_TERMS; ++m) {
-            const int32_t count = TY_IMPULSE_TERMS - m;
-            for (int32_t l = 0; l < count; ++l, from += count, to += count)
-                for (int32_t k = 0; k < count; ++k) to[k] += light[m + k] * from[k];
+            const int32_t count = ty_impulse_sent(m);
+            const double* at = light + TY_IMPULSE_ORDERS - count;
+            for (int32_t l = m; l < TY_IMPULSE_TERMS; ++l, from += count, sums += count)
+                for (int32_t k = 0; k < count; ++k) sums[k] += at[k] * from[k];
         }
     }
 }
 
 /* From products to a response at an angle of areas. */
-static void gather(const ty_impulse_pairs* angle, const double* products, ty_impulse_pairs* out) {
-    for (int32_t m = 0, at = 0; m < TY_IMPULSE_TERMS; ++m) {
-        const int32_t count = TY_IMPULSE_TERMS - m;
+static void gather(const double angle[TY_IMPULSE_SENT], const double* products, ty_impulse_pairs* out) {
+    double* to = out->at;
+    for (int32_t m = 0; m < TY_IMPULSE_TERMS; ++m) {
+        const int32_t count = ty_impulse_sent(m);
+        const int32_t* orders = ty_impulse_orders + TY_IMPULSE_ORDERS - count;
         const double side = m == 0 ? 2 * TY_IMPULSE_PI : 2 * sqrt(2) * TY_IMPULSE_PI;
-        for (int32_t l = 0; l < count; ++l, products += count) {
+        for (int32_t l = m; l < TY_IMPULSE_TERMS; ++l, products += count) {
             double sum = 0;
-            for (int32_t k = 0; k < count; ++k)
-                sum += products[k] * angle->at[at + k] * 4 * TY_IMPULSE_PI / (2 * (m + k) + 1);
-            out->at[at + l] = side * sum;
+            for (int32_t k = 0; k < count; ++k) sum += products[k] * angle[k] * 4 * TY_IMPULSE_PI / (2 * orders[k] + 1);
+            *to++ = side * sum;
         }
-        at += count;
+        angle += count;
     }
 }
 
@@ -117,7 +121,7 @@ static void keep_points(const ty_impulse_work* work, int32_t bin, const double* 
     const double factor = 4 * 2 * TY_IMPULSE_PI * sqrt(4 * TY_IMPULSE_PI);
     for (int32_t bounce = 2; bounce <= work->tables->bounces; ++bounce, products += TY_IMPULSE_PRODUCTS) {
         double zonal[TY_IMPULSE_TERMS];
-        for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = factor * products[l * TY_IMPULSE_TERMS];
+        for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = factor * products[l * TY_IMPULSE_ORDERS];
         ty_impulse_keep(work, TY_IMPULSE_POINT, 0, bin, TY_IMPULSE_PHASES + bounce - 2, zonal);
     }
 }
@@ -126,7 +130,7 @@ static void keep_points(const ty_impulse_work* work, int32_t bin, const double* 
 static double fit_axis(const ty_impulse_work* work, int32_t angle, int32_t bin, const double* products) {
     ty_impulse_pairs all = work->singles[bin * TY_IMPULSE_PHASES + 1].angle[angle], more;
     for (int32_t bounce = 2; bounce <= work->tables->bounces; ++bounce, products += TY_IMPULSE_PRODUCTS) {
-        gather(&work->angles[angle], products, &more);
+        gather(work->angles[angle], products, &more);
         for (int32_t pair = 0; pair < TY_IMPULSE_PAIRS; ++pair) all.at[pair] += more.at[pair];
     }
     return ty_impulse_fit(&work->recurrence, &all);
@@ -141,7 +145,7 @@ static void keep_area(const ty_impulse_work* work, int32_t angle, int32_t bin, c
     }
     for (int32_t bounce = 2; bounce <= work->tables->bounces; ++bounce, products += TY_IMPULSE_PRODUCTS) {
         ty_impulse_pairs response;
-        gather(&work->angles[angle], products, &response);
+        gather(work->angles[angle], products, &response);
         ty_impulse_lean(&work->recurrence, &response, shift, zonal);
         ty_impulse_keep(work, TY_IMPULSE_AREA, angle, bin, TY_IMPULSE_PHASES + bounce - 2, zonal);
     }

@@ -1,8 +1,8 @@
 /* Impulse responses by brute force: radiance by summing along rays, harmonics by summing over directions. Optical
  * lengths, albedo 1. It shares nothing with what makes the tables: those integrate over other variables in another
  * order. */
-#ifndef TY_TESTS_IMPULSE_RAYS_H
-#define TY_TESTS_IMPULSE_RAYS_H
+#ifndef TY_CLI_FIGURES_IMPULSE_RAYS_H
+#define TY_CLI_FIGURES_IMPULSE_RAYS_H
 
 #include "base/quadrature.h"
 
