@@ -135,15 +135,18 @@ static int bake_scene(bake_run* run) {
     run->def = make_def(run);
     int status = bake_make_plan(run);
     if (status != CLI_GO) return status;
-    if (!session->common.quiet || options->dry_run) bake_print_plan(run);
-    fflush(stdout);
-    if (options->dry_run) return CLI_DONE;
+    if (options->dry_run) {
+        bake_print_plan(run);
+        return CLI_DONE;
+    }
     status = cli_make_folder("bake", options->folder);
     run->copies = bake_list_copies(run, &run->copy_count);
     if (status == CLI_GO && run->copies == NULL) status = cli_fail_running(session, TY_ERROR_MEMORY);
     if (status == CLI_GO) status = bake_check_copies(run);
     if (status == CLI_GO && options->resume) status = bake_read_state(run);
     if (status != CLI_GO) return status;
+    if (!session->common.quiet) bake_print_plan(run);
+    fflush(stdout);
     session->stats = bake_report_stats;
     session->stats_user = run;
     ty_result result = make_tables(run);

@@ -14,13 +14,13 @@ enum { POINTS_MAX = 1 << 28, IMAGE_SIDE_MAX = 65536 };
 
 const char* bake_mesh_name(const ty_mesh_def* mesh) {
     if (mesh->origin.name != NULL && mesh->origin.name[0] != '\0') return mesh->origin.name;
-    return mesh->origin.file != NULL ? mesh->origin.file : "mesh";
+    if (mesh->origin.file == NULL) return "mesh";
+    const char* slash = strrchr(mesh->origin.file, '/');
+    return slash == NULL ? mesh->origin.file : slash + 1;
 }
 
-/* A file name of a mesh's name: without folders and extensions, and of few characters. */
+/* A file name of a mesh's name, of few characters. */
 static void clean_name(const char* text, char name[BAKE_NAME_SIZE]) {
-    const char* slash = strrchr(text, '/');
-    if (slash != NULL && slash[1] != '\0') text = slash + 1;
     size_t used = 0;
     for (const char* at = text; *at != '\0' && used < BAKE_NAME_SIZE - 16; ++at)
         name[used++] = isalnum((unsigned char)*at) || *at == '-' || *at == '_' ? *at : '_';
