@@ -61,7 +61,9 @@ static ty_bake_def make_def(bake_run* run) {
                                       : SPP_LOW;
     def.error = options->error;
     def.bounces = options->bounces;
-    def.scatterings = options->scatterings;
+    def.scatterings = options->scatterings > 0     ? options->scatterings
+                      : def.method == TY_BAKE_PATH ? TY_IMPULSE_BOUNCES_MAX
+                                                   : def.scatterings;
     def.back_scattering = !options->no_back_scattering;
     def.seed = run->session->common.seed_given ? run->session->common.seed : ty_scene_render_settings(run->scene).seed;
     def.progress = bake_report_progress;
@@ -195,10 +197,8 @@ static int check_options(bake_options* options) {
 }
 
 int cli_bake(int count, char** arguments) {
-    const ty_bake_def def = ty_default_bake_def();
     const ty_atlas_def atlas = ty_default_atlas_def();
-    bake_options options = {
-        .scatterings = def.scatterings, .sh = 3, .padding = atlas.padding, .density = atlas.density};
+    bake_options options = {.sh = 3, .padding = atlas.padding, .density = atlas.density};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
         {"method", 0, CLI_CHOICE, "impulse|attenuation|surfaces|path", "how media count (default impulse)",
@@ -211,8 +211,8 @@ int cli_bake(int count, char** arguments) {
          NULL},
         {"bounces", 0, CLI_INT, "N", "reflections at most (default 0: 16, and some paths end earlier)",
          &options.bounces, 0, 1024, NULL},
-        {"scatterings", 0, CLI_INT, "N", "scatterings of impulse responses (default 10)", &options.scatterings, 1,
-         TY_IMPULSE_BOUNCES_MAX, NULL},
+        {"scatterings", 0, CLI_INT, "N", "scatterings in a row at most (default 10, and 64 for path)",
+         &options.scatterings, 1, TY_IMPULSE_BOUNCES_MAX, NULL},
         {"no-back-scattering", 0, CLI_FLAG, NULL, "leave out what surfaces behind a receiver send into the medium",
          &options.no_back_scattering, 0, 0, NULL},
         {"lightmaps", 0, CLI_FLAG, NULL, "bake meshes by lightmap", &options.lightmaps, 0, 0, NULL},
