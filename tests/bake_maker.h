@@ -9,7 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Receivers evenly on a scene's meshes that do not glow, `per` of them on each triangle, on the side that its normals point to. */
+/* Receivers evenly on a scene's meshes that do not glow, `per` of them on each triangle, on the side that its normals
+ * point to. */
 static inline ty_bake_receiver* receivers_on_meshes(const ty_scene* scene, int32_t per, int64_t* count) {
     const ty_scene_info info = ty_scene_get_info(scene);
     ty_bake_receiver* out = NULL;

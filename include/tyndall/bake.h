@@ -65,8 +65,10 @@ typedef struct ty_bake_def {
     int32_t spp;     /* paths per receiver at most, 1..2^20; default 64 */
     double error;    /* stop a receiver when its standard error is below this part of its irradiance (or of the mean of
                         all, where that is more), > 0; 0 (default): no bound */
-    int32_t bounces; /* reflections and, for TY_BAKE_PATH, scatterings at most; 0 (default): 16 and Russian roulette */
-    int32_t scatterings;      /* of impulse responses, 1..tables' bounces; default 10 */
+    int32_t bounces; /* reflections and, for TY_BAKE_PATH, scatterings together at most; 0 (default): as many
+                        as Russian roulette leaves */
+    int32_t scatterings;      /* between two surfaces, or a light and a surface, at most, 1..tables' bounces; default
+                                 10. TY_BAKE_PATH keeps to it, too */
     bool back_scattering;     /* whether light counts that surfaces behind a receiver send into the medium (Sec. 5.2);
                                  default true */
     const ty_impulse* tables; /* method TY_BAKE_IMPULSE; NULL: made with defaults */

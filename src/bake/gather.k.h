@@ -12,6 +12,14 @@ enum { TY_BACK_EVERY = 8 };
 /* Cosines below this count as this where light that a surface scatters towards a probe is weighed. */
 #define TY_LEAST_COSINE 0.03f
 
+/* Cosines to a surface's normal below which light counts less in the vector irradiance along the surface. */
+#define TY_LEAST_GRAZING 0.02f
+/* A point of a flat light is no nearer than this, in parts of the light's size: what is scattered close by grows
+ * without bound, but the light does not. */
+#define TY_LEAST_LAMP 0.2f
+/* What one segment may at most add to a path's throughput: rare paths that found dark corners would bring more. */
+#define TY_MOST_FACTOR 4.0f
+
 typedef struct ty_gather {
     const ty_bake_request* request;
     const ty_bake_receiver* receiver;
@@ -37,10 +45,14 @@ TY_FN void ty_gather_basis(const ty_gather* g, ty_vec from, float basis[TY_BAKE_
         ty_sh_at(from, TY_SH_BANDS_MAX, basis);
         return;
     }
-    basis[0] = ty_dot(g->normal, from);
-    basis[1] = from.x;
-    basis[2] = from.y;
-    basis[3] = from.z;
+    /* Rays that graze are few, and each would weigh much: the last hundredth of what comes along the surface is left
+     * out, and half the noise of it. */
+    const float cosine = ty_dot(g->normal, from), kept = ty_minf(1.0f, cosine * (1.0f / TY_LEAST_GRAZING));
+    const ty_vec vector = ty_mad(ty_scale(from, kept), g->normal, cosine * (1.0f - kept));
+    basis[0] = cosine;
+    basis[1] = vector.x;
+    basis[2] = vector.y;
+    basis[3] = vector.z;
 }
 
 TY_FN void ty_gather_keep(ty_gather* g, int32_t layer, int32_t channel, float amount, const float* basis) {
@@ -150,6 +162,7 @@ TY_FN void ty_emitter_of_light(const ty_light_view* light, const ty_light_sample
         const float mu = ty_light_facing(light, sample->look);
         out->kind = TY_IMPULSE_AREA;
         out->cosine = mu;
+        out->distance = ty_maxf(out->distance, TY_LEAST_LAMP * sqrtf(light->area));
         out->normal = ty_scale(light->direction, ty_dot(light->direction, sample->look) < 0.0f ? 1.0f : -1.0f);
         factor = weight * d2 / mu;
     } else if (light->kind == TY_KIND_SPHERE) {
@@ -229,7 +242,7 @@ TY_FN float ty_gatherer_area(const ty_gatherer* at, const ty_encounter* end, con
     const float d2 = ty_maxf(emitter->distance * emitter->distance, 1e-20f);
     const ty_vec way = ty_sub(end->hit.position, at->off);
     const float w2 = ty_maxf(ty_dot(way, way), 1e-20f);
-    const float aside = ty_maxf(0.0f, -ty_dot(way, end->point.facing) / sqrtf(w2));
+    const float aside = ty_maxf(0.05f, -ty_dot(way, end->point.facing) / sqrtf(w2));
     const float cosine = ty_dot(at->normal, emitter->look);
     float density = at->around * aside * TY_INV_4PI / w2;
     if (cosine > 0.0f && ty_dot(at->face, emitter->look) > 0.0f)
@@ -265,6 +278,8 @@ TY_FN bool ty_gather_light_aside(ty_gather* g, const ty_gatherer* at, float weig
     const bool ahead = ty_dot(at->normal, emitter->look) > 0.0f && ty_dot(at->face, emitter->look) > 0.0f;
     if (ahead ? emitter->cosine > 0.0f : g->request->back_scattering == 0) return false;
     emitter->cosine = ty_maxf(0.0f, emitter->cosine);
+    if (emitter->kind == TY_IMPULSE_AREA)
+        emitter->distance = ty_maxf(emitter->distance, TY_LEAST_LAMP * sqrtf(seen.light->area));
     return ty_response_find(g->request, &seen.segment, emitter, g->most, response);
 }
 
@@ -315,12 +330,12 @@ TY_FN void ty_gather_scattered(const ty_gather* g, const ty_gatherer* at, const 
     for (int c = 0; c < 3; ++c) irradiance[c] *= amount;
 }
 
-/* What one light sends over a surface point. */
-TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, const float clear[3], ty_leaving* out) {
+/* What one light sends over a surface point; false where none is seen. */
+TY_FN bool ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, const float clear[3], ty_leaving* out) {
     ty_path* path = &g->path;
     ty_seen_light seen;
     float scattered[3] = {0.0f, 0.0f, 0.0f};
-    if (!ty_gather_see_light(g, at->point.facing, &seen)) return;
+    if (!ty_gather_see_light(g, at->point.facing, &seen)) return false;
     if (ty_gather_scatters(g)) {
         ty_emitter emitter;
         ty_response response;
@@ -336,6 +351,7 @@ TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, const f
         out->clear[c] += clear[c] * reflects * straight;
         out->all[c] += path->beta[c] * reflects * (straight + scattered[c]);
     }
+    return true;
 }
 
 /* Light that the path's ray meets, on a surface (end) or beyond all (NULL). ahead: the weight of what comes straight
@@ -365,13 +381,7 @@ TY_FN void ty_gather_meet(ty_gather* g, const ty_encounter* end, const ty_segmen
 TY_FN bool ty_gather_around(ty_gather* g, const ty_gatherer* at, ty_encounter* end, float factor[3], ty_leaving* out) {
     const ty_scene_view* scene = g->request->path.scene;
     ty_path* path = &g->path;
-    ty_emitter emitter;
-    ty_response response;
     ty_segment segment;
-    if (ty_gather_light_aside(g, at, 1.0f / at->around, &emitter, &response)) {
-        ty_response_irradiance(&response, at->normal, g->once, factor);
-        for (int c = 0; c < 3; ++c) out->all[c] += path->beta[c] * factor[c] * emitter.strength[c] * (1.0f / TY_PI);
-    }
     ty_path_turn_anywhere(path);
     ++g->rays;
     if (!ty_mesh_intersect(scene->mesh, at->off, path->direction, TY_FLOAT_MAX, &end->hit)) return false;
@@ -404,12 +414,30 @@ TY_FN bool ty_gather_onward(ty_gather* g, const ty_gatherer* at, ty_encounter* e
     return hit;
 }
 
+/* What lights that send nothing straight to a surface point send over it. weight: of their light. */
+TY_FN void ty_gather_reflect_aside(ty_gather* g, const ty_gatherer* at, const ty_encounter* end, float weight,
+                                   ty_leaving* out) {
+    ty_emitter emitter;
+    ty_response response;
+    float scattered[3];
+    if (!ty_gather_light_aside(g, at, weight, &emitter, &response)) return;
+    ty_response_irradiance(&response, at->normal, g->once, scattered);
+    for (int c = 0; c < 3; ++c)
+        out->all[c] += g->path.beta[c] * end->point.albedo[c] * (1.0f / TY_PI) * scattered[c] * emitter.strength[c];
+}
+
+/* Where nothing is seen that sends light straight on, what is aside is looked for, and else every now and then; returns
+ * the weight of what is found, 0: it is not looked for. */
+TY_FN float ty_gather_look_aside(bool seen, bool now) {
+    return !seen ? 1.0f : now ? (float)TY_BACK_EVERY : 0.0f;
+}
+
 /* The path stands where it has just arrived: at a surface. */
 TY_FN ty_gatherer ty_gather_stand(ty_gather* g, const ty_encounter* end) {
     ty_path* path = &g->path;
     ty_gatherer at = {.normal = end->point.normal, .face = end->point.facing, .ahead = 1.0f};
     at.position = ty_hit_leave(&end->hit, at.face);
-    at.off = ty_mad(at.position, path->direction, -ty_minf(g->step, 0.25f * end->hit.distance));
+    at.off = ty_mad(at.position, path->direction, -ty_minf(g->step, 0.5f * end->hit.distance));
     path->origin = at.position;
     path->normal = at.normal;
     if (!ty_gather_scatters(g)) return at;
@@ -431,14 +459,21 @@ TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* start, ty_leaving*
     while (ty_max3(end.point.albedo) > 0.0f && (most == 0 || path->depth < most)) {
         const ty_gatherer at = ty_gather_stand(g, &end);
         ++path->depth;
-        ty_gather_reflect_light(g, &end, clear, out);
+        const bool seen = ty_gather_reflect_light(g, &end, clear, out);
+        const bool around = at.around > 0.0f && ty_random_white(&path->random) < at.around;
+        const float aside = at.around > 0.0f ? ty_gather_look_aside(seen, around) : 0.0f;
+        if (aside > 0.0f) {
+            ty_gather_reflect_aside(g, &at, &end, aside, out);
+            path->origin = at.position;
+            path->normal = at.normal;
+        }
         const float before = ty_sum3(path->beta);
         for (int c = 0; c < 3; ++c) {
             path->beta[c] *= end.point.albedo[c];
             clear[c] *= end.point.albedo[c];
         }
         path->survival *= ty_max3(end.point.albedo);
-        if (at.around > 0.0f && ty_random_white(&path->random) < at.around) {
+        if (around) {
             for (int c = 0; c < 3; ++c) clear[c] = 0.0f;
             if (!ty_gather_around(g, &at, &end, factor, out)) return;
         } else {
@@ -446,7 +481,7 @@ TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* start, ty_leaving*
             if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
             if (!ty_gather_onward(g, &at, &end, clear, factor, out)) return;
         }
-        for (int c = 0; c < 3; ++c) path->beta[c] *= factor[c];
+        for (int c = 0; c < 3; ++c) path->beta[c] *= ty_minf(factor[c], TY_MOST_FACTOR);
         const float now = ty_sum3(path->beta);
         if (!ty_path_survives(path, before)) return;
         const float kept = ty_sum3(path->beta) / now;
@@ -465,20 +500,21 @@ TY_FN ty_gatherer ty_gather_receiver(const ty_gather* g) {
                          .around = 1.0f / (float)TY_BACK_EVERY};
 }
 
-TY_FN void ty_gather_light(ty_gather* g) {
+TY_FN bool ty_gather_light(ty_gather* g) {
     ty_path* path = &g->path;
     ty_seen_light seen;
     float basis[TY_BAKE_TERMS_MAX], straight[3];
-    if (!ty_gather_see_light(g, g->face, &seen)) return;
+    if (!ty_gather_see_light(g, g->face, &seen)) return false;
     ty_gather_basis(g, seen.sample.look, basis);
     for (int c = 0; c < 3; ++c) straight[c] = seen.sample.radiance[c] * seen.weight * seen.segment.transmittance[c];
     ty_gather_keep_all(g, TY_BAKE_DIRECT, straight, basis);
-    if (!ty_gather_scatters(g)) return;
+    if (!ty_gather_scatters(g)) return true;
     ty_emitter emitter;
     ty_response response;
     ty_emitter_of_light(seen.light, &seen.sample, path->origin, &seen.segment, 1.0f / seen.chosen, &emitter);
     if (ty_response_find(g->request, &seen.segment, &emitter, g->most, &response))
         ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
+    return true;
 }
 
 /* Light that a surface point sends out and media scatter towards the receiver. */
@@ -538,6 +574,17 @@ TY_FN void ty_gather_ahead(ty_gather* g, ty_encounter* end, bool hit, const ty_s
     ty_gather_surface_response(g, end, segment, &leaving);
 }
 
+/* Lights that send nothing straight to the receiver. */
+TY_FN void ty_gather_receive_aside(ty_gather* g, float weight) {
+    const ty_gatherer at = ty_gather_receiver(g);
+    ty_emitter emitter;
+    ty_response response;
+    if (ty_gather_light_aside(g, &at, weight, &emitter, &response))
+        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
+    g->path.origin = at.position;
+    g->path.normal = at.normal;
+}
+
 /* From off the surface to anywhere: what is there sends light into the medium, in front or behind. */
 TY_FN void ty_gather_behind(ty_gather* g) {
     const ty_scene_view* scene = g->request->path.scene;
@@ -546,10 +593,7 @@ TY_FN void ty_gather_behind(ty_gather* g) {
     ty_encounter end;
     ty_segment segment;
     ty_leaving leaving;
-    ty_emitter emitter;
-    ty_response response;
-    if (ty_gather_light_aside(g, &at, (float)TY_BACK_EVERY, &emitter, &response))
-        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
+    path->origin = at.off;
     ty_path_turn_anywhere(path);
     ++g->rays;
     if (scene->mesh == NULL || !ty_mesh_intersect(scene->mesh, at.off, path->direction, TY_FLOAT_MAX, &end.hit)) return;
@@ -602,7 +646,9 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
         ty_gather_path(g);
         return false;
     }
-    ty_gather_light(g);
+    const bool scatters = ty_gather_scatters(g), seen = ty_gather_light(g);
+    const float aside = scatters && !probe ? ty_gather_look_aside(seen, number % TY_BACK_EVERY == 0) : 0.0f;
+    if (aside > 0.0f) ty_gather_receive_aside(g, aside);
     if (probe)
         ty_path_turn_anywhere(path);
     else
@@ -610,7 +656,6 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
     const bool hit = ty_gather_trace(g, &end, &segment);
     const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
-    const bool scatters = ty_gather_scatters(g);
     const float distance = hit ? end.hit.distance : TY_FLOAT_MAX;
     const ty_vec direction = path->direction;
     ty_gather_ahead(g, &end, hit, &segment);

@@ -19,7 +19,7 @@ static float step_off(const ty_gather* g) {
     ty_gather_segment(g, from, away, met ? hit.distance : TY_FLOAT_MAX, &segment);
     const float room = met ? hit.distance : segment.leave;
     const float free = segment.leave / ty_maxf(ty_max3(segment.depth), 1e-6f);
-    return ty_maxf(g->receiver->margin, 0.25f * ty_minf(room, free));
+    return ty_maxf(g->receiver->margin, 0.5f * ty_minf(room, free));
 }
 
 TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
