@@ -93,6 +93,25 @@ TY_API ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def,
 TY_API ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const float* positions, int64_t count,
                                 ty_bake_probe* probes, ty_bake_stats* stats);
 
+/* The receivers of a mesh's vertices, one each, on the fronts of its triangles: a vertex stands in the largest triangle
+ * that has it, a hundredth of the way to that triangle's middle, so that walls it touches do not hide all light from
+ * it; its normal is the mesh's, or the mean of its triangles' by area. Vertices without triangles look up where they
+ * are. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_bake_vertices(const ty_scene* scene, int32_t mesh, ty_bake_receiver* receivers);
+
+/* One pixel per receiver, row by row, width (1..65536) of them in a row; pixels past the last are 0. Channels as of
+ * ty_atlas_image, but for coverage. What is not finite counts as 0. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+TY_API ty_result ty_bake_light_image(ty_context* context, const ty_bake_light* light, int64_t count, int32_t width,
+                                     ty_image** out);
+/* Probes on a grid of size[0] x size[1] x size[2], x fastest: the slices of equal z one below the other, each size[1]
+ * rows of size[0] pixels. terms: 9 or 25 of spherical harmonics are kept. R, G, B: mean radiance of all directions;
+ * shT.R, .G, .B for T = 0..terms - 1: radiance; LAYER.shT.R ...: the same of direct, indirect, single and multiple, of
+ * which shT is the sum; blocked.Z, samples.N, variance.R, .G, .B. Errors as above. */
+TY_API ty_result ty_bake_probe_image(ty_context* context, const ty_bake_probe* probes, const int32_t size[3],
+                                     int32_t terms, ty_image** out);
+/* The sum of a probe's layers: sh[channel][term]. */
+TY_API void ty_bake_probe_sum(const ty_bake_probe* probe, float sh[3][TY_BAKE_SH_TERMS]);
+
 /* ---- Lightmaps ---- */
 
 typedef struct ty_atlas_def {
@@ -113,7 +132,7 @@ typedef struct ty_atlas ty_atlas;
 typedef struct ty_atlas_size {
     int32_t width, height; /* texels */
     double texels;         /* about how many will count */
-    double bytes;          /* of the atlas, light at its receivers, and an image of it together, at most, but for seams */
+    double bytes; /* of the atlas, light at its receivers, and an image of it together, at most, but for seams */
 } ty_atlas_size;
 
 /* Before anything is allocated; errors as ty_atlas_create, but for charts that overlap, which is not looked at. */

@@ -165,6 +165,30 @@ typedef struct ty_mesh_file_entry {
 TY_API ty_result ty_mesh_file_list(ty_context* context, const char* path, ty_scene_info* out,
                                    ty_mesh_file_entry* entries, int32_t capacity, int32_t* count);
 
+/* Colours for the vertices of one mesh of a glTF file. */
+typedef struct ty_mesh_colors {
+    ty_mesh_origin origin; /* as ty_scene_get_mesh tells it; file is not looked at */
+    int64_t count;         /* vertices, as many as the mesh has */
+    const float* rgb;      /* 3 per vertex, linear, 0..1 */
+} ty_mesh_colors;
+
+/* Copies a glTF file to a GLB in which the given meshes have these colours (COLOR_0, floats); colours that they had
+ * become the next COLOR_n that is free. Where several nodes share a mesh, each gets its own, with the arrays shared.
+ * Buffers and images in files of their own are taken into the GLB; all else stays as it is. extras: the text of a JSON
+ * object, which is put at extras.tyndall of the file, or NULL.
+ * Errors: TY_ERROR_FILE, TY_ERROR_INPUT (also when the file is no longer what it was), TY_ERROR_MEMORY,
+ * TY_ERROR_ARGUMENT. */
+TY_API ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const ty_mesh_colors* colors,
+                                           int64_t count, const char* extras, const char* path);
+
+/* ---- Points ---- */
+
+/* Points from a JSON file: an array of [x, y, z], or an object that has such an array at "positions"; m. 3 floats a
+ * point, *count points, at least one; freed with ty_points_free. Errors: TY_ERROR_FILE, TY_ERROR_INPUT,
+ * TY_ERROR_MEMORY. */
+TY_API ty_result ty_points_read(ty_context* context, const char* path, float** out, int64_t* count);
+TY_API void ty_points_free(ty_context* context, float* points, int64_t count);
+
 /* ---- Any file ---- */
 
 /* A file's bytes, freed with ty_bytes_free, and writing bytes whole or not at all. Errors: TY_ERROR_FILE,

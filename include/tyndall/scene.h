@@ -217,6 +217,16 @@ typedef struct ty_material_def {
     float alpha_cutoff;           /* 0..1; default 0.5 */
 } ty_material_def;
 
+/* Where a mesh was read from, for reports and for writing to a copy of it (ty_mesh_file_write_colors). */
+typedef struct ty_mesh_origin {
+    const char* file;     /* its path; NULL (default): none. Copied, as is */
+    const char* name;     /* of the mesh there, or of its node; NULL (default) or "": none */
+    int32_t node;         /* of glTF, as are the others; -1 (default): not known */
+    int32_t primitive;    /* of the node's mesh */
+    int64_t first_vertex; /* vertices from this one of the primitive's positions are the mesh's */
+    int64_t vertex_total; /* positions that the primitive has */
+} ty_mesh_origin;
+
 /* Triangles, counter-clockwise seen from the front. All arrays are copied. */
 typedef struct ty_mesh_def {
     uint32_t cookie;        /* set by ty_default_mesh_def; checked */
@@ -230,6 +240,7 @@ typedef struct ty_mesh_def {
     const uint32_t* indices;
     ty_affine transform; /* default identity */
     ty_material_def material;
+    ty_mesh_origin origin;
 } ty_mesh_def;
 
 /* Sky seen from the ground: sunlight scattered once in a spherical Rayleigh + Mie + ozone atmosphere (as Nishita et

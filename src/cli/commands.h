@@ -10,6 +10,7 @@ int cli_compare(int count, char** arguments);
 int cli_screen(int count, char** arguments);
 int cli_convert(int count, char** arguments);
 int cli_figure(int count, char** arguments);
+int cli_bake(int count, char** arguments);
 int cli_bench(int count, char** arguments);
 
 #endif

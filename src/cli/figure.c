@@ -14,6 +14,9 @@ typedef struct figure_entry {
 } figure_entry;
 
 static const figure_entry figures[] = {
+    {"bake-cornell", "Impulse responses: lightmaps in fog, back-scattering (Fig. 9)", figure_bake_cornell},
+    {"bake-lights", "Impulse responses: a lamp and the sun in fog (Fig. 12)", figure_bake_lights},
+    {"bake-staircase", "Impulse responses: by vertex, media that vary (Fig. 8)", figure_bake_staircase},
     {"fld-limiters", "Flux-limited diffusion: flux limiters (Table 2)", figure_fld_limiters},
     {"fld-point", "Flux-limited diffusion: a point source, theory and solvers (Figs. 3, 5)", figure_fld_point},
     {"fld-convergence", "Flux-limited diffusion: how fast solvers converge (Fig. 4)", figure_fld_convergence},

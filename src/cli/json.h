@@ -14,6 +14,9 @@ typedef struct json_writer {
     bool filled[JSON_DEPTH_MAX]; /* whether the object or array at a depth has a member already */
 } json_writer;
 
+/* The JSON library that the program holds too has a function of that name. */
+#define json_integer cli_json_integer
+
 json_writer json_begin(FILE* file);
 
 /* name NULL: an element of an array, or the outermost value. */

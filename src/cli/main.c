@@ -23,6 +23,7 @@ static const command commands[] = {
     {"screen", "fog and water over an image with distances", cli_screen},
     {"convert", "a volume or an image as another kind of file", cli_convert},
     {"figure", "figures and tables of papers", cli_figure},
+    {"bake", "light on meshes and at points, kept", cli_bake},
     {"bench", "measure speed", cli_bench},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };

@@ -537,5 +537,6 @@ ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* o
     out->colors = mesh->colors;
     out->indices = mesh->indices;
     out->material = mesh->material;
+    out->origin = mesh->origin;
     return TY_OK;
 }

@@ -15,8 +15,10 @@ ty_material_def ty_default_material_def(void) {
 }
 
 ty_mesh_def ty_default_mesh_def(void) {
-    return (ty_mesh_def){
-        .cookie = TY_DEF_COOKIE, .transform = ty_affine_identity(), .material = ty_default_material_def()};
+    return (ty_mesh_def){.cookie = TY_DEF_COOKIE,
+                         .transform = ty_affine_identity(),
+                         .material = ty_default_material_def(),
+                         .origin = {.node = -1}};
 }
 
 static ty_result check_map(ty_context* context, const char* field, const float map[6]) {
@@ -117,6 +119,14 @@ static float* copy_values(ty_context* context, const float* in, size_t count, fl
     return out;
 }
 
+/* Texts that are NULL stay so; false: no memory. */
+static bool copy_origin(ty_context* context, const ty_mesh_origin* in, ty_mesh_origin* out) {
+    *out = *in;
+    out->file = in->file == NULL ? NULL : ty_copy_text(context, in->file);
+    out->name = in->name == NULL ? NULL : ty_copy_text(context, in->name);
+    return (out->file == NULL) == (in->file == NULL) && (out->name == NULL) == (in->name == NULL);
+}
+
 ty_result ty_triangles_create(ty_context* context, const ty_mesh_def* def, ty_triangles** out) {
     const ty_result result = check_mesh(context, def);
     if (result != TY_OK) return result;
@@ -134,7 +144,7 @@ ty_result ty_triangles_create(ty_context* context, const ty_mesh_def* def, ty_tr
     }
     t->positions = ty_alloc_array(context, 3 * vertices + 1, sizeof(float), true);
     t->indices = ty_alloc_array(context, 3 * triangles, sizeof(uint32_t), false);
-    bool failed = t->positions == NULL || t->indices == NULL;
+    bool failed = !copy_origin(context, &def->origin, &t->origin) || t->positions == NULL || t->indices == NULL;
     if (!failed && def->normals != NULL) {
         t->normals = ty_alloc_array(context, 3 * vertices, sizeof(float), false);
         failed = t->normals == NULL;
@@ -168,6 +178,8 @@ void ty_triangles_destroy(ty_context* context, ty_triangles* t) {
     ty_free_array(context, t->lights, t->triangle_count, sizeof(int32_t));
     ty_texture_destroy(t->material.albedo_texture);
     ty_texture_destroy(t->material.emission_texture);
+    ty_free_text(context, (char*)t->origin.file);
+    ty_free_text(context, (char*)t->origin.name);
     ty_free_array(context, t, 1, sizeof *t);
 }
 

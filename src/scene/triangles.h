@@ -14,6 +14,7 @@ typedef struct ty_triangles {
     float* colors;    /* or NULL */
     uint32_t* indices;
     ty_material_def material; /* its textures retained */
+    ty_mesh_origin origin;    /* its texts owned */
     int32_t* lights;          /* per triangle, once committed; NULL when the mesh does not emit */
     double lower[3], upper[3];
 } ty_triangles;

@@ -67,6 +67,9 @@ ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b
 extern const plot_scale figure_error_scale;
 
 /* The figures. */
+ty_result figure_bake_cornell(figure_run* run);
+ty_result figure_bake_lights(figure_run* run);
+ty_result figure_bake_staircase(figure_run* run);
 ty_result figure_fld_limiters(figure_run* run);
 ty_result figure_fld_point(figure_run* run);
 ty_result figure_fld_convergence(figure_run* run);

@@ -97,7 +97,20 @@ static ty_result check_extensions(const ty_gltf* gltf) {
 
 /* ---- The whole ---- */
 
-static ty_result take_tables(ty_gltf* gltf) {
+ty_result ty_gltf_open(ty_gltf* gltf, const uint8_t* bytes, size_t size) {
+    const uint8_t* text = bytes;
+    size_t length = size;
+    ty_result result = TY_OK;
+    if (size >= 4 && memcmp(bytes, "glTF", 4) == 0) {
+        text = NULL;
+        result = open_glb(gltf, bytes, size, &text, &length);
+    }
+    return result == TY_OK ? parse_json(gltf, text, length) : result;
+}
+
+ty_result ty_gltf_take_tables(ty_gltf* gltf) {
+    const ty_result result = ty_gltf_check_shape(gltf);
+    if (result != TY_OK) return result;
     gltf->buffers = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "buffers"), sizeof *gltf->buffers, true);
     gltf->meshes = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "meshes"), sizeof *gltf->meshes, true);
     gltf->images = ty_alloc_array(gltf->context, ty_gltf_count(gltf, "images"), sizeof *gltf->images, true);
@@ -108,7 +121,7 @@ static ty_result take_tables(ty_gltf* gltf) {
     return all ? TY_OK : TY_ERROR_MEMORY;
 }
 
-static void give_back(ty_gltf* gltf) {
+void ty_gltf_close(ty_gltf* gltf) {
     ty_gltf_free_buffers(gltf);
     ty_free_array(gltf->context, gltf->meshes, ty_gltf_count(gltf, "meshes"), sizeof *gltf->meshes);
     ty_free_array(gltf->context, gltf->images, ty_gltf_count(gltf, "images"), sizeof *gltf->images);
@@ -134,22 +147,12 @@ ty_result ty_read_gltf(ty_context* context, const char* path, const char* folder
                        unsigned want, ty_model* model) {
     *model = (ty_model){.context = context};
     ty_gltf gltf = {.context = context, .path = path, .folder = folder, .want = want, .model = model};
-    const uint8_t* text = NULL;
-    size_t length = 0;
-    ty_result result = TY_OK;
-    if (size >= 4 && memcmp(bytes, "glTF", 4) == 0) {
-        result = open_glb(&gltf, bytes, size, &text, &length);
-    } else {
-        text = bytes;
-        length = size;
-    }
-    if (result == TY_OK) result = parse_json(&gltf, text, length);
+    ty_result result = ty_gltf_open(&gltf, bytes, size);
     if (result == TY_OK) result = check_extensions(&gltf);
-    if (result == TY_OK) result = ty_gltf_check_shape(&gltf);
-    if (result == TY_OK) result = take_tables(&gltf);
+    if (result == TY_OK) result = ty_gltf_take_tables(&gltf);
     if (result == TY_OK && (want & TY_MODEL_MATERIALS) != 0) result = ty_gltf_read_materials(&gltf);
     if (result == TY_OK) result = ty_gltf_read_scene(&gltf);
     if (result == TY_OK) warn(&gltf);
-    give_back(&gltf);
+    ty_gltf_close(&gltf);
     return result == TY_OK ? ty_model_decode_images(model) : result;
 }

@@ -40,6 +40,14 @@ typedef struct ty_gltf {
     bool morphs;                /* whether some primitive has morph targets */
 } ty_gltf;
 
+/* ---- gltf.c: the container ---- */
+
+/* Finds the JSON and the binary chunk, which stay where they are in bytes. */
+ty_result ty_gltf_open(ty_gltf* gltf, const uint8_t* bytes, size_t size);
+/* Checks the shape of what was opened and makes the tables above. */
+ty_result ty_gltf_take_tables(ty_gltf* gltf);
+void ty_gltf_close(ty_gltf* gltf);
+
 /* ---- gltf_json.c: values, checked ---- */
 
 /* Fails: "level.gltf: accessors[3].count: ...". */
@@ -71,6 +79,7 @@ bool ty_gltf_decode_percent(char* text);
 /* The bytes that a URI holds (base64) or names (a file); freed with ty_free_file. */
 ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* place, const char* uri, uint8_t** bytes,
                            size_t* size);
+ty_result ty_gltf_open_buffer(ty_gltf* gltf, size_t index, const ty_gltf_buffer** out);
 /* The bytes of a buffer view, and how far apart its elements are (0: packed). */
 ty_result ty_gltf_open_view(ty_gltf* gltf, size_t index, const uint8_t** data, size_t* size, size_t* stride);
 void ty_gltf_free_buffers(ty_gltf* gltf);

@@ -104,7 +104,7 @@ ty_result ty_gltf_load_uri(const ty_gltf* gltf, const ty_json_path* place, const
 
 /* ---- Buffers and views ---- */
 
-static ty_result open_buffer(ty_gltf* gltf, size_t index, const ty_gltf_buffer** out) {
+ty_result ty_gltf_open_buffer(ty_gltf* gltf, size_t index, const ty_gltf_buffer** out) {
     ty_gltf_buffer* buffer = &gltf->buffers[index];
     *out = buffer;
     if (buffer->data != NULL) return TY_OK;
@@ -144,7 +144,7 @@ ty_result ty_gltf_open_view(ty_gltf* gltf, size_t index, const uint8_t** data, s
     if (result != TY_OK) return result;
     if (from < 0 || length == 0) return ty_gltf_fail(gltf, &place, "%s is missing", from < 0 ? "buffer" : "byteLength");
     const ty_gltf_buffer* buffer = NULL;
-    result = open_buffer(gltf, (size_t)from, &buffer);
+    result = ty_gltf_open_buffer(gltf, (size_t)from, &buffer);
     if (result != TY_OK) return result;
     if ((uint64_t)offset > buffer->size || (uint64_t)length > buffer->size - (uint64_t)offset)
         return ty_gltf_fail(gltf, &place, "reaches past the end of its buffer");

@@ -16,6 +16,7 @@ typedef struct primitive {
     uint32_t* corners; /* vertices in the order of the primitive; NULL: all vertices in order */
     size_t corner_count;
     size_t first, last; /* vertices in use */
+    size_t number;      /* among the mesh's primitives */
 } primitive;
 
 /* ---- Attributes ---- */
@@ -127,7 +128,10 @@ static ty_result count_triangles(const ty_gltf* gltf, const primitive* p, size_t
 
 static ty_result build_mesh(ty_gltf* gltf, const primitive* p) {
     int64_t material = -1;
-    ty_model_mesh mesh = {.vertex_count = p->last - p->first + 1};
+    ty_model_mesh mesh = {.vertex_count = p->last - p->first + 1,
+                          .primitive = (int32_t)p->number,
+                          .first_vertex = p->first,
+                          .vertex_total = p->positions.count};
     ty_result result = count_triangles(gltf, p, &mesh.triangle_count);
     if (result == TY_OK) result = ty_gltf_read_reference(gltf, p->json, &p->place, "material", "materials", &material);
     if (result != TY_OK || mesh.triangle_count == 0) return result;
@@ -142,8 +146,8 @@ static ty_result build_mesh(ty_gltf* gltf, const primitive* p) {
     return result;
 }
 
-static ty_result read_primitive(ty_gltf* gltf, const json_t* json, const ty_json_path* place) {
-    primitive p = {.json = json, .place = *place, .mode = MODE_TRIANGLES};
+static ty_result read_primitive(ty_gltf* gltf, const json_t* json, size_t number, const ty_json_path* place) {
+    primitive p = {.json = json, .place = *place, .mode = MODE_TRIANGLES, .number = number};
     if (json_array_size(json_object_get(json, "targets")) > 0) gltf->morphs = true;
     bool found = false;
     ty_result result = ty_gltf_read_integer(gltf, json, place, "mode", 0, 6, &p.mode);
@@ -171,7 +175,7 @@ ty_result ty_gltf_read_mesh(ty_gltf* gltf, size_t index) {
     json_t* json;
     json_array_foreach(json_object_get(ty_gltf_item(gltf, "meshes", index), "primitives"), i, json) {
         const ty_json_path here = ty_json_path_index(&primitives, i);
-        result = read_primitive(gltf, json, &here);
+        result = read_primitive(gltf, json, i, &here);
         if (result != TY_OK) break;
     }
     mesh->count = gltf->model->mesh_count - mesh->first;

@@ -136,7 +136,14 @@ static ty_result read_camera(ty_gltf* gltf, const json_t* node, const ty_json_pa
 
 /* ---- Nodes ---- */
 
-static ty_result place_mesh(ty_gltf* gltf, const json_t* node, const ty_json_path* place, const ty_affine* transform) {
+/* A mesh's name, or its node's. */
+static const char* mesh_name(const ty_gltf* gltf, int64_t mesh, const json_t* node) {
+    const char* name = json_string_value(json_object_get(ty_gltf_item(gltf, "meshes", (size_t)mesh), "name"));
+    return name != NULL && name[0] != '\0' ? name : json_string_value(json_object_get(node, "name"));
+}
+
+static ty_result place_mesh(ty_gltf* gltf, int64_t number, const json_t* node, const ty_json_path* place,
+                            const ty_affine* transform) {
     int64_t index = -1;
     ty_result result = ty_gltf_read_reference(gltf, node, place, "mesh", "meshes", &index);
     if (result == TY_OK && index >= 0) result = ty_gltf_read_mesh(gltf, (size_t)index);
@@ -147,7 +154,8 @@ static ty_result place_mesh(ty_gltf* gltf, const json_t* node, const ty_json_pat
         if (gltf->model->instance_count == INSTANCES_MAX || gltf->triangles > INT32_MAX)
             return ty_gltf_fail(gltf, place, "more than %d primitives or 2^31 - 1 triangles in all nodes together",
                                 (int)INSTANCES_MAX);
-        result = ty_model_add_instance(gltf->model, mesh->first + i, transform);
+        result = ty_model_add_instance(gltf->model, mesh->first + i, transform, (int32_t)number,
+                                       mesh_name(gltf, index, node));
         if (result != TY_OK) return result;
     }
     return TY_OK;
@@ -191,7 +199,7 @@ static ty_result read_node(ty_gltf* gltf, int64_t index, const ty_affine* parent
     if (result != TY_OK) return result;
     const ty_affine transform = ty_affine_multiply(parent, &local);
     if (!is_finite(&transform)) return ty_gltf_fail(gltf, &place, "its transform leads too far away");
-    if ((gltf->want & TY_MODEL_MESHES) != 0) result = place_mesh(gltf, node, &place, &transform);
+    if ((gltf->want & TY_MODEL_MESHES) != 0) result = place_mesh(gltf, index, node, &place, &transform);
     if (result == TY_OK && (gltf->want & TY_MODEL_LIGHTS) != 0) result = read_light(gltf, node, &place, &transform);
     if (result == TY_OK && (gltf->want & TY_MODEL_CAMERAS) != 0) result = read_camera(gltf, node, &place, &transform);
     if (result != TY_OK) return result;

@@ -126,6 +126,12 @@ static ty_result add_instance(const filler* f, const ty_model_instance* instance
     def.uv[1] = mesh->uv[1];
     def.colors = mesh->colors;
     def.indices = mesh->indices;
+    def.origin = (ty_mesh_origin){.file = f->path,
+                                  .name = instance->name,
+                                  .node = instance->node,
+                                  .primitive = mesh->primitive,
+                                  .first_vertex = (int64_t)mesh->first_vertex,
+                                  .vertex_total = (int64_t)mesh->vertex_total};
     def.material = make_material(f, mesh->material);
     return below(f->context, f->path, f->clean, ty_scene_add_mesh(f->scene, &def));
 }

@@ -49,6 +49,7 @@ void ty_model_free(ty_model* model) {
     ty_context* context = model->context;
     if (context == NULL) return;
     for (size_t i = 0; i < model->mesh_count; ++i) ty_model_free_mesh(context, &model->meshes[i]);
+    for (size_t i = 0; i < model->instance_count; ++i) ty_free_text(context, model->instances[i].name);
     for (size_t i = 0; i < model->image_count; ++i) free_image(context, &model->images[i]);
     for (size_t i = 0; i < model->material_count; ++i) ty_free_text(context, model->materials[i].name);
     for (size_t i = 0; i < model->camera_count; ++i) ty_free_text(context, model->cameras[i].name);
@@ -77,9 +78,14 @@ ty_result ty_model_add_mesh(ty_model* model, ty_model_mesh* mesh) {
     return TY_OK;
 }
 
-ty_result ty_model_add_instance(ty_model* model, size_t mesh, const ty_affine* transform) {
-    if (!GROW(model, instances, instance)) return TY_ERROR_MEMORY;
-    model->instances[model->instance_count++] = (ty_model_instance){(int32_t)mesh, *transform};
+ty_result ty_model_add_instance(ty_model* model, size_t mesh, const ty_affine* transform, int32_t node,
+                                const char* name) {
+    char* copy = ty_copy_text(model->context, name);
+    if (copy == NULL || !GROW(model, instances, instance)) {
+        ty_free_text(model->context, copy);
+        return TY_ERROR_MEMORY;
+    }
+    model->instances[model->instance_count++] = (ty_model_instance){(int32_t)mesh, *transform, node, copy};
     return TY_OK;
 }
 

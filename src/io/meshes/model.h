@@ -24,13 +24,17 @@ typedef struct ty_model_mesh {
     float* uv[2];
     float* colors;
     uint32_t* indices;
-    int32_t material; /* -1: none */
+    int32_t material;  /* -1: none */
+    int32_t primitive; /* this and what follows: as ty_mesh_origin has it */
+    size_t first_vertex, vertex_total;
 } ty_model_mesh;
 
 /* A mesh where it stands; the map need not be invertible. */
 typedef struct ty_model_instance {
     int32_t mesh;
     ty_affine transform; /* mesh to file */
+    int32_t node;        /* of glTF, or -1 */
+    char* name;
 } ty_model_instance;
 
 /* Texels, 4 bytes each, once decoded; before that the bytes of an image file. */
@@ -93,7 +97,9 @@ void ty_model_free(ty_model* model);
 
 /* Each adds one element, filled as given; strings and arrays become the model's. On failure they are freed. */
 ty_result ty_model_add_mesh(ty_model* model, ty_model_mesh* mesh);
-ty_result ty_model_add_instance(ty_model* model, size_t mesh, const ty_affine* transform);
+/* name is copied; NULL: none. */
+ty_result ty_model_add_instance(ty_model* model, size_t mesh, const ty_affine* transform, int32_t node,
+                                const char* name);
 ty_result ty_model_add_image(ty_model* model, ty_model_image* image);
 ty_result ty_model_add_texture(ty_model* model, const ty_model_texture* texture);
 ty_result ty_model_add_material(ty_model* model, ty_model_material* material);

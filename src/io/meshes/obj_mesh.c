@@ -80,7 +80,7 @@ static ty_result build_group(ty_obj* obj, group* g) {
     ty_free_array(obj->context, indices, corners, sizeof *indices);
     if (result != TY_OK) return result;
     const ty_affine identity = ty_affine_identity();
-    return ty_model_add_instance(obj->model, obj->model->mesh_count - 1, &identity);
+    return ty_model_add_instance(obj->model, obj->model->mesh_count - 1, &identity, -1, NULL);
 }
 
 static bool has_normals(const ty_obj_triangle* triangle) {

@@ -248,7 +248,7 @@ static ty_result finish(builder* b, unsigned want, ty_model* model) {
     ty_result result = ty_model_add_mesh(model, mesh);
     *mesh = (ty_model_mesh){0}; /* the model's, or freed */
     const ty_affine identity = ty_affine_identity();
-    if (result == TY_OK) result = ty_model_add_instance(model, 0, &identity);
+    if (result == TY_OK) result = ty_model_add_instance(model, 0, &identity, -1, NULL);
     if (result != TY_OK || (want & TY_MODEL_MATERIALS) == 0) return result;
     /* Colours of vertices stand for those of a material. */
     ty_model_material plain = ty_model_plain_material(colored ? 1 : ty_default_material_def().albedo[0]);

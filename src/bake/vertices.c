@@ -1,0 +1,88 @@
+/* Where the vertices of a mesh gather light. */
+#include "base/context.h"
+#include "base/vector.k.h"
+#include "scene/mesh.h"
+#include "scene/surface.k.h"
+
+#include <tyndall/bake.h>
+
+/* How much of the way to the middle of its triangle a vertex stands from the corner. */
+static const float inset = 0.01f;
+
+/* The largest triangle around a vertex. */
+typedef struct home {
+    float area;      /* twice it; 0: none */
+    uint32_t corner; /* of all corners of the mesh */
+} home;
+
+static ty_vec load(const float* values, size_t index) {
+    return ty_vec_load(values + 3 * index);
+}
+
+static void store(ty_vec v, float out[3]) {
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static ty_vec triangle_edges(const ty_mesh_def* mesh, size_t triangle, ty_vec corners[3]) {
+    for (size_t k = 0; k < 3; ++k) corners[k] = load(mesh->positions, mesh->indices[3 * triangle + k]);
+    return ty_cross(ty_sub(corners[1], corners[0]), ty_sub(corners[2], corners[0]));
+}
+
+/* Finds every vertex' largest triangle, and sums their normals by area. */
+static void visit_triangles(const ty_mesh_def* mesh, home* homes, ty_bake_receiver* receivers) {
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i) {
+        ty_vec corners[3];
+        const size_t vertex = mesh->indices[i];
+        const ty_vec across = triangle_edges(mesh, i / 3, corners);
+        const float area = sqrtf(ty_dot(across, across));
+        if (!(area > 0) || !isfinite(area)) continue;
+        store(ty_add(ty_vec_load(receivers[vertex].normal), across), receivers[vertex].normal);
+        if (area > homes[vertex].area) homes[vertex] = (home){area, (uint32_t)i};
+    }
+}
+
+/* The mesh's own normal, the mean of its triangles', or the face's, whichever is there and looks to the front. */
+static ty_vec choose_normal(const ty_mesh_def* mesh, size_t vertex, ty_vec mean, ty_vec face) {
+    const ty_vec given = mesh->normals == NULL ? mean : load(mesh->normals, vertex);
+    const float length = sqrtf(ty_dot(given, given));
+    if (!(length > 0) || !isfinite(length) || !(ty_dot(given, face) > 0)) return face;
+    return ty_scale(given, 1 / length);
+}
+
+static void place_vertex(const ty_mesh_def* mesh, size_t vertex, const home* at, ty_bake_receiver* receiver) {
+    const ty_vec mean = ty_vec_load(receiver->normal);
+    *receiver = (ty_bake_receiver){.position = {0}};
+    store(load(mesh->positions, vertex), receiver->position);
+    if (!(at->area > 0)) {
+        receiver->normal[1] = receiver->face[1] = 1;
+        return;
+    }
+    ty_vec corners[3];
+    const ty_vec across = triangle_edges(mesh, at->corner / 3, corners), corner = corners[at->corner % 3];
+    const ty_vec middle = ty_scale(ty_add(corners[0], ty_add(corners[1], corners[2])), 1.0f / 3);
+    const ty_vec face = ty_scale(across, 1 / at->area);
+    store(ty_mad(corner, ty_sub(middle, corner), inset), receiver->position);
+    store(choose_normal(mesh, vertex, mean, face), receiver->normal);
+    store(face, receiver->face);
+    receiver->margin = ty_mesh_triangle_margin(face, corners[0], corners[1], corners[2]);
+}
+
+ty_result ty_bake_vertices(const ty_scene* scene, int32_t mesh, ty_bake_receiver* receivers) {
+    if (scene == NULL) return TY_ERROR_ARGUMENT;
+    ty_context* context = ty_scene_context(scene);
+    ty_mesh_def def;
+    ty_result result = ty_scene_get_mesh(scene, mesh, &def);
+    if (result == TY_OK && receivers == NULL)
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_bake_vertices: receivers is NULL");
+    if (result != TY_OK) return result;
+    const size_t count = (size_t)def.vertex_count;
+    home* homes = ty_alloc_array(context, count, sizeof *homes, true);
+    if (homes == NULL) return TY_ERROR_MEMORY;
+    for (size_t i = 0; i < count; ++i) receivers[i] = (ty_bake_receiver){.margin = 0};
+    visit_triangles(&def, homes, receivers);
+    for (size_t i = 0; i < count; ++i) place_vertex(&def, i, &homes[i], &receivers[i]);
+    ty_free_array(context, homes, count, sizeof *homes);
+    return TY_OK;
+}

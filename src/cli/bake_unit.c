@@ -1,0 +1,213 @@
+/* tyndall bake: one unit, from receivers to images. */
+#include "cli/bake.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Progress ---- */
+
+bool bake_report_progress(void* user, const ty_progress* progress) {
+    bake_run* run = user;
+    const bake_plan* plan = &run->plan;
+    double part = 0;
+    for (int32_t i = 0; i < plan->count; ++i)
+        if (!plan->units[i].done) {
+            part = (double)plan->units[i].receivers;
+            break;
+        }
+    const double whole = fmax((double)plan->receivers, 1), done = run->receivers_done + progress->fraction * part;
+    const double own = done - run->receivers_skipped, seconds = cli_wall_seconds() - run->started;
+    const ty_progress all = {.stage = "bake",
+                             .fraction = fmin(done / whole, 1),
+                             .seconds = seconds,
+                             .remaining = own > 0 ? seconds * fmax(whole - done, 0) / own : -1};
+    return cli_progress_report(&run->session->progress, &all);
+}
+
+/* ---- Images ---- */
+
+static ty_result set_metadata(const bake_run* run, const bake_unit* unit, ty_image* image) {
+    const bool surface = unit->kind == BAKE_LIGHTMAP || unit->kind == BAKE_VERTICES;
+    const struct {
+        const char *key, *value;
+    } texts[] = {
+        {"tyndall.version", ty_version()},
+        {"tyndall.method", bake_method_names[run->options->method]},
+        {"tyndall.bake.quantity", surface ? "irradiance" : "radiance"},
+        {"tyndall.bake.unit", surface ? "W m^-2" : "W m^-2 sr^-1"},
+        {"tyndall.bake.of", unit->name},
+    };
+    ty_result result = TY_OK;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts && result == TY_OK; ++i)
+        result = ty_image_set_text(image, texts[i].key, texts[i].value);
+    return result;
+}
+
+/* Stops that show the mean of what is lit as a middle grey. */
+static double preview_exposure(const ty_image* image) {
+    const float* planes[3];
+    double sum = 0, lit = 0;
+    if (!ty_image_rgb_planes(image, planes)) return 0;
+    const size_t count = (size_t)ty_image_width(image) * (size_t)ty_image_height(image);
+    for (size_t i = 0; i < count; ++i) {
+        const double value = (double)(planes[0][i] + planes[1][i] + planes[2][i]) / 3;
+        if (!(value > 0)) continue;
+        sum += value;
+        lit += 1;
+    }
+    return sum > 0 ? fmin(fmax(log2(0.4 * lit / sum), -64), 64) : 0;
+}
+
+static ty_result write_image(const bake_run* run, const bake_unit* unit, int32_t part, ty_image* image) {
+    char path[BAKE_PATH_SIZE];
+    ty_context* context = run->session->context;
+    bake_image_path(run, unit, part, ".exr", path);
+    ty_result result = set_metadata(run, unit, image);
+    if (result == TY_OK) result = ty_image_write_exr(context, image, path);
+    if (result != TY_OK || unit->kind == BAKE_VERTICES) return result;
+    bake_image_path(run, unit, part, ".png", path);
+    return ty_image_write_png(context, image, preview_exposure(image), true, path);
+}
+
+/* ---- Surfaces ---- */
+
+static void count_stats(bake_unit* unit, const ty_bake_stats* stats, double receivers) {
+    unit->mean_samples += stats->mean_samples * receivers;
+    unit->paths += stats->paths;
+    unit->rays += stats->rays;
+}
+
+/* Light at the receivers of a mesh, to be freed; each mesh has random numbers of its own, whatever is baked beside it.
+ */
+static ty_result gather(const bake_run* run, bake_unit* unit, int32_t mesh, const ty_bake_receiver* receivers,
+                        int64_t count, ty_bake_light* light) {
+    ty_bake_def def = run->def;
+    ty_bake_stats stats = {.seconds = 0};
+    def.seed += 0x9e3779b97f4a7c15u * ((uint64_t)mesh + 1);
+    const ty_result result = ty_bake_surfaces(run->scene, &def, receivers, count, light, &stats);
+    count_stats(unit, &stats, (double)count);
+    return result;
+}
+
+static ty_result bake_map(const bake_run* run, bake_unit* unit, int32_t mesh, int64_t* receivers, ty_image** out) {
+    ty_atlas_def def = ty_default_atlas_def();
+    ty_mesh_def described;
+    ty_atlas* atlas = NULL;
+    def.width = unit->size[0];
+    def.height = unit->size[1];
+    def.padding = run->options->padding;
+    ty_result result = ty_scene_get_mesh(run->scene, mesh, &described);
+    if (result == TY_OK) result = ty_atlas_create(run->scene, mesh, bake_mesh_name(&described), &def, &atlas);
+    if (result != TY_OK) return result;
+    int64_t count = 0;
+    const ty_bake_receiver* places = ty_atlas_receivers(atlas, &count);
+    ty_bake_light* light = calloc((size_t)count + 1, sizeof *light);
+    result = light == NULL ? TY_ERROR_MEMORY : gather(run, unit, mesh, places, count, light);
+    if (result == TY_OK) result = ty_atlas_image(atlas, light, out);
+    free(light);
+    ty_atlas_destroy(atlas);
+    *receivers += count;
+    return result;
+}
+
+static ty_result write_maps(const bake_run* run, bake_unit* unit, ty_image* const* images) {
+    ty_result result = bake_merge(images, unit->count, &unit->apart);
+    for (int32_t i = 0; i < (unit->apart ? unit->count : 1) && result == TY_OK; ++i)
+        result = write_image(run, unit, unit->apart ? i : -1, images[i]);
+    return result;
+}
+
+static ty_result bake_lightmap(const bake_run* run, bake_unit* unit) {
+    int64_t receivers = 0;
+    ty_image** images = calloc((size_t)unit->count, sizeof(ty_image*));
+    ty_result result = images == NULL ? TY_ERROR_MEMORY : TY_OK;
+    for (int32_t i = 0; i < unit->count && result == TY_OK; ++i)
+        result = bake_map(run, unit, unit->first + i, &receivers, &images[i]);
+    if (result == TY_OK) result = write_maps(run, unit, images);
+    for (int32_t i = 0; images != NULL && i < unit->count; ++i) ty_image_destroy(images[i]);
+    free(images);
+    unit->mean_samples /= fmax((double)receivers, 1);
+    return result;
+}
+
+/* The vertices of all primitives, one after the other. */
+static ty_result gather_vertices(const bake_run* run, bake_unit* unit, ty_bake_receiver* receivers,
+                                 ty_bake_light* light) {
+    ty_result result = TY_OK;
+    int64_t at = 0;
+    for (int32_t mesh = unit->first; mesh < unit->first + unit->count && result == TY_OK; ++mesh) {
+        ty_mesh_def def;
+        result = ty_scene_get_mesh(run->scene, mesh, &def);
+        if (result == TY_OK) result = ty_bake_vertices(run->scene, mesh, receivers);
+        if (result == TY_OK) result = gather(run, unit, mesh, receivers, def.vertex_count, light + at);
+        at += def.vertex_count;
+    }
+    unit->mean_samples /= fmax((double)at, 1);
+    return result;
+}
+
+static ty_result bake_vertices(const bake_run* run, bake_unit* unit) {
+    ty_image* image = NULL;
+    ty_bake_receiver* receivers = calloc((size_t)unit->receivers, sizeof *receivers);
+    ty_bake_light* light = calloc((size_t)unit->receivers, sizeof *light);
+    ty_result result = receivers == NULL || light == NULL ? TY_ERROR_MEMORY : TY_OK;
+    if (result == TY_OK) result = gather_vertices(run, unit, receivers, light);
+    if (result == TY_OK)
+        result = ty_bake_light_image(run->session->context, light, unit->receivers, unit->size[0], &image);
+    free(receivers);
+    free(light);
+    if (result == TY_OK) result = write_image(run, unit, -1, image);
+    ty_image_destroy(image);
+    return result;
+}
+
+/* ---- Probes ---- */
+
+float* bake_grid_points(const bake_grid* grid) {
+    const size_t across = (size_t)grid->size[0], rows = (size_t)grid->size[1], slices = (size_t)grid->size[2];
+    float* points = calloc(across * rows * slices, 3 * sizeof *points);
+    for (size_t i = 0; points != NULL && i < across * rows * slices; ++i) {
+        const size_t place[3] = {i % across, i / across % rows, i / (across * rows)};
+        for (int a = 0; a < 3; ++a)
+            points[3 * i + (size_t)a] = (float)(grid->origin[a] + grid->spacing[a] * (double)place[a]);
+    }
+    return points;
+}
+
+static ty_result write_grid(const bake_run* run, const bake_unit* unit, const ty_bake_probe* probes) {
+    ty_image* image = NULL;
+    ty_result result = ty_bake_probe_image(run->session->context, probes, run->plan.grid.size,
+                                           run->options->sh * run->options->sh, &image);
+    if (result == TY_OK) result = write_image(run, unit, -1, image);
+    ty_image_destroy(image);
+    return result;
+}
+
+static ty_result bake_points(bake_run* run, bake_unit* unit) {
+    const bool grid = unit->kind == BAKE_GRID;
+    float* made = grid ? bake_grid_points(&run->plan.grid) : NULL;
+    const float* points = grid ? made : run->plan.probes;
+    ty_bake_probe* probes = calloc((size_t)unit->receivers, sizeof *probes);
+    ty_bake_stats stats = {.seconds = 0};
+    ty_result result = points == NULL || probes == NULL ? TY_ERROR_MEMORY : TY_OK;
+    if (result == TY_OK) result = ty_bake_probes(run->scene, &run->def, points, unit->receivers, probes, &stats);
+    count_stats(unit, &stats, 1);
+    if (result == TY_OK) result = grid ? write_grid(run, unit, probes) : bake_write_probes(run, probes);
+    free(probes);
+    free(made);
+    return result;
+}
+
+ty_result bake_unit_run(bake_run* run, bake_unit* unit) {
+    const double started = cli_wall_seconds();
+    ty_result result = TY_OK;
+    switch (unit->kind) {
+    case BAKE_LIGHTMAP: result = bake_lightmap(run, unit); break;
+    case BAKE_VERTICES: result = bake_vertices(run, unit); break;
+    case BAKE_GRID:
+    case BAKE_PROBES: result = bake_points(run, unit); break;
+    }
+    unit->seconds = cli_wall_seconds() - started;
+    return result;
+}

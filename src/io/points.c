@@ -1,0 +1,66 @@
+/* Points in JSON files: where probes stand. */
+#include "base/context.h"
+#include "io/file.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <tyndall/io.h>
+
+static const size_t file_size_max = (size_t)1 << 30;
+static const double coordinate_max = 1e15;
+
+static ty_result fill(ty_context* context, const char* path, const json_t* list, float* points) {
+    size_t i;
+    json_t* point;
+    json_array_foreach(list, i, point) {
+        for (size_t axis = 0; axis < 3; ++axis) {
+            const json_t* value = json_array_get(point, axis);
+            const double number = json_is_number(value) ? json_number_value(value) : NAN;
+            if (json_array_size(point) != 3 || !(fabs(number) <= coordinate_max))
+                return ty_fail(context, TY_ERROR_INPUT, "%s: positions[%zu] is not [x, y, z] in metres", path, i);
+            points[3 * i + axis] = (float)number;
+        }
+    }
+    return TY_OK;
+}
+
+static ty_result take(ty_context* context, const char* path, const json_t* root, float** out, int64_t* count) {
+    const json_t* list = json_is_object(root) ? json_object_get(root, "positions") : root;
+    const size_t size = json_array_size(list);
+    if (size == 0)
+        return ty_fail(context, TY_ERROR_INPUT,
+                       "%s: no points: neither an array of [x, y, z] nor an object with one called \"positions\"",
+                       path);
+    float* points = ty_alloc_array(context, size, 3 * sizeof *points, false);
+    if (points == NULL) return TY_ERROR_MEMORY;
+    const ty_result result = fill(context, path, list, points);
+    if (result == TY_OK) {
+        *out = points;
+        *count = (int64_t)size;
+    } else {
+        ty_points_free(context, points, (int64_t)size);
+    }
+    return result;
+}
+
+ty_result ty_points_read(ty_context* context, const char* path, float** out, int64_t* count) {
+    if (path == NULL || out == NULL || count == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_points_read: an argument is NULL");
+    uint8_t* bytes = NULL;
+    size_t size = 0;
+    ty_result result = ty_read_file(context, path, file_size_max, &bytes, &size);
+    if (result != TY_OK) return result;
+    json_error_t error;
+    json_t* root = json_loadb((const char*)bytes, size, JSON_REJECT_DUPLICATES, &error);
+    if (root == NULL)
+        result = ty_fail(context, TY_ERROR_INPUT, "%s:%d: %s", path, error.line < 1 ? 1 : error.line, error.text);
+    else
+        result = take(context, path, root, out, count);
+    json_decref(root);
+    ty_free_file(context, bytes, size);
+    return result;
+}
+
+void ty_points_free(ty_context* context, float* points, int64_t count) {
+    ty_free_array(context, points, (size_t)count, 3 * sizeof *points);
+}

@@ -1,0 +1,242 @@
+#!/usr/bin/env bash
+# tyndall bake from outside: what is written, in which order, messages, interrupts, going on.
+# usage: test_cli_bake.sh TYNDALL DATA (empties the current folder)
+. "$(dirname "$0")/cli.sh"
+
+export XDG_CACHE_HOME=$PWD/cache # of the impulse responses' tables
+
+# Two quads, floor and wall, in one glTF mesh of two primitives with second texture coordinates in one map, and a third
+# quad without, which two nodes share.
+make_level() {
+  python3 - << 'END'
+import json, struct
+def quad(o, u, v): return [o, [a + b for a, b in zip(o, u)], [a + b + c for a, b, c in zip(o, u, v)], [a + c for a, c in zip(o, v)]]
+blob = b''
+views, accessors = [], []
+def add(rows, kind, code):
+    global blob
+    data = b''.join(struct.pack('<' + code * len(r), *r) for r in rows)
+    blob += b'\0' * (-len(blob) % 4)
+    views.append({'buffer': 0, 'byteOffset': len(blob), 'byteLength': len(data)})
+    blob += data
+    accessors.append({'bufferView': len(views) - 1, 'componentType': {'f': 5126, 'H': 5123}[code], 'count': len(rows), 'type': kind})
+    if code == 'f' and kind == 'VEC3':
+        accessors[-1]['min'] = [min(c) for c in zip(*rows)]
+        accessors[-1]['max'] = [max(c) for c in zip(*rows)]
+    return len(accessors) - 1
+corners = add([[i] for i in (0, 1, 2, 0, 2, 3)], 'SCALAR', 'H')
+floor = add(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), 'VEC3', 'f')
+wall = add(quad([-1, 0, -1], [2, 0, 0], [0, 2, 0]), 'VEC3', 'f')
+left = add(quad([0.05, 0.05], [0.4, 0], [0, 0.9]), 'VEC2', 'f')
+right = add(quad([0.55, 0.05], [0.4, 0], [0, 0.9]), 'VEC2', 'f')
+sign = add(quad([-0.2, 0.5, 0], [0.4, 0, 0], [0, 0.4, 0]), 'VEC3', 'f')
+def part(positions, uv): return {'attributes': {'POSITION': positions, **({'TEXCOORD_1': uv} if uv else {})}, 'indices': corners}
+def level(signs, uv):
+    return {'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': list(range(1 + signs))}],
+        'nodes': [{'mesh': 0}] + [{'mesh': 1, 'translation': [0, 0.3 * i, 0.4 * i]} for i in range(signs)],
+        'meshes': [{'name': 'the room/1', 'primitives': [part(floor, uv and left), part(wall, uv and right)]}] +
+                  ([{'name': 'sign', 'primitives': [part(sign, None)]}] if signs else []),
+        'accessors': accessors, 'bufferViews': views, 'extras': {'kept': [1, 2.5]}}
+def glb(name, j):
+    j = dict(j, buffers=[{'byteLength': len(blob)}])
+    text = json.dumps(j).encode(); text += b' ' * (-len(text) % 4)
+    body = blob + b'\0' * (-len(blob) % 4)
+    open(name, 'wb').write(struct.pack('<III', 0x46546C67, 2, 28 + len(text) + len(body)) +
+                           struct.pack('<II', len(text), 0x4E4F534A) + text + struct.pack('<II', len(body), 0x4E4942) + body)
+glb('level.glb', level(2, True))
+glb('plain.glb', level(1, False))
+open('apart.bin', 'wb').write(blob)
+json.dump(dict(level(1, True), buffers=[{'byteLength': len(blob), 'uri': 'apart.bin'}]), open('apart.gltf', 'w'))
+END
+  cat > level.json << 'END'
+{"tyndall": 1, "geometry": [{"file": "level.glb"}],
+ "lights": [{"type": "point", "position": [0.3, 1.5, 0.2], "intensity": [3, 2, 1]}]}
+END
+}
+
+bake() {
+  expect 0 bake "$@" -q --spp 4
+}
+
+test_wrong_usage() {
+  usage_error 'where to' bake level.json
+  usage_error 'expected: tyndall bake' bake -o out
+  usage_error 'nowhere.json' bake nowhere.json -o out
+  usage_error 'is none of impulse' bake level.json -o out --method magic
+  usage_error 'three numbers of probes' bake level.json -o out --grid 3,4
+  usage_error 'three numbers of probes' bake level.json -o out --grid 3,4,0
+  usage_error 'give one' bake level.json -o out --grid 3,4,5 --grid-spacing 1
+  usage_error 'more than 65536 probes|at most' bake level.json -o out --grid-spacing 0.00001
+  usage_error 'neither 3 nor 5' bake level.json -o out --sh 4
+  usage_error 'whole number from 0 to 64' bake level.json -o out --padding 65
+  usage_error 'sign.*(UV2|TEXCOORD_1|texture coordinates)' bake level.json -o out --lightmaps
+  usage_error 'points.json' bake level.json -o out --probes points.json
+  echo '{"positions": [[0, 1, 0], [1, 2]]}' > points.json
+  usage_error 'positions\[1\]' bake level.json -o out --probes points.json
+  echo '[[0, 1, 0], [1, 2, 1e99]]' > points.json
+  usage_error 'positions\[1\]' bake level.json -o out --probes points.json
+  echo '{}' > points.json
+  usage_error 'no points' bake level.json -o out --probes points.json
+  echo '{"tyndall": 1, "geometry": [{"sphere": {"center": [0, 0, 0], "radius": 1}}]}' > ball.json
+  usage_error 'no meshes to bake' bake ball.json -o out
+  usage_error 'overwritten with its own copy' bake level.json -o .
+  echo > file
+  usage_error 'not a folder' bake level.json -o file
+}
+
+test_plans() {
+  expect 0 bake level.json --dry-run
+  said out.txt '^meshes: 2 by lightmap \([0-9]+ texels\), 2 by vertex$'
+  said out.txt '^about [0-9]+ receivers, .* of memory$'
+  expect 0 bake level.json --dry-run --vertices
+  said out.txt '0 by lightmap .*4 by vertex'
+  expect 0 bake level.json --dry-run --lightmaps --vertices
+  said out.txt '2 by lightmap .*2 by vertex'
+  expect 0 bake level.json --dry-run --grid-spacing 0.9
+  said out.txt '^light grid: 3 x 3 x 3$'
+  expect 0 bake plain.glb --dry-run
+  said out.txt '0 by lightmap .*3 by vertex'
+  absent dry
+}
+
+test_everything_at_once() {
+  echo '[[0, 1, 0], [0, 0.5, 0.5]]' > points.json
+  bake level.json -o all --lightmaps --vertices --size 48x32 --grid 2,3,4 --probes points.json --sh 5
+  for file in the_room_1.exr the_room_1.png sign.exr sign_2.exr grid.exr grid.png probes.json bake.json level.glb; do
+    present "all/$file"
+  done
+  no_temporary_files
+  valid_json all/bake.json
+  valid_json all/probes.json
+  expect 0 info all/the_room_1.exr
+  said out.txt '^size +48x32'
+  for channel in direct.R indirect.G single.B multiple.R L1.RX coverage.A samples.N variance.B; do
+    said out.txt "^$channel "
+  done
+  expect 0 info all/grid.exr
+  said out.txt '^size +2x12'
+  said out.txt '^sh24.B'
+  said out.txt '^direct.sh0.R'
+  unsaid out.txt '^sh25'
+  expect 0 info all/level.glb
+  said out.txt '^meshes +4, 8 triangles'
+  said all/bake.json '"complete": true'
+  said all/bake.json '"condon_shortley": "none"'
+  said all/bake.json '"color_scale"'
+  python3 - << 'END' || fail "the copy is not what it should be"
+import json, struct
+def read(name):
+    b = open(name, 'rb').read()
+    n = struct.unpack('<I', b[12:16])[0]
+    return json.loads(b[20:20 + n]), b[28 + n:]
+old, old_body = read('level.glb')
+new, body = read('all/level.glb')
+assert new['extras']['kept'] == [1, 2.5]
+assert body.startswith(old_body[:old['buffers'][0]['byteLength']])
+for key in ('accessors', 'bufferViews'): assert new[key][:len(old[key])] == old[key]
+assert new['meshes'][0] == old['meshes'][0]  # it has a lightmap
+scale = new['extras']['tyndall']['color_scale']
+colored = [new['meshes'][new['nodes'][n]['mesh']]['primitives'][0]['attributes'] for n in (1, 2)]
+assert new['nodes'][1]['mesh'] != new['nodes'][2]['mesh']
+assert colored[0]['POSITION'] == colored[1]['POSITION'] and colored[0]['COLOR_0'] != colored[1]['COLOR_0']
+brightest = 0
+for attributes in colored:
+    accessor = new['accessors'][attributes['COLOR_0']]
+    view = new['bufferViews'][accessor['bufferView']]
+    values = struct.unpack_from('<12f', body, view['byteOffset'])
+    assert accessor['count'] == 4 and all(0 <= v <= 1 for v in values)
+    assert values[0] > values[2]  # the lamp is reddish
+    brightest = max(brightest, *values)
+assert abs(brightest - 1) < 1e-6 and scale > 0
+record = json.load(open('all/bake.json'))
+copy = [f for f in record['files'] if f['kind'] == 'gltf'][0]
+assert abs(copy['color_scale'] / scale - 1) < 1e-6
+room = [f for f in record['files'] if f['file'] == 'the_room_1.exr'][0]
+assert [m['primitive'] for m in room['meshes']] == [0, 1]
+probes = json.load(open('all/probes.json'))['probes']
+assert len(probes) == 2 and len(probes[0]['sh']) == 25 and len(probes[0]['sh'][0]) == 3
+for t in range(25):
+    for c in range(3):
+        assert abs(probes[0]['sh'][t][c] - sum(l[t][c] for l in probes[0]['layers'].values())) < 1e-4
+END
+  checks=$((checks + 1))
+}
+
+test_files_apart() {
+  bake apart.gltf -o apart --vertices -D 'lights=[{"type": "point", "position": [0.3, 1.5, 0.2], "intensity": [3, 2, 1]}]'
+  present apart/apart.glb
+  expect 0 info apart/apart.glb
+  said out.txt '^meshes +3, 6 triangles'
+}
+
+test_points_alone() {
+  bake level.json -o grid --grid 2,2,2
+  present grid/grid.exr
+  absent grid/the_room_1.exr
+  expect 0 info grid/grid.exr
+  unsaid out.txt '^sh9'
+}
+
+test_threads_and_seeds() {
+  bake level.json -o one --size 32x32 --threads 1
+  bake level.json -o two --size 32x32 --threads 2
+  bake level.json -o other --size 32x32 --seed 5
+  for file in the_room_1 sign_2; do same "one/$file.exr" "two/$file.exr"; done
+  expect 0 diff one/the_room_1.exr other/the_room_1.exr
+  unsaid out.txt '^values that differ: 0$'
+}
+
+test_methods() {
+  bake level.json -o surfaces --size 32x32 --method surfaces
+  for method in impulse attenuation; do
+    bake level.json -o $method --size 32x32 --method $method
+    same surfaces/the_room_1.exr $method/the_room_1.exr
+  done
+  bake level.json -o path --size 32x32 --method path
+  present path/the_room_1.exr
+}
+
+test_interrupts_and_going_on() {
+  options='--size 64x64 --spp 2048 --method surfaces'
+  # shellcheck disable=SC2086 # options
+  expect 0 bake level.json -o whole $options -q
+  # shellcheck disable=SC2086
+  start bake level.json -o parts $options
+  kill -INT "$process"
+  finished 130
+  said parts/bake.json '"complete": false'
+  absent parts/level.glb
+  valid_json parts/bake.json
+  # shellcheck disable=SC2086
+  usage_error 'the state of another bake' bake level.json -o parts $options --seed 7 --resume
+  # shellcheck disable=SC2086
+  expect 0 bake level.json -o parts $options --resume -q
+  said parts/bake.json '"complete": true'
+  for file in the_room_1 sign sign_2; do same "whole/$file.exr" "parts/$file.exr"; done
+  # What is done stays; what is missing is baked again.
+  touch -d '2001-02-03' parts/the_room_1.exr
+  rm parts/sign.exr parts/level.glb
+  # shellcheck disable=SC2086
+  expect 0 bake level.json -o parts $options --resume
+  said out.txt '3 of 3 done, 2 of them before'
+  present parts/level.glb
+  same whole/sign.exr parts/sign.exr
+  checks=$((checks + 1))
+  [ "$(date -r parts/the_room_1.exr +%Y)" = 2001 ] || fail 'a finished map was baked again'
+  echo nonsense > parts/bake.state
+  # shellcheck disable=SC2086
+  usage_error 'not the state of a bake' bake level.json -o parts $options --resume
+  no_temporary_files
+}
+
+command -v python3 > /dev/null || { echo 'skipped: there is no python3'; exit 0; }
+make_level
+test_wrong_usage
+test_plans
+test_everything_at_once
+test_files_apart
+test_points_alone
+test_threads_and_seeds
+test_methods
+test_interrupts_and_going_on
+finish 100
