@@ -151,7 +151,7 @@ static void harmonics_are_orthonormal(void** state) {
     for (int i = 0; i < POINTS; ++i) {
         float y[TY_SH_TERMS_MAX];
         const double z = 1 - (2 * i + 1.0) / POINTS, turn = i * 2.399963229728653, r = sqrt(1 - z * z);
-        ty_sh_at(ty_vec_make((float)(r * cos(turn)), (float)(r * sin(turn)), (float)z), TY_SH_BANDS_MAX, y);
+        ty_sh_all(ty_vec_make((float)(r * cos(turn)), (float)(r * sin(turn)), (float)z), y);
         for (int a = 0; a < TY_SH_TERMS_MAX; ++a)
             for (int b = 0; b < TY_SH_TERMS_MAX; ++b) sum[a][b] += 4 * pi / POINTS * (double)y[a] * (double)y[b];
     }

@@ -42,7 +42,7 @@ TY_FN bool ty_gather_scatters(const ty_gather* g) {
 /* What a receiver keeps of light from a direction. */
 TY_FN void ty_gather_basis(const ty_gather* g, ty_vec from, float basis[TY_BAKE_TERMS_MAX]) {
     if (g->request->terms == TY_BAKE_SH_TERMS) {
-        ty_sh_at(from, TY_SH_BANDS_MAX, basis);
+        ty_sh_all(from, basis);
         return;
     }
     /* Rays that graze are few, and each would weigh much: the last hundredth of what comes along the surface is left
@@ -73,7 +73,7 @@ TY_FN void ty_gather_keep_all(ty_gather* g, int32_t layer, const float amount[3]
 TY_FN void ty_gather_zonal_basis(const ty_gather* g, const ty_response* response, const float zonal[TY_IMPULSE_TERMS],
                                  ty_vec axis, float basis[TY_BAKE_TERMS_MAX]) {
     if (g->request->terms == TY_BAKE_SH_TERMS) {
-        ty_sh_at(axis, TY_SH_BANDS_MAX, basis);
+        ty_sh_all(axis, basis);
         for (int32_t l = 0, t = 0; l < TY_SH_BANDS_MAX; ++l) {
             const float turned = zonal[l] * sqrtf(4.0f * TY_PI / (float)(2 * l + 1));
             for (const int32_t end = (l + 1) * (l + 1); t < end; ++t) basis[t] *= turned;

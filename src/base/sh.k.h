@@ -22,8 +22,8 @@ enum { TY_SH_BANDS = 3, TY_SH_TERMS = 9, TY_SH_BANDS_MAX = 5, TY_SH_TERMS_MAX = 
 #define TY_SH_43 1.770130769f /* sqrt(315 / (32 pi)) */
 #define TY_SH_44 0.625835735f /* sqrt(315 / (256 pi)) */
 
-/* The first bands * bands functions at a unit vector. */
-TY_FN void ty_sh_at(ty_vec w, int32_t bands, float* y) {
+/* The first bands * bands functions, of 1 to 3 bands, at a unit vector. */
+TY_FN void ty_sh_at(ty_vec w, int32_t bands, float y[TY_SH_TERMS]) {
     y[0] = TY_SH_0;
     y[1] = TY_SH_1 * w.y;
     y[2] = TY_SH_1 * w.z;
@@ -34,7 +34,11 @@ TY_FN void ty_sh_at(ty_vec w, int32_t bands, float* y) {
     y[6] = TY_SH_20 * (3.0f * w.z * w.z - 1.0f);
     y[7] = TY_SH_2 * w.x * w.z;
     y[8] = 0.5f * TY_SH_2 * (w.x * w.x - w.y * w.y);
-    if (bands < 4) return;
+}
+
+/* All of them, five bands. */
+TY_FN void ty_sh_all(ty_vec w, float y[TY_SH_TERMS_MAX]) {
+    ty_sh_at(w, TY_SH_BANDS, y);
     const float x2 = w.x * w.x, y2 = w.y * w.y, z2 = w.z * w.z;
     y[9] = TY_SH_33 * w.y * (3.0f * x2 - y2);
     y[10] = 2.0f * TY_SH_32 * w.x * w.y * w.z;
@@ -43,7 +47,6 @@ TY_FN void ty_sh_at(ty_vec w, int32_t bands, float* y) {
     y[13] = TY_SH_31 * w.x * (5.0f * z2 - 1.0f);
     y[14] = TY_SH_32 * w.z * (x2 - y2);
     y[15] = TY_SH_33 * w.x * (x2 - 3.0f * y2);
-    if (bands < 5) return;
     y[16] = 4.0f * TY_SH_44 * w.x * w.y * (x2 - y2);
     y[17] = TY_SH_43 * w.y * w.z * (3.0f * x2 - y2);
     y[18] = 2.0f * TY_SH_42 * w.x * w.y * (7.0f * z2 - 1.0f);
