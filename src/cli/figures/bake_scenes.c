@@ -174,8 +174,8 @@ static const struct {
     const char *name, *json;
     double exposure;
 } lights[LIGHTS] = {
-    {"point", "{\"type\": \"point\", \"position\": [-0.6, 2.6, 0.6], \"intensity\": 10}", 0},
-    {"directional", "{\"type\": \"directional\", \"direction\": [-0.7, -1, -0.3], \"irradiance\": 6}", 0},
+    {"point", "{\"type\": \"point\", \"position\": [-0.6, 2.6, 0.6], \"intensity\": 10}", -1.5},
+    {"directional", "{\"type\": \"directional\", \"direction\": [-0.7, -1, -0.3], \"irradiance\": 6}", -2},
 };
 
 static ty_result fill_light(figure_run* run, int row, const baked_view* b, plot_sheet* sheet) {
