@@ -149,9 +149,17 @@ TY_API int32_t ty_atlas_width(const ty_atlas* atlas);
 TY_API int32_t ty_atlas_height(const ty_atlas* atlas);
 /* The atlas' receivers, one per texel that counts; *count of them; they last as long as it. */
 TY_API const ty_bake_receiver* ty_atlas_receivers(const ty_atlas* atlas, int64_t* count);
-/* An image of what they got: R, G, B: irradiance; LAYER.R, .G, .B of direct, indirect, single, multiple; L1.RX ..
- * L1.BZ: the vector irradiance over the irradiance; coverage.A, samples.N, variance.R, .G, .B. Texels within walls take
- * their neighbours' light, then seams are closed, then charts are padded. Errors: TY_ERROR_MEMORY. */
+/* An image of what they got (light[i] is the i-th receiver's), row 0 at v = 0:
+ *   R, G, B               irradiance, the sum of its layers direct.R .. multiple.B, W m^-2
+ *   L1.RX .. L1.BZ        the vector irradiance over the integral of radiance, no longer than 1: where light comes
+ * from, and how much from there alone. On another unit normal m than the surface's n, irradiance is about R max(0, 1 +
+ * 2 L1 . m) / (1 + 2 L1 . n). A unit vector where fluence was not measured coverage.A            1 where a triangle
+ * covers the texel's middle, else the fraction that the texel's triangle covers, 0 around charts samples.N 0 where
+ * light is not the texel's own variance.R, .G, .B    of R, G, B as sampled; 0 where samples.N is Texels within walls
+ * (blocked > 1/2), not sampled or not finite take the light of neighbours on their chart, from the nearest on; a chart
+ * where all are keeps what it has. Then bilinear lookups along edges that smooth surfaces share are made alike by the
+ * least change of the texels that they meet. Then texels around charts take the light of the nearest that counts,
+ * `padding` rows and columns far: bilinear lookups need 1, those in mip level m 2^m. Errors: TY_ERROR_MEMORY. */
 TY_API ty_result ty_atlas_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out);
 
 #ifdef __cplusplus

@@ -12,12 +12,15 @@ static const float pull_inside = 2e-3f;
 static const float pull_around = 2e-4f;
 /* Points along seams, per texel. */
 enum { POINTS_PER_TEXEL = 2 };
-enum { ITERATIONS = 300 };
-static const double tolerance = 1e-4;
+/* Of maps with millions of points along seams there are fewer rounds: what is left open is small by then. */
+enum { ITERATIONS = 200, ITERATIONS_MIN = 30 };
+static const double iterations_times_rows = 2e8;
+static const double tolerance = 2e-4;
 /* Points are left out where less of a lookup than this belongs to the chart. */
 static const double least_weight = 0.25;
 
-enum { TAPS = 8 };
+enum { TAPS = 8, LANES = 8, GROUPS = TY_ATLAS_PLANES / LANES };
+_Static_assert(TY_ATLAS_PLANES % LANES == 0, "planes are closed in groups");
 
 typedef struct row {
     int32_t index[TAPS]; /* among unknowns; weight 0 where there are fewer */
@@ -33,7 +36,7 @@ typedef struct closer {
     size_t count, capacity;
     row* rows;
     size_t row_count, row_capacity;
-    float* scratch; /* per worker: VECTORS * count */
+    float* scratch; /* per worker: VECTORS * LANES * count */
     float* pull;    /* per unknown */
     float* inverse; /* per unknown: 1 / the matrix' diagonal */
 } closer;
@@ -109,67 +112,104 @@ static bool add_seam(closer* work, const ty_seam* seam) {
 
 /* ---- conjugate gradients ---- */
 
-/* out = A'A in + pull * in; returns the product of in and out. */
-static double apply(const closer* work, const float* in, bool pulled, float* out) {
-    for (size_t i = 0; i < work->count; ++i) out[i] = pulled ? work->pull[i] * in[i] : 0.0f;
+/* Planes are solved for side by side: what is per unknown is LANES numbers. */
+
+/* out = A'A in, + pull * in if pulled; product: of in and out. */
+static void apply(const closer* work, const float* in, bool pulled, float* out, double product[LANES]) {
+    for (size_t i = 0; i < work->count; ++i)
+        for (size_t lane = 0; lane < LANES; ++lane)
+            out[LANES * i + lane] = pulled ? work->pull[i] * in[LANES * i + lane] : 0.0f;
     for (size_t r = 0; r < work->row_count; ++r) {
         const row* at = &work->rows[r];
-        float sum = 0;
-        for (int tap = 0; tap < TAPS; ++tap) sum += at->weight[tap] * in[at->index[tap]];
-        for (int tap = 0; tap < TAPS; ++tap) out[at->index[tap]] += at->weight[tap] * sum;
+        float sum[LANES] = {0};
+        for (int tap = 0; tap < TAPS; ++tap) {
+            const float* from = in + LANES * (size_t)at->index[tap];
+            for (int lane = 0; lane < LANES; ++lane) sum[lane] += at->weight[tap] * from[lane];
+        }
+        for (int tap = 0; tap < TAPS; ++tap) {
+            float* to = out + LANES * (size_t)at->index[tap];
+            for (int lane = 0; lane < LANES; ++lane) to[lane] += at->weight[tap] * sum[lane];
+        }
     }
-    double product = 0;
-    for (size_t i = 0; i < work->count; ++i) product += (double)in[i] * (double)out[i];
-    return product;
-}
-
-static double preconditioned(const closer* work, const float* residual) {
-    double product = 0;
+    for (int lane = 0; lane < LANES; ++lane) product[lane] = 0;
     for (size_t i = 0; i < work->count; ++i)
-        product += (double)residual[i] * (double)residual[i] * (double)work->inverse[i];
-    return product;
+        for (size_t lane = 0; lane < LANES; ++lane)
+            product[lane] += (double)(in[LANES * i + lane] * out[LANES * i + lane]);
 }
 
-/* The change of a plane's texels. */
+static void preconditioned(const closer* work, const float* residual, double product[LANES]) {
+    for (int lane = 0; lane < LANES; ++lane) product[lane] = 0;
+    for (size_t i = 0; i < work->count; ++i)
+        for (size_t lane = 0; lane < LANES; ++lane)
+            product[lane] += (double)(residual[LANES * i + lane] * residual[LANES * i + lane] * work->inverse[i]);
+}
+
+/* Where numbers vanish, there is nothing left to do. */
+static float ratio(double a, double b) {
+    return b > 0 ? (float)(a / b) : 0.0f;
+}
+
+static bool any_above(const double a[LANES], const double b[LANES]) {
+    bool any = false;
+    for (int lane = 0; lane < LANES; ++lane) any |= a[lane] > b[lane];
+    return any;
+}
+
+/* The change of planes' texels. */
 static void solve(const closer* work, float* const vectors[VECTORS]) {
     float *change = vectors[CHANGE], *residual = vectors[RESIDUAL], *search = vectors[SEARCH];
     const size_t n = work->count;
-    apply(work, vectors[X], false, residual);
-    for (size_t i = 0; i < n; ++i) {
+    double now[LANES], bent[LANES], next[LANES], enough[LANES];
+    const int iterations = (int)fmin(fmax(iterations_times_rows / (double)work->row_count, ITERATIONS_MIN), ITERATIONS);
+    apply(work, vectors[X], false, residual, now);
+    for (size_t i = 0; i < LANES * n; ++i) {
         residual[i] = -residual[i];
         change[i] = 0;
-        search[i] = work->inverse[i] * residual[i];
+        search[i] = work->inverse[i / LANES] * residual[i];
     }
-    double now = preconditioned(work, residual);
-    const double enough = tolerance * tolerance * now;
-    for (int iteration = 0; iteration < ITERATIONS && now > enough; ++iteration) {
-        const double bent = apply(work, search, true, vectors[APPLIED]);
-        if (!(bent > 0)) return;
-        const float step = (float)(now / bent);
-        for (size_t i = 0; i < n; ++i) {
-            change[i] += step * search[i];
-            residual[i] -= step * vectors[APPLIED][i];
+    preconditioned(work, residual, now);
+    for (int lane = 0; lane < LANES; ++lane) enough[lane] = tolerance * tolerance * now[lane];
+    for (int iteration = 0; iteration < iterations && any_above(now, enough); ++iteration) {
+        float step[LANES], turn[LANES];
+        apply(work, search, true, vectors[APPLIED], bent);
+        for (int lane = 0; lane < LANES; ++lane) step[lane] = ratio(now[lane], bent[lane]);
+        for (size_t i = 0; i < n; ++i)
+            for (size_t lane = 0; lane < LANES; ++lane) {
+                change[LANES * i + lane] += step[lane] * search[LANES * i + lane];
+                residual[LANES * i + lane] -= step[lane] * vectors[APPLIED][LANES * i + lane];
+            }
+        preconditioned(work, residual, next);
+        for (int lane = 0; lane < LANES; ++lane) {
+            turn[lane] = ratio(next[lane], now[lane]);
+            now[lane] = next[lane];
         }
-        const double next = preconditioned(work, residual);
-        const float turn = (float)(next / now);
-        for (size_t i = 0; i < n; ++i) search[i] = work->inverse[i] * residual[i] + turn * search[i];
-        now = next;
+        for (size_t i = 0; i < n; ++i)
+            for (size_t lane = 0; lane < LANES; ++lane)
+                search[LANES * i + lane] =
+                    work->inverse[i] * residual[LANES * i + lane] + turn[lane] * search[LANES * i + lane];
     }
 }
 
-static void close_plane(void* user, int64_t index, int32_t worker) {
+/* Light is not negative, but its direction may be. */
+static float closed(int plane, float light) {
+    const bool directed = plane >= TY_ATLAS_TOWARD && plane < TY_ATLAS_FLUENCE;
+    return directed || light > 0 ? light : 0.0f;
+}
+
+static void close_planes(void* user, int64_t index, int32_t worker) {
     const closer* work = user;
+    float* const* planes = work->planes + LANES * index;
     float* vectors[VECTORS];
-    for (int i = 0; i < VECTORS; ++i) vectors[i] = work->scratch + ((size_t)worker * VECTORS + (size_t)i) * work->count;
-    float* plane = work->planes[index];
-    for (size_t i = 0; i < work->count; ++i) vectors[X][i] = plane[work->source[work->texels[i]]];
+    for (int i = 0; i < VECTORS; ++i)
+        vectors[i] = work->scratch + ((size_t)worker * VECTORS + (size_t)i) * LANES * work->count;
+    for (size_t i = 0; i < work->count; ++i)
+        for (size_t lane = 0; lane < LANES; ++lane)
+            vectors[X][LANES * i + lane] = planes[lane][work->source[work->texels[i]]];
     solve(work, vectors);
-    const bool directed = index >= TY_ATLAS_TOWARD && index < TY_ATLAS_FLUENCE;
-    for (size_t i = 0; i < work->count; ++i) {
-        const float light = vectors[X][i] + vectors[CHANGE][i];
-        vectors[X][i] = directed || light > 0 ? light : 0.0f;
-    }
-    for (size_t i = 0; i < work->count; ++i) plane[work->texels[i]] = vectors[X][i];
+    for (size_t i = 0; i < work->count; ++i)
+        for (size_t lane = 0; lane < LANES; ++lane)
+            planes[lane][work->texels[i]] = closed((int)(LANES * index) + (int)lane,
+                                                   vectors[X][LANES * i + lane] + vectors[CHANGE][LANES * i + lane]);
 }
 
 static void find_diagonal(closer* work) {
@@ -186,15 +226,15 @@ static void find_diagonal(closer* work) {
 static bool close_all(closer* work) {
     ty_context* context = work->atlas->context;
     const int32_t threads = ty_context_threads(context);
-    const size_t workers = (size_t)(threads < TY_ATLAS_PLANES ? threads : TY_ATLAS_PLANES);
-    const size_t scratch = workers * VECTORS * work->count;
+    const size_t workers = (size_t)(threads < GROUPS ? threads : GROUPS);
+    const size_t scratch = workers * VECTORS * LANES * work->count;
     work->scratch = ty_alloc_array(context, scratch, sizeof *work->scratch, false);
     work->pull = ty_alloc_array(context, work->count, sizeof *work->pull, false);
     work->inverse = ty_alloc_array(context, work->count, sizeof *work->inverse, false);
     const bool ready = work->scratch != NULL && work->pull != NULL && work->inverse != NULL;
     if (ready) {
         find_diagonal(work);
-        ty_parallel_for(context, TY_ATLAS_PLANES, close_plane, work);
+        ty_parallel_for(context, GROUPS, close_planes, work);
     }
     ty_free_array(context, work->scratch, scratch, sizeof *work->scratch);
     ty_free_array(context, work->pull, work->count, sizeof *work->pull);
