@@ -1,10 +1,11 @@
 /* Points in JSON files: where probes stand. */
+#include "io/points.h"
+
 #include "base/context.h"
 #include "io/file.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <tyndall/io.h>
 
 static const size_t file_size_max = (size_t)1 << 30;
 static const double coordinate_max = 1e15;
@@ -43,6 +44,17 @@ static ty_result take(ty_context* context, const char* path, const json_t* root,
     return result;
 }
 
+ty_result ty_points_parse(ty_context* context, const char* path, const uint8_t* text, size_t size, float** out,
+                          int64_t* count) {
+    json_error_t error;
+    json_t* root = json_loadb((const char*)text, size, JSON_REJECT_DUPLICATES, &error);
+    if (root == NULL)
+        return ty_fail(context, TY_ERROR_INPUT, "%s:%d: %s", path, error.line < 1 ? 1 : error.line, error.text);
+    const ty_result result = take(context, path, root, out, count);
+    json_decref(root);
+    return result;
+}
+
 ty_result ty_points_read(ty_context* context, const char* path, float** out, int64_t* count) {
     if (path == NULL || out == NULL || count == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_points_read: an argument is NULL");
@@ -50,13 +62,7 @@ ty_result ty_points_read(ty_context* context, const char* path, float** out, int
     size_t size = 0;
     ty_result result = ty_read_file(context, path, file_size_max, &bytes, &size);
     if (result != TY_OK) return result;
-    json_error_t error;
-    json_t* root = json_loadb((const char*)bytes, size, JSON_REJECT_DUPLICATES, &error);
-    if (root == NULL)
-        result = ty_fail(context, TY_ERROR_INPUT, "%s:%d: %s", path, error.line < 1 ? 1 : error.line, error.text);
-    else
-        result = take(context, path, root, out, count);
-    json_decref(root);
+    result = ty_points_parse(context, path, bytes, size, out, count);
     ty_free_file(context, bytes, size);
     return result;
 }

@@ -139,7 +139,7 @@ static ty_result fill_row(figure_run* run, const maps* m, int row, plot_sheet* s
         plot_cell* cell = plot_sheet_cell(sheet, row, method);
         snprintf(item, sizeof item, "%d scatterings, %s", (int)scatterings[row], titles[method]);
         result = bake(run, m, item, method, scatterings[row], &b[method]);
-        if (result == TY_OK) result = plot_picture_of_image(run->session->context, b[method].image, -1, &cell->picture);
+        if (result == TY_OK) result = plot_picture_of_image(run->session->context, b[method].image, -2, &cell->picture);
         snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s", b[method].seconds);
         if (result == TY_OK && method != TRUTH)
             result = judge(run, m, item, method, &b[method], &b[TRUTH], plot_sheet_cell(sheet, row, METHODS + method));

@@ -66,7 +66,7 @@ static ty_result make_tables(figure_run* run, ty_impulse** out) {
 
 /* ---- Fig. 8: the staircase ---- */
 
-enum { STAIR_WIDTH = 180, STAIR_HEIGHT = 320, STAIR_PICTURE = 240 };
+enum { STAIR_WIDTH = 108, STAIR_HEIGHT = 192, STAIR_PICTURE = 240 };
 
 static const char stair_file[] = "scenes/wooden_staircase.glb";
 static const char stair_text[] =
