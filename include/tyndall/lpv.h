@@ -107,7 +107,7 @@ typedef struct ty_lpv_stats {
     double view_seconds, surface_seconds, march_seconds, single_seconds, compose_seconds; /* images */
     int64_t rays;                                                                         /* traced */
     int64_t marched; /* rays through media: of images, with those that half of the resolution does not tell */
-    double ray_seconds;
+    double ray_seconds; /* of tracing them, of all threads, over their number */
     const char* isa;
 } ty_lpv_stats;
 

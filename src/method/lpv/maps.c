@@ -6,7 +6,7 @@
 static ty_result trace(ty_lpv_job* job, int32_t index, int32_t side, bool reflective, ty_light_map** out) {
     const ty_grid_box* box = &job->light->lattices[job->light->count - 1]->box;
     const ty_light_map_def def = {.side = side, .reflective = reflective, .lower = box->lower, .upper = box->upper};
-    return ty_light_map_trace(job->scene, &def, index, out, &job->stats.rays);
+    return ty_light_map_trace(job->scene, &def, index, out, &job->counter);
 }
 
 /* Point lights' maps have six faces, which share as many texels as the others' one has. */

@@ -135,7 +135,7 @@ static void finish_stats(ty_lpv_frame* frame, ty_lpv_stats* out) {
     out->single_seconds = frame->stats.single_seconds;
     out->compose_seconds = frame->stats.compose_seconds;
     out->rays += atomic_load(&frame->rays);
-    out->ray_seconds += (double)atomic_load(&frame->clocks[TY_CLOCK_RAYS]) * per_second;
+    out->ray_seconds += 1e-9 * (double)atomic_load(&frame->clocks[TY_CLOCK_RAYS]) / ty_context_threads(frame->context);
     out->marched = atomic_load(&frame->marched);
     out->isa = frame->isa;
 }
