@@ -17,8 +17,9 @@
 
 /* Counts what is allocated and refuses to go past a limit, or at the n-th allocation. */
 typedef struct strict_memory {
-    size_t used, limit;
-    int64_t until_refusal; /* negative: never */
+    _Atomic size_t used; /* context's threads take memory, too */
+    size_t limit;
+    _Atomic int64_t until_refusal; /* negative: never */
 } strict_memory;
 
 static inline void* strict_alloc(void* user, size_t size) {

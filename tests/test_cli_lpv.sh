@@ -118,7 +118,7 @@ test_statistics() {
     valid_json stats.json
     said stats.json '"method": "lpv"'
     for name in size reflected scattered absorbed blocked escaped left; do said stats.json "\"$name\": \\["; done
-    for name in cell iterations medium_seconds map_seconds reflected_seconds scattered_seconds blocker_seconds \
+    for name in cell iterations medium_seconds map_seconds shadow_seconds reflected_seconds scattered_seconds blocker_seconds \
       prepare_seconds propagate_seconds gather_seconds view_seconds surface_seconds march_seconds single_seconds \
       compose_seconds rays ray_seconds; do
       said stats.json "\"$name\": [0-9.e-]+"

@@ -29,7 +29,7 @@ static const ty_light_view* light_of(ty_scene* scene, int32_t light) {
     return &ty_scene_get_view(scene)->lights.lights[light];
 }
 
-static ty_light_map* map_of(ty_scene* scene, const ty_light_map_def* def, int32_t light, int64_t* rays) {
+static ty_light_map* map_of(ty_scene* scene, const ty_light_map_def* def, int32_t light, ty_ray_counter* rays) {
     ty_light_map* map = NULL;
     check_result(ty_scene_context(scene), ty_scene_commit(scene));
     check_result(ty_scene_context(scene), ty_light_map_trace(scene, def, light, &map, rays));
@@ -84,13 +84,13 @@ static void points_see_all(void** state) {
     for (int i = 0; i < 3; ++i) {
         ty_scene* scene = make_scene(*state);
         const ty_light_map_def def = {.side = sides[i], .reflective = true};
-        int64_t rays = 5;
+        ty_ray_counter rays = {.rays = 5};
         add_box(scene, 2);
         add_lamp(scene, TY_LIGHT_POINT, 40, 0, (const double[3]){0, 1, 0});
         ty_light_map* map = map_of(scene, &def, 0, &rays);
         const ty_light_view* light = light_of(scene, 0);
         double square = 0;
-        assert_int_equal(rays, 5 + 6 * sides[i] * sides[i]);
+        assert_int_equal(rays.rays, 5 + 6 * sides[i] * sides[i]);
         assert_close(sum_shares(map, light) / (4 * pi), 1, tolerance[i]);
         for (int32_t t = 0; t < 6 * sides[i] * sides[i]; ++t) {
             const int32_t face = t / (sides[i] * sides[i]), y = t / sides[i] % sides[i], x = t % sides[i];
@@ -177,10 +177,10 @@ static void nothing_to_meet(void** state) {
     for (int i = 0; i < 3; ++i) {
         ty_scene* scene = make_scene(*state);
         const ty_light_map_def def = {.side = 16, .reflective = true, .lower = lower, .upper = upper};
-        int64_t rays = 0;
+        ty_ray_counter rays = {.rays = 0};
         add_lamp(scene, kinds[i], 40, 0, (const double[3]){0, -1, 0});
         ty_light_map* map = map_of(scene, &def, 0, &rays);
-        assert_int_equal(rays, 0);
+        assert_int_equal(rays.rays, 0);
         for (int32_t t = 0; t < map->faces * 256; ++t) assert_true(isinf(map->depth[t]));
         ty_light_map_destroy(*state, map);
         ty_scene_destroy(scene);

@@ -231,9 +231,9 @@ static void sealed_rooms_stay_dark(void** state) {
         const ty_lpv_def def = {.parts = TY_LPV_ALL, .bands = 2, .window = -1, .tolerance = 0.01};
         ty_lattice_power power = {.iterations = 0};
         double inside = 0, outside = 0;
-        int64_t rays = 0;
+        ty_ray_counter rays = {.rays = 0};
         check_result(*state, ty_lattice_cross(lattice, scene, &rays));
-        assert_true(rays > 1000);
+        assert_true(rays.rays > 1000);
         for (size_t cell = 0; cell < lattice->cells; ++cell)
             for (int c = 0; c < 3; ++c) lattice->flow[c][0][cell] = cells_out(cell) > 9 ? 1 : 0;
         check_result(*state, ty_lattice_propagate(lattice, &def, NULL, NULL, NULL, NULL, &power));

@@ -103,11 +103,12 @@ typedef struct ty_lpv_stats {
     double reflected[3], scattered[3], absorbed[3], blocked[3], escaped[3], left[3];
     double seconds; /* all of it; its parts: */
     double medium_seconds, map_seconds, reflected_seconds, scattered_seconds, blocker_seconds;
-    double prepare_seconds, propagate_seconds, gather_seconds;                            /* propagation, Table 1 */
+    double shadow_seconds;                                     /* of the finer maps, which images alone need */
+    double prepare_seconds, propagate_seconds, gather_seconds; /* propagation, Table 1 */
     double view_seconds, surface_seconds, march_seconds, single_seconds, compose_seconds; /* images */
     int64_t rays;                                                                         /* traced */
-    int64_t marched; /* rays through media: of images, with those that half of the resolution does not tell */
-    double ray_seconds;
+    int64_t marched;    /* rays through media: of images, with those that half of the resolution does not tell */
+    double ray_seconds; /* of tracing them, of all threads, over their number */
     const char* isa;
 } ty_lpv_stats;
 

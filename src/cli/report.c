@@ -94,12 +94,12 @@ static void lpv_stats(json_writer* json, const ty_lpv_stats* lpv) {
         double seconds;
     } parts[] = {
         {"medium_seconds", lpv->medium_seconds},       {"map_seconds", lpv->map_seconds},
-        {"reflected_seconds", lpv->reflected_seconds}, {"scattered_seconds", lpv->scattered_seconds},
-        {"blocker_seconds", lpv->blocker_seconds},     {"prepare_seconds", lpv->prepare_seconds},
-        {"propagate_seconds", lpv->propagate_seconds}, {"gather_seconds", lpv->gather_seconds},
-        {"view_seconds", lpv->view_seconds},           {"surface_seconds", lpv->surface_seconds},
-        {"march_seconds", lpv->march_seconds},         {"single_seconds", lpv->single_seconds},
-        {"compose_seconds", lpv->compose_seconds},
+        {"shadow_seconds", lpv->shadow_seconds},       {"reflected_seconds", lpv->reflected_seconds},
+        {"scattered_seconds", lpv->scattered_seconds}, {"blocker_seconds", lpv->blocker_seconds},
+        {"prepare_seconds", lpv->prepare_seconds},     {"propagate_seconds", lpv->propagate_seconds},
+        {"gather_seconds", lpv->gather_seconds},       {"view_seconds", lpv->view_seconds},
+        {"surface_seconds", lpv->surface_seconds},     {"march_seconds", lpv->march_seconds},
+        {"single_seconds", lpv->single_seconds},       {"compose_seconds", lpv->compose_seconds},
     };
     json_open_object(json, "lpv");
     lpv_lattices(json, lpv);

@@ -180,7 +180,7 @@ static ty_result take_texels(ty_context* context, bool reflective, map_job* job)
 }
 
 ty_result ty_light_map_trace(const ty_scene* scene, const ty_light_map_def* def, int32_t light, ty_light_map** out,
-                             int64_t* rays) {
+                             ty_ray_counter* counter) {
     *out = NULL;
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
@@ -198,12 +198,14 @@ ty_result ty_light_map_trace(const ty_scene* scene, const ty_light_map_def* def,
         ty_light_map_destroy(scene->context, job.map);
         return result;
     }
-    const ty_texels texels = {
-        .scene = scene, .side = def->side, .faces = job.map->faces, .user = &job, .ray = ray_of, .meet = meet};
-    if (view->mesh != NULL) {
-        const int64_t traced = ty_texels_trace(&texels);
-        if (rays != NULL) *rays += traced;
-    }
+    const ty_texels texels = {.scene = scene,
+                              .side = def->side,
+                              .faces = job.map->faces,
+                              .user = &job,
+                              .ray = ray_of,
+                              .bare = !def->reflective,
+                              .meet = meet};
+    if (view->mesh != NULL) ty_texels_trace(&texels, counter);
     *out = job.map;
     return TY_OK;
 }

@@ -3,6 +3,7 @@
 #ifndef TY_DIRECT_LIGHT_MAP_H
 #define TY_DIRECT_LIGHT_MAP_H
 
+#include "scene/ray_counter.h"
 #include "scene/scene.h"
 
 #include <tyndall/light_map.h>
@@ -15,11 +16,11 @@ typedef struct ty_light_map_def {
 
 /* The map of a directional, point (six faces, a cube's) or spot light (an index into ty_light_set.lights) of a
  * committed scene, a ray through the middle of each texel; without surfaces nothing is met. Spots of more than 160
- * degrees have six faces, too, as points have; in others' corners, outside of the cone, nothing is met. rays: how many
- * were traced are added to it; may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. *out is freed with
+ * degrees have six faces, too, as points have; in others' corners, outside of the cone, nothing is met. counter:
+ * NULL, or is added to. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. *out is freed with
  * ty_light_map_destroy. */
 ty_result ty_light_map_trace(const ty_scene* scene, const ty_light_map_def* def, int32_t light, ty_light_map** out,
-                             int64_t* rays);
+                             ty_ray_counter* counter);
 void ty_light_map_destroy(ty_context* context, ty_light_map* map);
 
 /* Whether a caller's map makes sense for a light; messages name it as maps[index]. Errors: TY_ERROR_ARGUMENT. */

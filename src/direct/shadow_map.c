@@ -160,7 +160,7 @@ static void fill(shadow_job* job) {
     if (!meets) return;
     const ty_texels texels = {
         .scene = job->scene, .side = map->side, .faces = map->faces, .user = job, .ray = ray_of, .meet = describe};
-    ty_texels_trace(&texels);
+    ty_texels_trace(&texels, NULL);
     add_up(map);
 }
 

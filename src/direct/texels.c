@@ -4,8 +4,6 @@
 #include "base/context.h"
 #include "base/parallel.h"
 
-#include <stdatomic.h>
-
 ty_result ty_texels_check_light(const ty_scene* scene, const char* what, int32_t light) {
     const ty_light_set* lights = &scene->view.lights;
     const int32_t kind = light >= 0 && light < lights->count ? lights->lights[light].kind : -1;
@@ -36,16 +34,22 @@ typedef struct packet {
 
 typedef struct texel_job {
     const ty_texels* texels;
-    _Atomic int64_t traced;
+    ty_ray_counter* counter;
 } texel_job;
 
-static void trace(const ty_texels* texels, const packet* rays) {
+static void trace(const ty_texels* texels, const packet* rays, double* seconds) {
     ty_hit hits[TY_PACKET];
     if (rays->count == 0) return;
+    const double begun = ty_wall_seconds();
     ty_mesh_intersect_packet(texels->scene->view.mesh, rays->rays, rays->count, hits);
+    *seconds += ty_wall_seconds() - begun;
     for (int32_t i = 0; i < rays->count; ++i) {
         ty_surface_point point;
         if (hits[i].surface < 0) continue;
+        if (texels->bare) {
+            texels->meet(texels->user, rays->texels[i], &rays->rays[i], &hits[i], NULL);
+            continue;
+        }
         ty_surface_evaluate(&texels->scene->view.surfaces[hits[i].surface], &hits[i],
                             ty_vec_load(rays->rays[i].direction), &point);
         texels->meet(texels->user, rays->texels[i], &rays->rays[i], &hits[i], &point);
@@ -59,9 +63,10 @@ static int32_t blocks_along(const ty_texels* texels) {
 /* BLOCK rows of a face. */
 static void trace_rows(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    texel_job* job = user;
+    const texel_job* job = user;
     const ty_texels* texels = job->texels;
     int64_t traced = 0;
+    double seconds = 0;
     const int32_t blocks = blocks_along(texels);
     const size_t side = (size_t)texels->side, face = (size_t)(index / blocks), top = BLOCK * (size_t)(index % blocks);
     for (size_t left = 0; left < side; left += BLOCK) {
@@ -72,14 +77,13 @@ static void trace_rows(void* user, int64_t index, int32_t worker) {
                 if (!texels->ray(texels->user, texel, &rays.rays[rays.count])) continue;
                 rays.texels[rays.count++] = texel;
             }
-        trace(texels, &rays);
+        trace(texels, &rays, &seconds);
         traced += rays.count;
     }
-    atomic_fetch_add(&job->traced, traced);
+    ty_ray_counter_add(job->counter, traced, seconds);
 }
 
-int64_t ty_texels_trace(const ty_texels* texels) {
-    texel_job job = {.texels = texels};
+void ty_texels_trace(const ty_texels* texels, ty_ray_counter* counter) {
+    texel_job job = {.texels = texels, .counter = counter};
     ty_parallel_flushed(texels->scene->context, (int64_t)texels->faces * blocks_along(texels), trace_rows, &job);
-    return atomic_load(&job.traced);
 }

@@ -2,6 +2,7 @@
 #ifndef TY_DIRECT_TEXELS_H
 #define TY_DIRECT_TEXELS_H
 
+#include "scene/ray_counter.h"
 #include "scene/scene.h"
 
 /* Fails, naming `what`, unless an index of a committed scene's lights is that of a directional, point or spot light. */
@@ -17,11 +18,12 @@ typedef struct ty_texels {
     const void* user;
     /* The ray (unit direction) of a texel; false: it needs none. */
     bool (*ray)(const void* user, size_t texel, ty_ray* out);
+    bool bare; /* whether where surfaces are is all that counts: `point` is NULL */
     /* What it meets; any thread, each texel once at most. */
     void (*meet)(const void* user, size_t texel, const ty_ray* ray, const ty_hit* hit, const ty_surface_point* point);
 } ty_texels;
 
-/* Returns how many rays there were. */
-int64_t ty_texels_trace(const ty_texels* texels);
+/* counter: NULL, or is added to. */
+void ty_texels_trace(const ty_texels* texels, ty_ray_counter* counter);
 
 #endif

@@ -18,18 +18,17 @@ TY_FN bool ty_texture_exists(TY_GLOBAL const ty_texture_view* texture) {
     return texture->rgba8 != NULL || texture->floats != NULL;
 }
 
-/* Texel index i brought into [0, count). */
+/* Texel index i brought into [0, count); of a texture that repeats i is at most one period off. */
 TY_FN int32_t ty_texture_wrap(int32_t i, int32_t count, int32_t wrap) {
     if (wrap == 1) return i < 0 ? 0 : i >= count ? count - 1 : i;
     const int32_t period = wrap == 2 ? 2 * count : count;
-    i %= period;
-    i = i < 0 ? i + period : i;
+    i = i < 0 ? i + period : i >= period ? i - period : i;
     return i < count ? i : period - 1 - i;
 }
 
+/* x and y in the texture. */
 TY_FN void ty_texture_texel(TY_GLOBAL const ty_texture_view* texture, int32_t x, int32_t y, float rgba[4]) {
-    const size_t at = 4 * ((size_t)ty_texture_wrap(x, texture->width, texture->wrap[0]) +
-                           (size_t)texture->width * (size_t)ty_texture_wrap(y, texture->height, texture->wrap[1]));
+    const size_t at = 4 * ((size_t)x + (size_t)texture->width * (size_t)y);
     if (texture->floats != NULL) {
         for (int c = 0; c < 4; ++c) rgba[c] = texture->floats[at + (size_t)c];
         return;
@@ -52,16 +51,22 @@ TY_FN void ty_texture_lookup(TY_GLOBAL const ty_texture_view* texture, float u, 
     const float x = ty_texture_coordinate(u, texture->wrap[0]) * (float)texture->width;
     const float y = ty_texture_coordinate(v, texture->wrap[1]) * (float)texture->height;
     if (texture->nearest != 0) {
-        ty_texture_texel(texture, (int32_t)floorf(x), (int32_t)floorf(y), rgba);
+        ty_texture_texel(texture, ty_texture_wrap((int32_t)floorf(x), texture->width, texture->wrap[0]),
+                         ty_texture_wrap((int32_t)floorf(y), texture->height, texture->wrap[1]), rgba);
         return;
     }
     const float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
     const float across = x - 0.5f - left, down = y - 0.5f - top;
+    int32_t column[2], line[2];
+    for (int i = 0; i < 2; ++i) {
+        column[i] = ty_texture_wrap((int32_t)left + i, texture->width, texture->wrap[0]);
+        line[i] = ty_texture_wrap((int32_t)top + i, texture->height, texture->wrap[1]);
+    }
     float row[2][4];
     for (int j = 0; j < 2; ++j) {
         float a[4], b[4];
-        ty_texture_texel(texture, (int32_t)left, (int32_t)top + j, a);
-        ty_texture_texel(texture, (int32_t)left + 1, (int32_t)top + j, b);
+        ty_texture_texel(texture, column[0], line[j], a);
+        ty_texture_texel(texture, column[1], line[j], b);
         for (int c = 0; c < 4; ++c) row[j][c] = ty_lerpf(a[c], b[c], across);
     }
     for (int c = 0; c < 4; ++c) rgba[c] = ty_lerpf(row[0][c], row[1][c], down);

@@ -31,6 +31,22 @@ static ty_fog_way way_of(const ty_lpv_frame* frame, int32_t x, int32_t y) {
     return ty_lpv_air_way(frame, full[0], full[1], ty_lpv_air_offset(frame, x, y));
 }
 
+ty_lpv_seen ty_lpv_seen_of(const ty_fog* fog, float distance) {
+    ty_lpv_seen seen = {.distance = distance};
+    memcpy(seen.transmittance, fog->transmittance, sizeof seen.transmittance);
+    memcpy(seen.multiple, fog->multiple, sizeof seen.multiple);
+    memcpy(seen.scattered, fog->scattered, sizeof seen.scattered);
+    memcpy(seen.glow, fog->glow, sizeof seen.glow);
+    return seen;
+}
+
+static void take_fog(const ty_fog* fog, float far, ty_lpv_air* air) {
+    *air = (ty_lpv_air){.seen = ty_lpv_seen_of(fog, far < TY_FLOAT_MAX ? far : INFINITY)};
+    memcpy(air->extinction, fog->extinction, sizeof air->extinction);
+    memcpy(air->multiple_rise, fog->multiple_rise, sizeof air->multiple_rise);
+    memcpy(air->scattered_rise, fog->scattered_rise, sizeof air->scattered_rise);
+}
+
 void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {
     ty_fog_way ways[TY_TILE];
     ty_fog fog[TY_TILE];
@@ -38,9 +54,7 @@ void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right,
         ty_lpv_air* air = frame->air + (size_t)row * (size_t)frame->air_width;
         for (int32_t i = x; i < right; ++i) ways[i - x] = way_of(frame, i, row);
         frame->kernels->fog(&frame->fog, ways, right - x, fog);
-        for (int32_t i = x; i < right; ++i)
-            air[i] = (ty_lpv_air){.fog = fog[i - x],
-                                  .distance = ways[i - x].far < TY_FLOAT_MAX ? ways[i - x].far : INFINITY};
+        for (int32_t i = x; i < right; ++i) take_fog(&fog[i - x], ways[i - x].far, &air[i]);
     }
     atomic_fetch_add(&frame->marched, (int64_t)(right - x) * (bottom - y));
 }
@@ -50,6 +64,6 @@ void ty_lpv_single_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right
         for (int32_t i = x; i < right; ++i) {
             const ty_fog_way way = way_of(frame, i, row);
             ty_airlight_ray(frame->job->airlight, way.origin, way.direction, way.far, way.offset,
-                            frame->air[(size_t)row * (size_t)frame->air_width + (size_t)i].single, NULL);
+                            frame->air[(size_t)row * (size_t)frame->air_width + (size_t)i].seen.single, NULL);
         }
 }

@@ -4,8 +4,6 @@
 #include "method/lpv/links.h"
 #include "scene/scene.h"
 
-#include <stdatomic.h>
-
 /* Off cells' middles by this much, in cells, so that surfaces through middles are on one side of them. */
 static const double aside[3] = {1e-3, 0.7e-3, 0.4e-3};
 
@@ -15,7 +13,7 @@ typedef struct crossing_job {
     const uint8_t* near;                 /* by cell: whether any of its links is closed in part */
     uint8_t* crossed[TY_LPV_HALF_LINKS]; /* by link, as ty_link_grid counts them */
     ty_link_grid grids[TY_LPV_HALF_LINKS];
-    _Atomic int64_t rays;
+    ty_ray_counter* counter;
 } crossing_job;
 
 /* Rays to trace and where what they say goes. */
@@ -24,12 +22,15 @@ typedef struct crossing_packet {
     uint8_t* out[TY_PACKET];
     int32_t count;
     int64_t traced;
+    double seconds;
 } crossing_packet;
 
 static void trace(const crossing_job* job, crossing_packet* packet) {
     bool occluded[TY_PACKET];
     if (packet->count == 0) return;
+    const double begun = ty_wall_seconds();
     ty_mesh_occluded_packet(job->scene->view.mesh, packet->rays, packet->count, occluded);
+    packet->seconds += ty_wall_seconds() - begun;
     for (int32_t i = 0; i < packet->count; ++i) *packet->out[i] = occluded[i];
     packet->traced += packet->count;
     packet->count = 0;
@@ -67,7 +68,7 @@ static void cross_layer(void* user, int64_t index, int32_t worker) {
             if (packet.count == TY_PACKET) trace(job, &packet);
         }
     trace(job, &packet);
-    atomic_fetch_add(&job->rays, packet.traced);
+    ty_ray_counter_add(job->counter, packet.traced, packet.seconds);
 }
 
 /* Links that are crossed are closed. What their neighbours in a row were closed by is the same surface. */
@@ -95,8 +96,8 @@ static void find_near(const ty_lattice* lattice, uint8_t* near) {
         for (size_t i = 0; i < lattice->cells; ++i) near[i] |= lattice->open[link][i] < 255;
 }
 
-ty_result ty_lattice_cross(ty_lattice* lattice, const ty_scene* scene, int64_t* rays) {
-    crossing_job job = {.scene = scene, .lattice = lattice};
+ty_result ty_lattice_cross(ty_lattice* lattice, const ty_scene* scene, ty_ray_counter* counter) {
+    crossing_job job = {.scene = scene, .lattice = lattice, .counter = counter};
     size_t bytes = lattice->cells;
     if (scene->view.mesh == NULL || !lattice->blocked) return TY_OK;
     for (int32_t link = 0; link < TY_LPV_HALF_LINKS; ++link) {
@@ -115,6 +116,5 @@ ty_result ty_lattice_cross(ty_lattice* lattice, const ty_scene* scene, int64_t* 
     ty_parallel_flushed(lattice->context, (int64_t)TY_LPV_HALF_LINKS * (lattice->box.size[2] + 1), cross_layer, &job);
     ty_parallel_flushed(lattice->context, TY_LPV_HALF_LINKS, close_crossed, &job);
     ty_free_array(lattice->context, all, bytes, 1);
-    if (rays != NULL) *rays += atomic_load(&job.rays);
     return TY_OK;
 }

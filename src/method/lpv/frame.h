@@ -12,14 +12,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { TY_TILE = 16, TY_TILE_PIXELS = TY_TILE * TY_TILE, TY_AIR_PERIOD = 8 };
-
-/* What a ray sees of the media. */
-typedef struct ty_lpv_air {
-    ty_fog fog;
-    float single[3];
-    float distance; /* how far the ray goes, m; INFINITY: without end */
-} ty_lpv_air;
+enum { TY_TILE = 16, TY_TILE_PIXELS = TY_TILE * TY_TILE };
 
 /* What a ray sees of surfaces. */
 typedef struct ty_lpv_pixel {
@@ -59,16 +52,16 @@ typedef struct ty_lpv_frame {
     int32_t width, height;
     int32_t shrink; /* pixels along a side for which media are marched once */
     int32_t air_width, air_height;
-    float first;                                    /* where steps begin, of a step */
-    int32_t samples;                                /* rays per pixel */
-    int32_t sample;                                 /* the one that the passes are at */
-    float dx, dy;                                   /* where in pixels it lies */
-    float* distance;                                /* m, as in ty_lpv_pixel */
-    float* surface;                                 /* 3 a pixel: its radiance */
-    float* hits;                                    /* rays of a pixel that hit a surface; NULL: nobody asks */
-    ty_lpv_air* air;                                /* NULL: vacuum */
-    float weights[TY_AIR_PERIOD][TY_AIR_PERIOD][4]; /* of the four rays around a pixel */
-    ty_image* image;                                /* sums over samples */
+    float first;          /* where steps begin, of a step */
+    int32_t samples;      /* rays per pixel */
+    int32_t sample;       /* the one that the passes are at */
+    float dx, dy;         /* where in pixels it lies */
+    float* distance;      /* m, as in ty_lpv_pixel */
+    float* surface;       /* 3 a pixel: its radiance */
+    float* hits;          /* rays of a pixel that hit a surface; NULL: nobody asks */
+    ty_lpv_air* air;      /* NULL: vacuum */
+    ty_upsample upsample; /* of air */
+    ty_image* image;      /* sums over samples */
     ty_lpv_planes planes;
     ty_lpv_stats stats; /* its parts of images */
     ty_part_progress progress;
@@ -98,6 +91,8 @@ void ty_lpv_shade(ty_lpv_frame* frame, ty_lpv_tile* tile);
 void ty_lpv_air_place(int32_t x, int32_t y, int32_t full[2]);
 /* Weights of the rays around pixels. */
 void ty_lpv_find_weights(ty_lpv_frame* frame);
+/* Of a ray that goes so far, m; INFINITY: without end. Without light that was scattered once. */
+ty_lpv_seen ty_lpv_seen_of(const ty_fog* fog, float distance);
 /* The ray of a pixel of the image. */
 ty_fog_way ty_lpv_air_way(const ty_lpv_frame* frame, int32_t x, int32_t y, float offset);
 /* Where steps begin, for neighbours as far from one another as can be: (0, 1]. */

@@ -15,9 +15,9 @@ typedef struct ty_surfel {
 
 /* All layers of the scene's surfaces within a box and half a cell around it, where links that lead out of the box are,
  * along three axes, `side` rays a cell of the box each way; areas are such that all three axes together count each
- * surface once. Errors: TY_ERROR_MEMORY. Freed with ty_free_array of *capacity. */
+ * surface once. counter: NULL, or is added to. Errors: TY_ERROR_MEMORY. Freed with ty_free_array of *capacity. */
 ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_t side, ty_surfel** out, size_t* count,
-                           size_t* capacity, int64_t* rays);
+                           size_t* capacity, ty_ray_counter* counter);
 
 /* Mode links: closes links that surfaces cut, and finds the albedo around cells. Mode published: the same arrays from
  * fuzzy blockers, B in two bands in cells half a cell off, as <B | G_j>. */
@@ -26,7 +26,7 @@ ty_result ty_lattice_block(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfe
 /* Mode links, after ty_lattice_block, where there is a mesh: closes every link that a surface crosses on the straight
  * way from cell to cell, which areas alone do not where surfaces are slanted. Links near closed ones are looked at.
  * Errors: TY_ERROR_MEMORY. */
-ty_result ty_lattice_cross(ty_lattice* lattice, const ty_scene* scene, int64_t* rays);
+ty_result ty_lattice_cross(ty_lattice* lattice, const ty_scene* scene, ty_ray_counter* counter);
 
 /* A light and its map. */
 typedef struct ty_lpv_lamp {

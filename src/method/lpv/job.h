@@ -32,6 +32,7 @@ typedef struct ty_lpv_job {
     const ty_lpv_def* def;
     ty_part_progress progress;
     ty_lpv* light;
+    ty_ray_counter counter;
     ty_lpv_stats stats;
 } ty_lpv_job;
 

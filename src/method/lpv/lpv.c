@@ -137,6 +137,8 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double shar
     job.light->context = context;
     result = run_parts(&job, share);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
+    job.stats.rays = atomic_load(&job.counter.rays);
+    job.stats.ray_seconds = 1e-9 * (double)atomic_load(&job.counter.nanoseconds) / ty_context_threads(context);
     job.stats.isa = ty_isa_name(ty_best_isa());
     if (result != TY_OK) {
         ty_lpv_destroy(job.light);

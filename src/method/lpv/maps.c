@@ -6,7 +6,7 @@
 static ty_result trace(ty_lpv_job* job, int32_t index, int32_t side, bool reflective, ty_light_map** out) {
     const ty_grid_box* box = &job->light->lattices[job->light->count - 1]->box;
     const ty_light_map_def def = {.side = side, .reflective = reflective, .lower = box->lower, .upper = box->upper};
-    return ty_light_map_trace(job->scene, &def, index, out, &job->stats.rays);
+    return ty_light_map_trace(job->scene, &def, index, out, &job->counter);
 }
 
 /* Point lights' maps have six faces, which share as many texels as the others' one has. */
@@ -16,6 +16,8 @@ static int32_t side_of(const ty_light_view* light, int32_t side) {
 
 static ty_result find_map(ty_lpv_job* job, int32_t index) {
     ty_lpv_source* source = &job->light->sources[index];
+    const double begun = ty_wall_seconds();
+    double traced = begun;
     ty_result result = TY_OK;
     source->light = &ty_scene_get_view(job->scene)->lights.lights[index];
     if (job->def->maps != NULL) {
@@ -25,23 +27,24 @@ static ty_result find_map(ty_lpv_job* job, int32_t index) {
         const int32_t sharp = side_of(source->light, job->def->shadow_side);
         const bool finer = (job->def->parts & TY_LPV_SINGLE) != 0 && sharp > side;
         result = trace(job, index, side, true, &source->own);
+        traced = ty_wall_seconds();
         if (result == TY_OK && finer) result = trace(job, index, sharp, false, &source->finer);
         source->map = source->own;
         source->sharp = finer ? source->finer : source->own;
     }
     if (result == TY_OK) result = ty_lit_map_create(job->context, source->light, source->sharp, &source->lit);
+    job->stats.map_seconds += traced - begun;
+    job->stats.shadow_seconds += ty_wall_seconds() - traced;
     return result;
 }
 
 ty_result ty_lpv_find_maps(ty_lpv_job* job) {
-    const double begun = ty_wall_seconds();
     const size_t count = job->scene->light_count;
     job->light->sources = ty_alloc_array(job->context, count, sizeof *job->light->sources, true);
     if (job->light->sources == NULL) return TY_ERROR_MEMORY;
     job->light->source_count = (int32_t)count;
     ty_result result = TY_OK;
     for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i) result = find_map(job, i);
-    job->stats.map_seconds = ty_wall_seconds() - begun;
     return result;
 }
 

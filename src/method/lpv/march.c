@@ -149,7 +149,7 @@ ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv
     ty_lpv_transfer_make(lattice->bands, def->mode == TY_LPV_MODE_LINKS, &march->transfer);
     march->shapes = make_shapes(&march->transfer);
     march->blocks = (size[0] + TY_LPV_BLOCK - 1) / TY_LPV_BLOCK;
-    march->pitch.term = (size[0] + 2 + TY_LPV_BLOCK - 1) / TY_LPV_BLOCK * TY_LPV_BLOCK;
+    march->pitch.term = march->blocks * TY_LPV_BLOCK + 8; /* whole blocks, and at least one dark cell before the next */
     march->pitch.row = 3 * lattice->terms * march->pitch.term;
     march->pitch.plane = (size[1] + 2) * march->pitch.row;
     march->floats = (size_t)((size[2] + 2) * march->pitch.plane) + 2 * (size_t)TY_LPV_BLOCK;

@@ -135,7 +135,7 @@ static void finish_stats(ty_lpv_frame* frame, ty_lpv_stats* out) {
     out->single_seconds = frame->stats.single_seconds;
     out->compose_seconds = frame->stats.compose_seconds;
     out->rays += atomic_load(&frame->rays);
-    out->ray_seconds += (double)atomic_load(&frame->clocks[TY_CLOCK_RAYS]) * per_second;
+    out->ray_seconds += 1e-9 * (double)atomic_load(&frame->clocks[TY_CLOCK_RAYS]) / ty_context_threads(frame->context);
     out->marched = atomic_load(&frame->marched);
     out->isa = frame->isa;
 }
@@ -185,6 +185,7 @@ static ty_result take_planes(ty_lpv_frame* frame) {
     }
     if (!frame->foggy) return TY_OK;
     frame->air = ty_alloc_array(frame->context, air, sizeof *frame->air, false);
+    frame->upsample.air = frame->air;
     return frame->air != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
@@ -204,6 +205,8 @@ static ty_result begin_frame(const ty_lpv_image_job* job, ty_lpv_frame* frame) {
     frame->shrink = def->half ? 2 : 1;
     frame->air_width = (def->width + frame->shrink - 1) / frame->shrink;
     frame->air_height = (def->height + frame->shrink - 1) / frame->shrink;
+    frame->upsample.width = frame->air_width;
+    frame->upsample.height = frame->air_height;
     frame->first = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
     frame->progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
     const bool looks = frame->foggy && (def->parts & TY_LPV_MARCH) != 0 && job->light.count > 0;

@@ -16,6 +16,14 @@ static void fog(const ty_fog_request* request, const ty_fog_way* ways, int32_t c
     ty_restore_denormals(state);
 }
 
+static void upsample(const ty_upsample* from, int32_t x, int32_t y, int32_t count, const float* distance,
+                     ty_lpv_seen* out, bool* found) {
+    const ty_air_lanes lanes = ty_air_lanes_make();
+    const unsigned state = ty_flush_denormals();
+    for (int32_t i = 0; i < count; ++i) found[i] = ty_air_upsample(&lanes, from, x + i, y, distance[i], &out[i]);
+    ty_restore_denormals(state);
+}
+
 static void irradiance(const ty_look* look, ty_look_place* places, int32_t count) {
     const unsigned state = ty_flush_denormals();
     for (int32_t i = 0; i < count; ++i)
@@ -23,4 +31,5 @@ static void irradiance(const ty_look* look, ty_look_place* places, int32_t count
     ty_restore_denormals(state);
 }
 
-const ty_pixels_kernels TY_JOIN(ty_pixels_kernels_, TY_ISA) = {.fog = fog, .irradiance = irradiance};
+const ty_pixels_kernels TY_JOIN(ty_pixels_kernels_,
+                                TY_ISA) = {.fog = fog, .upsample = upsample, .irradiance = irradiance};

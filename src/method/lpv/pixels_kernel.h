@@ -3,6 +3,7 @@
 #define TY_METHOD_LPV_PIXELS_KERNEL_H
 
 #include "method/lpv/fog.k.h"
+#include "method/lpv/upsample.k.h"
 
 /* A ray through the media. */
 typedef struct ty_fog_way {
@@ -19,6 +20,9 @@ typedef struct ty_look_place {
 
 typedef struct ty_pixels_kernels {
     void (*fog)(const ty_fog_request* request, const ty_fog_way* ways, int32_t count, ty_fog* out);
+    /* What pixels of a row from (x, y) on, at such distances, see of the media; found: whether they do. */
+    void (*upsample)(const ty_upsample* from, int32_t x, int32_t y, int32_t count, const float* distance,
+                     ty_lpv_seen* out, bool* found);
     void (*irradiance)(const ty_look* look, ty_look_place* places, int32_t count);
 } ty_pixels_kernels;
 

@@ -85,7 +85,7 @@ static ty_result block_by_view(ty_lpv_job* job, ty_lattice* lattice) {
 static ty_result block_by_scene(ty_lpv_job* job, ty_lattice* lattice) {
     seen_list list;
     const ty_result result = ty_surfels_trace(job->scene, &lattice->box, job->def->block_side, &list.items, &list.count,
-                                              &list.capacity, &job->stats.rays);
+                                              &list.capacity, &job->counter);
     return result == TY_OK ? block_by(job, lattice, &list) : result;
 }
 
@@ -95,7 +95,7 @@ ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice) {
     const bool own = ty_scene_get_view(job->scene)->mesh != NULL;
     if (own) result = block_by_scene(job, lattice);
     if (result == TY_OK && own && job->def->mode == TY_LPV_MODE_LINKS)
-        result = ty_lattice_cross(lattice, job->scene, &job->stats.rays);
+        result = ty_lattice_cross(lattice, job->scene, &job->counter);
     for (int32_t i = 0; i < job->light->source_count && job->def->maps != NULL && result == TY_OK; ++i)
         result = block_by_map(job, lattice, &job->light->sources[i]);
     if (result == TY_OK && job->def->view != NULL) result = block_by_view(job, lattice);

@@ -37,7 +37,7 @@ typedef struct surfel_job {
     surfel_list* lists; /* by worker */
     surfel_strip* strips;
     ty_surfel* out;
-    _Atomic int64_t rays;
+    ty_ray_counter* counter;
     _Atomic bool failed;
 } surfel_job;
 
@@ -106,10 +106,12 @@ static bool go_on(const ray_field* field, const ty_hit* hit, ty_ray* ray) {
 
 /* One packet's step: rays that go on stay, in order. Returns how many do. */
 static int32_t step_packet(surfel_job* job, const ray_field* field, ty_ray* rays, int32_t* layers, int32_t count,
-                           int32_t worker) {
+                           int32_t worker, double* seconds) {
     ty_hit hits[TY_PACKET];
     int32_t kept = 0;
+    const double begun = ty_wall_seconds();
     ty_mesh_intersect_packet(job->scene->view.mesh, rays, count, hits);
+    *seconds += ty_wall_seconds() - begun;
     for (int32_t i = 0; i < count; ++i) {
         if (hits[i].surface < 0) continue;
         add_surfel(job, field, &rays[i], &hits[i], worker);
@@ -122,7 +124,8 @@ static int32_t step_packet(surfel_job* job, const ray_field* field, ty_ray* rays
 
 /* The rays of a block, through all layers. Where some have ended, others do not take their places: rays that begin and
  * rays that are on their way are not close together. */
-static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left, int32_t top, int32_t worker) {
+static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left, int32_t top, int32_t worker,
+                           double* seconds) {
     ty_ray rays[TY_PACKET];
     int32_t layers[TY_PACKET] = {0}, count = 0;
     int64_t traced = 0;
@@ -130,7 +133,7 @@ static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left
         for (int32_t i = left; i < left + BLOCK && i < field->count[0]; ++i) rays[count++] = ray_at(job, field, i, j);
     while (count > 0) {
         traced += count;
-        count = step_packet(job, field, rays, layers, count, worker);
+        count = step_packet(job, field, rays, layers, count, worker, seconds);
     }
     return traced;
 }
@@ -141,11 +144,12 @@ static void trace_strip(void* user, int64_t index, int32_t worker) {
     const ray_field field = field_along(job, axis);
     surfel_strip* strip = &job->strips[index];
     int64_t traced = 0;
+    double seconds = 0;
     *strip = (surfel_strip){.list = worker, .first = job->lists[worker].count};
     for (int32_t left = 0; left < field.count[0]; left += BLOCK)
-        traced += trace_block(job, &field, left, BLOCK * (int32_t)(index - job->begin[axis]), worker);
+        traced += trace_block(job, &field, left, BLOCK * (int32_t)(index - job->begin[axis]), worker, &seconds);
     strip->count = job->lists[worker].count - strip->first;
-    atomic_fetch_add(&job->rays, traced);
+    ty_ray_counter_add(job->counter, traced, seconds);
 }
 
 /* ---- all strips ---- */
@@ -175,10 +179,10 @@ static ty_result gather(surfel_job* job, ty_surfel** out, size_t* count) {
 }
 
 ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_t side, ty_surfel** out, size_t* count,
-                           size_t* capacity, int64_t* rays) {
+                           size_t* capacity, ty_ray_counter* counter) {
     ty_context* context = scene->context;
     const int32_t workers = ty_context_threads(context);
-    surfel_job job = {.scene = scene, .box = box, .side = side};
+    surfel_job job = {.scene = scene, .box = box, .side = side, .counter = counter};
     for (int a = 0; a < 3; ++a) job.cell[a] = (box->upper[a] - box->lower[a]) / box->size[a];
     for (int a = 0; a < 3; ++a) job.begin[a + 1] = job.begin[a] + (field_along(&job, a).count[1] + BLOCK - 1) / BLOCK;
     *out = NULL;
@@ -194,6 +198,5 @@ ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_
     ty_free_array(context, job.strips, (size_t)job.begin[3], sizeof *job.strips);
     ty_free_array(context, job.lists, (size_t)workers, sizeof *job.lists);
     *capacity = *count;
-    if (rays != NULL) *rays += atomic_load(&job.rays);
     return result;
 }

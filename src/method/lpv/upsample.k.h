@@ -1,0 +1,114 @@
+/* Media seen at half of the resolution, brought to the full one with regard to how far their rays went. */
+#ifndef TY_METHOD_LPV_UPSAMPLE_K_H
+#define TY_METHOD_LPV_UPSAMPLE_K_H
+
+#include "base/vector.k.h"
+
+enum { TY_AIR_PERIOD = 8, TY_AIR_FLOATS = 16 };
+
+/* What a pixel sees of the media; as many floats as TY_AIR_FLOATS. */
+typedef struct ty_lpv_seen {
+    float transmittance[3], multiple[3], scattered[3], glow[3], single[3];
+    float distance; /* how far the ray goes, m; INFINITY: without end */
+} ty_lpv_seen;
+
+/* What a ray sees, and how that changes where it goes a little farther; see ty_fog. */
+typedef struct ty_lpv_air {
+    ty_lpv_seen seen;
+    float extinction[3], multiple_rise[3], scattered_rise[3];
+    float unused[TY_AIR_FLOATS - 9]; /* 0 */
+} ty_lpv_air;
+
+typedef struct ty_upsample {
+    TY_GLOBAL const ty_lpv_air* air; /* NULL: vacuum */
+    int32_t width, height;
+    float weights[TY_AIR_PERIOD][TY_AIR_PERIOD][4]; /* of the four rays around a pixel */
+} ty_upsample;
+
+/* Distances that differ by more, relative to the lesser, are not alike at all. */
+#define TY_AIR_ALIKE 0.1f
+/* Weight of all neighbours together below which a pixel is marched by itself. */
+#define TY_AIR_ENOUGH (1.0f / 64.0f)
+
+/* How alike two distances are; both at most TY_FLOAT_MAX, which stands for no end. */
+TY_FN float ty_air_likeness(float a, float b) {
+    const float apart = fabsf(a - b), within = TY_AIR_ALIKE * ty_minf(a, b);
+    const float x = within > 0.0f ? apart / within : apart > 0.0f ? 1.0f : 0.0f;
+    const float left = ty_maxf(0.0f, 1.0f - x * x);
+    return left * left;
+}
+
+/* The two rays around a pixel along a side, and the share of the second. Each stands for two pixels, and lies between
+ * them. */
+TY_FN float ty_air_pair(int32_t pixel, int32_t count, int32_t pair[2]) {
+    const int32_t first = (pixel + 1) / 2 - 1;
+    pair[0] = first > 0 ? first : 0;
+    pair[1] = first + 1 < count ? first + 1 : count - 1;
+    return (pixel & 1) != 0 ? 0.25f : 0.75f;
+}
+
+TY_FN void ty_air_bilinear(float along, float down, float weight[4]) {
+    for (int i = 0; i < 4; ++i) weight[i] = (i % 2 != 0 ? along : 1.0f - along) * (i / 2 != 0 ? down : 1.0f - down);
+}
+
+/* Which floats go with the extinction of which channel; what rises as it is, and what (transmittance) by how much there
+ * is. */
+typedef struct ty_air_lanes {
+    float channel[3][TY_AIR_FLOATS], rises[TY_AIR_FLOATS], fades[TY_AIR_FLOATS];
+} ty_air_lanes;
+
+TY_FN ty_air_lanes ty_air_lanes_make(void) {
+    ty_air_lanes lanes;
+    for (int j = 0; j < TY_AIR_FLOATS; ++j) {
+        for (int c = 0; c < 3; ++c) lanes.channel[c][j] = j < 9 && j % 3 == c ? 0.5f : 0.0f;
+        lanes.rises[j] = j >= 3 && j < 9 ? 1.0f : 0.0f;
+        lanes.fades[j] = j < 3 ? 1.0f : 0.0f;
+    }
+    return lanes;
+}
+
+/* Adds a share of what a ray brings, as if it went `farther` (m) than it does, which is little. */
+TY_FN void ty_air_add(const ty_air_lanes* lanes, TY_GLOBAL const ty_lpv_air* air, float share, float farther,
+                      float sum[TY_AIR_FLOATS]) {
+    TY_GLOBAL const float *seen = air->seen.transmittance, *change = air->extinction;
+    const float x = farther * change[0], y = farther * change[1], z = farther * change[2];
+#pragma omp simd
+    for (int j = 0; j < TY_AIR_FLOATS; ++j) {
+        const float half = x * lanes->channel[0][j] + y * lanes->channel[1][j] + z * lanes->channel[2][j];
+        const float rise = change[j] * (lanes->rises[j] - lanes->fades[j] * seen[j]);
+        sum[j] += share * (seen[j] + farther * (1.0f - half) * rise);
+    }
+}
+
+/* false: none of the rays around went about as far. */
+TY_FN bool ty_air_upsample(const ty_air_lanes* lanes, const ty_upsample* from, int32_t x, int32_t y, float distance,
+                           ty_lpv_seen* out) {
+    int32_t columns[2], rows[2];
+    float weight[4], like[4], reached[4], total[TY_AIR_FLOATS];
+    const float along = ty_air_pair(x, from->width, columns), down = ty_air_pair(y, from->height, rows);
+    const float far = ty_minf(distance, TY_FLOAT_MAX);
+    TY_GLOBAL const ty_lpv_air* air[4];
+    for (int i = 0; i < 4; ++i) {
+        air[i] = from->air + (size_t)rows[i / 2] * (size_t)from->width + (size_t)columns[i % 2];
+        reached[i] = ty_minf(air[i]->seen.distance, TY_FLOAT_MAX);
+    }
+    for (int i = 0; i < 4; ++i) like[i] = ty_air_likeness(far, reached[i]);
+    const float least = ty_minf(ty_minf(like[0], like[1]), ty_minf(like[2], like[3]));
+    if (least > 0.5f && columns[0] < columns[1] && rows[0] < rows[1])
+        memcpy(weight, from->weights[y % TY_AIR_PERIOD][x % TY_AIR_PERIOD], sizeof weight);
+    else
+        ty_air_bilinear(along, down, weight);
+    for (int i = 0; i < 4; ++i) weight[i] *= like[i];
+    const float sum = (weight[0] + weight[1]) + (weight[2] + weight[3]);
+    if (!(sum >= TY_AIR_ENOUGH)) return false;
+    const float scale = 1.0f / sum;
+    for (int j = 0; j < TY_AIR_FLOATS; ++j) total[j] = 0.0f;
+    for (int i = 0; i < 4; ++i)
+        if (weight[i] != 0.0f) ty_air_add(lanes, air[i], weight[i] * scale, far - reached[i], total);
+    for (int j = 0; j < TY_AIR_FLOATS; ++j) total[j] = lanes->rises[j] > 0.0f ? ty_maxf(total[j], 0.0f) : total[j];
+    memcpy(out, total, sizeof *out);
+    out->distance = distance;
+    return true;
+}
+
+#endif
