@@ -181,8 +181,9 @@ static void steps_keep_what_is_not_absorbed(void** state) {
         for (double sigma = 0; sigma < 2000; sigma = sigma * 1.7 + 0.001)
             for (double albedo = 0; albedo <= 1; albedo += 0.25)
                 for (double g = -0.9; g < 1; g += 0.3) {
-                    const ty_lpv_medium_step step = ty_lpv_step_in(&transfer, (ty_lpv_mode)m, 0.7f, (float)sigma,
-                                                                   (float)(albedo * sigma), (float)g);
+                    const ty_lpv_cell_medium medium = {(float)sigma, (float)(albedo * sigma), (float)g,
+                                                       sigma < 10 ? 0 : 0.5f};
+                    const ty_lpv_medium_step step = ty_lpv_step_in(&transfer, (ty_lpv_mode)m, 0.7f, &medium);
                     const double taken = sigma * (1 - albedo) * (double)step.length;
                     assert_close(step.pass[0], 1 - taken, 2e-5);
                     assert_true(step.pass[0] >= 0 && step.pass[0] <= 1);
@@ -191,13 +192,16 @@ static void steps_keep_what_is_not_absorbed(void** state) {
                     assert_true(step.shown[1] > 0 && step.shown[1] < 2000);
                     if (m == 0) assert_true(step.pass[1] >= 0);
                 }
-    const ty_lpv_medium_step vacuum = ty_lpv_step_in(&transfer, TY_LPV_MODE_LINKS, 0.7f, 0, 0, 0);
-    const ty_lpv_medium_step thin = ty_lpv_step_in(&transfer, TY_LPV_MODE_LINKS, 0.7f, 1e-4f, 1e-4f, 0);
+    const ty_lpv_cell_medium nothing = {.g = 0}, little = {1e-4f, 1e-4f, 0, 0}, by_lamp = {.spread = 0.5f};
+    const ty_lpv_medium_step vacuum = ty_lpv_step_in(&transfer, TY_LPV_MODE_LINKS, 0.7f, &nothing);
+    const ty_lpv_medium_step thin = ty_lpv_step_in(&transfer, TY_LPV_MODE_LINKS, 0.7f, &little);
+    const ty_lpv_medium_step about = ty_lpv_step_in(&transfer, TY_LPV_MODE_LINKS, 0.7f, &by_lamp);
     assert_close(vacuum.length, 0.7 * transfer.length, 1e-6);
     assert_close(thin.length, vacuum.length, 1e-3);
     assert_close(thin.pass[1], vacuum.pass[1], 1e-3);
     assert_close(thin.shown[1], vacuum.shown[1], 1e-3);
     assert_close(vacuum.shown[1], 1, 0.06);
+    assert_true(about.pass[0] == vacuum.pass[0] && about.pass[1] < 0.8f * vacuum.pass[1]);
 }
 
 /* ---- energy ---- */
@@ -322,6 +326,40 @@ static void lattices_diffuse_as_media_do(void** state) {
     check_diffusion(*state, 0.8, 0.6, 0.05);
     check_diffusion(*state, 0.9, 0, 0.05);
     check_diffusion(*state, 8, -0.4, 0.05);
+}
+
+/* ---- lamps ---- */
+
+/* Fluence at a few cells from light that is injected in the middle of a vacuum, times 4 pi r^2 over its power. */
+static void thin_out(ty_context* context, const ty_light_view* lights, int32_t count, double shares[3]) {
+    static const int32_t apart[3] = {3, 6, 10};
+    const int32_t n = 33, m = 16;
+    ty_lattice* lattice = make_lattice(context, n, n, n, 2);
+    const double cell = (double)lattice->cell;
+    assert_int_equal(ty_lattice_spread(lattice, lights, count), TY_OK);
+    for (int c = 0; c < 3; ++c) lattice->flow[c][0][cell_at(lattice, m, m, m)] = (float)(1 / power_of_term);
+    propagate(lattice, TY_LPV_MODE_LINKS, 0, NULL);
+    for (int i = 0; i < 3; ++i) {
+        const double fluence = power_of_term * (double)lattice->light[1][0][cell_at(lattice, m + apart[i], m, m)];
+        shares[i] = fluence * 4 * 3.14159265 * pow(cell * apart[i], 2);
+    }
+    ty_lattice_destroy(lattice);
+}
+
+static void lamps_light_thins_out(void** state) {
+    const float middle = 0.5f * 16.5f;
+    const ty_light_view lamp = {.kind = TY_KIND_POINT, .color = {1, 1, 1}, .position = {middle, middle, middle}};
+    const ty_light_view sun = {.kind = TY_KIND_DIRECTIONAL, .color = {1e6f, 1e6f, 1e6f}, .direction = {0, -1, 0}};
+    const ty_light_view both[2] = {sun, lamp};
+    double alone[3], beside[3], none[3];
+    thin_out(*state, &lamp, 1, alone);
+    thin_out(*state, both, 2, beside);
+    thin_out(*state, &sun, 1, none);
+    for (int i = 0; i < 3; ++i) {
+        assert_close(alone[i], 1.15, 0.25);
+        assert_close(beside[i], none[i], 0.01 * none[i]);
+    }
+    assert_true(none[0] < 0.5 * alone[0]);
 }
 
 /* ---- the rest of what propagation promises ---- */
@@ -624,6 +662,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(books_balance_among_surfaces, start_context, stop_context),
         cmocka_unit_test_setup_teardown(closed_rooms_keep_light, start_context, stop_context),
         cmocka_unit_test_setup_teardown(lattices_diffuse_as_media_do, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(lamps_light_thins_out, start_context, stop_context),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test_setup_teardown(propagation_can_be_cancelled, start_context, stop_context),
         cmocka_unit_test(memory_is_given_back),

@@ -12,11 +12,9 @@ typedef struct inflow_job {
 
 /* The step of the outer lattice's medium in cells of this one's size. */
 static ty_lpv_medium_step outer_step(const inflow_job* job, int32_t channel, int32_t cell) {
-    const ty_grid_medium* medium = job->outer->medium;
     const ty_lpv_march* march = job->march;
-    if (medium == NULL) return ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell, 0, 0, 0);
-    return ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell, medium->extinction[channel][cell],
-                          medium->scattering[channel][cell], medium->g[channel][cell]);
+    const ty_lpv_cell_medium medium = ty_lattice_medium_in(job->outer, channel, (size_t)cell);
+    return ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell, &medium);
 }
 
 /* All light that there is at a cell around the lattice over all steps, as it goes on. */

@@ -63,6 +63,7 @@ void ty_lattice_destroy(ty_lattice* lattice) {
     give_planes(lattice, lattice->albedo, 3);
     for (int32_t k = 0; k < TY_LPV_LINKS; ++k) ty_free_array(lattice->context, lattice->open[k], lattice->cells, 1);
     ty_grid_medium_destroy(lattice->medium);
+    ty_free_array(lattice->context, lattice->spread, lattice->cells, sizeof *lattice->spread);
     ty_free_array(lattice->context, lattice, 1, sizeof *lattice);
 }
 

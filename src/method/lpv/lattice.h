@@ -8,6 +8,7 @@
 
 #include "base/sh.k.h"
 #include "direct/grid_medium.h"
+#include "scene/light.k.h"
 
 #include <tyndall/lpv.h>
 
@@ -29,6 +30,7 @@ typedef struct ty_lattice {
     float* albedo[3];       /* of surfaces around a cell, mean; 0: none */
     bool blocked;           /* whether any link is not fully open */
     ty_grid_medium* medium; /* on these cells; NULL: vacuum */
+    float* spread;          /* 1/m: what turns light around near lamps at least, ty_lattice_spread; NULL: nothing */
 } ty_lattice;
 
 /* Dark, open, without medium. Errors: TY_ERROR_MEMORY. */
@@ -38,6 +40,11 @@ void ty_lattice_destroy(ty_lattice* lattice);
 /* The lattices that def asks for, from the finest to the coarsest: where they lie, in cubes. */
 ty_result ty_lattice_place_all(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
                                int32_t* count);
+
+/* Two bands in thin media would let light stand as high far from a lamp as near it: they have no light that spreads,
+ * r^-2. Finds the extinction that makes them do so about the lamps among the lights (point, spot), which is less where
+ * other lights are as bright; mode links. Errors: TY_ERROR_MEMORY. */
+ty_result ty_lattice_spread(ty_lattice* lattice, const ty_light_view* lights, int32_t count);
 
 /* Links: where light goes in one step, and as which function of direction: of the 26 directions to neighbours, link j
  * takes those that it is the nearest to, angles being taken in the planes of the axes. */
@@ -66,6 +73,12 @@ static inline void ty_lpv_link_step(int32_t link, int32_t step[3]) {
     step[2] = place / 9 - 1;
 }
 
+/* What media are in a cell. */
+typedef struct ty_lpv_cell_medium {
+    float extinction, scattering, g; /* 1/m, 1/m, mean cosine */
+    float spread;                    /* as in ty_lattice; 0: none */
+} ty_lpv_cell_medium;
+
 /* What becomes of light in a cell before it goes on. A step is as long as light stays, on average: in cells that are
  * deeper than a free path longer than what it flies. */
 typedef struct ty_lpv_medium_step {
@@ -74,8 +87,10 @@ typedef struct ty_lpv_medium_step {
     float shown[TY_LPV_BANDS_MAX]; /* times these: so that the second band is the flux that does go from cell to cell */
     float seen[TY_LPV_BANDS_MAX];  /* how much of what is injected counts in its cell (mode links), by band */
 } ty_lpv_medium_step;
-ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell, float extinction,
-                                  float scattering, float g);
+ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell,
+                                  const ty_lpv_cell_medium* medium);
+/* The medium in a cell of a lattice. */
+ty_lpv_cell_medium ty_lattice_medium_in(const ty_lattice* lattice, int32_t channel, size_t cell);
 
 /* What became of the light, W per channel. What entered came with the flow or from the outer lattice. */
 typedef struct ty_lattice_power {

@@ -28,6 +28,9 @@ static ty_result place(ty_lpv_job* job) {
         if (result != TY_OK) break;
         ++light->count;
         if (scatters(job)) result = ty_grid_medium_create(job->scene, &boxes[i], &light->lattices[i]->medium);
+        if (result == TY_OK && job->def->mode == TY_LPV_MODE_LINKS)
+            result = ty_lattice_spread(light->lattices[i], ty_scene_get_view(job->scene)->lights.lights,
+                                       (int32_t)job->scene->light_count);
         for (int a = 0; a < 3; ++a) job->stats.size[i][a] = boxes[i].size[a];
         job->stats.cell[i] = (double)light->lattices[i]->cell;
     }

@@ -29,7 +29,9 @@ static ty_lpv_shapes make_shapes(const ty_lpv_transfer* transfer) {
 
 /* ---- media ---- */
 
-static bool is_even(const ty_grid_medium* medium) {
+static bool is_even(const ty_lattice* lattice) {
+    const ty_grid_medium* medium = lattice->medium;
+    if (lattice->spread != NULL) return false;
     if (medium == NULL) return true;
     for (int32_t c = 0; c < medium->planes; ++c) {
         const float *t = medium->extinction[c], *s = medium->scattering[c], *g = medium->g[c];
@@ -51,7 +53,6 @@ static void store_step(const ty_lpv_medium_step* step, float* factors, size_t ap
 static void find_factors(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const ty_lpv_march* march = user;
-    const ty_grid_medium* medium = march->lattice->medium;
     const int32_t *size = march->lattice->box.size, width = march->blocks * TY_LPV_BLOCK;
     for (int32_t c = 0; c < march->planes; ++c)
         for (int32_t y = 0; y < (march->even ? 1 : size[1]); ++y) {
@@ -61,11 +62,10 @@ static void find_factors(void* user, int64_t z, int32_t worker) {
             for (int32_t x = 0; x < width; ++x) {
                 const size_t i = row * (size_t)size[0] + (size_t)x;
                 const bool first = x == 0;
-                if (first || (x < size[0] && !march->even))
-                    step = medium == NULL
-                               ? ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell, 0, 0, 0)
-                               : ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell,
-                                                medium->extinction[c][i], medium->scattering[c][i], medium->g[c][i]);
+                if (first || (x < size[0] && !march->even)) {
+                    const ty_lpv_cell_medium medium = ty_lattice_medium_in(march->lattice, c, i);
+                    step = ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell, &medium);
+                }
                 store_step(&step, to + x, march->factor_floats);
             }
         }
@@ -154,7 +154,7 @@ ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv
     march->pitch.plane = (size[1] + 2) * march->pitch.row;
     march->floats = (size_t)((size[2] + 2) * march->pitch.plane) + 2 * (size_t)TY_LPV_BLOCK;
     march->batch = size[2] / (BATCHES * ty_context_threads(lattice->context)) + 1;
-    march->even = is_even(lattice->medium);
+    march->even = is_even(lattice);
     march->planes = lattice->medium != NULL ? lattice->medium->planes : 1;
     const size_t rows = (size_t)size[1] * (size_t)size[2];
     march->factor_floats = (size_t)(march->blocks * TY_LPV_BLOCK) * (march->even ? 1 : rows);

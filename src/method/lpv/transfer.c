@@ -103,19 +103,24 @@ void ty_lpv_transfer_make(int32_t bands, bool keeps_momentum, ty_lpv_transfer* o
 
 /* ---- media ---- */
 
-/* The most momentum that light keeps from step to step. Two or three bands in vacuum would make it stand as high far
- * from a lamp as at the border, and below 0 in between; with this, lobes of light stay within 0.7 and 1.3 of what they
- * are, over ten cells. It is what media have whose free path is a dozen cells. */
-static const double momentum_kept = 0.9;
+/* The most momentum that light keeps from step to step: what media have whose free path is twenty cells. Without it
+ * two or three bands in vacuum would stand as high far from a small source as at the border, and below 0 in between;
+ * with less, light between surfaces stays too long. About lamps, ty_lattice_spread goes further. */
+static const double momentum_kept = 0.93;
 
 /* How far a step is in cells without momentum: half of the diffusion's coefficient times the time. */
 static double reach(const ty_lpv_transfer* transfer) {
     return 0.5 * transfer->spread;
 }
 
+/* Momentum with which the lattice diffuses by so many cells^2 a step more than without. */
+static double kept_for(const ty_lpv_transfer* transfer, double drift) {
+    return drift / (transfer->slope * transfer->slope + transfer->momentum * drift);
+}
+
 /* Momentum such that the lattice diffuses as the medium does: D = 1 / (3 sigma_tr). */
 static ty_lpv_medium_step step_of_links(const ty_lpv_transfer* transfer, double cell, double extinction,
-                                        double scattering, double g) {
+                                        double scattering, double g, double spread) {
     const double depth = extinction * cell * transfer->length, flown = exp(-depth);
     const double absorption = fmax(extinction - scattering, 0), turned = extinction - g * scattering;
     const double beta2 = transfer->slope * transfer->slope;
@@ -129,7 +134,11 @@ static ty_lpv_medium_step step_of_links(const ty_lpv_transfer* transfer, double 
         length = resistance * reach(transfer) / (1 + resistance * reach(transfer) * absorption);
         pass = 1 - absorption * length;
     } else if (drift < INFINITY) {
-        kept = fmin(drift / (beta2 + transfer->momentum * drift), kept);
+        kept = fmin(kept_for(transfer, drift), kept);
+    }
+    if (spread > 0) {
+        const double about = length / (3 * spread * cell * cell) - reach(transfer);
+        kept = fmin(kept, about > 0 ? kept_for(transfer, about) : 0);
     }
     /* Flux out of the lattice's gradients, against -D grad of the fluence; light that was injected has what it flies.
      */
@@ -160,12 +169,23 @@ static float at_least_something(float pass) {
     return fabsf(pass) < least ? least : pass;
 }
 
-ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell, float extinction,
-                                  float scattering, float g) {
-    ty_lpv_medium_step step =
-        mode == TY_LPV_MODE_LINKS
-            ? step_of_links(transfer, (double)cell, (double)extinction, (double)scattering, (double)g)
-            : step_as_published(transfer, (double)cell, (double)extinction, (double)scattering, (double)g);
+ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell,
+                                  const ty_lpv_cell_medium* medium) {
+    const double extinction = (double)medium->extinction, scattering = (double)medium->scattering;
+    const double g = (double)medium->g, spread = (double)medium->spread;
+    ty_lpv_medium_step step = mode == TY_LPV_MODE_LINKS
+                                  ? step_of_links(transfer, (double)cell, extinction, scattering, g, spread)
+                                  : step_as_published(transfer, (double)cell, extinction, scattering, g);
     for (int32_t l = 0; l < TY_LPV_BANDS_MAX; ++l) step.pass[l] = at_least_something(step.pass[l]);
     return step;
+}
+
+ty_lpv_cell_medium ty_lattice_medium_in(const ty_lattice* lattice, int32_t channel, size_t cell) {
+    const ty_grid_medium* medium = lattice->medium;
+    ty_lpv_cell_medium out = {.spread = lattice->spread != NULL ? lattice->spread[cell] : 0.0f};
+    if (medium == NULL) return out;
+    out.extinction = medium->extinction[channel][cell];
+    out.scattering = medium->scattering[channel][cell];
+    out.g = medium->g[channel][cell];
+    return out;
 }
