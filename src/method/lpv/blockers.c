@@ -12,6 +12,9 @@ static const float slack = 1.25f;
  * places by this much, in cells. */
 static const float nudge = 1e-3f;
 
+/* Surfaces through cells' middles are not in front of them, m/m. */
+static const float least_front = 0.01f;
+
 /* Terms of the fuzzy blockers. */
 enum { BLOCKER_TERMS = 4 };
 
@@ -141,6 +144,82 @@ static void close_links(void* user, int64_t link, int32_t worker) {
     ty_free_array(lattice->context, covered, grid.count, sizeof *covered);
 }
 
+/* ---- what is in front of cells' middles ---- */
+
+/* The cell that a surfel is in, and how far in front of its middle, in cells; false: not in front, or outside. */
+static bool in_front(const block_job* job, const cube_grid* cells, const ty_surfel* surfel, size_t* cell, float* off) {
+    const float half = 0.5f * job->lattice->cell;
+    int32_t at[3];
+    if (!cube_at(cells, surfel->position, at)) return false;
+    const ty_vec middle =
+        ty_vec_make(cells->lower[0] + half * (float)(2 * at[0] + 1), cells->lower[1] + half * (float)(2 * at[1] + 1),
+                    cells->lower[2] + half * (float)(2 * at[2] + 1));
+    *off = ty_dot(ty_sub(surfel->position, middle), surfel->normal) * cells->per_cell;
+    ty_link_cell(job->lattice, at, cell);
+    return *off > least_front;
+}
+
+static int32_t side_of(ty_vec normal) {
+    const float along[3] = {normal.x, normal.y, normal.z};
+    int axis = fabsf(normal.x) > fabsf(normal.y) ? 0 : 1;
+    if (fabsf(normal.z) > fabsf(along[axis])) axis = 2;
+    return 2 * axis + (along[axis] < 0.0f ? 1 : 0);
+}
+
+static void add_front(ty_lattice_front* front, const ty_surfel* surfel, float off) {
+    float* plane = front->plane[side_of(surfel->normal)];
+    plane[0] += surfel->area * surfel->normal.x;
+    plane[1] += surfel->area * surfel->normal.y;
+    plane[2] += surfel->area * surfel->normal.z;
+    plane[3] += surfel->area * off;
+}
+
+/* From sums over areas to means. */
+static void finish_front(ty_lattice_front* front) {
+    for (int side = 0; side < TY_FRONT_SIDES; ++side) {
+        float* plane = front->plane[side];
+        const float length = sqrtf(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
+        for (int t = 0; t < 4 && length > 0.0f; ++t) plane[t] /= length;
+    }
+}
+
+static void free_fronts(ty_lattice* lattice) {
+    ty_free_array(lattice->context, lattice->fronts, lattice->cells, sizeof *lattice->fronts);
+    ty_free_array(lattice->context, lattice->front, lattice->front_count, sizeof *lattice->front);
+    lattice->fronts = NULL;
+    lattice->front = NULL;
+    lattice->front_count = 0;
+}
+
+static ty_result find_fronts(const block_job* job) {
+    ty_lattice* lattice = job->lattice;
+    const cube_grid cells = cubes_of(lattice, (const int32_t[3]){0, 0, 0});
+    size_t cell, count = 0;
+    float off;
+    free_fronts(lattice);
+    lattice->fronts = ty_alloc_array(lattice->context, lattice->cells, sizeof *lattice->fronts, false);
+    if (lattice->fronts == NULL) return TY_ERROR_MEMORY;
+    for (cell = 0; cell < lattice->cells; ++cell) lattice->fronts[cell] = -1;
+    for (size_t i = 0; i < job->count; ++i)
+        if (in_front(job, &cells, &job->surfels[i], &cell, &off) && lattice->fronts[cell] < 0)
+            lattice->fronts[cell] = (int32_t)count++;
+    if (count == 0) {
+        free_fronts(lattice);
+        return TY_OK;
+    }
+    lattice->front = ty_alloc_array(lattice->context, count, sizeof *lattice->front, true);
+    if (lattice->front == NULL) {
+        free_fronts(lattice);
+        return TY_ERROR_MEMORY;
+    }
+    lattice->front_count = count;
+    for (size_t i = 0; i < job->count; ++i)
+        if (in_front(job, &cells, &job->surfels[i], &cell, &off))
+            add_front(&lattice->front[lattice->fronts[cell]], &job->surfels[i], off);
+    for (size_t i = 0; i < count; ++i) finish_front(&lattice->front[i]);
+    return TY_OK;
+}
+
 /* ---- mode published ---- */
 
 /* The mean of the cubes that meet at the middle of the link that leads into a cell: one for links across a corner, two
@@ -194,8 +273,10 @@ ty_result ty_lattice_block(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfe
     if (mode == TY_LPV_MODE_PUBLISHED) {
         ty_lpv_transfer_make(lattice->bands, false, &job.transfer);
         ty_parallel_flushed(lattice->context, rows, fuzzy_row, &job);
-    } else
+    } else {
         ty_parallel_flushed(lattice->context, TY_LPV_HALF_LINKS, close_links, &job);
+        if (find_fronts(&job) != TY_OK) atomic_store(&job.failed, true);
+    }
     ty_free_array(lattice->context, job.corners, corners, sizeof *job.corners);
     lattice->blocked = atomic_load(&job.blocked);
     return atomic_load(&job.failed) ? TY_ERROR_MEMORY : TY_OK;

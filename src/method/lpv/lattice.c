@@ -61,6 +61,8 @@ void ty_lattice_destroy(ty_lattice* lattice) {
         give_planes(lattice, lattice->light[c], lattice->terms);
     }
     give_planes(lattice, lattice->albedo, 3);
+    ty_free_array(lattice->context, lattice->fronts, lattice->cells, sizeof *lattice->fronts);
+    ty_free_array(lattice->context, lattice->front, lattice->front_count, sizeof *lattice->front);
     for (int32_t k = 0; k < TY_LPV_LINKS; ++k) ty_free_array(lattice->context, lattice->open[k], lattice->cells, 1);
     ty_grid_medium_destroy(lattice->medium);
     ty_free_array(lattice->context, lattice->spread, lattice->cells, sizeof *lattice->spread);

@@ -14,6 +14,13 @@
 
 enum { TY_LPV_LINKS = 26, TY_LPV_HALF_LINKS = 13 };
 
+/* Surfaces within a cell that its middle is behind, by where they look (+x, -x, +y ...): mean normal, and how far in
+ * front of the middle they are, in cells; normal 0: none. */
+enum { TY_FRONT_SIDES = 6 };
+typedef struct ty_lattice_front {
+    float plane[TY_FRONT_SIDES][4];
+} ty_lattice_front;
+
 typedef struct ty_lattice {
     ty_context* context;
     ty_grid_box box; /* of size[a] cells, cubes */
@@ -27,7 +34,12 @@ typedef struct ty_lattice {
      * comes back (mode links) it is the same both ways, and the open of links that enter from outside is that of those
      * that leave. */
     uint8_t* open[TY_LPV_LINKS];
-    float* albedo[3];       /* of surfaces around a cell, mean; 0: none */
+    float* albedo[3]; /* of surfaces around a cell, mean; 0: none */
+    /* Cells whose middle is behind surfaces within them: the place of their planes; -1: others. What is in front of the
+     * planes has the light of another cell. NULL: there are none. */
+    int32_t* fronts;
+    ty_lattice_front* front;
+    size_t front_count;
     bool blocked;           /* whether any link is not fully open */
     ty_grid_medium* medium; /* on these cells; NULL: vacuum */
     float* spread;          /* 1/m: what turns light around near lamps at least, ty_lattice_spread; NULL: nothing */

@@ -10,7 +10,7 @@ void ty_lpv_irradiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec n
     for (int i = 0; i < 2 && mix.lattice[i] >= 0; ++i) {
         const ty_lattice* lattice = light->lattices[mix.lattice[i]];
         ty_lattice_cells cells;
-        if (!ty_lattice_find(lattice, ty_lattice_lift(point, normal, lattice->cell), &cells)) continue;
+        if (!ty_lattice_find(lattice, ty_lattice_lit_side(lattice, point, normal), &cells)) continue;
         for (int c = 0; c < 3; ++c) {
             ty_lattice_values(lattice, &cells, c, lattice->terms, terms);
             irradiance[c] += mix.weight[i] * ty_look_irradiance(terms, lattice->terms > 4 ? terms + 4 : NULL, y);

@@ -50,6 +50,8 @@ static ty_result pack(ty_context* context, const ty_lattice* lattice, ty_look_la
     const ty_grid_box* box = &lattice->box;
     memcpy(look->size, box->size, sizeof look->size);
     look->floats = lattice->terms > 4 ? TY_LOOK_FLOATS_MAX : TY_LOOK_FLOATS;
+    look->fronts = lattice->fronts;
+    look->front = lattice->front;
     look->cell = lattice->cell;
     look->per_metre = 1.0f / lattice->cell;
     look->lower = ty_vec_make((float)box->lower[0], (float)box->lower[1], (float)box->lower[2]);

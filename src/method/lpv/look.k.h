@@ -21,6 +21,8 @@ typedef struct ty_look_lattice {
     TY_GLOBAL const float* light;
     TY_GLOBAL const uint8_t* closed; /* per cell: whether any of its links is not fully open; NULL: none is */
     TY_GLOBAL const uint8_t* near;   /* TY_LOOK_NEAR a cell */
+    TY_GLOBAL const int32_t* fronts; /* as in ty_lattice; NULL: none */
+    TY_GLOBAL const ty_lattice_front* front;
 } ty_look_lattice;
 
 /* All of them, finest first. */
@@ -151,7 +153,10 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
         const float share = i == finest ? 1.0f - coarser : coarser;
         float mean[TY_LOOK_FLOATS_MAX];
         ty_look_cells cells;
-        const ty_vec off = ty_lattice_lift(point, normal, lattice->cell);
+        const ty_vec lifted = ty_lattice_lift(point, normal, lattice->cell);
+        const ty_vec place = ty_scale(ty_sub(lifted, lattice->lower), lattice->per_metre);
+        const ty_vec off =
+            ty_mad(lifted, ty_front_leave(lattice->fronts, lattice->front, lattice->size, place), lattice->cell);
         if (!(ty_look_depth(lattice, off) >= -0.25f)) continue;
         ty_look_locate(lattice, ty_look_place_in(lattice, off), &cells);
         ty_look_mean(&cells, 0, mean);

@@ -26,12 +26,41 @@ TY_FN ty_vec ty_lattice_lift(ty_vec point, ty_vec normal, float cell) {
     return ty_mad(point, normal, 0.5f * cell * size);
 }
 
+/* A place, in cells from the lattice's lower corner, moved off those surfaces that it is in front of and its cell's
+ * middle behind, so far that the middle of the cell which it gets to is in front, too. Returns how far it is moved. */
+TY_FN ty_vec ty_front_leave(TY_GLOBAL const int32_t* fronts, TY_GLOBAL const ty_lattice_front* front,
+                            const int32_t size[3], ty_vec place) {
+    ty_vec way = ty_vec_make(0.0f, 0.0f, 0.0f);
+    if (fronts == NULL) return way;
+    const int32_t x = (int32_t)ty_clampf(place.x, 0.0f, (float)size[0] - 0.5f);
+    const int32_t y = (int32_t)ty_clampf(place.y, 0.0f, (float)size[1] - 0.5f);
+    const int32_t z = (int32_t)ty_clampf(place.z, 0.0f, (float)size[2] - 0.5f);
+    const int32_t which = fronts[x + size[0] * (y + size[1] * z)];
+    const ty_vec off = ty_vec_make(place.x - (float)x - 0.5f, place.y - (float)y - 0.5f, place.z - (float)z - 0.5f);
+    for (int side = 0; side < TY_FRONT_SIDES && which >= 0; ++side) {
+        TY_GLOBAL const float* plane = front[which].plane[side];
+        const ty_vec normal = ty_vec_make(plane[0], plane[1], plane[2]);
+        const float clearance = 0.5f * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
+        const float height = ty_dot(ty_add(off, way), normal) - plane[3];
+        if (clearance > 0.0f && height > -0.02f && height < clearance) way = ty_mad(way, normal, clearance - height);
+    }
+    return way;
+}
+
 /* A point in cells from the lattice's lower corner. */
 TY_FN ty_vec ty_lattice_place_of(const ty_lattice* lattice, ty_vec point) {
     const float scale = 1.0f / lattice->cell;
     const double* lower = lattice->box.lower;
     return ty_vec_make((float)((double)point.x - lower[0]) * scale, (float)((double)point.y - lower[1]) * scale,
                        (float)((double)point.z - lower[2]) * scale);
+}
+
+/* A point on a surface moved to where light is looked up for it. */
+TY_FN ty_vec ty_lattice_lit_side(const ty_lattice* lattice, ty_vec point, ty_vec normal) {
+    const ty_vec off = ty_lattice_lift(point, normal, lattice->cell);
+    const ty_vec leave =
+        ty_front_leave(lattice->fronts, lattice->front, lattice->box.size, ty_lattice_place_of(lattice, off));
+    return ty_mad(off, leave, lattice->cell);
 }
 
 /* Along one axis: the cell that a place lies in, the other one of the two around it, which way that is, and its weight.

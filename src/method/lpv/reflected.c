@@ -1,6 +1,7 @@
 /* Light that surfaces reflect. */
 #include "direct/beam.k.h"
 #include "method/lpv/lamp_ray.h"
+#include "method/lpv/lookup.k.h"
 #include "method/lpv/splat.h"
 
 float ty_lpv_window(const ty_lpv_def* def, int32_t l) {
@@ -22,7 +23,8 @@ static bool reflect(const reflect_job* job, const ty_lamp_rays* rays, int32_t i,
     const ty_vec normal = ty_vec_make(rays->normal[0][i], rays->normal[1][i], rays->normal[2][i]);
     const ty_vec point = ty_mad(origin, way, rays->length[i]);
     float depth[3];
-    out->cell = ty_splat_cell(&job->cells, ty_mad(point, normal, ty_splat_clearance(job->lattice, normal)));
+    out->cell = ty_splat_cell(&job->cells, ty_lattice_lit_side(job->lattice, point, normal));
+    if (out->cell < 0) out->cell = ty_splat_cell(&job->cells, ty_lattice_lift(point, normal, job->lattice->cell));
     if (out->cell < 0) return false;
     out->axis = normal;
     const float* albedo = job->view.lamp->map->albedo + 3 * (rays->first + (size_t)i);
