@@ -103,10 +103,10 @@ void ty_lpv_transfer_make(int32_t bands, bool keeps_momentum, ty_lpv_transfer* o
 
 /* ---- media ---- */
 
-/* The most momentum that light keeps from step to step: what media have whose free path is twenty cells. Without it
+/* The most momentum that light keeps from step to step: what media have whose free path is sixteen cells. Without it
  * two or three bands in vacuum would stand as high far from a small source as at the border, and below 0 in between;
  * with less, light between surfaces stays too long. About lamps, ty_lattice_spread goes further. */
-static const double momentum_kept = 0.93;
+static const double momentum_kept = 0.92;
 
 /* How far a step is in cells without momentum: half of the diffusion's coefficient times the time. */
 static double reach(const ty_lpv_transfer* transfer) {
