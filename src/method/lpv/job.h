@@ -44,7 +44,7 @@ ty_result ty_lpv_check_lights(const ty_scene* scene, const ty_lpv_def* def);
 /* Maps of all lights. */
 ty_result ty_lpv_find_maps(ty_lpv_job* job);
 void ty_lpv_free_maps(ty_lpv* light);
-/* Blockers of a lattice: of the scene's surfaces, or where a caller hands in maps and a view, of what these see. */
+/* Blockers of a lattice: the scene's surfaces, or where it has none, what a caller's maps and view see. */
 ty_result ty_lpv_find_blockers(ty_lpv_job* job, ty_lattice* lattice);
 
 #endif
