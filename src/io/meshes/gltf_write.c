@@ -173,7 +173,7 @@ static ty_result own_mesh(writer* w, const ty_mesh_origin* origin, json_t** out)
 
 /* Renames a primitive's own colours. */
 static ty_result move_colors(writer* w, json_t* attributes) {
-    char name[16];
+    char name[32];
     json_t* old = json_object_get(attributes, "COLOR_0");
     for (int i = 1; old != NULL && i < COLORS_MAX; ++i) {
         snprintf(name, sizeof name, "COLOR_%d", i);
