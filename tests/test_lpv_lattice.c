@@ -530,7 +530,7 @@ static void lattices_are_nested(void** state) {
         ty_lpv_def def = {.place = (ty_lpv_place)place, .resolution = 16, .cascades = 3, .extent = 4};
         ty_grid_box boxes[TY_LPV_CASCADES_MAX];
         int32_t count = 0;
-        assert_int_equal(ty_lattice_place_all(scene, &def, boxes, &count), TY_OK);
+        assert_int_equal(ty_lattice_place(scene, &def, boxes, &count), TY_OK);
         assert_int_equal(count, 3);
         for (int32_t i = 0; i < 3; ++i)
             for (int a = 0; a < 3; ++a) {
@@ -563,7 +563,7 @@ static void lattices_move_by_whole_cells(void** state) {
     int32_t count = 0;
     for (int i = 0; i < 3; ++i) {
         look_from(scene, 0.55 + (i == 1 ? 0.19 : i == 2 ? 0.25 : 0), 1.1, -0.3);
-        assert_int_equal(ty_lattice_place_all(scene, &def, boxes[i], &count), TY_OK);
+        assert_int_equal(ty_lattice_place(scene, &def, boxes[i], &count), TY_OK);
     }
     for (int32_t i = 0; i < 2; ++i) {
         assert_memory_equal(boxes[0][i].lower, boxes[1][i].lower, sizeof boxes[0][i].lower);
@@ -580,7 +580,7 @@ static void empty_scenes_have_no_lattice(void** state) {
     const ty_lpv_def def = {.resolution = 16, .cascades = 1};
     ty_grid_box boxes[TY_LPV_CASCADES_MAX];
     int32_t count = 0;
-    assert_int_equal(ty_lattice_place_all(scene, &def, boxes, &count), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_lattice_place(scene, &def, boxes, &count), TY_ERROR_ARGUMENT);
     assert_error(*state, "neither media nor surfaces");
     ty_scene_destroy(scene);
 }

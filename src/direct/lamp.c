@@ -11,7 +11,7 @@
 
 /* A row of cells along u, as far as a pyramid has it. */
 typedef struct cell_row {
-    const ty_lattice* l;
+    const ty_lamp_lattice* l;
     int32_t slab;
     int32_t cell[3]; /* along u, v, w; of u: 0 */
     size_t first;    /* where the row begins, and how far cells are apart, in planes */
@@ -29,15 +29,15 @@ static double middle_of(const ty_lamp_job* lamp, int32_t axis, int32_t cell) {
 static size_t cell_scratch(const ty_lamp_job* lamp) {
     int32_t most = 0;
     for (int a = 0; a < 3; ++a) most = lamp->medium->box.size[a] > most ? lamp->medium->box.size[a] : most;
-    return ty_lattice_scratch(lamp) + 7 * (size_t)most;
+    return ty_lamp_lattice_scratch(lamp) + 7 * (size_t)most;
 }
 
-static void place_row(const ty_lattice* l, int32_t slab, int32_t v, float* scratch, cell_row* row) {
+static void place_row(const ty_lamp_lattice* l, int32_t slab, int32_t v, float* scratch, cell_row* row) {
     const ty_lamp_job* lamp = l->of;
     const int32_t* size = lamp->medium->box.size;
     const size_t stride[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
     const size_t rays = (size_t)l->count[0], cells = (size_t)size[l->axis[0]];
-    *row = (cell_row){.l = l, .slab = slab, .cell = {0, v, ty_lattice_cell(l, slab)}};
+    *row = (cell_row){.l = l, .slab = slab, .cell = {0, v, ty_lamp_lattice_cell(l, slab)}};
     row->stride = stride[l->axis[0]];
     row->first = stride[l->axis[1]] * (size_t)row->cell[1] + stride[l->axis[2]] * (size_t)row->cell[2];
     row->v = middle_of(lamp, l->axis[1], row->cell[1]);
@@ -54,7 +54,7 @@ static void place_row(const ty_lattice* l, int32_t slab, int32_t v, float* scrat
 
 /* Whether the way to a cell's middle is along this lattice's pyramid: exactly one of the six has it. */
 static bool is_owned(const cell_row* row, int32_t u) {
-    const ty_lattice* l = row->l;
+    const ty_lamp_lattice* l = row->l;
     double off[3];
     off[l->axis[0]] = fabs(middle_of(l->of, l->axis[0], u));
     off[l->axis[1]] = fabs(row->v);
@@ -76,13 +76,14 @@ static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
 
 /* Mean extinction along the rays about the cells [begin, end), and how many of them get there. */
 static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_t end) {
-    const ty_lattice* l = row->l;
-    const double near = ty_lattice_plane(l, row->slab), far = fmin(l->far, ty_lattice_plane(l, row->slab + 1));
-    const size_t count = (size_t)l->count[0], rays = ty_lattice_rays(l);
+    const ty_lamp_lattice* l = row->l;
+    const double near = ty_lamp_lattice_plane(l, row->slab),
+                 far = fmin(l->far, ty_lamp_lattice_plane(l, row->slab + 1));
+    const size_t count = (size_t)l->count[0], rays = ty_lamp_lattice_rays(l);
     int32_t at, first, last;
-    const float row_share = ty_lattice_locate(l, 1, row->v / row->w, &at);
-    ty_lattice_locate(l, 0, middle_of(l->of, l->axis[0], begin) / row->w, &first);
-    ty_lattice_locate(l, 0, middle_of(l->of, l->axis[0], end - 1) / row->w, &last);
+    const float row_share = ty_lamp_lattice_locate(l, 1, row->v / row->w, &at);
+    ty_lamp_lattice_locate(l, 0, middle_of(l->of, l->axis[0], begin) / row->w, &first);
+    ty_lamp_lattice_locate(l, 0, middle_of(l->of, l->axis[0], end - 1) / row->w, &last);
     ty_lamp_blend blend = {
         .begin = first > 0 ? first - 1 : 0,
         .end = last + 3 < l->count[0] ? last + 3 : l->count[0],
@@ -100,7 +101,7 @@ static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_
 
 /* How far cells are along w from where rays enter the box through its end, or across v. */
 static double inside_of(const cell_row* row, bool* across_v) {
-    const ty_lattice* l = row->l;
+    const ty_lamp_lattice* l = row->l;
     const int32_t v = l->axis[1], w = l->axis[2];
     const ty_grid_medium* medium = l->of->medium;
     const double lower = l->of->lower[v], upper = l->of->upper[v], cell = row->cell[1] + 0.5;
@@ -114,7 +115,7 @@ static double inside_of(const cell_row* row, bool* across_v) {
 
 /* Means of cells [begin, end) of the row. */
 static void find_means(const cell_row* row, int32_t begin, int32_t end) {
-    const ty_lattice* l = row->l;
+    const ty_lamp_lattice* l = row->l;
     const ty_lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const int32_t u = l->axis[0];
@@ -147,7 +148,7 @@ static void find_means(const cell_row* row, int32_t begin, int32_t end) {
 }
 
 static void add_light(const cell_row* row, int32_t begin, int32_t end) {
-    const ty_lattice* l = row->l;
+    const ty_lamp_lattice* l = row->l;
     const ty_lamp_job* lamp = l->of;
     const ty_lamp_out* out = &lamp->out;
     const ty_vec direction = lamp->source->direction;
@@ -207,7 +208,7 @@ static void light_row(const cell_row* row) {
 
 /* One v: rows of all slabs. */
 static void light_rows(void* user, int64_t v, int32_t worker) {
-    const ty_lattice* l = user;
+    const ty_lamp_lattice* l = user;
     float* scratch = l->of->scratch + l->of->scratch_size * (size_t)worker;
     const unsigned state = ty_flush_denormals();
     for (int32_t slab = 0; slab < l->slabs; ++slab) {
@@ -223,22 +224,22 @@ static void light_rows(void* user, int64_t v, int32_t worker) {
 static ty_result light_pyramid(ty_lamp_job* lamp, int32_t w, bool backwards) {
     const ty_grid_medium* medium = lamp->medium;
     const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
-    ty_lattice before = {.of = lamp},
-               l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+    ty_lamp_lattice before = {.of = lamp},
+                    l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
     l.entry = fmax(0, from);
     ty_result result = TY_OK;
     int32_t begin = (int32_t)fmin(medium->box.size[w], fmax(0, floor(-from / medium->cell[w])));
     for (; begin < medium->box.size[w] && result == TY_OK; begin += l.slabs) {
-        if (!ty_lattice_place(&l, begin)) continue;
-        result = ty_lattice_trace(&l, &before);
+        if (!ty_lamp_lattice_place(&l, begin)) continue;
+        result = ty_lamp_lattice_trace(&l, &before);
         if (result == TY_OK) ty_parallel_for(medium->context, medium->box.size[l.axis[1]], light_rows, &l);
-        ty_lattice_end(&before);
+        ty_lamp_lattice_end(&before);
         before = l;
         l.hit = l.mean[0] = l.mean[1] = l.mean[2] = NULL;
         lamp->passed += 1.0 / 6 * before.slabs / medium->box.size[w];
         if (result == TY_OK) result = ty_watch_report(lamp->watch, fmin(lamp->passed, 1));
     }
-    ty_lattice_end(&before);
+    ty_lamp_lattice_end(&before);
     return result;
 }
 

@@ -7,12 +7,12 @@
 /* MARGIN: cells beside the box within which rays are still followed. */
 enum { FIRST_SLABS = 4, MARGIN = 4 };
 
-size_t ty_lattice_rays(const ty_lattice* l) {
+size_t ty_lamp_lattice_rays(const ty_lamp_lattice* l) {
     return (size_t)l->count[0] * (size_t)l->count[1];
 }
 
-static size_t value_count(const ty_lattice* l) {
-    return ty_lattice_rays(l) * (size_t)(l->slabs + 1);
+static size_t value_count(const ty_lamp_lattice* l) {
+    return ty_lamp_lattice_rays(l) * (size_t)(l->slabs + 1);
 }
 
 /* Rays along one axis at most: twice what cells there are and half as many again, for boxes seen askew. */
@@ -20,54 +20,54 @@ static int32_t rays_max(const ty_lamp_job* lamp, int32_t axis) {
     return 4 * lamp->medium->box.size[axis] + 64;
 }
 
-size_t ty_lattice_scratch(const ty_lamp_job* lamp) {
+size_t ty_lamp_lattice_scratch(const ty_lamp_job* lamp) {
     size_t most = 0;
     for (int32_t a = 0; a < 3; ++a) most = rays_max(lamp, a) > (int32_t)most ? (size_t)rays_max(lamp, a) : most;
     return most * (size_t)(1 + lamp->medium->planes);
 }
 
-void ty_lattice_end(ty_lattice* l) {
+void ty_lamp_lattice_end(ty_lamp_lattice* l) {
     ty_context* context = l->of->medium->context;
     for (int32_t c = 0; c < l->of->medium->planes; ++c)
         ty_free_array(context, l->mean[c], value_count(l), sizeof *l->mean[c]);
-    ty_free_array(context, l->hit, ty_lattice_rays(l), sizeof *l->hit);
+    ty_free_array(context, l->hit, ty_lamp_lattice_rays(l), sizeof *l->hit);
     l->slabs = 0;
     l->hit = l->mean[0] = l->mean[1] = l->mean[2] = NULL;
 }
 
-static ty_result take_lattice(ty_lattice* l) {
+static ty_result take_lattice(ty_lamp_lattice* l) {
     const ty_grid_medium* medium = l->of->medium;
     for (int32_t c = 0; c < medium->planes; ++c) {
         l->mean[c] = ty_alloc_array(medium->context, value_count(l), sizeof *l->mean[c], true);
         if (l->mean[c] == NULL) return TY_ERROR_MEMORY;
     }
     if (l->of->scene->mesh == NULL) return TY_OK;
-    l->hit = ty_alloc_array(medium->context, ty_lattice_rays(l), sizeof *l->hit, false);
+    l->hit = ty_alloc_array(medium->context, ty_lamp_lattice_rays(l), sizeof *l->hit, false);
     return l->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 /* ---- places ---- */
 
-double ty_lattice_plane(const ty_lattice* l, int32_t slab) {
+double ty_lamp_lattice_plane(const ty_lamp_lattice* l, int32_t slab) {
     const int32_t w = l->axis[2];
     const double cell = l->of->medium->cell[w];
     const double from = l->backwards ? -l->of->upper[w] : l->of->lower[w];
     return fmax(l->near, from + cell * (l->begin + slab));
 }
 
-int32_t ty_lattice_cell(const ty_lattice* l, int32_t slab) {
+int32_t ty_lamp_lattice_cell(const ty_lamp_lattice* l, int32_t slab) {
     const int32_t at = l->begin + slab;
     return l->backwards ? l->of->medium->box.size[l->axis[2]] - 1 - at : at;
 }
 
-float ty_lattice_locate(const ty_lattice* l, int32_t along, double tangent, int32_t* i) {
+float ty_lamp_lattice_locate(const ty_lamp_lattice* l, int32_t along, double tangent, int32_t* i) {
     const double at = fmin(fmax((tangent - l->low[along]) / l->step[along], 0), l->count[along] - 1);
     *i = (int32_t)fmin(at, l->count[along] - 2);
     return (float)(at - *i);
 }
 
 /* The tangents at which the box is seen between the lattice's near and far side; false: nowhere in the pyramid. */
-static bool place_rays(ty_lattice* l) {
+static bool place_rays(ty_lamp_lattice* l) {
     for (int i = 0; i < 2; ++i) {
         const int32_t a = l->axis[i];
         const double low = l->of->lower[a], high = l->of->upper[a];
@@ -82,15 +82,15 @@ static bool place_rays(ty_lattice* l) {
     return true;
 }
 
-bool ty_lattice_place(ty_lattice* l, int32_t begin) {
+bool ty_lamp_lattice_place(ty_lamp_lattice* l, int32_t begin) {
     const int32_t size = l->of->medium->box.size[l->axis[2]];
     const double cell = l->of->medium->cell[l->axis[2]];
     l->begin = begin;
     l->near = 0;
-    l->near = ty_lattice_plane(l, 0);
+    l->near = ty_lamp_lattice_plane(l, 0);
     l->slabs = (int32_t)fmin(size - begin, fmax(FIRST_SLABS, ceil(l->near / cell)));
     l->far = INFINITY;
-    l->far = ty_lattice_plane(l, l->slabs);
+    l->far = ty_lamp_lattice_plane(l, l->slabs);
     return l->far > l->near && place_rays(l);
 }
 
@@ -104,11 +104,11 @@ static double entry_of(double p, double low, double high) {
 /* ---- rays ---- */
 
 typedef struct trace_job {
-    ty_lattice* l;
-    const ty_lattice* before;
+    ty_lamp_lattice* l;
+    const ty_lamp_lattice* before;
 } trace_job;
 
-static float between_rays(const ty_lattice* l, const float* plane, const int32_t at[2], const float share[2]) {
+static float between_rays(const ty_lamp_lattice* l, const float* plane, const int32_t at[2], const float share[2]) {
     const float* row = plane + (size_t)at[1] * (size_t)l->count[0] + (size_t)at[0];
     const float* next = row + l->count[0];
     return ty_share_between(ty_share_between(row[0], row[1], share[0]), ty_share_between(next[0], next[1], share[0]),
@@ -119,20 +119,20 @@ static float between_rays(const ty_lattice* l, const float* plane, const int32_t
  * side, from the length before. A ray is not said to leave the box again: at the box's sides, rays go on as if the
  * outer cells did. Nothing there is lit, and between a ray there and one inside values stay right. */
 static void begin_row(const trace_job* job, double q, float* entry, float* const depth[3]) {
-    const ty_lattice *l = job->l, *before = job->before;
+    const ty_lamp_lattice *l = job->l, *before = job->before;
     const ty_lamp_job* lamp = l->of;
     const int32_t u = l->axis[0], v = l->axis[1], planes = lamp->medium->planes;
     const double from = fmax(l->entry, entry_of(q, lamp->lower[v], lamp->upper[v]));
     int32_t at[2] = {0, 0};
     float share[2] = {0, 0};
-    if (before->slabs > 0) share[1] = ty_lattice_locate(before, 1, q, &at[1]);
+    if (before->slabs > 0) share[1] = ty_lamp_lattice_locate(before, 1, q, &at[1]);
     for (int32_t i = 0; i < l->count[0]; ++i) {
         const double p = l->low[0] + l->step[0] * i, enters = fmax(from, entry_of(p, lamp->lower[u], lamp->upper[u]));
         entry[i] = (float)(enters - l->entry);
         for (int32_t c = 0; c < planes; ++c) depth[c][i] = 0;
         if (before->slabs == 0 || !(l->near > enters)) continue;
-        share[0] = ty_lattice_locate(before, 0, p, &at[0]);
-        const size_t last = ty_lattice_rays(before) * (size_t)before->slabs;
+        share[0] = ty_lamp_lattice_locate(before, 0, p, &at[0]);
+        const size_t last = ty_lamp_lattice_rays(before) * (size_t)before->slabs;
         for (int32_t c = 0; c < planes; ++c)
             depth[c][i] = between_rays(before, before->mean[c] + last, at, share) * (float)(l->near - enters);
     }
@@ -146,12 +146,12 @@ static void find_beside(double first, double step, int32_t size, int32_t count, 
 }
 
 /* The row of rays of tangent q through slab `slab`; past the last there is only a far side. */
-static ty_lamp_rays rays_through(const ty_lattice* l, int32_t slab, double q) {
+static ty_lamp_rays rays_through(const ty_lamp_lattice* l, int32_t slab, double q) {
     const ty_lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const int32_t u = l->axis[0], v = l->axis[1];
-    const double near = ty_lattice_plane(l, slab);
-    const double far = slab < l->slabs ? fmin(l->far, ty_lattice_plane(l, slab + 1)) : near;
+    const double near = ty_lamp_lattice_plane(l, slab);
+    const double far = slab < l->slabs ? fmin(l->far, ty_lamp_lattice_plane(l, slab + 1)) : near;
     const size_t row = (size_t)medium->box.size[0];
     const size_t stride[3] = {1, row, row * (size_t)medium->box.size[1]};
     const double per_u = 1 / medium->cell[u], per_v = 1 / medium->cell[v];
@@ -173,7 +173,7 @@ static ty_lamp_rays rays_through(const ty_lattice* l, int32_t slab, double q) {
 }
 
 /* How far along a ray a surface is, as a distance along w. */
-static float hit_along(const ty_lattice* l, double p, double q) {
+static float hit_along(const ty_lamp_lattice* l, double p, double q) {
     const double length = sqrt(1 + p * p + q * q);
     float way[3];
     way[l->axis[0]] = (float)(p / length);
@@ -184,7 +184,7 @@ static float hit_along(const ty_lattice* l, double p, double q) {
 
 static void trace_row(void* user, int64_t row, int32_t worker) {
     const trace_job* job = user;
-    ty_lattice* l = job->l;
+    ty_lamp_lattice* l = job->l;
     const ty_lamp_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const double q = l->low[1] + l->step[1] * (double)row;
@@ -196,12 +196,12 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
     begin_row(job, q, entry, depth);
     for (int32_t slab = 0; slab <= l->slabs; ++slab) {
         ty_lamp_rays rays = rays_through(l, slab, q);
-        const int32_t cell = ty_lattice_cell(l, slab < l->slabs ? slab : l->slabs - 1);
+        const int32_t cell = ty_lamp_lattice_cell(l, slab < l->slabs ? slab : l->slabs - 1);
         rays.entry = entry;
         for (int32_t c = 0; c < medium->planes; ++c) {
             rays.cells = lamp->extinction[c] + per_slab[l->axis[2]] * (size_t)cell;
             rays.depth = depth[c];
-            rays.mean = l->mean[c] + ty_lattice_rays(l) * (size_t)slab + first;
+            rays.mean = l->mean[c] + ty_lamp_lattice_rays(l) * (size_t)slab + first;
             lamp->kernels->lamp_rays(&rays);
         }
     }
@@ -210,7 +210,7 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
     ty_restore_denormals(state);
 }
 
-ty_result ty_lattice_trace(ty_lattice* l, const ty_lattice* before) {
+ty_result ty_lamp_lattice_trace(ty_lamp_lattice* l, const ty_lamp_lattice* before) {
     const ty_result result = take_lattice(l);
     if (result != TY_OK) return result;
     trace_job job = {.l = l, .before = before};

@@ -50,8 +50,8 @@ ty_result ty_lattice_create(ty_context* context, const ty_grid_box* box, int32_t
 void ty_lattice_destroy(ty_lattice* lattice);
 
 /* The lattices that def asks for, from the finest to the coarsest: where they lie, in cubes. */
-ty_result ty_lattice_place_all(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
-                               int32_t* count);
+ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
+                           int32_t* count);
 
 /* Two bands in thin media would let light stand as high far from a lamp as near it: they have no light that spreads,
  * r^-2. Finds the extinction that makes them do so about the lamps among the lights (point, spot), which is less where

@@ -1,4 +1,4 @@
-/* The lattices' light at single points. */
+/* The lattices' light on surfaces at single points. */
 #include "method/lpv/look.k.h"
 #include "method/lpv/pixels.h"
 
@@ -14,23 +14,6 @@ void ty_lpv_irradiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec n
         for (int c = 0; c < 3; ++c) {
             ty_lattice_values(lattice, &cells, c, lattice->terms, terms);
             irradiance[c] += mix.weight[i] * ty_look_irradiance(terms, lattice->terms > 4 ? terms + 4 : NULL, y);
-        }
-    }
-}
-
-void ty_lpv_radiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec way, float even[3], float directed[3]) {
-    const ty_lattice_mix mix = ty_lattice_pick(light->lattices, light->count, point);
-    float y[TY_SH_TERMS], terms[TY_SH_TERMS];
-    ty_sh_at(way, 2, y);
-    for (int c = 0; c < 3; ++c) even[c] = directed[c] = 0.0f;
-    for (int i = 0; i < 2 && mix.lattice[i] >= 0; ++i) {
-        const ty_lattice* lattice = light->lattices[mix.lattice[i]];
-        ty_lattice_cells cells;
-        if (!ty_lattice_find(lattice, point, &cells)) continue;
-        for (int c = 0; c < 3; ++c) {
-            ty_lattice_values(lattice, &cells, c, 4, terms);
-            even[c] += mix.weight[i] * terms[0] * y[0];
-            for (int t = 1; t < 4; ++t) directed[c] += mix.weight[i] * terms[t] * y[t];
         }
     }
 }

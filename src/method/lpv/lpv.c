@@ -22,7 +22,7 @@ static ty_result place(ty_lpv_job* job) {
     ty_lpv* light = job->light;
     const double begun = ty_wall_seconds();
     int32_t count;
-    ty_result result = ty_lattice_place_all(job->scene, job->def, boxes, &count);
+    ty_result result = ty_lattice_place(job->scene, job->def, boxes, &count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         result = ty_lattice_create(job->context, &boxes[i], job->def->bands, &light->lattices[i]);
         if (result != TY_OK) break;

@@ -30,7 +30,5 @@ ty_result ty_lpv_image(const ty_lpv_image_job* job, ty_image** out, ty_lpv_stats
 
 /* Irradiance by the lattices' light at a surface, W m^-2; normal: on the side that is asked for. */
 void ty_lpv_irradiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec normal, float irradiance[3]);
-/* Fluence over 4 pi, and the second band's part towards a direction (light that travels along `way`). */
-void ty_lpv_radiance_at(const ty_lpv_light_view* light, ty_vec point, ty_vec way, float even[3], float directed[3]);
 
 #endif

@@ -57,8 +57,8 @@ static void place_camera(const double camera[3], double extent, int32_t resoluti
     set_upper(box, cell);
 }
 
-ty_result ty_lattice_place_all(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
-                               int32_t* count) {
+ty_result ty_lattice_place(const ty_scene* scene, const ty_lpv_def* def, ty_grid_box boxes[TY_LPV_CASCADES_MAX],
+                           int32_t* count) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     *count = def->cascades;
