@@ -1,0 +1,67 @@
+/* Discrete ordinates: light that scatters on a box of cells, along a set of directions, one colour channel a call.
+ *
+ *     w . grad psi + sigma* psi = sum_lm s_l phi_lm Y_lm(w) + sum_lm q_lm Y_lm(w)
+ *     sigma* = sigma_t - g^L sigma_s,   s_l = sigma_s (g^l - g^L),   l < L
+ *
+ * which is the transport equation with a Henyey-Greenstein phase function whose forward peak counts as light that goes
+ * straight on (delta-M). phi_lm is the integral of psi Y_lm over all directions, Y_lm are real and orthonormal, without
+ * Condon-Shortley sign, number l (l + 1) + m (base/sh.k.h), so that phi_00 sqrt(4 pi) is the fluence. Nothing comes in
+ * through the box's faces. Cells hold means. The result does not depend on the number of threads. */
+#ifndef TY_SOLVE_ORDINATES_H
+#define TY_SOLVE_ORDINATES_H
+
+#include <tyndall/base.h>
+
+enum { TY_ORDINATES_MAX = 1024, TY_ORDINATE_BANDS_MAX = 12 };
+
+/* Directions with weights that add up to 4 pi, those of one octant after one another: first[o] is where octant o begins
+ * (bit a of o: whether the component along axis a is negative), first[8] the count. */
+typedef struct ty_ordinate_set {
+    int32_t count;
+    int32_t first[9];
+    float direction[3][TY_ORDINATES_MAX];
+    float weight[TY_ORDINATES_MAX];
+} ty_ordinate_set;
+
+/* About `count` directions (8..1024), as many in each octant, mirrored along the axes, no component zero, whose
+ * weighted sums of spherical harmonics up to order `exact` at least vanish (but the first); *exact may be NULL. The set
+ * is described in docs/method/dom.md. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ty_result ty_ordinate_set_make(ty_context* context, int32_t count, ty_ordinate_set* out, int32_t* exact);
+
+typedef struct ty_ordinates_def {
+    int32_t size[3]; /* cells along x, y, z: 1..512 each */
+    double cell[3];  /* their edges, m */
+    const ty_ordinate_set* set;
+    int32_t bands;              /* L, 1..TY_ORDINATE_BANDS_MAX */
+    int32_t kept;               /* bands of moments that come out, bands..TY_ORDINATE_BANDS_MAX */
+    const float* extinction;    /* sigma_t, 1/m, x fastest; 0: vacuum */
+    const float* scattering;    /* sigma_s, 1/m, at most sigma_t */
+    const float* g;             /* mean cosine, (-1, 1) */
+    const float* const* source; /* q_lm: `source_terms` planes */
+    int32_t source_terms;       /* 1 or bands^2 */
+    bool accelerated;           /* diffusion synthetic acceleration; false: source iteration */
+    double tolerance;           /* of what is still to come, rms of fluences; default 1e-3 */
+    int32_t sweeps;             /* at most; 0 (default): 100 accelerated, else 10000 */
+    const float* const* start;  /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's) */
+    ty_progress_fn progress;    /* default NULL */
+    void* progress_user;
+} ty_ordinates_def;
+
+ty_ordinates_def ty_default_ordinates_def(void);
+
+typedef struct ty_ordinates_stats {
+    bool converged;
+    int32_t sweeps, cycles;
+    double change;                     /* what is still to come, of the rms fluence, estimated */
+    double emitted, absorbed, leaving; /* W: by the source, by the medium, out of the box's faces */
+    double seconds, sweep_seconds;
+    double bytes;
+} ty_ordinates_stats;
+
+/* Solves for the moments: kept^2 planes of as many floats as there are cells. history: the estimate of what is still to
+ * come after each sweep, may be NULL. stats may be NULL. A solve that runs out of sweeps is TY_OK with stats->converged
+ * false; on TY_CANCELLED moments hold what there was. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, float* const* moments, double* history,
+                             int32_t history_capacity, ty_ordinates_stats* stats);
+
+#endif

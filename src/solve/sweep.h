@@ -1,0 +1,24 @@
+/* One sweep: light along all directions of a set through a box of cells, for sources that are known. */
+#ifndef TY_SOLVE_SWEEP_H
+#define TY_SOLVE_SWEEP_H
+
+#include "solve/ordinates.h"
+
+/* What sweeps of one box share. Planes belong to the caller and outlive it. */
+typedef struct ty_sweep ty_sweep;
+
+/* extinction: sigma*, scaled already, at least 0. bands: of the sources' and the moments' harmonics. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3], const ty_ordinate_set* set,
+                          int32_t bands, const float* extinction, ty_sweep** out);
+void ty_sweep_destroy(ty_sweep* sweep);
+/* Bytes it holds. */
+size_t ty_sweep_bytes(const ty_sweep* sweep);
+
+/* emission and moments: interleaved, bands^2 of each cell after one another, cells x fastest (what one cell needs lies
+ * together). moments are replaced by the integrals of psi Y_lm that emission (of psi per metre) leaves; psi is that of
+ * cells' middles, or means, as the scheme has it. leaving: what leaves through the faces, W; may be NULL. fixed: in how
+ * many cells and directions, of all, the scheme had to keep radiance from falling below 0; may be NULL. */
+ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixed);
+
+#endif
