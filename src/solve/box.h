@@ -1,4 +1,4 @@
-/* A box of cells in memory: a layer of ghosts around it, rows padded to 8 items. */
+/* A box of cells in memory: a layer of ghosts around it, rows padded to even numbers. */
 #ifndef TY_SOLVE_BOX_H
 #define TY_SOLVE_BOX_H
 
@@ -10,7 +10,7 @@ typedef struct ty_box {
 } ty_box;
 
 static inline ty_box ty_box_make(int32_t nx, int32_t ny, int32_t nz) {
-    const ptrdiff_t row = ((ptrdiff_t)nx + 2 + 7) / 8 * 8;
+    const ptrdiff_t row = ((ptrdiff_t)nx + 2 + 1) / 2 * 2;
     return (ty_box){.size = {nx, ny, nz}, .row = row, .plane = row * (ny + 2)};
 }
 
