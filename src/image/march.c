@@ -13,7 +13,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { TILE = 16, SPP_MAX = 64 };
+enum { TILE = 16 };
 
 static const double progress_interval = 0.1;
 
@@ -42,6 +42,19 @@ typedef struct march_job {
 
 ty_march_def ty_default_march_def(void) {
     return (ty_march_def){.spp = 1, .step = 1, .guided = 0.25};
+}
+
+ty_march_def ty_march_def_of(const ty_scene* scene, const ty_image_options* options) {
+    ty_march_def def = ty_default_march_def();
+    int32_t size[2];
+    ty_image_resolution(scene, options->width, options->height, size);
+    def.width = size[0];
+    def.height = size[1];
+    def.spp = options->spp;
+    def.seed = options->seed;
+    def.step = options->step;
+    def.aovs = options->aovs;
+    return def;
 }
 
 /* ---- options ---- */
@@ -77,17 +90,11 @@ static ty_result check_unscattered(ty_context* context, const ty_march_def* def)
 }
 
 static ty_result check_def(ty_context* context, const ty_march_def* def) {
-    const uint32_t known = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH;
+    const ty_image_options options = {def->width, def->height, def->spp, def->seed, def->step, def->aovs};
     ty_result result = ty_check_number(context, "march.width", def->width, 1, TY_IMAGE_SIDE_MAX);
     if (result == TY_OK) result = ty_check_number(context, "march.height", def->height, 1, TY_IMAGE_SIDE_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "march.spp", def->spp, 1, SPP_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "march.step", def->step, 0.05, 8);
+    if (result == TY_OK) result = ty_check_image(context, "march", &options, TY_MARCH_AOVS);
     if (result == TY_OK) result = ty_check_number(context, "march.guided", def->guided, 0, 1e6);
-    if (result == TY_OK && (def->aovs & ~known) != 0)
-        result = ty_fail(context, TY_ERROR_ARGUMENT,
-                         "march.aovs: %u has channels other than transmittance, depth, "
-                         "single and multiple",
-                         (unsigned)def->aovs);
     if (result == TY_OK)
         result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
     if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);

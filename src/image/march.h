@@ -6,10 +6,12 @@
 
 #include "direct/single.k.h"
 #include "direct/field.h"
+#include "image/options.h"
 
 #include <tyndall/path.h>
 
 enum { TY_MARCH_LIGHTS_MAX = 16 };
+enum { TY_MARCH_AOVS = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH };
 
 typedef struct ty_march_def {
     int32_t width, height;         /* pixels; must be set */
@@ -25,7 +27,7 @@ typedef struct ty_march_def {
     bool keeps_means;              /* whether the field's interpolant has, nearly, the means over cells that the field
                                       has, so that coarse cells do not blur it, see docs/marching.md; meant for plain
                                       interpolation; default false */
-    uint32_t aovs;                 /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH; default 0 */
+    uint32_t aovs;                 /* of TY_MARCH_AOVS; default 0 */
     ty_grid_box light_box;         /* the cells that lights lie on; looked at if there are any */
     const ty_single_light* lights; /* uncollided light; default none */
     int32_t light_count;           /* 0..TY_MARCH_LIGHTS_MAX */
@@ -48,6 +50,8 @@ typedef struct ty_march_stats {
 } ty_march_stats;
 
 ty_march_def ty_default_march_def(void);
+/* The same with what options say, and the scene's camera where they leave it to that. */
+ty_march_def ty_march_def_of(const ty_scene* scene, const ty_image_options* options);
 
 /* Renders what the scene's camera sees: R, G, B and def->aovs, as ty_path_def.aovs has them; single is what lights
  * bring, multiple what the field does, and all that surfaces reflect. stats may be NULL. Errors: TY_ERROR_ARGUMENT,

@@ -357,6 +357,14 @@ const ty_scene_view* ty_scene_get_view(const ty_scene* scene) {
     return NULL;
 }
 
+ty_result ty_scene_check_media(const ty_scene* scene, const char* method) {
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    if (view == NULL) return TY_ERROR_ARGUMENT;
+    if (view->medium_count == 0)
+        return ty_fail(scene->context, TY_ERROR_ARGUMENT, "%s: the scene has no media", method);
+    return TY_OK;
+}
+
 ty_context* ty_scene_context(const ty_scene* scene) {
     return scene->context;
 }

@@ -54,6 +54,8 @@ struct ty_scene {
 
 /* The view of a committed scene; NULL, with a message, of any other. */
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene);
+/* Whether the scene is committed and has media, which `method` cannot do without. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_scene_check_media(const ty_scene* scene, const char* method);
 
 /* The box around all surfaces, m; a point when there are none. */
 void ty_scene_surface_extent(const ty_scene* scene, double lower[3], double upper[3]);

@@ -2,6 +2,7 @@
 #include "method/fld/job.h"
 
 #include "base/context.h"
+#include "image/march.h"
 #include "scene/check.h"
 
 ty_fld_def ty_default_fld_def(void) {
@@ -16,58 +17,42 @@ ty_fld_def ty_default_fld_def(void) {
                         .step = 1};
 }
 
-static ty_result check_choice(ty_context* context, const char* field, int32_t value, int32_t count) {
+static ty_result check_kind(ty_context* context, const char* field, int32_t value, int32_t count) {
     if (value >= 0 && value < count) return TY_OK;
     return ty_fail(context, TY_ERROR_ARGUMENT, "%s: there is none with number %d", field, (int)value);
 }
 
-/* An open interval. */
-static ty_result check_between(ty_context* context, const char* field, double value, double low, double high) {
-    if (value > low && value < high) return TY_OK;
-    return ty_fail(context, TY_ERROR_ARGUMENT, "%s: %g is outside (%g, %g)", field, value, low, high);
-}
-
 static ty_result check_solver(ty_context* context, const ty_fld_def* def) {
-    ty_result result = check_choice(context, "fld.limiter", (int32_t)def->limiter, 6);
-    if (result == TY_OK) result = check_choice(context, "fld.boundary", (int32_t)def->boundary, 2);
-    if (result == TY_OK) result = check_choice(context, "fld.solver", (int32_t)def->solver, 3);
-    if (result == TY_OK) result = check_choice(context, "fld.beam", (int32_t)def->beam, 2);
+    ty_result result = check_kind(context, "fld.limiter", (int32_t)def->limiter, 6);
+    if (result == TY_OK) result = check_kind(context, "fld.boundary", (int32_t)def->boundary, 2);
+    if (result == TY_OK) result = check_kind(context, "fld.solver", (int32_t)def->solver, 3);
+    if (result == TY_OK) result = check_kind(context, "fld.beam", (int32_t)def->beam, 2);
     if (result == TY_OK) result = ty_check_number(context, "fld.larsen_power", def->larsen_power, 1, 100);
     if (result == TY_OK) result = ty_check_number(context, "fld.sigma_eps", def->sigma_eps, 0, TY_COLOR_MAX);
-    if (result == TY_OK && !(def->streaming >= 0 && def->streaming <= 1))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "fld.streaming: %g is outside [0, 1]", def->streaming);
-    if (result == TY_OK) result = check_between(context, "fld.relaxation", def->relaxation, 0, 2);
-    if (result == TY_OK) result = check_between(context, "fld.tolerance", def->tolerance, 0, 1);
+    if (result == TY_OK) result = ty_check_number(context, "fld.streaming", def->streaming, 0, 1);
+    if (result == TY_OK) result = ty_check_within(context, "fld.relaxation", def->relaxation, 0, 2);
+    if (result == TY_OK) result = ty_check_within(context, "fld.tolerance", def->tolerance, 0, 1);
     if (result == TY_OK) result = ty_check_number(context, "fld.iterations", def->iterations, 0, INT32_MAX);
     return result;
 }
 
 static ty_result check_cells(ty_context* context, const ty_fld_def* def) {
-    ty_result result = TY_OK;
-    if (def->resolution != 0) result = ty_check_number(context, "fld.resolution", def->resolution, 4, TY_FLD_CELLS_MAX);
-    if (result == TY_OK && def->ratio != 0) result = ty_check_number(context, "fld.ratio", def->ratio, 1, 64);
+    ty_result result = ty_check_choice(context, "fld.resolution", def->resolution, 4, TY_FLD_CELLS_MAX);
+    if (result == TY_OK) result = ty_check_choice(context, "fld.ratio", def->ratio, 1, 64);
     if (result == TY_OK) result = ty_check_number(context, "fld.environment_beams", def->environment_beams, 1, 65536);
     if (result == TY_OK) result = ty_check_number(context, "fld.surface_points", def->surface_points, 1, 65536);
     return result;
 }
 
-static ty_result check_image(ty_context* context, const ty_fld_def* def) {
-    static const uint32_t known = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH;
-    ty_result result = ty_check_number(context, "fld.spp", def->spp, 1, 64);
-    if (result == TY_OK) result = ty_check_number(context, "fld.step", def->step, 0.05, 8);
-    if (result == TY_OK && (def->aovs & ~known) != 0)
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "fld.aovs: transmittance, single, multiple and depth are all");
-    if (result == TY_OK && ((def->width == 0) != (def->height == 0) || def->width < 0 || def->height < 0 ||
-                            def->width > 65536 || def->height > 65536))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "fld: %d x %d is not a resolution in 1..65536", def->width,
-                         def->height);
-    return result;
+ty_image_options ty_fld_image_options(const ty_fld_def* def) {
+    return (ty_image_options){def->width, def->height, def->spp, def->seed, def->step, def->aovs};
 }
 
 ty_result ty_fld_check(ty_context* context, const ty_fld_def* def) {
     ty_result result = ty_check_def(context, def, "ty_default_fld_def");
     if (result == TY_OK) result = check_solver(context, def);
     if (result == TY_OK) result = check_cells(context, def);
-    if (result == TY_OK) result = check_image(context, def);
+    const ty_image_options image = ty_fld_image_options(def);
+    if (result == TY_OK) result = ty_check_image(context, "fld", &image, TY_MARCH_AOVS);
     return result;
 }

@@ -45,10 +45,8 @@ static ty_result run_parts(ty_fld_job* job, double share) {
 static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double share, ty_fld** out, ty_fld_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     ty_result result = ty_fld_check(context, def);
+    if (result == TY_OK) result = ty_scene_check_media(scene, "fld");
     if (result != TY_OK) return result;
-    const ty_scene_view* view = ty_scene_get_view(scene);
-    if (view == NULL) return TY_ERROR_ARGUMENT;
-    if (view->medium_count == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "fld: the scene has no media");
     ty_fld_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
@@ -83,15 +81,9 @@ void ty_fld_destroy(ty_fld* light) {
 
 static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_part_progress progress,
                       ty_image** out, ty_fld_stats* stats) {
-    const ty_camera_def camera = ty_scene_camera(scene);
     const ty_source_field field = ty_diffuse_light_field(light->diffuse, ty_scene_get_view(scene)->mesh != NULL);
-    ty_march_def march = ty_default_march_def();
-    march.width = def->width > 0 ? def->width : camera.resolution[0];
-    march.height = def->width > 0 ? def->height : camera.resolution[1];
-    march.spp = def->spp;
-    march.seed = def->seed;
-    march.step = def->step;
-    march.aovs = def->aovs;
+    const ty_image_options options = ty_fld_image_options(def);
+    ty_march_def march = ty_march_def_of(scene, &options);
     march.light_box = light->direct_box;
     march.lights = light->lights;
     march.light_count = light->light_count;

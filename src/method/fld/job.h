@@ -4,6 +4,7 @@
 
 #include "direct/single.k.h"
 #include "direct/uncollided.h"
+#include "image/options.h"
 #include "solve/diffuse_light.h"
 
 #include <tyndall/fld.h>
@@ -37,6 +38,7 @@ typedef struct ty_fld_job {
 
 /* Fails with the first field that is out of its range. */
 ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
+ty_image_options ty_fld_image_options(const ty_fld_def* def);
 
 /* Fine and coarse cells, and the media on them. */
 ty_result ty_fld_sample_media(ty_fld_job* job);

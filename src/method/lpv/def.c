@@ -1,5 +1,6 @@
 /* Options: their defaults and their checks. */
 #include "base/context.h"
+#include "image/march.h"
 #include "method/lpv/job.h"
 #include "scene/check.h"
 
@@ -33,8 +34,7 @@ static ty_result check_lattice(ty_context* context, const ty_lpv_def* def) {
     if (result == TY_OK) result = ty_check_number(context, "lpv.bands", def->bands, 2, TY_LPV_BANDS_MAX);
     if (result == TY_OK && def->window != -1) result = ty_check_number(context, "lpv.window", def->window, 0, 1);
     if (result == TY_OK) result = ty_check_number(context, "lpv.iterations", def->iterations, 0, 4096);
-    if (result == TY_OK && !(def->tolerance > 0 && def->tolerance < 1))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "lpv.tolerance: %g is outside (0, 1)", def->tolerance);
+    if (result == TY_OK) result = ty_check_within(context, "lpv.tolerance", def->tolerance, 0, 1);
     return result;
 }
 
@@ -47,19 +47,11 @@ static ty_result check_injection(ty_context* context, const ty_lpv_def* def) {
 }
 
 static ty_result check_image(ty_context* context, const ty_lpv_def* def) {
-    static const uint32_t known = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH | TY_AOV_NORMAL;
-    ty_result result = ty_check_number(context, "lpv.spp", def->spp, 1, 64);
-    if (result == TY_OK) result = ty_check_number(context, "lpv.step", def->step, 0.05, 8);
-    if (result == TY_OK && (def->aovs & ~known) != 0)
-        result =
-            ty_fail(context, TY_ERROR_ARGUMENT, "lpv.aovs: transmittance, single, multiple, depth and normal are all");
-    if (result == TY_OK && ((def->width == 0) != (def->height == 0) || def->width < 0 || def->height < 0 ||
-                            def->width > 65536 || def->height > 65536))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "lpv: %d x %d is not a resolution in 1..65536", def->width,
-                         def->height);
+    const ty_image_options options = {def->width, def->height, def->spp, def->seed, def->step, def->aovs};
+    const ty_result result = ty_check_image(context, "lpv", &options, TY_MARCH_AOVS | TY_AOV_NORMAL);
     if (result == TY_OK && def->view != NULL &&
         (def->view->distance == NULL || def->view->normal == NULL || def->view->albedo == NULL))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "lpv.view: distance, normal and albedo must all be there");
+        return ty_fail(context, TY_ERROR_ARGUMENT, "lpv.view: distance, normal and albedo must all be there");
     return result;
 }
 

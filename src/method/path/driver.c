@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/isa.h"
+#include "image/options.h"
 #include "method/path/equiangular.k.h"
 #include "scene/check.h"
 #include "scene/light.h"
@@ -38,11 +39,7 @@ static ty_result check_def(ty_context* context, const ty_path_def* def) {
     if (def->resume == NULL && def->resume_size > 0)
         return ty_fail(context, TY_ERROR_ARGUMENT, "path.resume is NULL, and path.resume_size is %zu",
                        def->resume_size);
-    if ((def->width == 0) != (def->height == 0) || def->width < 0 || def->height < 0 || def->width > 65536 ||
-        def->height > 65536)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "path: %d x %d is not a resolution in 1..65536", def->width,
-                       def->height);
-    return TY_OK;
+    return ty_check_resolution(context, "path", def->width, def->height);
 }
 
 /* Lights with a place or direction of their own, the likeliest first: what high-g media are guided towards. */

@@ -1,5 +1,6 @@
 /* Rendering an image. */
 #include "base/context.h"
+#include "image/options.h"
 #include "method/path/aov.h"
 #include "method/path/state.h"
 
@@ -31,8 +32,10 @@ static ty_result prepare_pixels(const ty_scene* scene, ty_path_run* run) {
     run->scene_hash = ty_scene_hash(scene);
     run->request.kind = TY_PATH_PIXELS;
     run->request.look = ty_aovs_need_look(def->aovs);
-    run->request.width = def->width > 0 ? def->width : camera.resolution[0];
-    run->height = def->height > 0 ? def->height : camera.resolution[1];
+    int32_t size[2];
+    ty_image_resolution(scene, def->width, def->height, size);
+    run->request.width = size[0];
+    run->height = size[1];
     run->request.camera = ty_camera_get_view(&camera, run->request.width, run->height);
     const ty_result result = choose_crop(run);
     run->item_count = (int64_t)run->request.crop[2] * run->request.crop[3];

@@ -1,5 +1,6 @@
 /* Options: their defaults and their checks. */
 #include "base/context.h"
+#include "image/march.h"
 #include "method/pop/job.h"
 #include "scene/check.h"
 
@@ -19,16 +20,11 @@ ty_pop_def ty_default_pop_def(void) {
                         .step = 1};
 }
 
-/* 0 for the method's own choice, or a number in a range. */
-static ty_result check_choice(ty_context* context, const char* field, double value, double low, double high) {
-    return value == 0 ? TY_OK : ty_check_number(context, field, value, low, high);
-}
-
 static ty_result check_cells(ty_context* context, const ty_pop_def* def) {
     ty_result result = ty_check_number(context, "pop.mode", (double)def->mode, 0, 2);
-    if (result == TY_OK) result = check_choice(context, "pop.resolution", def->resolution, 4, TY_POP_CELLS_MAX);
-    if (result == TY_OK) result = check_choice(context, "pop.merged", def->merged, 4, 512);
-    if (result == TY_OK) result = check_choice(context, "pop.direct", def->direct, 4, 1024);
+    if (result == TY_OK) result = ty_check_choice(context, "pop.resolution", def->resolution, 4, TY_POP_CELLS_MAX);
+    if (result == TY_OK) result = ty_check_choice(context, "pop.merged", def->merged, 4, 512);
+    if (result == TY_OK) result = ty_check_choice(context, "pop.direct", def->direct, 4, 1024);
     return result;
 }
 
@@ -43,27 +39,17 @@ static ty_result check_lights(ty_context* context, const ty_pop_def* def) {
 }
 
 static ty_result check_solve(ty_context* context, const ty_pop_def* def) {
-    ty_result result = check_choice(context, "pop.iterations", def->iterations, 1, 10000);
+    ty_result result = ty_check_choice(context, "pop.iterations", def->iterations, 1, 10000);
     if (result == TY_OK) result = ty_check_number(context, "pop.residuum", def->residuum, 0, 1);
-    if (result == TY_OK) result = check_choice(context, "pop.residuum_iterations", def->residuum_iterations, 1, 10000);
-    if (result == TY_OK && !(def->streaming >= 0 && def->streaming <= 1))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop.streaming: %g is outside [0, 1]", def->streaming);
-    if (result == TY_OK && !(def->tolerance > 0 && def->tolerance < 1))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop.tolerance: %g is outside (0, 1)", def->tolerance);
+    if (result == TY_OK)
+        result = ty_check_choice(context, "pop.residuum_iterations", def->residuum_iterations, 1, 10000);
+    if (result == TY_OK) result = ty_check_number(context, "pop.streaming", def->streaming, 0, 1);
+    if (result == TY_OK) result = ty_check_within(context, "pop.tolerance", def->tolerance, 0, 1);
     return result;
 }
 
-static ty_result check_image(ty_context* context, const ty_pop_def* def) {
-    static const uint32_t known = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH;
-    ty_result result = ty_check_number(context, "pop.spp", def->spp, 1, 64);
-    if (result == TY_OK) result = ty_check_number(context, "pop.step", def->step, 0.05, 8);
-    if (result == TY_OK && (def->aovs & ~known) != 0)
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop.aovs: transmittance, single, multiple and depth are all");
-    if (result == TY_OK && ((def->width == 0) != (def->height == 0) || def->width < 0 || def->height < 0 ||
-                            def->width > 65536 || def->height > 65536))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop: %d x %d is not a resolution in 1..65536", def->width,
-                         def->height);
-    return result;
+ty_image_options ty_pop_image_options(const ty_pop_def* def) {
+    return (ty_image_options){def->width, def->height, def->spp, def->seed, def->step, def->aovs};
 }
 
 ty_result ty_pop_check(ty_context* context, const ty_pop_def* def) {
@@ -71,6 +57,7 @@ ty_result ty_pop_check(ty_context* context, const ty_pop_def* def) {
     if (result == TY_OK) result = check_cells(context, def);
     if (result == TY_OK) result = check_lights(context, def);
     if (result == TY_OK) result = check_solve(context, def);
-    if (result == TY_OK) result = check_image(context, def);
+    const ty_image_options image = ty_pop_image_options(def);
+    if (result == TY_OK) result = ty_check_image(context, "pop", &image, TY_MARCH_AOVS);
     return result;
 }

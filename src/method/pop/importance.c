@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/parallel.h"
+#include "image/options.h"
 #include "method/pop/importance.k.h"
 #include "method/pop/ordinate.h"
 #include "scene/camera.h"
@@ -323,12 +324,12 @@ ty_result ty_pop_importance_find(const ty_scene* scene, const ty_pop_def* def, c
                                  float* map) {
     gaze_job* job = ty_alloc_array(scene->context, 1, sizeof *job, true);
     if (job == NULL) return TY_ERROR_MEMORY;
-    const int32_t width = def->width > 0 ? def->width : scene->camera.resolution[0];
-    const int32_t height = def->height > 0 ? def->height : scene->camera.resolution[1];
+    int32_t size[2];
+    ty_image_resolution(scene, def->width, def->height, size);
     job->scene = scene;
     job->murk = murk_of(medium);
-    job->view.camera = ty_camera_get_view(&scene->camera, width, height);
-    if (fit_frustum(&medium->box, width, height, &job->view))
+    job->view.camera = ty_camera_get_view(&scene->camera, size[0], size[1]);
+    if (fit_frustum(&medium->box, size[0], size[1], &job->view))
         look_around(job, map);
     else
         make_even(map);

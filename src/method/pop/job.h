@@ -5,6 +5,7 @@
 #include "base/progress.h"
 #include "direct/single.k.h"
 #include "direct/uncollided.h"
+#include "image/options.h"
 #include "method/pop/merge.h"
 #include "scene/scene.h"
 #include "solve/diffuse_light.h"
@@ -47,6 +48,7 @@ typedef struct ty_pop_job {
 
 /* Fails with the first field that is out of its range. */
 ty_result ty_pop_check(ty_context* context, const ty_pop_def* def);
+ty_image_options ty_pop_image_options(const ty_pop_def* def);
 
 /* Cells of all kinds, and the media on them. */
 ty_result ty_pop_sample_media(ty_pop_job* job);

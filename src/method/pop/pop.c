@@ -52,10 +52,8 @@ static void place_eye(const ty_scene* scene, float eye[3]) {
 static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double share, ty_pop** out, ty_pop_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     ty_result result = ty_pop_check(context, def);
+    if (result == TY_OK) result = ty_scene_check_media(scene, "pop");
     if (result != TY_OK) return result;
-    const ty_scene_view* view = ty_scene_get_view(scene);
-    if (view == NULL) return TY_ERROR_ARGUMENT;
-    if (view->medium_count == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "pop: the scene has no media");
     ty_pop_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
@@ -168,16 +166,10 @@ static ty_result make_fields(const ty_pop* light, bool surfaces, fields* f) {
 
 static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_part_progress progress,
                        ty_image** out, ty_pop_stats* stats) {
-    const ty_camera_def camera = ty_scene_camera(scene);
     const double begun = ty_wall_seconds();
     fields f = {.seen = {.term_count = 0}};
-    ty_march_def march = ty_default_march_def();
-    march.width = def->width > 0 ? def->width : camera.resolution[0];
-    march.height = def->width > 0 ? def->height : camera.resolution[1];
-    march.spp = def->spp;
-    march.seed = def->seed;
-    march.step = def->step;
-    march.aovs = def->aovs;
+    const ty_image_options options = ty_pop_image_options(def);
+    ty_march_def march = ty_march_def_of(scene, &options);
     march.light_box = light->fine_box;
     march.lights = light->lights;
     march.light_count = light->light_count;
@@ -242,8 +234,7 @@ ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float*
     ty_pop light = {.context = context, .def = *def};
     ty_pop_job job = {.context = context, .scene = scene, .def = def, .light = &light};
     ty_result result = ty_pop_check(context, def);
-    if (result == TY_OK && (ty_scene_get_view(scene) == NULL || ty_scene_get_view(scene)->medium_count == 0))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "pop: the scene has no media");
+    if (result == TY_OK) result = ty_scene_check_media(scene, "pop");
     if (result == TY_OK) result = ty_pop_sample_media(&job);
     if (result == TY_OK) result = ty_pop_importance_find(scene, def, light.medium, map);
     ty_grid_medium_destroy(light.medium);
