@@ -151,7 +151,7 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
     const int32_t finest = ty_look_choose(look, point, &coarser);
     if (finest < 0) return;
-    ty_sh_at(ty_scale(normal, -1.0f), TY_SH_BANDS, y);
+    ty_sh_at(ty_scale(normal, -1.0f), look->lattices[0].floats > TY_LOOK_FLOATS ? TY_SH_BANDS : 2, y);
     for (int32_t i = finest; i < finest + (coarser > 0.0f ? 2 : 1); ++i) {
         const ty_look_lattice* lattice = &look->lattices[i];
         const float share = i == finest ? 1.0f - coarser : coarser;
