@@ -11,10 +11,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <time.h>
 #include <unistd.h>
 
 enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64 };
+/* Bytes of a large page, and from which size on arrays are rounded up to whole ones. */
+enum { LARGE_PAGE = 1 << 21, LARGE = 1 << 22 };
 
 static const double mebibyte = 1048576;
 
@@ -53,9 +56,22 @@ const char* ty_version(void) {
     return TY_VERSION;
 }
 
+static size_t round_up(size_t size, size_t to) {
+    return (size + to - 1) / to * to;
+}
+
+/* Large arrays are on large pages where the system has them: the first touch of each small one costs as much as working
+ * through it. */
 static void* default_alloc(void* user, size_t size) {
     (void)user;
-    return aligned_alloc(ALIGNMENT, (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT);
+#ifdef MADV_HUGEPAGE
+    if (size >= LARGE) {
+        void* pointer = aligned_alloc(LARGE_PAGE, round_up(size, LARGE_PAGE));
+        if (pointer != NULL) madvise(pointer, round_up(size, LARGE_PAGE), MADV_HUGEPAGE);
+        return pointer;
+    }
+#endif
+    return aligned_alloc(ALIGNMENT, round_up(size, ALIGNMENT));
 }
 
 static void default_free(void* user, void* pointer, size_t size) {

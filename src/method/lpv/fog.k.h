@@ -289,6 +289,7 @@ TY_FN void ty_fog_walk_even(ty_fog_ray* ray, float t, float end, int32_t level) 
                 ty_look_around(lattice, batch.base[k], batch.x[k], batch.y[k], batch.z[k], &cells);
                 ty_look_mean(&cells, 0, light);
             }
+#pragma omp simd
             for (int j = 0; j < TY_LOOK_FLOATS; ++j) {
                 sum[j] += passed[j] * taken->scatters[j] * light[j];
                 passed[j] *= taken->passes[j];

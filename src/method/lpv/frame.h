@@ -13,6 +13,8 @@
 #include <stdatomic.h>
 
 enum { TY_TILE = 16, TY_TILE_PIXELS = TY_TILE * TY_TILE };
+/* Pixels along a side of the blocks in which a tile's pixels are in order. */
+enum { TY_BLOCK = 4, TY_BLOCK_PIXELS = TY_BLOCK * TY_BLOCK };
 
 /* What a ray sees of surfaces. */
 typedef struct ty_lpv_pixel {
@@ -28,7 +30,7 @@ typedef struct ty_lpv_pixel {
 
 typedef struct ty_lpv_tile {
     int32_t count;
-    ty_lpv_pixel pixels[TY_TILE_PIXELS]; /* in blocks of 4 x 4, so that neighbours in the array are so in the image */
+    ty_lpv_pixel pixels[TY_TILE_PIXELS]; /* block by block, so that neighbours in the array are so in the image */
 } ty_lpv_tile;
 
 /* The image's channels; NULL where they are not asked for. */

@@ -54,6 +54,8 @@ static void fill_slab(void* user, int64_t index, int32_t worker) {
 
 ty_lpv_sums ty_lpv_march_enter(ty_lpv_march* march, const ty_lattice* outer) {
     inflow_job job = {.march = march, .outer = outer};
+    march->entered = true;
+    memset(march->from, 0, march->floats * sizeof(float));
     ty_parallel_flushed(march->lattice->context, march->lattice->box.size[2] + 2, fill_slab, &job);
     const ty_lpv_sums sums = ty_lpv_march_step(march, false);
     memset(march->to, 0, march->floats * sizeof(float));

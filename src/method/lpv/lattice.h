@@ -101,6 +101,17 @@ typedef struct ty_lpv_medium_step {
 } ty_lpv_medium_step;
 ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell,
                                   const ty_lpv_cell_medium* medium);
+
+/* The same in mode links in two steps: what a medium says, and what nearby lamps do to it. */
+typedef struct ty_lpv_links_step {
+    double pass, kept, length; /* kept: of the second band */
+    double third;              /* of the third band */
+    double seen, seen_way;     /* first band; others */
+} ty_lpv_links_step;
+ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float cell, const ty_lpv_cell_medium* medium);
+ty_lpv_medium_step ty_lpv_links_step_about(const ty_lpv_transfer* transfer, float cell, const ty_lpv_links_step* step,
+                                           float spread);
+
 /* The medium in a cell of a lattice. */
 ty_lpv_cell_medium ty_lattice_medium_in(const ty_lattice* lattice, int32_t channel, size_t cell);
 

@@ -47,13 +47,15 @@ TY_FN int32_t ty_look_axis(float place, int32_t size, float* share) {
 
 /* Leaves out what surfaces separate from the cell that the point lies in, which always counts. */
 TY_FN void ty_look_close(TY_GLOBAL const uint8_t* near, const int32_t own[3], float weight[8]) {
-    float sum = 0.0f;
-    for (int i = 0; i < 8; ++i) {
-        const int32_t dx = (i & 1) - own[0], dy = (i >> 1 & 1) - own[1], dz = (i >> 2) - own[2];
-        weight[i] *= (float)near[TY_LOOK_SELF + dx + 3 * dy + 9 * dz];
-        sum += weight[i];
-    }
+    TY_GLOBAL const uint8_t* first = near + (TY_LOOK_SELF - own[0] - 3 * own[1] - 9 * own[2]);
+    uint8_t open[8];
+    for (int i = 0; i < 4; ++i) memcpy(open + 2 * i, first + 3 * (i & 1) + 9 * (i >> 1), 2); /* pairs along x */
+#pragma omp simd
+    for (int i = 0; i < 8; ++i) weight[i] *= (float)open[i];
+    const float sum =
+        ((weight[0] + weight[1]) + (weight[2] + weight[3])) + ((weight[4] + weight[5]) + (weight[6] + weight[7]));
     const float scale = 1.0f / sum;
+#pragma omp simd
     for (int i = 0; i < 8; ++i) weight[i] *= scale;
 }
 
@@ -68,8 +70,10 @@ TY_FN void ty_look_around(const ty_look_lattice* lattice, int32_t base, float x,
                           ty_look_cells* cells) {
     const int32_t *size = lattice->size, nx = size[0], nxy = size[0] * size[1];
     const int32_t dx = nx > 1 ? 1 : 0, dy = size[1] > 1 ? nx : 0, dz = size[2] > 1 ? nxy : 0;
-    const float near_z = 1.0f - z, near_y = 1.0f - y, near_x = 1.0f - x;
-    const float low[4] = {near_x * near_y, x * near_y, near_x * y, x * y};
+    /* 1 - x, and x, by which side of the place a cell is on. */
+    static const float side[8] = {1, 0, 1, 0, 1, 0, 1, 0}, way[8] = {-1, 1, -1, 1, -1, 1, -1, 1};
+    static const float side_y[8] = {1, 1, 0, 0, 1, 1, 0, 0}, way_y[8] = {-1, -1, 1, 1, -1, -1, 1, 1};
+    static const float side_z[8] = {1, 1, 1, 1, 0, 0, 0, 0}, way_z[8] = {-1, -1, -1, -1, 1, 1, 1, 1};
     const size_t floats = (size_t)lattice->floats;
     TY_GLOBAL const float* first = lattice->light + (size_t)base * floats;
     TY_GLOBAL const float* behind = first + (size_t)dz * floats;
@@ -82,10 +86,9 @@ TY_FN void ty_look_around(const ty_look_lattice* lattice, int32_t base, float x,
     cells->light[5] = behind + along;
     cells->light[6] = behind + down;
     cells->light[7] = behind + down + along;
-    for (int i = 0; i < 4; ++i) {
-        cells->weight[i] = low[i] * near_z;
-        cells->weight[4 + i] = low[i] * z;
-    }
+#pragma omp simd
+    for (int i = 0; i < 8; ++i)
+        cells->weight[i] = (side[i] + way[i] * x) * (side_y[i] + way_y[i] * y) * (side_z[i] + way_z[i] * z);
     if (lattice->closed == NULL) return;
     const int32_t own[3] = {x >= 0.5f ? 1 : 0, y >= 0.5f ? 1 : 0, z >= 0.5f ? 1 : 0};
     const size_t self = (size_t)(base + own[0] * dx + own[1] * dy + own[2] * dz);
@@ -106,6 +109,7 @@ TY_FN void ty_look_mean(const ty_look_cells* cells, int32_t first, float mean[TY
     TY_GLOBAL const float* c[8];
     const float* w = cells->weight;
     for (int i = 0; i < 8; ++i) c[i] = cells->light[i] + first;
+#pragma omp simd
     for (int j = 0; j < TY_LOOK_FLOATS; ++j)
         mean[j] = ((w[0] * c[0][j] + w[1] * c[1][j]) + (w[2] * c[2][j] + w[3] * c[3][j])) +
                   ((w[4] * c[4][j] + w[5] * c[5][j]) + (w[6] * c[6][j] + w[7] * c[7][j]));
@@ -147,7 +151,7 @@ TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, 
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
     const int32_t finest = ty_look_choose(look, point, &coarser);
     if (finest < 0) return;
-    ty_sh_at(ty_scale(normal, -1.0f), TY_SH_BANDS, y);
+    ty_sh_at(ty_scale(normal, -1.0f), look->lattices[0].floats > TY_LOOK_FLOATS ? TY_SH_BANDS : 2, y);
     for (int32_t i = finest; i < finest + (coarser > 0.0f ? 2 : 1); ++i) {
         const ty_look_lattice* lattice = &look->lattices[i];
         const float share = i == finest ? 1.0f - coarser : coarser;

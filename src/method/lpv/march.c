@@ -41,8 +41,8 @@ static bool is_even(const ty_lattice* lattice) {
     return true;
 }
 
-static void store_step(const ty_lpv_medium_step* step, float* factors, size_t apart) {
-    for (int32_t l = 0; l < TY_LPV_BANDS_MAX; ++l) {
+static void store_step(const ty_lpv_medium_step* step, int32_t bands, float* factors, size_t apart) {
+    for (int32_t l = 0; l < bands; ++l) {
         factors[(size_t)(TY_FACTOR_PASS + l) * apart] = step->pass[l];
         factors[(size_t)(TY_FACTOR_SEEN + l) * apart] = step->seen[l];
     }
@@ -50,32 +50,47 @@ static void store_step(const ty_lpv_medium_step* step, float* factors, size_t ap
     factors[TY_FACTOR_SHOWN * apart] = step->shown[1];
 }
 
-static void find_factors(void* user, int64_t z, int32_t worker) {
-    (void)worker;
-    const ty_lpv_march* march = user;
+/* The step of the cell before, which is mostly that of the next one but for lamps. */
+typedef struct last_step {
+    bool exists;
+    ty_lpv_cell_medium medium;
+    ty_lpv_links_step links;
+    ty_lpv_medium_step step;
+} last_step;
+
+static void step_in(const ty_lpv_march* march, int32_t channel, size_t cell, last_step* last) {
+    const ty_lpv_cell_medium medium = ty_lattice_medium_in(march->lattice, channel, cell);
+    const bool links = march->mode == TY_LPV_MODE_LINKS;
+    const bool alike = last->exists && medium.extinction == last->medium.extinction &&
+                       medium.scattering == last->medium.scattering && medium.g == last->medium.g;
+    if (alike && (!links || medium.spread == last->medium.spread)) return;
+    if (links && !alike) last->links = ty_lpv_links_step_in(&march->transfer, march->lattice->cell, &medium);
+    last->step = links ? ty_lpv_links_step_about(&march->transfer, march->lattice->cell, &last->links, medium.spread)
+                       : ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell, &medium);
+    last->medium = medium;
+    last->exists = true;
+}
+
+/* Of a plane of cells; of one row where media are the same everywhere. Rows are filled up to whole blocks. */
+static void find_factors(const ty_lpv_march* march, int32_t z) {
     const int32_t *size = march->lattice->box.size, width = march->blocks * TY_LPV_BLOCK;
-    for (int32_t c = 0; c < march->planes; ++c)
+    if (march->even && z > 0) return;
+    for (int32_t c = 0; c < march->planes; ++c) {
+        last_step last = {.exists = false};
         for (int32_t y = 0; y < (march->even ? 1 : size[1]); ++y) {
-            const size_t row = (size_t)(march->even ? 0 : z * size[1] + y);
+            const size_t row = (size_t)(z * size[1] + y);
             float* to = march->factors[c] + row * (size_t)width;
-            ty_lpv_medium_step step = {.length = 0};
             for (int32_t x = 0; x < width; ++x) {
-                const size_t i = row * (size_t)size[0] + (size_t)x;
-                const bool first = x == 0;
-                if (first || (x < size[0] && !march->even)) {
-                    const ty_lpv_cell_medium medium = ty_lattice_medium_in(march->lattice, c, i);
-                    step = ty_lpv_step_in(&march->transfer, march->mode, march->lattice->cell, &medium);
-                }
-                store_step(&step, to + x, march->factor_floats);
+                if (x < size[0]) step_in(march, c, row * (size_t)size[0] + (size_t)x, &last);
+                store_step(&last.step, march->lattice->bands, to + x, march->factor_floats);
             }
         }
+    }
 }
 
 /* ---- surfaces ---- */
 
-static void find_near(void* user, int64_t z, int32_t worker) {
-    (void)worker;
-    const ty_lpv_march* march = user;
+static void find_near(const ty_lpv_march* march, int32_t z) {
     const int32_t* size = march->lattice->box.size;
     for (int32_t y = 0; y < size[1]; ++y) {
         const size_t row = (size_t)z * (size_t)size[1] + (size_t)y;
@@ -104,11 +119,11 @@ static ty_result take_memory(ty_lpv_march* march) {
                                           (double)(march->planes * TY_FACTORS) * (double)march->factor_floats);
     ty_result result = ty_check_memory(context, bytes, "light on its way");
     if (result != TY_OK) return result;
-    float** const arrays[3] = {&march->from, &march->to, &march->sum};
-    for (int i = 0; i < 3; ++i) {
-        *arrays[i] = ty_alloc_array(context, march->floats, sizeof(float), false);
-        if (*arrays[i] == NULL) return TY_ERROR_MEMORY;
-    }
+    march->flows = ty_alloc_array(context, 3 * march->floats, sizeof(float), false);
+    if (march->flows == NULL) return TY_ERROR_MEMORY;
+    march->from = march->flows;
+    march->to = march->flows + march->floats;
+    march->sum = march->flows + 2 * march->floats;
     for (int32_t c = 0; c < march->planes; ++c) {
         march->factors[c] = ty_alloc_array(context, TY_FACTORS * march->factor_floats, sizeof(float), false);
         if (march->factors[c] == NULL) return TY_ERROR_MEMORY;
@@ -120,23 +135,45 @@ static ty_result take_memory(ty_lpv_march* march) {
     return march->near == NULL ? TY_ERROR_MEMORY : TY_OK;
 }
 
-/* A plane of cells with what is around it; together with the first and the last, all there is. */
-static void clear_plane(void* user, int64_t index, int32_t worker) {
+/* ---- darkness ---- */
+
+static void clear_floats(const ty_lpv_march* march, size_t first, size_t count) {
+    memset(march->from + first, 0, count * sizeof(float));
+    memset(march->to + first, 0, count * sizeof(float));
+}
+
+/* What is around a plane's cells; together with the planes before the first and behind the last, all there is around
+ * the lattice. Cells themselves get what is injected, and what steps bring. */
+static void clear_around(const ty_lpv_march* march, int32_t z) {
+    const int32_t* size = march->lattice->box.size;
+    const size_t row = (size_t)march->pitch.row, term = (size_t)march->pitch.term, width = (size_t)size[0];
+    const size_t terms = (size_t)(3 * march->lattice->terms), plane = (size_t)march->pitch.plane;
+    if (z == -1) clear_floats(march, 0, plane + TY_LPV_BLOCK);
+    if (z == size[2]) clear_floats(march, march->floats - plane - TY_LPV_BLOCK, plane + TY_LPV_BLOCK);
+    if (z == -1 || z == size[2]) return;
+    clear_floats(march, ty_lpv_march_place(march, -1, z), row);
+    clear_floats(march, ty_lpv_march_place(march, size[1], z), row);
+    for (int32_t y = 0; y < size[1]; ++y)
+        for (size_t i = 0; i < terms; ++i) {
+            const size_t end = ty_lpv_march_place(march, y, z) + i * term + width;
+            clear_floats(march, end, term - width);
+            memset(march->sum + end, 0, (term - width) * sizeof(float));
+        }
+}
+
+static void prepare_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const ty_lpv_march* march = user;
-    const int32_t last = march->lattice->box.size[2] + 1;
-    const size_t plane = (size_t)march->pitch.plane, first = index == 0 ? 0 : (size_t)index * plane + TY_LPV_BLOCK;
-    const size_t end = index == last ? march->floats : ((size_t)index + 1) * plane + TY_LPV_BLOCK;
-    memset(march->from + first, 0, (end - first) * sizeof(float));
-    memset(march->to + first, 0, (end - first) * sizeof(float));
-    memset(march->sum + first, 0, (end - first) * sizeof(float));
+    const int32_t z = (int32_t)index - 1;
+    clear_around(march, z);
+    if (z < 0 || z >= march->lattice->box.size[2]) return;
+    find_factors(march, z);
+    if (march->near != NULL) find_near(march, z);
 }
 
 void ty_lpv_march_destroy(ty_lpv_march* march) {
     ty_context* context = march->lattice->context;
-    ty_free_array(context, march->from, march->floats, sizeof(float));
-    ty_free_array(context, march->to, march->floats, sizeof(float));
-    ty_free_array(context, march->sum, march->floats, sizeof(float));
+    ty_free_array(context, march->flows, 3 * march->floats, sizeof(float));
     for (int32_t c = 0; c < march->planes; ++c)
         ty_free_array(context, march->factors[c], TY_FACTORS * march->factor_floats, sizeof(float));
     ty_free_array(context, march->slabs, (size_t)march->lattice->box.size[2], sizeof *march->slabs);
@@ -164,9 +201,7 @@ ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv
         ty_lpv_march_destroy(march);
         return result;
     }
-    ty_parallel_flushed(lattice->context, size[2] + 2, clear_plane, march);
-    ty_parallel_flushed(lattice->context, march->even ? 1 : size[2], find_factors, march);
-    if (march->near != NULL) ty_parallel_flushed(lattice->context, size[2], find_near, march);
+    ty_parallel_flushed(lattice->context, size[2] + 2, prepare_plane, march);
     return TY_OK;
 }
 
@@ -315,7 +350,7 @@ static void inject_slab(void* user, int64_t index, int32_t worker) {
                       counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float passed = pass[x] * flow[x];
-                march->from[place + (size_t)x] += passed;
+                march->from[place + (size_t)x] = march->entered ? march->from[place + (size_t)x] + passed : passed;
                 march->sum[place + (size_t)x] = pass[x] * counted[x] - passed;
                 if (t > 0) continue;
                 sums->arrived[c] += (double)flow[x];

@@ -19,10 +19,12 @@ typedef struct ty_lpv_march {
     ty_lpv_shapes shapes;
     const ty_lpv_kernels* kernels;
     ty_lpv_pitch pitch;
-    size_t floats;        /* of each of the following, which begin before the first cell */
+    float* flows;         /* the memory of the following three */
+    size_t floats;        /* of each of them, which begin before the first cell */
     float *from, *to;     /* what flows, with extinction applied, and the next */
     float* sum;           /* of all that flowed, injected light as far as it counts; every other step adds two */
     bool adds;            /* whether this step does */
+    bool entered;         /* whether light of an outer lattice came in before the lattice's own */
     int32_t blocks;       /* of TY_LPV_BLOCK cells in a row */
     int32_t planes;       /* 1: media are alike in all channels */
     bool even;            /* media are the same everywhere: factors are of one row */
@@ -37,7 +39,7 @@ typedef struct ty_lpv_march {
 ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv_march* march);
 void ty_lpv_march_destroy(ty_lpv_march* march);
 
-/* Where a row's first cell and term are in from, to and sum; y and z from -1 to size. */
+/* Where a row's first cell and term are in from, to and sum; y and z from -1 to size (sum: within). */
 static inline size_t ty_lpv_march_place(const ty_lpv_march* march, int32_t y, int32_t z) {
     const ptrdiff_t place = (z + 1) * march->pitch.plane + (y + 1) * march->pitch.row;
     return (size_t)(place + TY_LPV_BLOCK);

@@ -106,19 +106,74 @@ static void add_light(ty_lpv_frame* frame, int32_t index, ty_lpv_tile* tile) {
 
 /* ---- the lattice's light ---- */
 
-static void add_lattice(ty_lpv_frame* frame, ty_lpv_tile* tile) {
+/* Where light is looked up, and what arrives there. */
+typedef struct look_list {
+    int32_t count;
     ty_look_place places[TY_TILE_PIXELS];
-    int32_t which[TY_TILE_PIXELS], count = 0;
-    for (int32_t i = 0; i < tile->count; ++i) {
-        const ty_lpv_pixel* pixel = &tile->pixels[i];
-        if (isinf(pixel->distance)) continue;
-        places[count] = (ty_look_place){.point = pixel->position, .normal = pixel->normal};
-        which[count++] = i;
+} look_list;
+
+/* Blocks are flat if their pixels are no farther apart than this, in cells, and their normals' cosines at least so. */
+static const float flat_within = 0.25f, flat_cosine = 0.998f;
+
+/* Whether a tile's pixels from `first` on are a whole block on one flat surface: then its corners say it all. */
+static bool is_flat(const ty_lpv_frame* frame, const ty_lpv_tile* tile, int32_t first) {
+    const ty_lpv_pixel* block = &tile->pixels[first];
+    const float most = flat_within * frame->look.lattices[0].cell;
+    if (first + TY_BLOCK_PIXELS > tile->count || block[TY_BLOCK_PIXELS - 1].x != block[0].x + TY_BLOCK - 1 ||
+        block[TY_BLOCK_PIXELS - 1].y != block[0].y + TY_BLOCK - 1)
+        return false;
+    bool flat = true;
+    for (int32_t i = 0; i < TY_BLOCK_PIXELS && flat; ++i) {
+        if (isinf(block[i].distance)) return false;
+        const ty_vec off = ty_sub(block[i].position, block[0].position);
+        flat = ty_dot(off, off) < most * most && ty_dot(block[i].normal, block[0].normal) > flat_cosine;
     }
-    frame->kernels->irradiance(&frame->look, places, count);
-    for (int32_t i = 0; i < count; ++i) {
-        ty_lpv_pixel* pixel = &tile->pixels[which[i]];
-        for (int c = 0; c < 3; ++c) pixel->radiance[c] += pixel->albedo[c] * (1.0f / TY_PI) * places[i].irradiance[c];
+    return flat;
+}
+
+static void list_place(const ty_lpv_pixel* pixel, look_list* list) {
+    list->places[list->count++] = (ty_look_place){.point = pixel->position, .normal = pixel->normal};
+}
+
+static void add_irradiance(const float irradiance[3], ty_lpv_pixel* pixel) {
+    for (int c = 0; c < 3; ++c) pixel->radiance[c] += pixel->albedo[c] * (1.0f / TY_PI) * irradiance[c];
+}
+
+/* Between the corners of a block. */
+static void add_between(const ty_look_place corners[4], ty_lpv_pixel* block) {
+    for (int32_t i = 0; i < TY_BLOCK_PIXELS; ++i) {
+        const float across = (float)(i % TY_BLOCK) * (1.0f / (TY_BLOCK - 1));
+        const float down = (float)(i / TY_BLOCK) * (1.0f / (TY_BLOCK - 1));
+        float irradiance[3];
+        for (int c = 0; c < 3; ++c)
+            irradiance[c] = ty_lerpf(ty_lerpf(corners[0].irradiance[c], corners[1].irradiance[c], across),
+                                     ty_lerpf(corners[2].irradiance[c], corners[3].irradiance[c], across), down);
+        add_irradiance(irradiance, &block[i]);
+    }
+}
+
+static void add_lattice(ty_lpv_frame* frame, ty_lpv_tile* tile) {
+    static const int32_t corner[4] = {0, TY_BLOCK - 1, TY_BLOCK_PIXELS - TY_BLOCK, TY_BLOCK_PIXELS - 1};
+    bool flat[TY_TILE_PIXELS / TY_BLOCK_PIXELS];
+    look_list list;
+    list.count = 0;
+    for (int32_t first = 0; first < tile->count; first += TY_BLOCK_PIXELS) {
+        ty_lpv_pixel* block = &tile->pixels[first];
+        flat[first / TY_BLOCK_PIXELS] = is_flat(frame, tile, first);
+        for (int32_t i = 0; i < 4 && flat[first / TY_BLOCK_PIXELS]; ++i) list_place(&block[corner[i]], &list);
+        for (int32_t i = first; i < first + TY_BLOCK_PIXELS && i < tile->count; ++i)
+            if (!flat[first / TY_BLOCK_PIXELS] && !isinf(tile->pixels[i].distance)) list_place(&tile->pixels[i], &list);
+    }
+    frame->kernels->irradiance(&frame->look, list.places, list.count);
+    const ty_look_place* next = list.places;
+    for (int32_t first = 0; first < tile->count; first += TY_BLOCK_PIXELS) {
+        if (flat[first / TY_BLOCK_PIXELS]) {
+            add_between(next, &tile->pixels[first]);
+            next += 4;
+            continue;
+        }
+        for (int32_t i = first; i < first + TY_BLOCK_PIXELS && i < tile->count; ++i)
+            if (!isinf(tile->pixels[i].distance)) add_irradiance((next++)->irradiance, &tile->pixels[i]);
     }
 }
 

@@ -119,15 +119,15 @@ static double kept_for(const ty_lpv_transfer* transfer, double drift) {
 }
 
 /* Momentum such that the lattice diffuses as the medium does: D = 1 / (3 sigma_tr). */
-static ty_lpv_medium_step step_of_links(const ty_lpv_transfer* transfer, double cell, double extinction,
-                                        double scattering, double g, double spread) {
-    const double depth = extinction * cell * transfer->length, flown = exp(-depth);
+ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float cell, const ty_lpv_cell_medium* medium) {
+    const double extinction = (double)medium->extinction, scattering = (double)medium->scattering;
+    const double g = (double)medium->g, side = (double)cell;
+    const double depth = extinction * side * transfer->length, flown = exp(-depth);
     const double absorption = fmax(extinction - scattering, 0), turned = extinction - g * scattering;
-    const double beta2 = transfer->slope * transfer->slope;
     const double scattered = extinction > 0 ? (1 - flown) * scattering / extinction : 0;
-    double length = depth > 1e-6 ? (1 - flown) / extinction : cell * transfer->length;
+    double length = depth > 1e-6 ? (1 - flown) / extinction : side * transfer->length;
     double pass = 1 - absorption * length, kept = momentum_kept * pass;
-    const double resistance = 3 * turned * cell * cell; /* a step's length over it is D in cells^2 a step */
+    const double resistance = 3 * turned * side * side; /* a step's length over it is D in cells^2 a step */
     const double drift = resistance > 0 ? length / (resistance * pass) - reach(transfer) : INFINITY;
     if (drift <= 0) { /* deeper than a free path: it stays until it has spread as far as a step goes */
         kept = 0;
@@ -136,48 +136,59 @@ static ty_lpv_medium_step step_of_links(const ty_lpv_transfer* transfer, double 
     } else if (drift < INFINITY) {
         kept = fmin(kept_for(transfer, drift), kept);
     }
+    const double seen = 1 - 0.5 * flown, flight = turned * length > 1 ? 1 / (turned * length) : 1;
+    return (ty_lpv_links_step){.pass = pass,
+                               .kept = kept,
+                               .length = length,
+                               .third = flown + scattered * g * g,
+                               .seen = seen,
+                               .seen_way = fmin(seen, flight)};
+}
+
+/* Sums are of light that goes on, divided by how much of what arrives that is: never 0. */
+static float at_least_something(double pass) {
+    static const double least = 1e-6;
+    return (float)(fabs(pass) < least ? least : pass);
+}
+
+ty_lpv_medium_step ty_lpv_links_step_about(const ty_lpv_transfer* transfer, float cell, const ty_lpv_links_step* step,
+                                           float spread) {
+    double kept = step->kept;
     if (spread > 0) {
-        const double about = length / (3 * spread * cell * cell) - reach(transfer);
+        const double about = step->length / (3 * (double)spread * (double)cell * (double)cell) - reach(transfer);
         kept = fmin(kept, about > 0 ? kept_for(transfer, about) : 0);
     }
     /* Flux out of the lattice's gradients, against -D grad of the fluence; light that was injected has what it flies.
      */
-    const double straight = 1 - transfer->momentum * kept, seen = 1 - 0.5 * flown;
-    const double shown = sqrt(3.0) * (beta2 * kept + reach(transfer) * straight) * cell / (transfer->slope * length);
-    const double flight = turned * length > 1 ? 1 / (turned * length) : 1;
-    return (ty_lpv_medium_step){
-        .pass = {(float)pass, (float)kept, (float)fmin(flown + scattered * g * g, kept / momentum_kept)},
-        .length = (float)length,
-        .shown = {1, (float)shown, 1},
-        .seen = {(float)seen, (float)(fmin(seen, flight) / shown), (float)fmin(seen, flight)}};
+    const double beta2 = transfer->slope * transfer->slope, straight = 1 - transfer->momentum * kept;
+    const double shown =
+        sqrt(3.0) * (beta2 * kept + reach(transfer) * straight) * (double)cell / (transfer->slope * step->length);
+    return (ty_lpv_medium_step){.pass = {at_least_something(step->pass), at_least_something(kept),
+                                         at_least_something(fmin(step->third, kept / momentum_kept))},
+                                .length = (float)step->length,
+                                .shown = {1, (float)shown, 1},
+                                .seen = {(float)step->seen, (float)(step->seen_way / shown), (float)step->seen_way}};
 }
 
 static ty_lpv_medium_step step_as_published(const ty_lpv_transfer* transfer, double cell, double extinction,
                                             double scattering, double g) {
     const double depth = extinction * cell * transfer->length, flown = exp(-depth);
     const double scattered = extinction > 0 ? (1 - flown) * scattering / extinction : 0;
-    return (ty_lpv_medium_step){
-        .pass = {(float)(flown + scattered), (float)(flown + scattered * g), (float)(flown + scattered * g * g)},
-        .length = (float)(depth > 1e-6 ? (1 - flown) / extinction : cell * transfer->length),
-        .shown = {1, 1, 1},
-        .seen = {1, 1, 1}};
-}
-
-/* Sums are of light that goes on, divided by how much of what arrives that is: never 0. */
-static float at_least_something(float pass) {
-    static const float least = 1e-6f;
-    return fabsf(pass) < least ? least : pass;
+    return (ty_lpv_medium_step){.pass = {at_least_something(flown + scattered),
+                                         at_least_something(flown + scattered * g),
+                                         at_least_something(flown + scattered * g * g)},
+                                .length = (float)(depth > 1e-6 ? (1 - flown) / extinction : cell * transfer->length),
+                                .shown = {1, 1, 1},
+                                .seen = {1, 1, 1}};
 }
 
 ty_lpv_medium_step ty_lpv_step_in(const ty_lpv_transfer* transfer, ty_lpv_mode mode, float cell,
                                   const ty_lpv_cell_medium* medium) {
-    const double extinction = (double)medium->extinction, scattering = (double)medium->scattering;
-    const double g = (double)medium->g, spread = (double)medium->spread;
-    ty_lpv_medium_step step = mode == TY_LPV_MODE_LINKS
-                                  ? step_of_links(transfer, (double)cell, extinction, scattering, g, spread)
-                                  : step_as_published(transfer, (double)cell, extinction, scattering, g);
-    for (int32_t l = 0; l < TY_LPV_BANDS_MAX; ++l) step.pass[l] = at_least_something(step.pass[l]);
-    return step;
+    if (mode != TY_LPV_MODE_LINKS)
+        return step_as_published(transfer, (double)cell, (double)medium->extinction, (double)medium->scattering,
+                                 (double)medium->g);
+    const ty_lpv_links_step step = ty_lpv_links_step_in(transfer, cell, medium);
+    return ty_lpv_links_step_about(transfer, cell, &step, medium->spread);
 }
 
 ty_lpv_cell_medium ty_lattice_medium_in(const ty_lattice* lattice, int32_t channel, size_t cell) {

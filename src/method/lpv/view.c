@@ -3,12 +3,11 @@
 
 static void list_pixels(const ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom,
                         ty_lpv_tile* tile) {
-    enum { BLOCK = 4 };
     tile->count = 0;
     for (int32_t i = 0; i < TY_TILE_PIXELS; ++i) {
-        const int32_t block = i / (BLOCK * BLOCK), within = i % (BLOCK * BLOCK);
-        const int32_t px = x + block % (TY_TILE / BLOCK) * BLOCK + within % BLOCK;
-        const int32_t py = y + block / (TY_TILE / BLOCK) * BLOCK + within / BLOCK;
+        const int32_t block = i / TY_BLOCK_PIXELS, within = i % TY_BLOCK_PIXELS;
+        const int32_t px = x + block % (TY_TILE / TY_BLOCK) * TY_BLOCK + within % TY_BLOCK;
+        const int32_t py = y + block / (TY_TILE / TY_BLOCK) * TY_BLOCK + within / TY_BLOCK;
         if (px >= right || py >= bottom) continue;
         ty_lpv_pixel* pixel = &tile->pixels[tile->count++];
         pixel->x = px;
