@@ -1,0 +1,17 @@
+/* The cache's kernel; built once per instruction set, with TY_ISA naming it. */
+#include "bake/cache_fill.k.h"
+
+#include "base/float_mode.h"
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+
+TY_CACHE_KERNEL(TY_JOIN(ty_cache_kernel_, TY_ISA)) {
+    const unsigned thread_state = ty_flush_denormals();
+    const size_t each = (size_t)(2 * TY_CACHE_TERM * request->view.terms);
+    uint64_t rays = 0;
+    for (int64_t i = begin; i < end; ++i)
+        rays += ty_cache_fill(request, request->cells[i], light + each * (size_t)request->cells[i]);
+    ty_restore_denormals(thread_state);
+    return rays;
+}
