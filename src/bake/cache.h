@@ -9,16 +9,14 @@
 
 enum { TY_CACHE_CELLS_MAX = 512 };
 
-/* Per term and channel (r, g, b and a gap). A cell's first terms are of light straight from lights, then as many of all
- * light. Term 0: its mean radiance over all directions; 1..3: the mean of radiance times the unit vector to where it
- * comes from. */
-enum { TY_CACHE_TERM = 4, TY_CACHE_TERMS_MAX = 4 };
+/* Light that arrives in a cell: straight from lights, and the rest. Mean radiance over all directions, red, green and
+ * blue; then, with room for 8 floats, how far all of it comes from one direction, 0..1, and which, a unit vector. */
+enum { TY_CACHE_ONCE = 0, TY_CACHE_REST = 1, TY_CACHE_KINDS = 2 };
 
 typedef struct ty_cache_view {
     float lower[3], per_metre;
     int32_t size[3];
-    int32_t terms;    /* 1: media scatter evenly; 4 */
-    size_t stride[3]; /* from a cell to the next, in floats; 0 where there is one alone */
+    int32_t floats; /* per kind of light: 4 where media scatter evenly, or 8 */
     const float* light;
 } ty_cache_view;
 
@@ -37,9 +35,9 @@ typedef struct ty_cache_request {
     uint32_t paths;       /* per cell */
 } ty_cache_request;
 
-/* Fills cells[begin..end) of light; returns rays. */
+/* Fills cells[begin..end) of light, and says for which it is known, by cell; returns rays. */
 #define TY_CACHE_KERNEL(name)                                                                                          \
-    uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, float* light)
+    uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, float* light, uint8_t* known)
 typedef TY_CACHE_KERNEL((*ty_cache_kernel));
 TY_CACHE_KERNEL(ty_cache_kernel_v1);
 TY_CACHE_KERNEL(ty_cache_kernel_v3);

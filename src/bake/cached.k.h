@@ -8,15 +8,15 @@
 /* What the media along one ray of a path send back to where it began. */
 typedef struct ty_cached_fog {
     float glow[3];
-    float once[3], more[3]; /* scattered: light straight from lights, and other */
+    float once[3], rest[3]; /* scattered: light straight from lights, and other */
 } ty_cached_fog;
 
 /* What a point of the media sends, in the place of all of them. */
-TY_FN void ty_cached_fog_at(const ty_gather* g, const ty_fog_point* point, ty_cached_fog* fog) {
+TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, ty_cached_fog* fog) {
     const ty_bake_request* request = g->request;
     const ty_scene_view* scene = request->path.scene;
     const ty_path* path = &g->path;
-    float weight[3], left[3], albedo[3], turn[3], once[3], all[3];
+    float weight[3], left[3], albedo[3], turn[3], once[3], rest[3];
     const float t = ty_fog_point_place(point, weight, left);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     if (scene->medium_count > 1) {
@@ -31,22 +31,28 @@ TY_FN void ty_cached_fog_at(const ty_gather* g, const ty_fog_point* point, ty_ca
         for (int c = 0; c < 3; ++c) fog->glow[c] *= weight[c] * (1.0f - albedo[c]);
     }
     if (request->cache.light == NULL) return;
-    ty_cache_light light;
+    const float* light = ty_cache_look(&request->cache, at, &g->path.random);
+    if (request->cache.floats < 8) {
+        for (int c = 0; c < 3; ++c) {
+            fog->once[c] = weight[c] * albedo[c] * light[c];
+            fog->rest[c] = weight[c] * albedo[c] * light[4 + c];
+        }
+        return;
+    }
     ty_medium_g(point->medium, at, turn);
-    ty_cache_look(&request->cache, at, &light);
-    ty_cache_scatter(&request->cache, &light, 0, path->direction, turn, once);
-    ty_cache_scatter(&request->cache, &light, 1, path->direction, turn, all);
+    ty_cache_scatter(light, path->direction, turn, point->medium->gray_g, once);
+    ty_cache_scatter(light + 8, path->direction, turn, point->medium->gray_g, rest);
     for (int c = 0; c < 3; ++c) {
         fog->once[c] = weight[c] * albedo[c] * once[c];
-        fog->more[c] = weight[c] * albedo[c] * (all[c] - once[c]);
+        fog->rest[c] = weight[c] * albedo[c] * rest[c];
     }
 }
 
-/* The path's ray to its end (false where it meets no surface), and the media on it. */
-TY_FN bool ty_cached_trace(ty_gather* g, ty_encounter* end, ty_segment* segment, ty_cached_fog* fog) {
+/* The path's ray to its end (false where it meets no surface), and the media on it, at a random place. */
+TY_FN bool ty_cached_trace(ty_gather* g, float u, ty_encounter* end, ty_segment* segment, ty_cached_fog* fog) {
     const ty_scene_view* scene = g->request->path.scene;
     ty_path* path = &g->path;
-    ty_fog_point point = ty_fog_point_begin(ty_random_next(&path->random));
+    ty_fog_point point = ty_fog_point_begin(u);
     ++g->rays;
     const bool hit =
         scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
@@ -99,16 +105,21 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, ty_leaving*
         path->survival *= ty_max3(end.point.albedo);
         ty_path_turn(path);
         if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
-        const bool hit = ty_cached_trace(g, &end, &segment, &fog);
+        const bool hit = ty_cached_trace(g, ty_random_white(&path->random), &end, &segment, &fog);
         ty_cached_meet(g, hit ? &end : NULL, met);
         for (int c = 0; c < 3; ++c) {
             const float sent = fog.glow[c] + segment.transmittance[c] * met[c];
             out->clear[c] += path->beta[c] * sent;
-            out->all[c] += path->beta[c] * (sent + fog.once[c] + fog.more[c]);
+            out->all[c] += path->beta[c] * (sent + fog.once[c] + fog.rest[c]);
             path->beta[c] *= segment.transmittance[c];
         }
         if (!hit || !ty_path_survives(path, before)) return;
     }
+}
+
+/* Evenly spread over [0, 1) for successive samples: multiples of the golden ratio. */
+TY_FN float ty_cached_stratum(uint64_t item, uint32_t number) {
+    return ty_unit_float((uint32_t)ty_mix64(item + 0x51ed270b7f0a92c5u) + number * 0x9e3779b9u);
 }
 
 /* One sample of a receiver; true where its ray met the back of a surface. */
@@ -136,17 +147,17 @@ TY_FN bool ty_cached_sample(ty_gather* g, uint64_t item, uint32_t number) {
     if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
     const float weight = 1.0f / path->pdf;
     ty_gather_basis(g, path->direction, basis);
-    const bool hit = ty_cached_trace(g, &end, &segment, &fog);
+    const bool hit = ty_cached_trace(g, ty_cached_stratum(item, number), &end, &segment, &fog);
     ty_cached_meet(g, hit ? &end : NULL, part);
     for (int c = 0; c < 3; ++c) {
         part[c] = weight * (segment.transmittance[c] * part[c] + fog.glow[c]);
         fog.once[c] *= weight;
-        fog.more[c] *= weight;
+        fog.rest[c] *= weight;
     }
     ty_gather_keep_all(g, TY_BAKE_DIRECT, part, basis);
     ty_gather_keep_all(g, TY_BAKE_SINGLE, fog.once, basis);
     if (!hit) {
-        ty_gather_keep_all(g, TY_BAKE_MULTIPLE, fog.more, basis);
+        ty_gather_keep_all(g, TY_BAKE_MULTIPLE, fog.rest, basis);
         return false;
     }
     const bool blocked = ty_dot(end.hit.normal, path->direction) > 0.0f;
@@ -154,10 +165,10 @@ TY_FN bool ty_cached_sample(ty_gather* g, uint64_t item, uint32_t number) {
     for (int c = 0; c < 3; ++c) {
         const float passing = weight * segment.transmittance[c];
         part[c] = passing * leaving.clear[c];
-        fog.more[c] += passing * (leaving.all[c] - leaving.clear[c]);
+        fog.rest[c] += passing * (leaving.all[c] - leaving.clear[c]);
     }
     ty_gather_keep_all(g, TY_BAKE_INDIRECT, part, basis);
-    ty_gather_keep_all(g, TY_BAKE_MULTIPLE, fog.more, basis);
+    ty_gather_keep_all(g, TY_BAKE_MULTIPLE, fog.rest, basis);
     return blocked;
 }
 
