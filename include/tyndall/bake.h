@@ -13,10 +13,11 @@ extern "C" {
 #endif
 
 typedef enum ty_bake_method {
-    TY_BAKE_IMPULSE = 0,     /* surfaces by paths, media by impulse responses */
-    TY_BAKE_ATTENUATION = 1, /* media take light away, and scatter none */
-    TY_BAKE_SURFACES = 2,    /* as if there were no media */
-    TY_BAKE_PATH = 3         /* the truth: paths through media, too */
+    TY_BAKE_CACHE = 0,       /* surfaces by paths, media by light that was gathered in cells of them before */
+    TY_BAKE_IMPULSE = 1,     /* surfaces by paths, media by impulse responses */
+    TY_BAKE_ATTENUATION = 2, /* media take light away, and scatter none */
+    TY_BAKE_SURFACES = 3,    /* as if there were no media */
+    TY_BAKE_PATH = 4         /* the truth: paths through media, too */
 } ty_bake_method;
 
 /* What light has done before it arrives; they add up to all of it. */
@@ -59,6 +60,10 @@ typedef struct ty_bake_probe {
     float blocked; /* the fraction of rays that met the back of a surface: near 1 within walls */
 } ty_bake_probe;
 
+/* Light that arrives in the cells of a lattice over a scene's media: its mean over each cell, in all and apart for what
+ * comes straight from lights, with its mean direction. */
+typedef struct ty_bake_cache ty_bake_cache;
+
 typedef struct ty_bake_def {
     uint32_t cookie; /* set by ty_default_bake_def; checked */
     ty_bake_method method;
@@ -71,7 +76,10 @@ typedef struct ty_bake_def {
                                  10. TY_BAKE_PATH keeps to it, too */
     bool back_scattering;     /* whether light counts that surfaces behind a receiver send into the medium (Sec. 5.2);
                                  default true */
-    const ty_impulse* tables; /* method TY_BAKE_IMPULSE; NULL: made with defaults */
+    const ty_impulse* tables;   /* method TY_BAKE_IMPULSE; NULL: made with defaults */
+    const ty_bake_cache* cache; /* method TY_BAKE_CACHE, of the same scene; NULL: made of this def */
+    int32_t cells;              /* of a cache along the longest side of its box, 1..512; 0 (default): 32 */
+    int32_t cell_paths;         /* of a cache, per cell, 1..2^20; 0 (default): 64 */
     uint64_t seed;
     ty_progress_fn progress; /* default NULL */
     void* progress_user;
@@ -81,10 +89,26 @@ TY_API ty_bake_def ty_default_bake_def(void);
 
 typedef struct ty_bake_stats {
     double seconds, table_seconds;
+    double cache_seconds; /* of the cache's making, if it was made for this bake */
     int64_t paths, rays; /* segments and shadow rays */
     double ray_seconds;  /* estimate: rays at the speed of bare tracing; 0: not measured */
     double mean_samples;
 } ty_bake_stats;
+
+typedef struct ty_bake_cache_info {
+    int32_t size[3]; /* cells */
+    double cell;     /* their side, m */
+    int64_t filled;  /* those that light is known in: where media scatter, and around */
+    int64_t paths, rays;
+    double bytes, seconds;
+} ty_bake_cache_info;
+
+/* Gathers the light in a committed scene's media, for any number of bakes of it with the same bounces and scatterings:
+ * def's cells, cell_paths, bounces, scatterings, seed and progress count. Without media that scatter it has no cells.
+ * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, TY_CANCELLED. */
+TY_API ty_result ty_bake_cache_create(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache** out);
+TY_API void ty_bake_cache_destroy(ty_bake_cache* cache);
+TY_API ty_bake_cache_info ty_bake_cache_get_info(const ty_bake_cache* cache);
 
 /* Light at receivers of a committed scene. On TY_CANCELLED what is there is valid with fewer samples (0: none yet).
  * stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */

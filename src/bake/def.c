@@ -16,5 +16,7 @@ ty_result ty_bake_check(ty_context* context, const ty_bake_def* def) {
     if (result == TY_OK) result = ty_check_number(context, "bake.bounces", def->bounces, 0, INT32_MAX);
     if (result == TY_OK)
         result = ty_check_number(context, "bake.scatterings", def->scatterings, 1, TY_IMPULSE_BOUNCES_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "bake.cells", def->cells, 0, TY_CACHE_CELLS_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "bake.cell_paths", def->cell_paths, 0, 1 << 20);
     return result;
 }

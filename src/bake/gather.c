@@ -79,6 +79,18 @@ static ty_result take_tables(ty_bake_run* run) {
     return TY_OK;
 }
 
+static ty_result take_cache(ty_bake_run* run, const ty_scene* scene) {
+    const ty_bake_def* def = run->def;
+    if (def->method != TY_BAKE_CACHE || run->path.view.medium_count == 0) return TY_OK;
+    if (def->cache == NULL) {
+        const ty_result result = ty_bake_cache_make(run, scene, &run->cache);
+        if (result != TY_OK) return result;
+        run->stats.cache_seconds = run->cache->info.seconds;
+    }
+    run->request.cache = (def->cache != NULL ? def->cache : run->cache)->view;
+    return TY_OK;
+}
+
 /* ---- a run ---- */
 
 static ty_result check_receivers(const ty_bake_run* run, const ty_bake_receiver* receivers, int64_t count) {
@@ -109,21 +121,28 @@ static ty_result begin_path(ty_bake_run* run, const ty_scene* scene) {
     return result;
 }
 
-ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
-                            const ty_bake_receiver* receivers, int64_t count, int32_t terms) {
+ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def) {
     memset(run, 0, sizeof *run);
     run->context = ty_scene_context(scene);
     run->def = def;
     ty_result result = ty_bake_check(run->context, def);
-    if (result == TY_OK) result = check_receivers(run, receivers, count);
     if (result == TY_OK) result = begin_path(run, scene);
     if (result == TY_OK) result = take_media(run, ty_scene_get_view(scene));
+    if (result != TY_OK) return result;
+    run->request.path = run->path.request;
+    if (def->method == TY_BAKE_PATH || def->method == TY_BAKE_CACHE) run->request.path.max_run = def->scatterings;
+    return TY_OK;
+}
+
+ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
+                            const ty_bake_receiver* receivers, int64_t count, int32_t terms) {
+    ty_result result = ty_bake_run_prepare(run, scene, def);
+    if (result == TY_OK) result = check_receivers(run, receivers, count);
     if (result == TY_OK) result = take_tables(run);
+    if (result == TY_OK) result = take_cache(run, scene);
     if (result != TY_OK) return result;
     run->count = count;
     ty_bake_request* request = &run->request;
-    request->path = run->path.request;
-    if (def->method == TY_BAKE_PATH) request->path.max_run = def->scatterings;
     request->method = (int32_t)def->method;
     request->scatterings = def->scatterings;
     request->back_scattering = def->back_scattering;
@@ -142,6 +161,7 @@ void ty_bake_run_end(ty_bake_run* run) {
     if (run->sums != NULL) ty_free_array(run->context, run->sums, (size_t)run->count, sizeof *run->sums);
     if (run->media != NULL) ty_free_array(run->context, run->media, run->media_size, sizeof *run->media);
     ty_impulse_destroy(run->tables);
+    ty_bake_cache_destroy(run->cache);
     if (run->path.items != NULL) ty_path_run_end(&run->path);
 }
 

@@ -11,7 +11,8 @@ typedef struct ty_bake_run {
     ty_path_run path;      /* the scene as surfaces alone see it, lights and all; then with its media */
     ty_medium_view* media; /* those with any matter; media_size of them */
     size_t media_size;
-    ty_impulse* tables; /* made here; NULL: the caller's */
+    ty_impulse* tables;   /* made here; NULL: the caller's */
+    ty_bake_cache* cache; /* the same */
     ty_bake_request request;
     ty_bake_kernel kernel;
     int64_t count;
@@ -21,6 +22,10 @@ typedef struct ty_bake_run {
 } ty_bake_run;
 
 ty_result ty_bake_check(ty_context* context, const ty_bake_def* def);
+/* Checks def and looks at the scene: what comes before a cache. Whatever it returns, ty_bake_run_end is to follow. */
+ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def);
+/* The light in the media of a prepared run. */
+ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out);
 /* Checks def and receivers and takes memory. Whatever it returns, ty_bake_run_end is to follow. */
 ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms);

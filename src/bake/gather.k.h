@@ -189,6 +189,7 @@ TY_FN void ty_emitter_of_surface(const ty_encounter* end, ty_vec from, ty_emitte
 
 TY_FN void ty_gather_segment(const ty_gather* g, ty_vec from, ty_vec direction, float far, ty_segment* segment) {
     const ty_scene_view* scene = g->request->path.scene;
+    segment->point = NULL;
     ty_segment_find(segment, scene->media, scene->medium_count, from, direction, far);
 }
 

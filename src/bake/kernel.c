@@ -1,5 +1,5 @@
 /* The baker's kernel; built once per instruction set, with TY_ISA naming it. */
-#include "bake/gather.k.h"
+#include "bake/cached.k.h"
 
 #include "base/float_mode.h"
 
@@ -26,6 +26,7 @@ TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
     const unsigned thread_state = ty_flush_denormals();
     ty_gather g = {.request = request};
     const bool scatters = ty_gather_scatters(&g), behind = scatters && request->terms == TY_BAKE_SURFACE_TERMS;
+    const bool cached = request->method == TY_BAKE_CACHE && request->path.scene->medium_count > 0;
     for (int64_t item = begin; item < end; ++item) {
         ty_bake_sums* sum = &sums[item];
         if (sum->done != 0) continue;
@@ -41,7 +42,8 @@ TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
         if (scatters) g.step = step_off(&g);
         for (uint32_t i = first; i < first + count; ++i) {
             for (int c = 0; c < 3; ++c) g.sample[c] = 0.0f;
-            if (ty_gather_sample(&g, (uint64_t)item, i)) sum->blocked += 1;
+            if (cached ? ty_cached_sample(&g, (uint64_t)item, i) : ty_gather_sample(&g, (uint64_t)item, i))
+                sum->blocked += 1;
             if (behind && i % TY_BACK_EVERY == 0) {
                 ty_path_begin(&g.path, &g.request->path, ~(uint64_t)item, i / TY_BACK_EVERY);
                 ty_gather_behind(&g);

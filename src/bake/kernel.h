@@ -2,9 +2,7 @@
 #ifndef TY_BAKE_KERNEL_H
 #define TY_BAKE_KERNEL_H
 
-#include "method/path/kernel.h"
-
-#include <tyndall/bake.h>
+#include "bake/cache.h"
 
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
@@ -18,6 +16,7 @@ typedef struct ty_bake_request {
     int32_t back_scattering;
     int32_t gray; /* whether media do the same to all channels */
     const ty_impulse* tables;
+    ty_cache_view cache; /* TY_BAKE_CACHE */
     const ty_bake_receiver* receivers;
     int32_t terms; /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
 } ty_bake_request;

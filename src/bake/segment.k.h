@@ -2,6 +2,7 @@
 #ifndef TY_BAKE_SEGMENT_K_H
 #define TY_BAKE_SEGMENT_K_H
 
+#include "bake/fog_point.k.h"
 #include "scene/spans.k.h"
 
 typedef struct ty_segment {
@@ -9,12 +10,15 @@ typedef struct ty_segment {
     float scattered[3]; /* of sigma_s, */
     float turned[3];    /* of g sigma_s */
     float transmittance[3];
-    float leave; /* where the last medium ends, m */
+    float leave;         /* where the last medium ends, m */
+    ty_fog_point* point; /* is offered all of it; NULL: none is wanted */
 } ty_segment;
 
-/* Adds matter, in metres at density 1, whose colours are those at a point. */
-TY_FN void ty_segment_add(ty_segment* segment, TY_GLOBAL const ty_medium_view* medium, ty_vec at, float matter) {
+/* Adds matter, in metres at density 1, whose colours are those at a point, over [enter, leave]. */
+TY_FN void ty_segment_add(ty_segment* segment, TY_GLOBAL const ty_medium_view* medium, ty_vec at, float matter,
+                          float enter, float leave) {
     float sigma_s[3], g[3];
+    if (segment->point != NULL) ty_fog_point_offer(segment->point, medium, matter, enter, leave);
     ty_medium_sigma_s(medium, at, sigma_s);
     ty_medium_g(medium, at, g);
     for (int c = 0; c < 3; ++c) {
@@ -41,14 +45,15 @@ TY_FN void ty_segment_add_grid(ty_segment* segment, TY_GLOBAL const ty_medium_vi
         const float length = bricks.leave - bricks.enter;
         if (bricks.low == bricks.high) {
             ty_segment_add(segment, medium, ty_mad(origin, direction, bricks.enter + 0.5f * length),
-                           bricks.low * length);
+                           bricks.low * length, bricks.enter, bricks.leave);
             continue;
         }
         const int32_t steps = (int32_t)ty_minf(ceilf(length * per_metre), 4.0f * (float)TY_BRICK) + 1;
         const float step = length / (float)steps;
         for (int32_t i = 0; i < steps; ++i) {
-            const ty_vec at = ty_mad(origin, direction, bricks.enter + ((float)i + 0.5f) * step);
-            ty_segment_add(segment, medium, at, step * ty_segment_density(medium, at));
+            const float begin = bricks.enter + (float)i * step;
+            const ty_vec at = ty_mad(origin, direction, begin + 0.5f * step);
+            ty_segment_add(segment, medium, at, step * ty_segment_density(medium, at), begin, begin + step);
         }
     }
 }
@@ -59,12 +64,14 @@ TY_FN void ty_segment_stretch(ty_segment* segment, TY_GLOBAL const ty_medium_vie
     if (medium->has_grid != 0)
         ty_segment_add_grid(segment, medium, origin, direction, enter, leave);
     else if (medium->varies == 0)
-        ty_segment_add(segment, medium, origin, leave - enter);
+        ty_segment_add(segment, medium, origin, leave - enter, enter, leave);
     else {
         enum { PARTS = 16 };
         const float step = (leave - enter) / (float)PARTS;
-        for (int32_t i = 0; i < PARTS; ++i)
-            ty_segment_add(segment, medium, ty_mad(origin, direction, enter + ((float)i + 0.5f) * step), step);
+        for (int32_t i = 0; i < PARTS; ++i) {
+            const float begin = enter + (float)i * step;
+            ty_segment_add(segment, medium, ty_mad(origin, direction, begin + 0.5f * step), step, begin, begin + step);
+        }
     }
 }
 

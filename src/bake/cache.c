@@ -1,0 +1,220 @@
+/* Light in cells of the media: where they lie, and filling them. */
+#include "base/context.h"
+#include "base/isa.h"
+#include "bake/gather.h"
+#include "scene/medium.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { CELLS_DEFAULT = 32, PATHS_DEFAULT = 64, BLOCK = 8, CHUNK_FIRST = 64 };
+
+static const double chunk_seconds = 0.1;
+/* Of the seed, so that no cell's random numbers are a receiver's. */
+static const uint64_t seed_salt = 0x9d8f3c5a1b7e2460u;
+
+static ty_cache_kernel choose_kernel(void) {
+#if TY_ISA_X86
+    static const ty_cache_kernel kernels[TY_ISA_COUNT] = {ty_cache_kernel_v1, ty_cache_kernel_v3, ty_cache_kernel_v4};
+    return kernels[ty_best_isa()];
+#else
+    return ty_cache_kernel_v1;
+#endif
+}
+
+/* ---- where cells lie ---- */
+
+/* The box around media; what is of no account of it, farther from all surfaces than these are wide, is left out. */
+static void find_box(const ty_scene* scene, double lower[3], double upper[3]) {
+    double low[3], high[3], side = 0;
+    for (int a = 0; a < 3; ++a) {
+        lower[a] = INFINITY;
+        upper[a] = -INFINITY;
+    }
+    for (size_t m = 0; m < scene->medium_count; ++m) ty_medium_extent(&scene->media[m], lower, upper);
+    ty_scene_surface_extent(scene, low, high);
+    for (int a = 0; a < 3; ++a) side = fmax(side, high[a] - low[a]);
+    if (!(side > 0)) return;
+    for (int a = 0; a < 3; ++a) {
+        const double from = fmax(lower[a], low[a] - side), to = fmin(upper[a], high[a] + side);
+        if (!(from < to)) continue;
+        lower[a] = from;
+        upper[a] = to;
+    }
+}
+
+static void place(ty_bake_cache* cache, const ty_scene* scene, int32_t longest) {
+    double lower[3], upper[3], side = 0;
+    ty_cache_view* view = &cache->view;
+    find_box(scene, lower, upper);
+    for (int a = 0; a < 3; ++a) side = fmax(side, upper[a] - lower[a]);
+    const double cell = side / longest;
+    cache->info.cell = cell;
+    view->per_metre = (float)(1 / cell);
+    for (int a = 0; a < 3; ++a) {
+        const int32_t count = (int32_t)fmax(1, ceil((upper[a] - lower[a]) / cell - 1e-6));
+        cache->info.size[a] = view->size[a] = count;
+        view->lower[a] = (float)(0.5 * (lower[a] + upper[a] - cell * count));
+    }
+}
+
+/* ---- filling ---- */
+
+typedef struct fill {
+    ty_cache_request request;
+    ty_cache_kernel kernel;
+    float* light;
+    uint8_t* known;
+    int64_t begin, end; /* of this chunk */
+    _Atomic uint64_t rays;
+} fill;
+
+static void fill_block(void* user, int64_t block, int32_t worker) {
+    (void)worker;
+    fill* f = user;
+    const int64_t begin = f->begin + block * BLOCK, end = begin + BLOCK < f->end ? begin + BLOCK : f->end;
+    f->rays += f->kernel(&f->request, begin, end, f->light, f->known);
+}
+
+static bool tell(const ty_bake_def* def, double seconds, int64_t done, int64_t all) {
+    const double fraction = (double)done / (double)all;
+    const ty_progress progress = {
+        .stage = "fog",
+        .fraction = fraction,
+        .seconds = seconds,
+        .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
+        .done = (uint64_t)done,
+        .total = (uint64_t)all,
+    };
+    return def->progress == NULL || def->progress(def->progress_user, &progress);
+}
+
+static ty_result fill_cells(ty_bake_cache* cache, const ty_bake_run* run, const int32_t* cells, int64_t count,
+                            uint8_t* known) {
+    const ty_bake_def* def = run->def;
+    const double begun = ty_wall_seconds();
+    fill f = {.kernel = choose_kernel(), .light = cache->light, .known = known};
+    f.request = (ty_cache_request){.path = run->request.path, .view = cache->view, .cells = cells};
+    f.request.path.seed ^= seed_salt;
+    f.request.paths = (uint32_t)(def->cell_paths > 0 ? def->cell_paths : PATHS_DEFAULT);
+    int64_t chunk = CHUNK_FIRST;
+    for (int64_t at = 0; at < count;) {
+        const double start = ty_wall_seconds();
+        f.begin = at;
+        f.end = at + chunk < count ? at + chunk : count;
+        ty_parallel_for(cache->context, (f.end - f.begin + BLOCK - 1) / BLOCK, fill_block, &f);
+        const double now = ty_wall_seconds();
+        at = f.end;
+        if (now - start < 0.5 * chunk_seconds) chunk *= 2;
+        if (now - start > 2 * chunk_seconds && chunk > CHUNK_FIRST) chunk /= 2;
+        if (!tell(def, now - begun, at, count)) return TY_CANCELLED;
+    }
+    cache->info.filled = count;
+    cache->info.paths = count * f.request.paths;
+    cache->info.rays = (int64_t)f.rays;
+    cache->info.seconds = ty_wall_seconds() - begun;
+    return TY_OK;
+}
+
+/* ---- the whole ---- */
+
+/* Whether any medium prefers a direction: whether cells keep one. */
+static bool turns(const ty_scene_view* view) {
+    for (int32_t m = 0; m < view->medium_count; ++m) {
+        const ty_medium_view* medium = &view->media[m];
+        if (medium->has_g_field != 0 || medium->g[0] != 0 || medium->g[1] != 0 || medium->g[2] != 0) return true;
+    }
+    return false;
+}
+
+static ty_result take_cells(ty_bake_cache* cache) {
+    ty_cache_view* view = &cache->view;
+    cache->floats = (size_t)(TY_CACHE_KINDS * view->floats);
+    for (int a = 0; a < 3; ++a) cache->floats *= (size_t)view->size[a];
+    cache->info.bytes = (double)cache->floats * sizeof(float);
+    cache->light = ty_alloc_array(cache->context, cache->floats, sizeof *cache->light, true);
+    view->light = cache->light;
+    return cache->light != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* The mean of what is known in the cells around one. */
+static void take_around(const ty_bake_cache* cache, const uint8_t* known, int64_t cell, float* out) {
+    const int32_t* size = cache->view.size;
+    const int32_t at[3] = {(int32_t)(cell % size[0]), (int32_t)(cell / size[0] % size[1]),
+                           (int32_t)(cell / ((int64_t)size[0] * size[1]))};
+    const int32_t floats = TY_CACHE_KINDS * cache->view.floats;
+    int32_t count = 0;
+    for (int32_t i = 0; i < 27; ++i) {
+        const int32_t x = at[0] + i % 3 - 1, y = at[1] + i / 3 % 3 - 1, z = at[2] + i / 9 - 1;
+        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
+        const int64_t other = x + size[0] * (y + (int64_t)size[1] * z);
+        if (known[other] == 0) continue;
+        const float* light = cache->light + (size_t)other * (size_t)floats;
+        for (int32_t f = 0; f < floats; ++f) out[f] += light[f];
+        ++count;
+    }
+    for (int32_t f = 0; f < floats && count > 0; ++f) out[f] /= (float)count;
+}
+
+/* Cells within walls take the light of those around: points beside the walls look there, too. */
+static void widen(ty_bake_cache* cache, const uint8_t* known, int64_t count) {
+    const size_t floats = (size_t)(TY_CACHE_KINDS * cache->view.floats);
+    for (int64_t i = 0; i < count; ++i)
+        if (known[i] == 0) take_around(cache, known, i, cache->light + (size_t)i * floats);
+}
+
+static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
+    const ty_cache_view* view = &cache->view;
+    const int64_t count = (int64_t)view->size[0] * view->size[1] * view->size[2];
+    ty_result result = TY_ERROR_MEMORY;
+    int32_t* cells = ty_alloc_array(cache->context, (size_t)count, sizeof *cells, false);
+    uint8_t* known = ty_alloc_array(cache->context, (size_t)count, sizeof *known, true);
+    if (cells != NULL && known != NULL) {
+        for (int64_t i = 0; i < count; ++i) cells[i] = (int32_t)i;
+        result = fill_cells(cache, run, cells, count, known);
+        if (result == TY_OK) widen(cache, known, count);
+    }
+    ty_free_array(cache->context, cells, (size_t)count, sizeof *cells);
+    ty_free_array(cache->context, known, (size_t)count, sizeof *known);
+    return result;
+}
+
+ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out) {
+    *out = NULL;
+    ty_bake_cache* cache = ty_alloc_array(run->context, 1, sizeof *cache, true);
+    if (cache == NULL) return TY_ERROR_MEMORY;
+    cache->context = run->context;
+    ty_result result = TY_OK;
+    if (run->path.view.medium_count > 0) {
+        place(cache, scene, run->def->cells > 0 ? run->def->cells : CELLS_DEFAULT);
+        cache->view.floats = turns(&run->path.view) ? 8 : 4;
+        result = take_cells(cache);
+        if (result == TY_OK) result = fill_all(cache, run);
+    }
+    if (result == TY_OK)
+        *out = cache;
+    else
+        ty_bake_cache_destroy(cache);
+    return result;
+}
+
+ty_result ty_bake_cache_create(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache** out) {
+    ty_bake_run run;
+    *out = NULL;
+    ty_result result = ty_bake_run_prepare(&run, scene, def);
+    if (result == TY_OK) result = ty_bake_cache_make(&run, scene, out);
+    ty_bake_run_end(&run);
+    return result;
+}
+
+void ty_bake_cache_destroy(ty_bake_cache* cache) {
+    if (cache == NULL) return;
+    ty_free_array(cache->context, cache->light, cache->floats, sizeof *cache->light);
+    ty_free_array(cache->context, cache, 1, sizeof *cache);
+}
+
+ty_bake_cache_info ty_bake_cache_get_info(const ty_bake_cache* cache) {
+    return cache->info;
+}

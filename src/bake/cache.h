@@ -1,0 +1,46 @@
+/* Light in cells of the media: what it is kept in, and what its driver hands to its kernel, which is built once per
+ * instruction set. */
+#ifndef TY_BAKE_CACHE_H
+#define TY_BAKE_CACHE_H
+
+#include "method/path/kernel.h"
+
+#include <tyndall/bake.h>
+
+enum { TY_CACHE_CELLS_MAX = 512 };
+
+/* Light that arrives in a cell: straight from lights, and the rest. Mean radiance over all directions, red, green and
+ * blue; then, with room for 8 floats, how far all of it comes from one direction, 0..1, and which, a unit vector. */
+enum { TY_CACHE_ONCE = 0, TY_CACHE_REST = 1, TY_CACHE_KINDS = 2 };
+
+typedef struct ty_cache_view {
+    float lower[3], per_metre;
+    int32_t size[3];
+    int32_t floats; /* per kind of light: 4 where media scatter evenly, or 8 */
+    const float* light;
+} ty_cache_view;
+
+struct ty_bake_cache {
+    ty_context* context;
+    ty_cache_view view;
+    float* light;
+    size_t floats;
+    ty_bake_cache_info info;
+};
+
+typedef struct ty_cache_request {
+    ty_path_request path; /* scene and random numbers */
+    ty_cache_view view;
+    const int32_t* cells; /* those that are filled */
+    uint32_t paths;       /* per cell */
+} ty_cache_request;
+
+/* Fills cells[begin..end) of light, and says for which it is known, by cell; returns rays. */
+#define TY_CACHE_KERNEL(name)                                                                                          \
+    uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, float* light, uint8_t* known)
+typedef TY_CACHE_KERNEL((*ty_cache_kernel));
+TY_CACHE_KERNEL(ty_cache_kernel_v1);
+TY_CACHE_KERNEL(ty_cache_kernel_v3);
+TY_CACHE_KERNEL(ty_cache_kernel_v4);
+
+#endif

@@ -1,0 +1,19 @@
+/* The cache's kernel; built once per instruction set, with TY_ISA naming it. */
+#include "bake/cache_fill.k.h"
+
+#include "base/float_mode.h"
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+
+TY_CACHE_KERNEL(TY_JOIN(ty_cache_kernel_, TY_ISA)) {
+    const unsigned thread_state = ty_flush_denormals();
+    const size_t each = (size_t)(TY_CACHE_KINDS * request->view.floats);
+    uint64_t rays = 0;
+    for (int64_t i = begin; i < end; ++i) {
+        const int32_t cell = request->cells[i];
+        known[cell] = ty_cache_fill(request, cell, light + each * (size_t)cell, &rays);
+    }
+    ty_restore_denormals(thread_state);
+    return rays;
+}
