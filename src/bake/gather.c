@@ -160,6 +160,7 @@ void ty_bake_run_end(ty_bake_run* run) {
     if (run->light != NULL) ty_free_array(run->context, run->light, (size_t)run->count, size * sizeof *run->light);
     if (run->sums != NULL) ty_free_array(run->context, run->sums, (size_t)run->count, sizeof *run->sums);
     if (run->media != NULL) ty_free_array(run->context, run->media, run->media_size, sizeof *run->media);
+    ty_bake_senders_free(run);
     ty_impulse_destroy(run->tables);
     ty_bake_cache_destroy(run->cache);
     if (run->path.items != NULL) ty_path_run_end(&run->path);
@@ -239,7 +240,8 @@ static bool end_receivers(ty_bake_run* run) {
 ty_result ty_bake_sample(ty_bake_run* run) {
     const double begun = ty_wall_seconds();
     const uint32_t spp = (uint32_t)run->def->spp;
-    ty_result result = TY_OK;
+    const bool fog = run->def->method == TY_BAKE_IMPULSE && run->path.view.medium_count > 0;
+    ty_result result = fog ? ty_bake_senders_make(run) : TY_OK;
     for (uint32_t done = 0; done < spp && result == TY_OK;) {
         const uint32_t most = done > 0 ? done : PASS_FIRST, count = spp - done < most ? spp - done : most;
         result = sample_pass(run, done, count, begun);

@@ -13,6 +13,8 @@ typedef struct ty_bake_run {
     size_t media_size;
     ty_impulse* tables;   /* made here; NULL: the caller's */
     ty_bake_cache* cache; /* the same */
+    ty_senders senders;   /* sender_size of them at most */
+    size_t sender_size;
     ty_bake_request request;
     ty_bake_kernel kernel;
     int64_t count;
@@ -32,6 +34,10 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
 /* Samples all receivers until they are done. TY_OK or TY_CANCELLED; sums and light are valid either way. */
 ty_result ty_bake_sample(ty_bake_run* run);
 void ty_bake_run_end(ty_bake_run* run);
+
+/* Finds what sends light into media. ty_bake_senders_free is to follow, whatever it returns. */
+ty_result ty_bake_senders_make(ty_bake_run* run);
+void ty_bake_senders_free(ty_bake_run* run);
 
 /* Of the mean of a receiver's samples; 0 from fewer than two. */
 double ty_bake_variance(const ty_bake_sums* sums, int channel);

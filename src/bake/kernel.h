@@ -3,6 +3,7 @@
 #define TY_BAKE_KERNEL_H
 
 #include "bake/cache.h"
+#include "bake/senders.h"
 
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
@@ -19,16 +20,17 @@ typedef struct ty_bake_request {
     ty_cache_view cache; /* TY_BAKE_CACHE */
     const ty_bake_receiver* receivers;
     int32_t terms; /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
+    /* TY_BAKE_IMPULSE */
+    const ty_senders* senders;
+    uint32_t fog_every; /* one in so many samples asks what media make of emitters; a power of two */
+    int32_t fog_alone;  /* whether only light counts that media scattered */
 } ty_bake_request;
 
 /* Sums over a receiver's samples. */
 typedef struct ty_bake_sums {
     double mean[3], square[3]; /* of what variance is told of */
     double blocked;            /* rays that met the back of a surface */
-    /* How far media go around it, by the first rays of samples: sums of optical depth and of what it stops, and of
-     * irradiance scattered once, with what of it comes from behind surfaces. */
-    double depth[3], stopped[3], once, beyond;
-    float way[4]; /* the last first ray: direction and length; 0: none yet */
+    double depth[3], stopped[3]; /* how far media go around it: optical depth of rays, and what of light it stops */
     uint64_t paths, rays;
     int32_t count; /* samples */
     int32_t done;

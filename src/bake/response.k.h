@@ -10,12 +10,20 @@
 /* An emitter as seen from a receiver. */
 typedef struct ty_emitter {
     int32_t kind;      /* ty_impulse_emitter */
+    ty_vec position;   /* unless it is far */
     ty_vec look;       /* unit, towards it */
     ty_vec normal;     /* areas: unit, on the side that sends */
+    float area;        /* of the disc that it stands for, m^2 */
     float distance;    /* m */
     float cosine;      /* areas: between normal and the way from it */
     float strength[3]; /* ty_impulse_emitter: color */
 } ty_emitter;
+
+/* The distance to a disc as what scatters beside it goes by: light falls with distance there, which has this mean over
+ * the disc. */
+TY_FN float ty_disc_distance(float distance, float area) {
+    return sqrtf(distance * distance + area * (0.25f / TY_PI));
+}
 
 typedef struct ty_response {
     ty_impulse_response channel[3];
@@ -107,17 +115,6 @@ TY_FN float ty_response_beyond(const ty_emitter* emitter, const ty_impulse_mediu
             weight[i] * sends * ty_hg(ty_clampf(-ty_dot(way, direction), -1.0f, 1.0f), g) * ty_expf(-sigma * (t + r));
     }
     return medium->sigma_s * sum * range / off;
-}
-
-/* Irradiance on a surface from all that scattered, per channel; once: the part of what scattered once that counts. */
-TY_FN void ty_response_irradiance(const ty_response* response, ty_vec normal, float once, float out[3]) {
-    float zonal[TY_IMPULSE_TERMS];
-    for (int c = 0; c < response->channels; ++c) {
-        const ty_impulse_response* r = &response->channel[c];
-        for (int l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = once * r->single[l] + r->multiple[l];
-        out[c] = ty_response_on(response, zonal, response->axis[c], normal);
-    }
-    for (int c = response->channels; c < 3; ++c) out[c] = out[0];
 }
 
 #endif

@@ -1,0 +1,275 @@
+/* Finding senders, and the light that they send.
+ *
+ * Rays from anchors, a few of the receivers, find them: where receivers are and where they look, surfaces count. All
+ * anchors together could have found each, which tells the area that it stands for (the balance heuristic). Senders then
+ * gather light like any receiver: first what surfaces and lights send, then, in rounds, what media make of that. */
+#include "bake/gather.h"
+#include "bake/gather.k.h"
+
+#include "base/context.h"
+#include "base/parallel.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rounds of light from media to surfaces and back; samples of each. */
+enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, FOG_SAMPLES = 32, BLOCK = 4 };
+enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256 };
+
+typedef struct search {
+    ty_bake_run* run;
+    ty_senders* senders;
+    int32_t anchor_count, each; /* rays of one anchor */
+    ty_vec anchors[ANCHORS_MAX];
+    ty_bake_receiver* receivers; /* the senders, */
+    ty_bake_sums* sums;          /* and what they gather */
+    double* light;
+    ty_bake_request request;
+    uint32_t samples;
+} search;
+
+enum { LIGHT_SIZE = TY_BAKE_LAYERS * 3 * TY_BAKE_SURFACE_TERMS };
+
+/* ---- places ---- */
+
+static void place_anchors(search* s) {
+    const ty_bake_request* request = &s->run->request;
+    ty_gather g = {.request = request};
+    for (int32_t i = 0; i < s->anchor_count; ++i) {
+        ty_gather_stand(&g, &request->receivers[(2 * i + 1) * s->run->count / (2 * s->anchor_count)]);
+        s->anchors[i] = ty_gather_off(&g);
+    }
+}
+
+static bool find_sender(const search* s, int32_t ray, ty_sender* out) {
+    const ty_path_request* request = &s->run->request.path;
+    const int32_t anchor = ray / s->each;
+    ty_path path;
+    ty_encounter end;
+    ty_path_begin(&path, request, ~(uint64_t)anchor, (uint32_t)(ray % s->each));
+    ty_path_turn_anywhere(&path);
+    if (!ty_mesh_intersect(request->scene->mesh, s->anchors[anchor], path.direction, TY_FLOAT_MAX, &end.hit))
+        return false;
+    ty_surface_evaluate(&request->scene->surfaces[end.hit.surface], &end.hit, path.direction, &end.point);
+    *out = (ty_sender){.position = end.hit.position,
+                       .normal = end.point.normal,
+                       .face = end.point.facing,
+                       .margin = end.hit.margin};
+    double density = 0;
+    for (int32_t i = 0; i < s->anchor_count; ++i) {
+        const ty_vec from = ty_mad(out->position, out->face, out->margin), to = ty_sub(s->anchors[i], from);
+        const float d2 = ty_dot(to, to), over = 1.0f / sqrtf(d2), cosine = ty_dot(out->face, to) * over;
+        const bool own = i == anchor;
+        if (!(d2 > 0.0f) || !(cosine > 0.0f)) continue;
+        if (own || !ty_mesh_occluded(request->scene->mesh, from, ty_scale(to, over), 0.9999f / over))
+            density += (double)(cosine / d2) * s->each * (double)TY_INV_4PI;
+    }
+    if (!(density > 0)) return false;
+    out->area = (float)(1 / density);
+    for (int c = 0; c < 3; ++c) {
+        out->albedo[c] = end.point.albedo[c];
+        out->glow[c] = end.point.light < 0 ? end.point.emission[c] : 0.0f;
+    }
+    return true;
+}
+
+static void find_senders(void* user, int64_t ray, int32_t worker) {
+    const search* s = user;
+    (void)worker;
+    if (!find_sender(s, (int32_t)ray, &s->senders->at[ray])) s->senders->at[ray].area = 0;
+}
+
+static void place_senders(search* s) {
+    ty_senders* senders = s->senders;
+    const int64_t rays = (int64_t)s->anchor_count * s->each;
+    place_anchors(s);
+    ty_parallel_flushed(s->run->context, rays, find_senders, s);
+    for (int64_t i = 0; i < rays; ++i)
+        if (senders->at[i].area > 0) senders->at[senders->count++] = senders->at[i];
+    for (int32_t i = 0; i < senders->count; ++i) {
+        const ty_sender* at = &senders->at[i];
+        ty_bake_receiver* receiver = &s->receivers[i];
+        *receiver = (ty_bake_receiver){.position = {at->position.x, at->position.y, at->position.z},
+                                       .normal = {at->normal.x, at->normal.y, at->normal.z},
+                                       .face = {at->face.x, at->face.y, at->face.z},
+                                       .margin = at->margin};
+        senders->x[i] = at->position.x;
+        senders->y[i] = at->position.y;
+        senders->z[i] = at->position.z;
+        senders->nx[i] = at->normal.x;
+        senders->ny[i] = at->normal.y;
+        senders->nz[i] = at->normal.z;
+        senders->area[i] = at->area;
+    }
+}
+
+/* A lattice about all senders. */
+static void place_cells(ty_senders* senders) {
+    for (int a = 0; a < 3; ++a) {
+        const float* at = a == 0 ? senders->x : a == 1 ? senders->y : senders->z;
+        float lower = 0, upper = 0;
+        for (int32_t i = 0; i < senders->count; ++i) {
+            lower = i == 0 ? at[i] : fminf(lower, at[i]);
+            upper = i == 0 ? at[i] : fmaxf(upper, at[i]);
+        }
+        senders->lower[a] = lower;
+        senders->per_metre[a] = upper > lower ? (float)senders->side / (upper - lower) : 0;
+    }
+}
+
+/* ---- light ---- */
+
+static void gather_block(void* user, int64_t block, int32_t worker) {
+    const search* s = user;
+    (void)worker;
+    const int64_t begin = block * BLOCK, left = s->senders->count - begin;
+    s->run->kernel(&s->request, begin, begin + (left < BLOCK ? left : BLOCK), 0, s->samples, s->sums, s->light);
+}
+
+static void gather(search* s, uint32_t samples) {
+    const size_t count = (size_t)s->senders->count;
+    memset(s->sums, 0, count * sizeof *s->sums);
+    memset(s->light, 0, count * LIGHT_SIZE * sizeof *s->light);
+    s->samples = samples;
+    ty_parallel_flushed(s->run->context, (s->senders->count + BLOCK - 1) / BLOCK, gather_block, s);
+}
+
+/* Irradiance of all layers that was gathered. */
+static double gathered(const search* s, int32_t sender, int channel) {
+    double sum = 0;
+    for (int32_t layer = 0; layer < TY_BAKE_LAYERS; ++layer)
+        sum += s->light[(size_t)sender * LIGHT_SIZE + (size_t)((layer * 3 + channel) * TY_BAKE_SURFACE_TERMS)];
+    return sum / s->samples;
+}
+
+static void set_light(search* s, const float* clear, const float* fog) {
+    for (int32_t i = 0; i < s->senders->count; ++i) {
+        ty_sender* at = &s->senders->at[i];
+        float power = 0;
+        for (int c = 0; c < 3; ++c) {
+            at->light[c] = at->albedo[c] * (1.0f / TY_PI) * fmaxf(0, clear[3 * i + c] + fog[3 * i + c]);
+            power += at->area * (at->light[c] + at->glow[c]);
+        }
+        s->senders->power[i] = power;
+    }
+}
+
+/* What the lattice and senders are made of. */
+typedef struct cells_job {
+    const ty_senders* senders;
+    const float* fog;
+} cells_job;
+
+static void fill_cell(void* user, int64_t index, int32_t worker) {
+    const cells_job* job = user;
+    const ty_senders* senders = job->senders;
+    (void)worker;
+    const int32_t side = senders->side, at[3] = {(int32_t)index % side, (int32_t)index / side % side,
+                                                 (int32_t)index / side / side};
+    float middle[3], within = 0;
+    double sums[TY_FOG_SIDES][4] = {{0}};
+    for (int a = 0; a < 3; ++a) {
+        const float size = senders->per_metre[a] > 0 ? 1 / senders->per_metre[a] : 0;
+        middle[a] = senders->lower[a] + ((float)at[a] + 0.5f) * size;
+        within += 0.25f * size * size;
+    }
+    for (int32_t i = 0; i < senders->count; ++i) {
+        const float x = senders->x[i] - middle[0], y = senders->y[i] - middle[1], z = senders->z[i] - middle[2];
+        const float d2 = x * x + y * y + z * z + within + 1e-12f;
+        const float normal[3] = {senders->nx[i], senders->ny[i], senders->nz[i]};
+        for (int k = 0; k < TY_FOG_SIDES; ++k) {
+            const float cosine = k % 2 == 0 ? -normal[k / 2] : normal[k / 2];
+            const float facing = fmaxf(0.01f, cosine);
+            const double weight = (double)(facing * facing) / ((double)d2 * (double)d2);
+            for (int c = 0; c < 3; ++c) sums[k][c] += weight * (double)job->fog[3 * i + c];
+            sums[k][3] += weight;
+        }
+    }
+    for (int k = 0; k < TY_FOG_SIDES; ++k)
+        for (int c = 0; c < 3; ++c)
+            senders->cells[index].irradiance[k][c] = sums[k][3] > 0 ? (float)fmax(0, sums[k][c] / sums[k][3]) : 0;
+}
+
+static void light_senders(search* s, uint32_t samples, float* clear, float* fog) {
+    ty_senders* senders = s->senders;
+    cells_job job = {senders, fog};
+    s->request.method = TY_BAKE_ATTENUATION;
+    gather(s, samples);
+    for (int32_t i = 0; i < senders->count; ++i)
+        for (int c = 0; c < 3; ++c) clear[3 * i + c] = (float)gathered(s, i, c);
+    set_light(s, clear, fog);
+    s->request.method = TY_BAKE_IMPULSE;
+    s->request.fog_alone = s->request.fog_every = 1;
+    for (int round = 0; round < ROUNDS; ++round) {
+        gather(s, FOG_SAMPLES);
+        for (int32_t i = 0; i < senders->count; ++i)
+            for (int c = 0; c < 3; ++c) fog[3 * i + c] = (float)gathered(s, i, c);
+        set_light(s, clear, fog);
+        ty_parallel_flushed(s->run->context, (int64_t)senders->side * senders->side * senders->side, fill_cell, &job);
+    }
+}
+
+/* ---- memory ---- */
+
+/* Arrays of senders: what choosing goes by. */
+enum { NUMBERS = 8 };
+
+static size_t cells_of(const ty_senders* senders) {
+    return (size_t)(senders->side * senders->side * senders->side);
+}
+
+static ty_result take_senders(ty_bake_run* run, int32_t most) {
+    ty_senders* senders = &run->senders;
+    run->sender_size = (size_t)most;
+    senders->side = (int32_t)fmin(TY_FOG_SIDE_MAX, ceil(cbrt(2.0 * most)));
+    senders->at = ty_alloc_array(run->context, run->sender_size, sizeof *senders->at, true);
+    senders->x = ty_alloc_array(run->context, run->sender_size * NUMBERS, sizeof *senders->x, true);
+    senders->cells = ty_alloc_array(run->context, cells_of(senders), sizeof *senders->cells, true);
+    if (senders->at == NULL || senders->x == NULL || senders->cells == NULL) return TY_ERROR_MEMORY;
+    float** numbers[NUMBERS] = {&senders->x,  &senders->y,  &senders->z,     &senders->nx,
+                                &senders->ny, &senders->nz, &senders->power, &senders->area};
+    for (int i = 1; i < NUMBERS; ++i) *numbers[i] = senders->x + (size_t)i * run->sender_size;
+    return TY_OK;
+}
+
+void ty_bake_senders_free(ty_bake_run* run) {
+    ty_senders* senders = &run->senders;
+    ty_free_array(run->context, senders->at, run->sender_size, sizeof *senders->at);
+    ty_free_array(run->context, senders->x, run->sender_size * NUMBERS, sizeof *senders->x);
+    ty_free_array(run->context, senders->cells, cells_of(senders), sizeof *senders->cells);
+    *senders = (ty_senders){.count = 0};
+}
+
+/* Paths of senders are a small part of all, and as many per sender as there are senders. */
+ty_result ty_bake_senders_make(ty_bake_run* run) {
+    ty_context* context = run->context;
+    const double paths = (double)run->count * run->def->spp;
+    run->request.senders = &run->senders;
+    run->request.fog_every = run->def->spp < 256 ? 4 : 8;
+    search s = {.run = run, .senders = &run->senders};
+    s.anchor_count = run->count < ANCHORS_MAX ? (int32_t)run->count : ANCHORS_MAX;
+    const double wanted = fmin(TY_SENDERS_MAX, fmax(SENDERS_MIN, sqrt(paths / 8)));
+    s.each = s.anchor_count > 0 ? (int32_t)(wanted / s.anchor_count) : 0;
+    const size_t most = (size_t)(s.anchor_count * s.each);
+    ty_result result = take_senders(run, (int32_t)most);
+    s.receivers = ty_alloc_array(context, most, sizeof *s.receivers, true);
+    s.sums = ty_alloc_array(context, most, sizeof *s.sums, true);
+    s.light = ty_alloc_array(context, most * LIGHT_SIZE, sizeof *s.light, true);
+    float* light = ty_alloc_array(context, 6 * most, sizeof *light, true);
+    if (s.receivers == NULL || s.sums == NULL || s.light == NULL || light == NULL) result = TY_ERROR_MEMORY;
+    if (result == TY_OK && run->request.path.scene->mesh != NULL && most > 0) {
+        place_senders(&s);
+        place_cells(&run->senders);
+        s.request = run->request;
+        s.request.path.seed = ~run->def->seed;
+        s.request.receivers = s.receivers;
+        s.request.terms = TY_BAKE_SURFACE_TERMS;
+        const double samples = paths / (64 * (double)most);
+        light_senders(&s, (uint32_t)fmin(CLEAR_SAMPLES_MAX, fmax(CLEAR_SAMPLES_MIN, samples)), light, light + 3 * most);
+    }
+    ty_free_array(context, light, 6 * most, sizeof *light);
+    ty_free_array(context, s.light, most * LIGHT_SIZE, sizeof *s.light);
+    ty_free_array(context, s.sums, most, sizeof *s.sums);
+    ty_free_array(context, s.receivers, most, sizeof *s.receivers);
+    return result;
+}

@@ -1,0 +1,54 @@
+/* Surface points that stand for all surfaces when media answer to their light: found once per bake, shared by all
+ * receivers. */
+#ifndef TY_BAKE_SENDERS_H
+#define TY_BAKE_SENDERS_H
+
+#include "base/vector.k.h"
+
+enum { TY_SENDERS_MAX = 1024, TY_FOG_SIDE_MAX = 16, TY_FOG_SIDES = 6 };
+
+/* A disc on a surface. */
+typedef struct ty_sender {
+    ty_vec position, normal; /* on the side that sends */
+    ty_vec face;             /* of the flat face on that side */
+    float margin;
+    float area;     /* m^2 */
+    float light[3]; /* radiance that it reflects */
+    float glow[3];  /* radiance of its own, unless it is one of the scene's lights */
+    float albedo[3];
+} ty_sender;
+
+/* Light that media sent to surfaces, and what surfaces made of it, as irradiance: of places on a lattice and sides
+ * -x, +x, -y, +y, -z, +z that surfaces look to. */
+typedef struct ty_fog_cell {
+    float irradiance[TY_FOG_SIDES][3];
+} ty_fog_cell;
+
+typedef struct ty_senders {
+    int32_t count;
+    ty_sender* at;
+    /* What choosing goes by, as arrays: power is radiance times area, all channels and kinds together. */
+    float *x, *y, *z, *nx, *ny, *nz, *power, *area;
+    int32_t side; /* cells along each axis */
+    float lower[3], per_metre[3];
+    ty_fog_cell* cells;
+} ty_senders;
+
+/* Of a place and normal. */
+TY_FN void ty_senders_fog(const ty_senders* senders, ty_vec position, ty_vec normal, float irradiance[3]) {
+    const float at[3] = {position.x, position.y, position.z}, to[3] = {normal.x, normal.y, normal.z};
+    const float last = (float)(senders->side - 1);
+    int32_t index = 0;
+    for (int a = 2; a >= 0; --a) {
+        const float place = ty_clampf((at[a] - senders->lower[a]) * senders->per_metre[a], 0.0f, last);
+        index = index * senders->side + (int32_t)place;
+    }
+    const ty_fog_cell* cell = &senders->cells[index];
+    for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
+    for (int a = 0; a < 3; ++a) {
+        const float* side = cell->irradiance[2 * a + (to[a] > 0.0f)];
+        for (int c = 0; c < 3; ++c) irradiance[c] += to[a] * to[a] * side[c];
+    }
+}
+
+#endif
