@@ -20,6 +20,7 @@ static const bench_entry benches[] = {
     {"fld", "flux-limited diffusion: its solvers, and images beside path", bench_fld},
     {"pop", "principal-ordinates propagation: its stages, and how they grow", bench_pop},
     {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
+    {"dom", "discrete ordinates: solves, sweeps against thickness, images beside path", bench_dom},
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"bake", "baking: what impulse responses cost, and save beside paths", bench_bake},
     {"load", "reading volumes of every format", bench_load},
