@@ -1,4 +1,5 @@
 /* Clouds, smoke, a CT scan and nebulae by discrete ordinates, beside path tracing and the other volume methods. */
+#include "cli/dom_scenes.h"
 #include "cli/figures/dom_view.h"
 #include "cli/figures/fld_volumes.h"
 
@@ -6,17 +7,7 @@
 
 enum { METHODS = 3, DOM = 0, PICTURE_WIDTH = 300 };
 
-static const char disney_file[] = "volumes/wdas_cloud_sixteenth.vdb", plume_file[] = "volumes/plume/plume_0042.vdb";
-
-static const char disney_scene[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [-560, 60, 420], \"target\": [0, 45, -40], \"fov_y\": 28, \"resolution\": [256, 144],"
-    "  \"exposure\": 1.6},"
-    " \"media\": [{\"name\": \"cloud\", \"density\": {\"file\": \"volumes/wdas_cloud_sixteenth.vdb\", \"grid\": "
-    "\"density\"},"
-    "  \"sigma_t\": 0.5, \"albedo\": 0.999, \"g\": 0.8}],"
-    " \"lights\": [{\"type\": \"environment\", \"sky\": {\"sun_direction\": [0.75, -0.5, -0.1], \"haze\": 0.8,"
-    "  \"sun\": true}}]}";
+static const char plume_file[] = "volumes/plume/plume_0042.vdb";
 
 static const char plume_scene[] =
     "{\"tyndall\": 1, \"up_axis\": \"z\","
@@ -35,7 +26,7 @@ typedef struct image_scene {
 } image_scene;
 
 static const image_scene scenes[] = {
-    {"Disney cloud", disney_file, disney_scene, NULL, 256, 144},
+    {"Disney cloud", dom_disney_file, dom_disney_scene, NULL, 256, 144},
     {"plume", plume_file, plume_scene, NULL, 192, 256},
     {"CT head", fld_ct_file, fld_ct_scene, NULL, 192, 192},
     {"nebulae", NULL, NULL, "builtin:nebulae", 192, 192},
