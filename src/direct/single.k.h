@@ -23,8 +23,9 @@ typedef struct ty_single_light {
 } ty_single_light;
 
 /* Of TY_SINGLE_MANY only the mean direction is known: light scatters as (fluence + 3 g flux . way) / (4 pi), not below
- * 0, which is exact for isotropic scattering. */
-enum { TY_SINGLE_BEAM = 0, TY_SINGLE_LAMP = 1, TY_SINGLE_MANY = 2 };
+ * 0, which is exact for isotropic scattering. TY_SINGLE_EVEN scatters as fluence / (4 pi), whatever g is: it is made so
+ * for an eye. */
+enum { TY_SINGLE_BEAM = 0, TY_SINGLE_LAMP = 1, TY_SINGLE_MANY = 2, TY_SINGLE_EVEN = 3 };
 
 /* A channel's fluence of a light, without its factor. */
 TY_FN TY_GLOBAL const float* ty_single_plane(const ty_single_light* light, int32_t channel, float* factor) {
@@ -121,7 +122,7 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
         fluence[c] = fluence[0] * light->color[c];
         forward[c] = forward[0] * light->color[c];
     }
-    if (light->kind == TY_SINGLE_MANY) {
+    if (light->kind >= TY_SINGLE_MANY) {
         for (int32_t c = 0; c < 3; ++c)
             scattered[c] +=
                 passing[TY_SINGLE_KEPT][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
