@@ -15,8 +15,9 @@ struct ty_sweep {
     const ty_ordinate_set* set;
     int32_t terms;
     const float* extinction;
-    float* harmonics; /* of each direction, `terms` after one another */
-    float* faces;     /* radiance below the next cell along z, y and x: a plane, a row, one; of one direction */
+    const float* inflow; /* radiance of each direction that comes in through the faces; NULL: none */
+    float* harmonics;    /* of each direction, `terms` after one another */
+    float* faces;        /* radiance below the next cell along z, y and x: a plane, a row, one; of one direction */
 };
 
 static size_t face_count(const ty_sweep* sweep) {
@@ -52,6 +53,10 @@ ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const doub
     }
     *out = sweep;
     return TY_OK;
+}
+
+void ty_sweep_let_in(ty_sweep* sweep, const float* radiance) {
+    sweep->inflow = radiance;
 }
 
 void ty_sweep_destroy(ty_sweep* sweep) {
@@ -109,11 +114,12 @@ static void sweep_direction(ty_sweep* sweep, int32_t d, const float* emission, f
         through[a] = (double)set->weight[d] * 0.5 * (double)twice[a] * sweep->cell[0] * sweep->cell[1] * sweep->cell[2];
     }
     float *plane = sweep->faces, *row = plane + (size_t)n[0] * (size_t)n[1];
-    memset(plane, 0, sizeof(float) * (size_t)n[0] * (size_t)n[1]);
+    const float inflow = sweep->inflow != NULL ? sweep->inflow[d] : 0;
+    for (int32_t i = 0; i < n[0] * n[1]; ++i) plane[i] = inflow;
     for (int32_t k = 0; k < n[2]; ++k) {
-        memset(row, 0, sizeof(float) * (size_t)n[0]);
+        for (int32_t i = 0; i < n[0]; ++i) row[i] = inflow;
         for (int32_t j = 0; j < n[1]; ++j) {
-            float along = 0;
+            float along = inflow;
             for (int32_t i = 0; i < n[0]; ++i) {
                 const int32_t x = back[0] ? n[0] - 1 - i : i, at_y = back[1] ? n[1] - 1 - j : j;
                 const ptrdiff_t at = ((ptrdiff_t)(back[2] ? n[2] - 1 - k : k) * n[1] + at_y) * n[0] + x;
