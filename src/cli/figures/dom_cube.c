@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { COSINES = 4, SETTINGS = 5, SAMPLES = 2048 };
+enum { COSINES = 4, SETTINGS = 5, SAMPLES = 4096 };
 
 static const double cosines[COSINES] = {0, 0.5, 0.7, 0.96};
 
