@@ -39,6 +39,38 @@ static ty_result note_errors(figure_run* run, int column, int setting, const fig
                          judged ? (forward ? 0.06 : 0.03) : NAN);
 }
 
+/* Where one of eight mirror images of a column of cells is, all of which have the same light. */
+static size_t mirrored(const pop_box* box, int32_t x, int32_t y, int32_t z, int image) {
+    const int32_t edge = box->size[0];
+    const int32_t u = (image & 1) != 0 ? edge - 1 - x : x, v = (image & 2) != 0 ? edge - 1 - y : y;
+    const bool swapped = (image & 4) != 0;
+    return ((size_t)z * (size_t)edge + (size_t)(swapped ? u : v)) * (size_t)edge + (size_t)(swapped ? v : u);
+}
+
+/* Takes them for one. variances: of means over as many independent cells. */
+static void fold(const pop_box* box, double (*values)[3], bool variances) {
+    const int32_t edge = box->size[0];
+    for (int32_t z = 0; z < edge; ++z)
+        for (int32_t y = 0; y < edge / 2; ++y)
+            for (int32_t x = 0; x <= y; ++x)
+                for (int c = 0; c < 3; ++c) {
+                    const int images = x == y ? 4 : 8;
+                    double sum = 0;
+                    for (int i = 0; i < images; ++i) sum += values[mirrored(box, x, y, z, i)][c];
+                    const double mean = sum / (variances ? images * images : images);
+                    for (int i = 0; i < images; ++i) values[mirrored(box, x, y, z, i)][c] = mean;
+                }
+}
+
+static ty_result find_truth(figure_run* run, const ty_scene* scene, pop_truth* out) {
+    const ty_result result = pop_path_fluence(run, scene, &pop_cube_cells, SAMPLES, out);
+    if (result != TY_OK) return result;
+    fold(&pop_cube_cells, out->scattered, false);
+    fold(&pop_cube_cells, out->uncollided, false);
+    fold(&pop_cube_cells, out->variance, true);
+    return TY_OK;
+}
+
 /* Means over four columns of cells about the axis that the beam comes down. */
 static void add_profile(const pop_box* box, const double (*fluence)[3], const double (*variance)[3],
                         plot_series* series) {
@@ -49,7 +81,7 @@ static void add_profile(const pop_box* box, const double (*fluence)[3], const do
             for (int32_t x = middle[0] - 1; x <= middle[0]; ++x) {
                 const size_t at = ((size_t)z * (size_t)n[1] + (size_t)y) * (size_t)n[0] + (size_t)x;
                 sum += fluence[at][1] / 4;
-                if (variance != NULL) squares += variance[at][1] / 16;
+                if (variance != NULL) squares += variance[at][1] / 4; /* the four are mirror images */
             }
         plot_add_point(series, box->lower[2] + (z + 0.5) * (box->upper[2] - box->lower[2]) / n[2], sum, sqrt(squares));
     }
@@ -90,7 +122,7 @@ static ty_result run_column(figure_run* run, int column, pop_truth* truth, doubl
     snprintf(chart->series[0].name, PLOT_LABEL_SIZE, "path tracing");
     chart->series[0].style = PLOT_DOTS;
     ty_result result = pop_load_cube(run, cosines[column], &scene);
-    if (result == TY_OK) result = pop_path_fluence(run, scene, &pop_cube_cells, SAMPLES, truth);
+    if (result == TY_OK) result = find_truth(run, scene, truth);
     if (result == TY_OK)
         add_profile(&pop_cube_cells, (const double(*)[3])truth->scattered, (const double(*)[3])truth->variance,
                     &chart->series[0]);
@@ -133,9 +165,11 @@ ty_result figure_dom_cube(figure_run* run) {
     free(charts);
     free(fluence);
     free(truth);
-    snprintf(run->caption, sizeof run->caption,
-             "A cube of 1 m, σs = 4/m, nothing absorbed, light from above. Fluence of light that has scattered at "
-             "least once, means over 16³ cells; the relative RMSE is that of all cells, without the truth's own "
-             "noise. Directions, and the cells that they go through.");
+    snprintf(
+        run->caption, sizeof run->caption,
+        "A cube of 1 m, σs = 4/m, nothing absorbed, light from above. Fluence of light that has scattered at "
+        "least once, means over 16³ cells; the relative RMSE is that of all cells, without the truth's own "
+        "noise; eight mirror images of the truth's cells are taken for one. Directions, and the cells that they go "
+        "through.");
     return result;
 }
