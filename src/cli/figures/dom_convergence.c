@@ -11,7 +11,7 @@ enum {
     DIRECTIONS = 96,
     DIRECTIONS_QUICK = 24,
     THICKNESSES = 9, /* 1 to 10,000 */
-    SWEEPS = 1000,
+    SWEEPS = 400,
     SWEEPS_QUICK = 50,
     HISTORIES = 4,
     HISTORY_DOTS = 56,
