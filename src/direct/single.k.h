@@ -15,7 +15,7 @@ typedef struct ty_single_light {
     TY_GLOBAL const float*
         straight[3];                /* TY_SINGLE_BEAM and _LAMP, where lobes is set: U of forward.k.h; fluence is R */
     TY_GLOBAL const float* bent[3]; /* S */
-    int32_t lobes;                  /* whether these are there; else all of fluence comes along one line */
+    int32_t lobes; /* L of forward.k.h, where these are there; 0: all of fluence comes along one line */
     TY_GLOBAL const float* flux[3][3]; /* TY_SINGLE_MANY: along x, y, z */
     int32_t shared;                    /* whether all channels are the first one's planes, times color (as in a
                                           ty_light_field of one plane) */
@@ -89,7 +89,8 @@ TY_FN void ty_single_forward(const ty_single_light* light, const ty_cell_point* 
                                     fluence[TY_SINGLE_KEPT][plane] * passing[TY_SINGLE_KEPT][c],
                                     fluence[TY_SINGLE_BENT][plane] * passing[TY_SINGLE_BENT][c], 1.0f};
         scattered[c] += color * ty_forward_straight(forward, mu, g[c]);
-        again[c] += color * ty_forward_scattered(forward, mu, g[c]);
+        again[c] += color * (light->lobes == 1 ? ty_forward_scattered(forward, mu, g[c])
+                                               : ty_forward_beyond(forward, mu, g[c], light->lobes));
     }
 }
 

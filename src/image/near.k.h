@@ -55,9 +55,8 @@ TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL co
     ty_medium_sigma_s(medium, middle, sigma_s);
     ty_medium_g(medium, middle, g);
     for (int32_t c = 0; c < 3; ++c) {
-        const float forward = ty_maxf(0.0f, g[c]) * sigma_s[c], sigma_t = medium->sigma_t[c];
-        const float kept = sigma_t - ty_near_kept(request->reduced, g[c]) * sigma_s[c];
-        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, kept);
+        const float sigma_t = medium->sigma_t[c], forward = ty_near_kept(request->reduced, g[c]) * sigma_s[c];
+        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, sigma_t - forward);
         depth[TY_SINGLE_STRAIGHT][c] += amount * sigma_t;
         depth[TY_SINGLE_BENT][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * forward);
     }

@@ -71,7 +71,9 @@ void ty_dom_destroy(ty_dom* light) {
     if (light == NULL) return;
     ty_context* context = light->context;
     const size_t bytes = (size_t)light->kept * (size_t)light->kept * sizeof(float);
-    for (int i = 0; i <= TY_DOM_OWN_MAX; ++i) ty_light_field_destroy(light->fields[i]);
+    for (int i = 0; i < TY_DOM_OWN_MAX; ++i)
+        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) ty_light_field_destroy(light->fields[i][f]);
+    ty_light_field_destroy(light->many);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);

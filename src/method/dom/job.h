@@ -17,7 +17,9 @@ struct ty_dom {
     int32_t bands, kept; /* L; of moments */
     /* Uncollided light, on fine cells. */
     ty_grid_box fine_box;
-    ty_light_field* fields[TY_DOM_OWN_MAX + 1]; /* the last is of all lights that have none of their own */
+    bool lobes; /* whether what scatters nearly straight on is told from what has not scattered */
+    ty_light_field* fields[TY_DOM_OWN_MAX][TY_SINGLE_FLUENCES];
+    ty_light_field* many; /* of all lights that have no field of their own */
     ty_single_light lights[TY_DOM_OWN_MAX + 1];
     int32_t light_count;
     /* What ordinates go through. */

@@ -20,6 +20,9 @@ static double largest_g(const ty_grid_medium* medium) {
 /* What of the light that scatters may be left to the peak that goes straight on, where directions are enough. */
 static const double peak = 0.2;
 
+/* Below this it need not be told from light that has not scattered. */
+static const double least_peak = 0.02;
+
 static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
     const int32_t most = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
     if (job->def->bands > 0) return job->def->bands;
@@ -36,6 +39,7 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     const double g = largest_g(job->coarse);
     light->even = !(g > 0);
     light->bands = choose_bands(job, g, exact);
+    light->lobes = pow(g, light->bands) > least_peak;
     light->kept = light->bands < LEAST_KEPT ? LEAST_KEPT : light->bands;
     job->stats.bands = light->bands;
     job->stats.directions = job->set->count;

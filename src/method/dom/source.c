@@ -67,30 +67,46 @@ ty_result ty_dom_take_sources(ty_dom_job* job) {
 
 typedef struct direct_job {
     ty_dom_job* job;
-    float* extinction[3]; /* of fine cells, scaled */
+    float* extinction[TY_SINGLE_FLUENCES][3]; /* of fine cells, for each fluence of a light */
     ty_dom_scratch scratch;
     ty_light_field* one; /* of one source that has no field of its own */
     ty_source_group* groups;
     int32_t group_count;
 } direct_job;
 
-static ty_result light_field(direct_job* direct, const ty_source* sources, int32_t count, ty_light_field* field) {
+static ty_result light_field(direct_job* direct, int32_t fluence, const ty_source* sources, int32_t count,
+                             ty_light_field* field) {
     ty_dom_job* job = direct->job;
-    return ty_uncollided_add_watched(job->scene, job->fine, direct->extinction, sources, count, field, ty_part_report,
-                                     &job->progress);
+    return ty_uncollided_add_watched(job->scene, job->fine, direct->extinction[fluence], sources, count, field,
+                                     ty_part_report, &job->progress);
+}
+
+/* Fluences beside the one that counts as uncollided. */
+static void describe_lobes(const ty_dom* light, ty_light_field* const fields[TY_SINGLE_FLUENCES],
+                           ty_single_light* single) {
+    if (!light->lobes) return;
+    single->lobes = light->bands;
+    for (int c = 0; c < 3; ++c) {
+        single->straight[c] = fields[TY_SINGLE_STRAIGHT]->fluence[c];
+        single->bent[c] = fields[TY_SINGLE_BENT]->fluence[c];
+    }
 }
 
 static ty_result light_own(direct_job* direct, const ty_source_group* group) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
-    ty_light_field** field = &light->fields[light->light_count];
+    ty_light_field** fields = light->fields[light->light_count];
     ty_single_light* single = &light->lights[light->light_count];
-    ty_result result = ty_source_groups_field(job->sources, group, 1, true, job->fine, false, field);
-    if (result == TY_OK) result = light_field(direct, &job->sources[group->first], group->count, *field);
+    ty_result result = TY_OK;
+    for (int32_t f = 0; f < (light->lobes ? TY_SINGLE_FLUENCES : 1) && result == TY_OK; ++f) {
+        result = ty_source_groups_field(job->sources, group, 1, true, job->fine, false, &fields[f]);
+        if (result == TY_OK) result = light_field(direct, f, &job->sources[group->first], group->count, fields[f]);
+    }
     if (result != TY_OK) return result;
-    *single = ty_source_group_light(job->sources, group, *field);
+    *single = ty_source_group_light(job->sources, group, fields[TY_SINGLE_KEPT]);
+    describe_lobes(light, fields, single);
     ++light->light_count;
-    ty_dom_add_source(job, *field, single, &direct->scratch, false);
+    ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, &direct->scratch, false);
     return TY_OK;
 }
 
@@ -128,7 +144,7 @@ static ty_result light_one(direct_job* direct, const ty_source* source, ty_light
     const ty_source_group group = {.first = 0, .count = 1, .middle = source->position};
     clear_field(one);
     if (one->planes == 1) memcpy(one->color, source->color, sizeof one->color);
-    const ty_result result = light_field(direct, source, 1, one);
+    const ty_result result = light_field(direct, TY_SINGLE_KEPT, source, 1, one);
     if (result != TY_OK) return result;
     sum_job sum = {one, all};
     ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
@@ -146,7 +162,7 @@ static ty_result take_many(direct_job* direct) {
                                               : ty_light_field_create(job->fine, false, &direct->one);
     if (result == TY_OK)
         result = ty_source_groups_field(job->sources, direct->groups, direct->group_count, false, job->fine, false,
-                                        &light->fields[TY_DOM_OWN_MAX]);
+                                        &light->many);
     for (int32_t c = 0; c < ty_dom_channels(light) && result == TY_OK && !light->even; ++c) {
         light->once[c] =
             ty_alloc_array(job->context, light->cells, (size_t)(light->kept * light->kept) * sizeof(float), true);
@@ -157,10 +173,9 @@ static ty_result take_many(direct_job* direct) {
 
 static ty_result light_many(direct_job* direct, const ty_source_group* group) {
     ty_dom_job* job = direct->job;
-    ty_light_field** all = &job->light->fields[TY_DOM_OWN_MAX];
-    ty_result result = *all == NULL ? take_many(direct) : TY_OK;
+    ty_result result = job->light->many == NULL ? take_many(direct) : TY_OK;
     for (int32_t i = 0; i < group->count && result == TY_OK; ++i)
-        result = light_one(direct, &job->sources[group->first + i], *all);
+        result = light_one(direct, &job->sources[group->first + i], job->light->many);
     return result;
 }
 
@@ -178,9 +193,9 @@ static ty_result light_groups(direct_job* direct) {
     }
     job->progress.from = from;
     job->progress.share = share;
-    if (result != TY_OK || light->fields[TY_DOM_OWN_MAX] == NULL) return result;
+    if (result != TY_OK || light->many == NULL) return result;
     if (!light->even) ty_dom_add_once(job, &direct->scratch);
-    light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->fields[TY_DOM_OWN_MAX]);
+    light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->many);
     return TY_OK;
 }
 
@@ -201,6 +216,16 @@ static void add_emission(ty_dom_job* job) {
         }
 }
 
+static ty_result take_extinction(direct_job* direct, int32_t fluence, int32_t order) {
+    ty_dom_job* job = direct->job;
+    for (int32_t p = 0; p < job->fine->planes; ++p) {
+        direct->extinction[fluence][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
+        if (direct->extinction[fluence][p] == NULL) return TY_ERROR_MEMORY;
+    }
+    ty_grid_medium_reduce(job->fine, order, direct->extinction[fluence]);
+    return TY_OK;
+}
+
 static ty_result take_memory(direct_job* direct) {
     ty_dom_job* job = direct->job;
     const ty_dom* light = job->light;
@@ -209,10 +234,11 @@ static ty_result take_memory(direct_job* direct) {
         job->source[c] = ty_alloc_array(job->context, light->cells, terms * sizeof(float), true);
         if (job->source[c] == NULL) return TY_ERROR_MEMORY;
     }
-    for (int32_t p = 0; p < job->fine->planes; ++p) {
-        direct->extinction[p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
-        if (direct->extinction[p] == NULL) return TY_ERROR_MEMORY;
-    }
+    for (int32_t p = 0; p < job->fine->planes; ++p)
+        direct->extinction[TY_SINGLE_STRAIGHT][p] = job->fine->extinction[p];
+    const ty_result result = take_extinction(direct, TY_SINGLE_KEPT, light->bands);
+    if (result != TY_OK || (light->lobes && take_extinction(direct, TY_SINGLE_BENT, light->bands + 1) != TY_OK))
+        return TY_ERROR_MEMORY;
     direct->groups = ty_alloc_array(job->context, (size_t)job->source_count, sizeof *direct->groups, false);
     return direct->groups != NULL ? ty_dom_scratch_create(job, &direct->scratch) : TY_ERROR_MEMORY;
 }
@@ -221,8 +247,10 @@ static void free_memory(direct_job* direct) {
     ty_dom_job* job = direct->job;
     ty_dom_scratch_destroy(job, &direct->scratch);
     ty_free_array(job->context, direct->groups, (size_t)job->source_count, sizeof *direct->groups);
-    for (int32_t p = 0; p < job->fine->planes; ++p)
-        ty_free_array(job->context, direct->extinction[p], job->fine->cells, sizeof(float));
+    for (int32_t p = 0; p < job->fine->planes; ++p) {
+        ty_free_array(job->context, direct->extinction[TY_SINGLE_KEPT][p], job->fine->cells, sizeof(float));
+        ty_free_array(job->context, direct->extinction[TY_SINGLE_BENT][p], job->fine->cells, sizeof(float));
+    }
     ty_light_field_destroy(direct->one);
 }
 
@@ -230,7 +258,6 @@ ty_result ty_dom_light_directly(ty_dom_job* job) {
     direct_job direct = {.job = job};
     ty_result result = take_memory(&direct);
     if (result == TY_OK) {
-        ty_grid_medium_reduce(job->fine, job->light->bands, direct.extinction);
         direct.group_count = ty_source_groups_find(job->scene, &job->fine->box, job->sources, job->source_count,
                                                    TY_DOM_OWN_MAX, direct.groups);
         result = light_groups(&direct);

@@ -163,7 +163,7 @@ static ty_result make_many(const ty_dom* light, const double eye[3], fields* f) 
 
 static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f) {
     memcpy(f->lights, light->lights, sizeof f->lights);
-    if (light->fields[TY_DOM_OWN_MAX] == NULL) return TY_OK;
+    if (light->many == NULL) return TY_OK;
     f->lights[light->light_count - 1].kind = TY_SINGLE_EVEN;
     return light->once[0] != NULL ? make_many(light, eye, f) : TY_OK;
 }
