@@ -43,7 +43,7 @@ float* ty_solve_take_side(ty_arena* arena, const ty_box* box, int side, ty_side*
     return value;
 }
 
-static void lay_out(ty_diffusion_job* job, ty_arena* arena) {
+void ty_solve_lay_out(ty_diffusion_job* job, ty_arena* arena) {
     const ty_diffusion_def* def = job->def;
     job->cells.box = ty_box_make(def->size[0], def->size[1], def->size[2]);
     const ty_box* box = &job->cells.box;
@@ -62,7 +62,7 @@ static void lay_out(ty_diffusion_job* job, ty_arena* arena) {
 size_t ty_diffusion_memory(const ty_diffusion_def* def) {
     ty_diffusion_job job = {.def = def};
     ty_arena arena = {0};
-    lay_out(&job, &arena);
+    ty_solve_lay_out(&job, &arena);
     return arena.used;
 }
 
@@ -171,7 +171,7 @@ static void set_side(ty_diffusion_job* job, int side) {
     for (ptrdiff_t i = 0; i < (ptrdiff_t)faces[0] * faces[1]; ++i) value[i] = boundary->value[i] * factor;
 }
 
-static void set_cells(ty_diffusion_job* job, double rms) {
+void ty_solve_set_cells(ty_diffusion_job* job, double rms) {
     const ty_diffusion_def* def = job->def;
     ty_cells* cells = &job->cells;
     double longest = 0;
@@ -261,7 +261,7 @@ ty_result ty_solve_note(ty_diffusion_job* job, double residual) {
     return def->progress(def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
 }
 
-static void choose_kernels(ty_diffusion_job* job) {
+void ty_solve_choose_kernels(ty_diffusion_job* job) {
 #if TY_ISA_X86
     static const ty_cell_kernels* const cells[TY_ISA_COUNT] = {&ty_cell_kernels_v1, &ty_cell_kernels_v3,
                                                                &ty_cell_kernels_v4};
@@ -283,7 +283,7 @@ static void choose_kernels(ty_diffusion_job* job) {
 static ty_result solve(ty_diffusion_job* job) {
     const double rms = source_rms(job);
     if (!isfinite(rms)) return ty_fail(job->context, TY_ERROR_ARGUMENT, "diffusion: the source is not finite");
-    set_cells(job, rms > 0 ? rms : 1);
+    ty_solve_set_cells(job, rms > 0 ? rms : 1);
     if (!(rms > 0)) {
         job->stats->converged = true;
         memset(job->out->fluence, 0, sizeof(float) * (size_t)ty_box_cells(&job->cells.box));
@@ -303,13 +303,13 @@ ty_result ty_diffusion_solve(ty_context* context, const ty_diffusion_def* def, c
     ty_diffusion_job job = {.context = context, .def = def, .out = out, .stats = stats != NULL ? stats : &ignored};
     *job.stats = (ty_diffusion_stats){0};
     job.start = job.reported = ty_wall_seconds();
-    choose_kernels(&job);
+    ty_solve_choose_kernels(&job);
     const size_t bytes = ty_diffusion_memory(def);
     char* memory = def->memory != NULL ? def->memory : ty_alloc_array(context, bytes, 1, false);
     if (memory == NULL) return TY_ERROR_MEMORY;
     memset(memory, 0, bytes); /* ghosts are 0 until they are set */
     ty_arena arena = {.base = memory};
-    lay_out(&job, &arena);
+    ty_solve_lay_out(&job, &arena);
     result = solve(&job);
     if (def->memory == NULL) ty_free_array(context, memory, bytes, 1);
     job.stats->seconds = ty_wall_seconds() - job.start;

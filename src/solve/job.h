@@ -33,6 +33,12 @@ typedef struct ty_diffusion_job {
                                   stages */
 } ty_diffusion_job;
 
+/* What a job needs to begin with: kernels, room for its arrays (all zeros), and the def's cells, for sources with an rms
+ * of `rms`. */
+void ty_solve_choose_kernels(ty_diffusion_job* job);
+void ty_solve_lay_out(ty_diffusion_job* job, ty_arena* arena);
+void ty_solve_set_cells(ty_diffusion_job* job, double rms);
+
 /* A plane of ghosts and all around; returns where cell (0, 0, 0) is. */
 void* ty_solve_take_box(ty_arena* arena, const ty_box* box, size_t item);
 /* The values of a side, one for each face. */

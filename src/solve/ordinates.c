@@ -1,0 +1,231 @@
+/* Entry points of discrete ordinates: checks, memory, what an iteration begins and ends with. */
+#include "base/context.h"
+#include "base/float_mode.h"
+#include "solve/ordinates_job.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SIZE_MAX_CELLS = 512, TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+
+ty_ordinates_def ty_default_ordinates_def(void) {
+    return (ty_ordinates_def){.bands = 4, .kept = 4, .source_terms = 1, .accelerated = true, .tolerance = 1e-3};
+}
+
+/* ---- checks ---- */
+
+static ty_result check_size(ty_context* context, const ty_ordinates_def* def) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (def->size[axis] < 1 || def->size[axis] > SIZE_MAX_CELLS)
+            return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: size[%d]: %d cells are outside 1..%d", axis,
+                           (int)def->size[axis], SIZE_MAX_CELLS);
+        if (!(def->cell[axis] > 0 && def->cell[axis] < 1e12))
+            return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: cell[%d]: %g m is no edge of a cell", axis,
+                           def->cell[axis]);
+    }
+    return TY_OK;
+}
+
+static bool have_planes(const float* const* planes, int32_t count) {
+    for (int32_t i = 0; i < count; ++i)
+        if (planes[i] == NULL) return false;
+    return true;
+}
+
+static ty_result check(ty_context* context, const ty_ordinates_def* def, float* const* moments) {
+    const ty_result result = check_size(context, def);
+    if (result != TY_OK) return result;
+    if (def->set == NULL || def->set->count < 8 || def->set->count > TY_ORDINATES_MAX)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: set: there are no directions");
+    if (def->bands < 1 || def->bands > TY_ORDINATE_BANDS_MAX)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: bands: %d are outside 1..%d", (int)def->bands,
+                       TY_ORDINATE_BANDS_MAX);
+    if (def->kept < def->bands || def->kept > TY_ORDINATE_BANDS_MAX)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: kept: %d bands are outside %d..%d", (int)def->kept,
+                       (int)def->bands, TY_ORDINATE_BANDS_MAX);
+    if (def->source_terms != 1 && def->source_terms != def->bands * def->bands)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: source_terms: %d is neither 1 nor bands^2, %d",
+                       (int)def->source_terms, (int)(def->bands * def->bands));
+    if (def->extinction == NULL || def->scattering == NULL || def->g == NULL || def->source == NULL ||
+        moments == NULL || !have_planes(def->source, def->source_terms) ||
+        !have_planes((const float* const*)moments, def->kept * def->kept) ||
+        (def->start != NULL && !have_planes(def->start, def->bands * def->bands)))
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "ordinates: there is no medium, source, start or place for the moments");
+    if (!(def->tolerance > 0 && def->tolerance < 1))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: tolerance: %g is outside (0, 1)", def->tolerance);
+    if (def->sweeps < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: sweeps are at least 0");
+    return TY_OK;
+}
+
+/* ---- memory ---- */
+
+/* Floats of an array of the job: a number of each cell. */
+static float* take(ty_ordinates_job* job, int32_t items) {
+    const size_t count = (size_t)job->cells * (size_t)items;
+    job->stats->bytes += (double)(count * sizeof(float));
+    return ty_alloc_array(job->context, count, sizeof(float), false);
+}
+
+static void give_back(ty_ordinates_job* job, float** array, int32_t items) {
+    if (*array != NULL) ty_free_array(job->context, *array, (size_t)job->cells * (size_t)items, sizeof(float));
+    *array = NULL;
+}
+
+static ty_result allocate(ty_ordinates_job* job) {
+    job->depth = job->def->accelerated ? TY_ORDINATES_DEPTH : 1;
+    const double floats = (double)job->terms * (job->depth + 2) + job->depth + 2;
+    const ty_result result =
+        ty_check_memory(job->context, floats * sizeof(float) * (double)job->cells, "discrete ordinates");
+    if (result != TY_OK) return result;
+    bool there = (job->extinction = take(job, 1)) != NULL;
+    there = there && (job->emission = take(job, job->terms)) != NULL;
+    there = there && (job->before = take(job, 1)) != NULL;
+    for (int32_t i = 0; i < job->depth; ++i) {
+        there = there && (job->iterates[i] = take(job, job->terms)) != NULL;
+        there = there && (job->changes[i] = take(job, 1)) != NULL;
+    }
+    if (job->def->source_terms > 1) there = there && (job->fixed = take(job, job->terms)) != NULL;
+    job->sums = ty_alloc_array(job->context, (size_t)job->def->size[2], sizeof *job->sums, true);
+    return there && job->sums != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+/* All but one of the iterates. */
+static void free_but(ty_ordinates_job* job, int32_t kept) {
+    for (int32_t i = 0; i < TY_ORDINATES_DEPTH; ++i) {
+        if (i != kept) give_back(job, &job->iterates[i], job->terms);
+        give_back(job, &job->changes[i], 1);
+    }
+    give_back(job, &job->before, 1);
+    give_back(job, &job->fixed, job->terms);
+}
+
+static void free_all(ty_ordinates_job* job) {
+    free_but(job, -1);
+    give_back(job, &job->extinction, 1);
+    give_back(job, &job->emission, job->terms);
+    if (job->sums != NULL) ty_free_array(job->context, job->sums, (size_t)job->def->size[2], sizeof *job->sums);
+    ty_sweep_destroy(job->sweep);
+    ty_correction_destroy(job->correction);
+}
+
+/* ---- work ---- */
+
+/* sigma*, and the diffusion problem that corrects. Light without a medium streams; diffusion there is what crosses a
+ * box of about its own mean free path. */
+static ty_result scale(ty_ordinates_job* job) {
+    const ty_ordinates_def* def = job->def;
+    float* reduced = job->depth > 1 ? job->changes[0] : NULL;
+    float* absorption = job->depth > 1 ? job->changes[1] : NULL;
+    if (!ty_ordinates_scale(job, reduced, absorption))
+        return ty_fail(job->context, TY_ERROR_ARGUMENT,
+                       "ordinates: extinction, scattering, g or source of a cell is outside its range or not finite");
+    if (!def->accelerated) return TY_OK;
+    ty_diffusion_def diffusion = ty_default_diffusion_def();
+    double longest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        diffusion.size[axis] = def->size[axis];
+        diffusion.cell[axis] = def->cell[axis];
+        longest = fmax(longest, def->cell[axis] * def->size[axis]);
+    }
+    diffusion.extinction = reduced;
+    diffusion.absorption = absorption;
+    diffusion.least_extinction = 1 / longest;
+    const ty_result result = ty_correction_create(job->context, &diffusion, &job->correction);
+    if (result == TY_OK) job->stats->bytes += (double)ty_correction_bytes(job->correction);
+    return result;
+}
+
+static ty_result prepare(ty_ordinates_job* job) {
+    const ty_ordinates_def* def = job->def;
+    ty_result result = allocate(job);
+    if (result == TY_OK) result = scale(job);
+    if (result == TY_OK)
+        result =
+            ty_sweep_create(job->context, def->size, def->cell, def->set, def->bands, job->extinction, &job->sweep);
+    if (result != TY_OK) return result;
+    job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
+    if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->terms, job->fixed);
+    if (def->start == NULL) return TY_OK;
+    ty_ordinates_gather(job, def->start, job->terms, job->terms, job->iterates[0]);
+    job->count = 1;
+    job->given = true;
+    job->shares[0] = 1;
+    return TY_OK;
+}
+
+/* One more sweep, for more moments than iterations need. */
+static ty_result sweep_kept(ty_ordinates_job* job, float* const* moments) {
+    const ty_ordinates_def* def = job->def;
+    const int32_t terms = def->kept * def->kept;
+    ty_sweep* sweep = NULL;
+    ty_ordinates_emit(job);
+    free_but(job, -1);
+    float *emission = take(job, terms), *kept = take(job, terms);
+    ty_result result = emission != NULL && kept != NULL ? TY_OK : TY_ERROR_MEMORY;
+    if (result == TY_OK)
+        result = ty_sweep_create(job->context, def->size, def->cell, def->set, def->kept, job->extinction, &sweep);
+    if (result == TY_OK) {
+        ty_ordinates_widen(job, job->emission, terms, emission);
+        const double begun = ty_wall_seconds();
+        result = ty_sweep_run(sweep, emission, kept, &job->stats->leaving, NULL);
+        job->stats->sweep_seconds += ty_wall_seconds() - begun;
+        ++job->stats->sweeps;
+    }
+    if (result == TY_OK) {
+        ty_ordinates_scatter(job, kept, terms, moments);
+        const ty_ordinates_sums sums = ty_ordinates_balance(job, kept, terms);
+        job->stats->emitted = sums.emitted;
+        job->stats->absorbed = sums.absorbed;
+    }
+    ty_sweep_destroy(sweep);
+    give_back(job, &emission, terms);
+    give_back(job, &kept, terms);
+    return result;
+}
+
+static void set_dark(const ty_ordinates_job* job, float* const* moments, int32_t from) {
+    for (int32_t t = from; t < job->def->kept * job->def->kept; ++t)
+        memset(moments[t], 0, sizeof(float) * (size_t)job->cells);
+}
+
+/* What there is, without another sweep. */
+static void store(ty_ordinates_job* job, float* const* moments) {
+    set_dark(job, moments, job->count > 0 ? job->terms : 0);
+    if (job->count == 0) return;
+    const float* latest = job->iterates[job->latest];
+    ty_ordinates_scatter(job, latest, job->terms, moments);
+    const ty_ordinates_sums sums = ty_ordinates_balance(job, latest, job->terms);
+    job->stats->emitted = sums.emitted;
+    job->stats->absorbed = sums.absorbed;
+}
+
+static ty_result solve(ty_ordinates_job* job, float* const* moments) {
+    ty_result result = prepare(job);
+    if (result != TY_OK) return result;
+    result = ty_ordinates_iterate(job);
+    if (job->correction != NULL) job->stats->cycles = ty_correction_cycles(job->correction);
+    if (result == TY_OK && job->def->kept > job->def->bands) return sweep_kept(job, moments);
+    if (result == TY_OK || result == TY_CANCELLED) store(job, moments);
+    return result;
+}
+
+ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, float* const* moments, double* history,
+                             int32_t history_capacity, ty_ordinates_stats* stats) {
+    ty_result result = check(context, def, moments);
+    if (result != TY_OK) return result;
+    ty_ordinates_stats ignored;
+    ty_ordinates_job job = {.context = context,
+                            .def = def,
+                            .stats = stats != NULL ? stats : &ignored,
+                            .history = history,
+                            .history_capacity = history != NULL ? history_capacity : 0,
+                            .cells = (int64_t)def->size[0] * def->size[1] * def->size[2],
+                            .terms = def->bands * def->bands};
+    *job.stats = (ty_ordinates_stats){0};
+    job.start = job.reported = ty_wall_seconds();
+    result = solve(&job, moments);
+    free_all(&job);
+    job.stats->seconds = ty_wall_seconds() - job.start;
+    return result;
+}

@@ -1,0 +1,68 @@
+/* One call of ty_ordinates_solve. */
+#ifndef TY_SOLVE_ORDINATES_JOB_H
+#define TY_SOLVE_ORDINATES_JOB_H
+
+#include "solve/correction.h"
+#include "solve/sweep.h"
+
+/* Iterates that the next one is mixed from. */
+enum { TY_ORDINATES_DEPTH = 5 };
+
+/* Sums over a plane of cells: of a change and of what changed, squared; of the change times that of each iterate; W/m
+ * of light absorbed. */
+typedef struct ty_ordinates_sums {
+    double change, fluence, products[TY_ORDINATES_DEPTH], emitted, absorbed;
+} ty_ordinates_sums;
+
+typedef struct ty_ordinates_job {
+    ty_context* context;
+    const ty_ordinates_def* def;
+    ty_ordinates_stats* stats;
+    double* history;
+    int32_t history_capacity;
+    double start, reported; /* s */
+
+    int64_t cells;
+    int32_t terms; /* bands^2 */
+    ty_sweep* sweep;
+    ty_correction* correction; /* NULL: source iteration */
+
+    /* All without ghosts. Moments and what they emit have `terms` items of each cell after one another. */
+    float* extinction; /* sigma* */
+    float* fixed;      /* q, where it has more than one term; NULL: the def's plane */
+    float* emission;
+    float* iterates[TY_ORDINATES_DEPTH]; /* moments: what sweeps, with their corrections, made of mixtures of others */
+    float* changes[TY_ORDINATES_DEPTH];  /* of phi_00, from the mixture to the iterate */
+    float* before;                       /* phi_00 of the mixture */
+    ty_ordinates_sums* sums;             /* one for each plane */
+
+    double shares[TY_ORDINATES_DEPTH]; /* of the iterates in the next mixture; they add up to 1, or all are 0: dark */
+    int32_t depth;                     /* iterates there is room for */
+    int32_t count;                     /* iterates there are */
+    int32_t latest;                    /* of them */
+    bool given;                        /* the only iterate is a start: it is not known what a sweep changes it by */
+} ty_ordinates_job;
+
+/* Loops over all cells, in parallel. */
+
+/* sigma*; and for diffusion, sigma* - s_1 and sigma_a. Returns whether coefficients and sources are what they must be.
+ */
+bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption);
+/* `count` planes, as the caller has them, to terms of cells after one another, zeros behind them, and back. */
+void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t count, int32_t terms, float* cells);
+void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes);
+/* The job's terms of cells, with zeros behind them. */
+void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
+/* Mixes iterates by their shares: phi_00 to `before`, and to emission what the mixture emits. */
+void ty_ordinates_emit(ty_ordinates_job* job);
+/* The source of the correction: what the latest iterate scatters more than the mixture. Returns its sum of squares. */
+double ty_ordinates_excess(ty_ordinates_job* job);
+/* Adds the correction e to the latest iterate (NULL: none), and notes what it changed. */
+ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e);
+/* Emitted and absorbed, W. */
+ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms);
+
+/* Iterates until the def says to end: TY_OK or TY_CANCELLED. The result is the latest iterate. */
+ty_result ty_ordinates_iterate(ty_ordinates_job* job);
+
+#endif

@@ -1,0 +1,299 @@
+/* Loops over all cells that sweeps are told from, and corrected with. Sums are made plane by plane, in order. */
+#include "base/kernel.h"
+#include "base/parallel.h"
+#include "solve/ordinates_job.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What is inlined where the number of bands is known, so that loops over terms have no ends to look for. */
+#define INLINE static inline __attribute__((always_inline))
+#define SQRT_4PI 3.5449077018110318
+
+/* Boxes with fewer cells are worked on by one thread: waking others takes longer. */
+enum { CELLS_FOR_THREADS = 1 << 12 };
+
+typedef struct loop {
+    ty_ordinates_job* job;
+    const float* const* planes;
+    float* const* places;
+    const float* from;
+    float *to, *reduced, *absorption;
+    int32_t count, terms;
+} loop;
+
+static void run(loop* l, ty_parallel_fn body) {
+    const ty_ordinates_job* job = l->job;
+    ty_parallel_flushed(job->cells >= CELLS_FOR_THREADS ? job->context : NULL, job->def->size[2], body, l);
+}
+
+static ty_ordinates_sums add_up(const ty_ordinates_job* job) {
+    ty_ordinates_sums total = {0};
+    for (int32_t z = 0; z < job->def->size[2]; ++z) {
+        const ty_ordinates_sums* s = &job->sums[z];
+        total.change += s->change;
+        total.fluence += s->fluence;
+        total.emitted += s->emitted;
+        total.absorbed += s->absorbed;
+        for (int i = 0; i < TY_ORDINATES_DEPTH; ++i) total.products[i] += s->products[i];
+    }
+    return total;
+}
+
+/* Cells of a plane, and where they begin. */
+static size_t plane_cells(const ty_ordinates_job* job) {
+    return (size_t)job->def->size[0] * (size_t)job->def->size[1];
+}
+
+/* ---- coefficients ---- */
+
+static double power(double base, int32_t exponent) {
+    double product = 1;
+    for (int32_t i = 0; i < exponent; ++i) product *= base;
+    return product;
+}
+
+static bool is_sound(const ty_ordinates_job* job, size_t i) {
+    const ty_ordinates_def* def = job->def;
+    const float sigma = def->extinction[i], scattering = def->scattering[i], g = def->g[i];
+    bool sound = sigma >= 0 && sigma <= TY_FLOAT_MAX && scattering >= 0 && scattering <= sigma && g > -1 && g < 1;
+    for (int32_t t = 0; t < def->source_terms; ++t) sound = sound && isfinite(def->source[t][i]);
+    return sound;
+}
+
+static void scale_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const ty_ordinates_job* job = l->job;
+    const ty_ordinates_def* def = job->def;
+    const size_t begin = (size_t)z * plane_cells(job);
+    job->sums[z].change = 0;
+    for (size_t i = begin; i < begin + plane_cells(job); ++i) {
+        if (!is_sound(job, i)) job->sums[z].change = 1;
+        const double g = (double)def->g[i], forward = power(g, def->bands);
+        const double sigma = (double)def->extinction[i], scattering = (double)def->scattering[i];
+        job->extinction[i] = (float)(sigma - forward * scattering);
+        if (l->reduced == NULL) continue;
+        l->reduced[i] = (float)(sigma - (def->bands > 1 ? g : forward) * scattering);
+        l->absorption[i] = (float)(sigma - scattering);
+    }
+}
+
+bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption) {
+    loop l = {.job = job, .reduced = reduced, .absorption = absorption};
+    run(&l, scale_plane);
+    return add_up(job).change <= 0;
+}
+
+/* ---- planes and cells ---- */
+
+static void gather_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const size_t begin = (size_t)z * plane_cells(l->job), terms = (size_t)l->terms;
+    for (size_t i = begin; i < begin + plane_cells(l->job); ++i)
+        for (size_t t = 0; t < terms; ++t) l->to[i * terms + t] = t < (size_t)l->count ? l->planes[t][i] : 0;
+}
+
+void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t count, int32_t terms,
+                         float* cells) {
+    loop l = {.job = job, .planes = planes, .count = count, .terms = terms, .to = cells};
+    run(&l, gather_plane);
+}
+
+static void scatter_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const size_t begin = (size_t)z * plane_cells(l->job), terms = (size_t)l->terms;
+    for (size_t t = 0; t < terms; ++t)
+        for (size_t i = begin; i < begin + plane_cells(l->job); ++i) l->places[t][i] = l->from[i * terms + t];
+}
+
+void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes) {
+    loop l = {.job = job, .places = planes, .terms = terms, .from = cells};
+    run(&l, scatter_plane);
+}
+
+static void widen_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const size_t begin = (size_t)z * plane_cells(l->job), terms = (size_t)l->terms, count = (size_t)l->count;
+    for (size_t i = begin; i < begin + plane_cells(l->job); ++i) {
+        memcpy(l->to + i * terms, l->from + i * count, sizeof(float) * count);
+        memset(l->to + i * terms + count, 0, sizeof(float) * (terms - count));
+    }
+}
+
+void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to) {
+    loop l = {.job = job, .from = from, .to = to, .count = job->terms, .terms = terms};
+    run(&l, widen_plane);
+}
+
+/* ---- emission ---- */
+
+/* Iterates that the mixture has a share of. */
+typedef struct mixture {
+    const float* iterates[TY_ORDINATES_DEPTH];
+    float shares[TY_ORDINATES_DEPTH];
+    int32_t count;
+} mixture;
+
+static mixture mixture_of(const ty_ordinates_job* job) {
+    mixture m = {0};
+    for (int32_t i = 0; i < job->count; ++i) {
+        if (job->shares[i] == 0) continue;
+        m.iterates[m.count] = job->iterates[i];
+        m.shares[m.count++] = (float)job->shares[i];
+    }
+    return m;
+}
+
+INLINE void emit_cells(const ty_ordinates_job* job, const mixture* m, size_t begin, size_t end, const int32_t bands) {
+    const ty_ordinates_def* def = job->def;
+    const size_t terms = (size_t)(bands * bands);
+    const float* source = def->source[0];
+    for (size_t i = begin; i < end; ++i) {
+        float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX];
+        for (size_t t = 0; t < terms; ++t) mixed[t] = 0;
+        for (int32_t k = 0; k < m->count; ++k) {
+            const float *iterate = m->iterates[k] + i * terms, share = m->shares[k];
+            for (size_t t = 0; t < terms; ++t) mixed[t] += share * iterate[t];
+        }
+        job->before[i] = mixed[0];
+        const float scattering = def->scattering[i], g = def->g[i];
+        float forward = 1, power_of_g = 1;
+        for (int32_t l = 0; l < bands; ++l) forward *= g;
+        float* emission = job->emission + i * terms;
+        for (int32_t l = 0; l < bands; ++l) {
+            const float s = scattering * (power_of_g - forward);
+            for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) emission[t] = s * mixed[t];
+            power_of_g *= g;
+        }
+        if (job->fixed == NULL)
+            emission[0] += source[i];
+        else
+            for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
+    }
+}
+
+static void emit_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const ty_ordinates_job* job = l->job;
+    const mixture m = mixture_of(job);
+    const size_t begin = (size_t)z * plane_cells(job), end = begin + plane_cells(job);
+    switch (job->def->bands) {
+    case 1: emit_cells(job, &m, begin, end, 1); break;
+    case 2: emit_cells(job, &m, begin, end, 2); break;
+    case 3: emit_cells(job, &m, begin, end, 3); break;
+    case 4: emit_cells(job, &m, begin, end, 4); break;
+    case 5: emit_cells(job, &m, begin, end, 5); break;
+    case 6: emit_cells(job, &m, begin, end, 6); break;
+    default: emit_cells(job, &m, begin, end, job->def->bands); break;
+    }
+}
+
+void ty_ordinates_emit(ty_ordinates_job* job) {
+    loop l = {.job = job};
+    run(&l, emit_plane);
+}
+
+/* ---- corrections ---- */
+
+static double scattering_of(const ty_ordinates_def* def, size_t i) {
+    return (double)def->scattering[i] * (1 - power((double)def->g[i], def->bands));
+}
+
+static void excess_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const ty_ordinates_job* job = l->job;
+    const ty_box* box = ty_correction_box(job->correction);
+    const float* latest = job->iterates[job->latest];
+    double sum = 0;
+    for (int32_t y = 0; y < box->size[1]; ++y) {
+        float* f = ty_correction_source(job->correction) + ty_box_at(box, y, (int32_t)z);
+        const size_t begin = (size_t)ty_box_dense(box, y, (int32_t)z);
+        for (size_t x = 0; x < (size_t)box->size[0]; ++x) {
+            const size_t i = begin + x;
+            const double excess = (double)latest[i * (size_t)job->terms] - (double)job->before[i];
+            f[x] = (float)(scattering_of(job->def, i) * excess);
+            sum += (double)f[x] * (double)f[x];
+        }
+    }
+    job->sums[z] = (ty_ordinates_sums){.change = sum};
+}
+
+double ty_ordinates_excess(ty_ordinates_job* job) {
+    loop l = {.job = job};
+    run(&l, excess_plane);
+    return add_up(job).change;
+}
+
+/* Of a row: adds e, and notes the change. */
+static void correct_row(const ty_ordinates_job* job, const float* e, size_t begin, ty_ordinates_sums* sums) {
+    const size_t terms = (size_t)job->terms;
+    float* latest = job->iterates[job->latest];
+    float* change = job->changes[job->latest];
+    double squares = 0, fluence = 0;
+    for (size_t x = 0; x < (size_t)job->def->size[0]; ++x) {
+        const size_t i = begin + x;
+        if (e != NULL) latest[i * terms] += e[x];
+        const float now = latest[i * terms];
+        change[i] = now - job->before[i];
+        squares += (double)change[i] * (double)change[i];
+        fluence += (double)now * (double)now;
+    }
+    sums->change += squares;
+    sums->fluence += fluence;
+    for (int32_t k = 0; k < job->count; ++k) {
+        const float* other = job->changes[k];
+        double product = 0;
+#pragma omp simd reduction(+ : product)
+        for (size_t i = begin; i < begin + (size_t)job->def->size[0]; ++i)
+            product += (double)change[i] * (double)other[i];
+        sums->products[k] += product;
+    }
+}
+
+static void correct_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const ty_ordinates_job* job = l->job;
+    const ty_box box = ty_box_make(job->def->size[0], job->def->size[1], job->def->size[2]);
+    ty_ordinates_sums sums = {0};
+    for (int32_t y = 0; y < box.size[1]; ++y)
+        correct_row(job, l->from != NULL ? l->from + ty_box_at(&box, y, (int32_t)z) : NULL,
+                    (size_t)ty_box_dense(&box, y, (int32_t)z), &sums);
+    job->sums[z] = sums;
+}
+
+ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e) {
+    loop l = {.job = job, .from = e};
+    run(&l, correct_plane);
+    return add_up(job);
+}
+
+static void balance_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const ty_ordinates_def* def = l->job->def;
+    const size_t begin = (size_t)z * plane_cells(l->job);
+    ty_ordinates_sums sums = {0};
+    for (size_t i = begin; i < begin + plane_cells(l->job); ++i) {
+        sums.emitted += (double)def->source[0][i];
+        sums.absorbed +=
+            ((double)def->extinction[i] - (double)def->scattering[i]) * (double)l->from[i * (size_t)l->terms];
+    }
+    l->job->sums[z] = sums;
+}
+
+ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms) {
+    loop l = {.job = job, .from = moments, .terms = terms};
+    run(&l, balance_plane);
+    ty_ordinates_sums sums = add_up(job);
+    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
+    sums.emitted *= volume;
+    sums.absorbed *= volume;
+    return sums;
+}

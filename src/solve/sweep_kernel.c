@@ -1,0 +1,244 @@
+/* A block of a sweep: row by row, the emission towards all directions of a group, then light along the row, both ways
+ * at once, then its moments. Lanes are directions, and moments when these are summed. Built once per instruction set,
+ * with TY_ISA naming it. */
+#include "solve/sweep_kernel.h"
+
+#include "base/kernel.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+#if defined(__AVX512F__)
+enum { BYTES = 64 };
+#elif defined(__AVX__)
+enum { BYTES = 32 };
+#else
+enum { BYTES = 16 };
+#endif
+enum { LANES = BYTES / sizeof(float) };
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+#define TY_INLINE static inline __attribute__((always_inline))
+
+typedef float lanes __attribute__((vector_size(BYTES), may_alias));
+typedef int32_t whole_lanes __attribute__((vector_size(BYTES), may_alias));
+
+/* All arrays of lanes are aligned. */
+TY_INLINE lanes load(const float* from) {
+    return *(const lanes*)from;
+}
+
+TY_INLINE void store(float* to, lanes value) {
+    *(lanes*)to = value;
+}
+
+TY_INLINE bool any_sign(whole_lanes value) {
+#if defined(__AVX512F__)
+    return _mm512_movepi32_mask((__m512i)value) != 0;
+#elif defined(__AVX__)
+    return _mm256_movemask_ps((__m256)value) != 0;
+#elif defined(__SSE2__)
+    return _mm_movemask_ps((__m128)value) != 0;
+#else
+    int32_t all = 0;
+    for (int i = 0; i < LANES; ++i) all |= value[i];
+    return all < 0;
+#endif
+}
+
+/* Scratch memory of one row and group. */
+typedef struct row_scratch {
+    float* inverse;  /* 1 / (extinction + what faces take), of each cell all lanes */
+    float* light[2]; /* emission, then radiance, of both octants */
+    float* sum;      /* moments, of each cell `padded` */
+} row_scratch;
+
+static size_t padded_cells(const ty_sweep_box* box) {
+    return ((size_t)box->size[0] + TY_SWEEP_CELLS - 1) / TY_SWEEP_CELLS * TY_SWEEP_CELLS;
+}
+
+static size_t scratch_floats(const ty_sweep_box* box) {
+    return padded_cells(box) * (3 * LANES + (size_t)box->padded);
+}
+
+static row_scratch lay_out(const ty_sweep_box* box, float* scratch) {
+    const size_t row = padded_cells(box) * LANES;
+    return (row_scratch){.inverse = scratch, .light = {scratch + row, scratch + 2 * row}, .sum = scratch + 3 * row};
+}
+
+/* ---- emission ---- */
+
+typedef struct emission_view {
+    const ty_sweep_box* box;
+    const float* harmonics; /* of the group */
+    ptrdiff_t pitch;        /* from one term to the next */
+} emission_view;
+
+TY_INLINE void emit_cells(const emission_view* view, const float* emission, float* up, float* down, const int count) {
+    const ty_sweep_box* box = view->box;
+    const float* y = view->harmonics;
+    lanes even[TY_SWEEP_CELLS] = {{0}}, odd[TY_SWEEP_CELLS] = {{0}};
+    int32_t t = 0;
+    for (; t < box->even; ++t, y += view->pitch) {
+        const lanes at = load(y);
+        const float* from = emission + box->order[t];
+        for (int i = 0; i < count; ++i) even[i] += from[i * box->terms] * at;
+    }
+    for (; t < box->terms; ++t, y += view->pitch) {
+        const lanes at = load(y);
+        const float* from = emission + box->order[t];
+        for (int i = 0; i < count; ++i) odd[i] += from[i * box->terms] * at;
+    }
+    for (int i = 0; i < count; ++i) {
+        store(up + i * LANES, even[i] + odd[i]);
+        store(down + i * LANES, even[i] - odd[i]);
+    }
+}
+
+static void emit(const emission_view* view, const float* emission, float* up, float* down) {
+    const int32_t nx = view->box->size[0], terms = view->box->terms;
+    int32_t x = 0;
+    for (; x + TY_SWEEP_CELLS <= nx; x += TY_SWEEP_CELLS)
+        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, TY_SWEEP_CELLS);
+    for (; x < nx; ++x) emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, 1);
+}
+
+/* ---- light ---- */
+
+/* Light on its way along a row. */
+typedef struct stream {
+    lanes along; /* into the next cell */
+    float *light, *face_y, *face_z;
+} stream;
+
+/* The cell balances again without the faces that would fall below 0: face holds what comes in, then what goes out. */
+static __attribute__((noinline)) lanes hold_faces(const lanes twice[3], float extinction, lanes source, lanes middle,
+                                                  lanes face[3], double* fixed) {
+    const lanes none = {0};
+    whole_lanes open[3];
+    for (int a = 0; a < 3; ++a) open[a] = none == none;
+    for (int pass = 0; pass < 3; ++pass) {
+        lanes above = source, below = none + extinction;
+        for (int a = 0; a < 3; ++a) {
+            open[a] &= middle + middle >= face[a];
+            const lanes decided = (lanes)((whole_lanes)twice[a] & open[a]);
+            above += 0.5f * (twice[a] + decided) * face[a];
+            below += decided;
+        }
+        middle = (lanes)((whole_lanes)(above / below) & (below > none));
+    }
+    const whole_lanes all = open[0] & open[1] & open[2];
+    for (int i = 0; i < LANES; ++i) *fixed += all[i] == 0;
+    for (int a = 0; a < 3; ++a) face[a] = (lanes)((whole_lanes)(middle + middle - face[a]) & open[a]);
+    return middle;
+}
+
+TY_INLINE void cross_cell(stream* s, const lanes twice[3], float extinction, lanes inverse, ptrdiff_t x,
+                          double* fixed) {
+    const lanes source = load(s->light + x * LANES), y = load(s->face_y + x * LANES), z = load(s->face_z + x * LANES);
+    lanes middle = (source + twice[1] * y + twice[2] * z) * inverse + twice[0] * inverse * s->along;
+    lanes out[3] = {middle + middle - s->along, middle + middle - y, middle + middle - z};
+    if (__builtin_expect(any_sign((whole_lanes)out[0] | (whole_lanes)out[1] | (whole_lanes)out[2]), 0)) {
+        out[0] = s->along;
+        out[1] = y;
+        out[2] = z;
+        middle = hold_faces(twice, extinction, source, middle, out, fixed);
+    }
+    s->along = out[0];
+    store(s->face_y + x * LANES, out[1]);
+    store(s->face_z + x * LANES, out[2]);
+    store(s->light + x * LANES, middle);
+}
+
+static void advance(const ty_sweep_box* box, int32_t group, const float* extinction, const row_scratch* scratch,
+                    stream streams[2], ty_sweep_sums* sums) {
+    const int32_t nx = box->size[0];
+    lanes twice[3];
+    for (int a = 0; a < 3; ++a) twice[a] = load(box->twice[a] + group * LANES);
+    const lanes faces = twice[0] + twice[1] + twice[2];
+    for (int32_t x = 0; x < nx; ++x) store(scratch->inverse + x * LANES, 1.0f / (extinction[x] + faces));
+    stream up = streams[0], down = streams[1];
+    for (int32_t x = 0; x < nx; ++x) {
+        const int32_t back = nx - 1 - x;
+        cross_cell(&up, twice, extinction[x], load(scratch->inverse + x * LANES), x, &sums->fixed);
+        cross_cell(&down, twice, extinction[back], load(scratch->inverse + back * LANES), back, &sums->fixed);
+    }
+    const lanes leaving = load(box->through + group * LANES) * (up.along + down.along);
+    for (int i = 0; i < LANES; ++i) sums->leaving += (double)leaving[i];
+}
+
+/* ---- moments ---- */
+
+TY_INLINE void gather_octant(const float* light, const float* weighted, ptrdiff_t padded, int32_t directions,
+                             lanes sum[TY_SWEEP_CELLS]) {
+    for (int32_t d = 0; d < directions; ++d) {
+        const lanes w = load(weighted + d * padded);
+        for (int i = 0; i < TY_SWEEP_CELLS; ++i) sum[i] += light[i * LANES + d] * w;
+    }
+}
+
+static void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch) {
+    const int32_t first = group * LANES, left = box->directions - first, directions = left < LANES ? left : LANES;
+    const ptrdiff_t padded = box->padded;
+    for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
+        for (ptrdiff_t t = 0; t < padded; t += LANES) {
+            float* to = scratch->sum + x * padded + t;
+            lanes sum[TY_SWEEP_CELLS] = {{0}};
+            for (int i = 0; i < TY_SWEEP_CELLS && group > 0; ++i) sum[i] = load(to + i * padded);
+            for (int o = 0; o < 2; ++o)
+                gather_octant(scratch->light[o] + x * LANES, box->weighted[octant + o] + first * padded + t, padded,
+                              directions, sum);
+            for (int i = 0; i < TY_SWEEP_CELLS; ++i) store(to + i * padded, sum[i]);
+        }
+}
+
+static void add_moments(const ty_sweep_box* box, const float* sum, float* moments) {
+    const ptrdiff_t terms = box->terms, padded = box->padded, nx = box->size[0];
+    if (terms == padded) {
+#pragma omp simd
+        for (ptrdiff_t i = 0; i < nx * terms; ++i) moments[i] += sum[i];
+        return;
+    }
+    for (ptrdiff_t x = 0; x < nx; ++x)
+        for (ptrdiff_t t = 0; t < terms; ++t) moments[x * terms + t] += sum[x * padded + t];
+}
+
+/* ---- rows ---- */
+
+static void cross_row(const ty_sweep_box* box, int32_t octant, int32_t y, int32_t z, const float* emission,
+                      float* moments, const row_scratch* scratch, ty_sweep_sums* sums) {
+    const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
+    const ptrdiff_t pitch = (ptrdiff_t)box->groups * LANES;
+    for (int32_t g = 0; g < box->groups; ++g) {
+        const emission_view view = {box, box->harmonics[octant / 2] + g * LANES, pitch};
+        emit(&view, emission + row * box->terms, scratch->light[0], scratch->light[1]);
+        stream streams[2];
+        for (int o = 0; o < 2; ++o)
+            streams[o] = (stream){.along = load(box->inflow[octant + o] + g * LANES),
+                                  .light = scratch->light[o],
+                                  .face_y = box->faces_y[octant + o] + (g * nz + z) * nx * LANES,
+                                  .face_z = box->faces_z[octant + o] + (g * ny + y) * nx * LANES};
+        advance(box, g, box->extinction + row, scratch, streams, sums);
+        gather(box, g, octant, scratch);
+    }
+    add_moments(box, scratch->sum, moments + row * box->terms);
+}
+
+static void cross(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
+                  float* scratch, ty_sweep_sums* sums) {
+    const row_scratch rows = lay_out(box, scratch);
+    const bool down_y = (block->pair & 1) != 0, down_z = (block->pair & 2) != 0;
+    const int32_t count_y = block->end[0] - block->begin[0], count_z = block->end[1] - block->begin[1];
+    for (int32_t k = 0; k < count_z; ++k)
+        for (int32_t j = 0; j < count_y; ++j)
+            cross_row(box, 2 * block->pair, down_y ? block->end[0] - 1 - j : block->begin[0] + j,
+                      down_z ? block->end[1] - 1 - k : block->begin[1] + k, emission, moments, &rows, sums);
+}
+
+const ty_sweep_kernels TY_JOIN(ty_sweep_kernels_, TY_ISA) = {
+    .lanes = LANES,
+    .scratch = scratch_floats,
+    .cross = cross,
+};
