@@ -76,6 +76,11 @@ TY_FN void ty_cached_meet(const ty_gather* g, const ty_encounter* end, float rad
     for (int c = 0; c < 3; ++c) radiance[c] = end->point.emission[c] * weight;
 }
 
+/* Radiance that leaves a surface: of light that only surfaces reflected, and of all. */
+typedef struct ty_leaving {
+    float clear[3], all[3];
+} ty_leaving;
+
 /* Follows the path from the surface at *start, which it has just reached: radiance that leaves it. */
 TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, ty_leaving* out) {
     ty_path* path = &g->path;
