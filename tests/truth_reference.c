@@ -3,11 +3,11 @@
 
 /* The noise of the references is what comes with them; at g 0.96 it is too heavy for blocks. */
 static void test_cube_g0(void** state) {
-    check_reference(*state, "cube_g0", 0.005, 0.006, 64);
+    check_reference(*state, "cube_g0", 0.005, 0.006, 32);
 }
 
 static void test_cube_g07(void** state) {
-    check_reference(*state, "cube_g0.7", 0.005, 0.01, 128);
+    check_reference(*state, "cube_g0.7", 0.005, 0.01, 64);
 }
 
 static void test_cube_g096(void** state) {

@@ -1,8 +1,8 @@
-/* The long form of truth_source.c: more samples, and a finer table. */
+/* The long form of truth_source.c: larger distances, more samples, and a finer table. */
 #include "transport.h"
 
 static void test_fluence(void** state) {
-    check_sources(*state, 8);
+    check_sources(*state, 6, 8);
 }
 
 /* From a tenth of a mean free path on, for more albedos; printed to be looked at, held to the same 2%. */
