@@ -109,6 +109,106 @@ small_by() {
   expect 0 render "$scene" -o "$out" --method "$method" $small "$@"
 }
 
+# named_by_scenes METHOD SETTINGS: a scene that names the method, with the settings of $small, has the same image; and
+# threads do not matter.
+named_by_scenes() {
+  small_by "$1" fog.json asked.exr
+  expect 0 render fog.json -o named.exr --size 24x16 -q -D "render={\"method\": \"$1\", \"$1\": $2}"
+  same asked.exr named.exr
+  small_by "$1" fog.json again.exr --threads 1
+  same asked.exr again.exr
+}
+
+# changed_by METHOD SCENE KEY=VALUE...: each, below render.METHOD, makes another image than there is without;
+# kept_by: the same one.
+changed_by() {
+  each_option different "$@"
+}
+kept_by() {
+  each_option same "$@"
+}
+each_option() {
+  how=$1
+  by=$2
+  of=$3
+  shift 3
+  small_by "$by" "$of" plain.exr
+  for option in "$@"; do
+    small_by "$by" "$of" other.exr -D "render.$by.$option"
+    $how plain.exr other.exr
+  done
+}
+
+# channels METHOD AOVS NAMES MISSING: with AOVS an image has channels of those NAMES, too, and is the same; MISSING are
+# refused, and so are parts of frames.
+channels() {
+  small_by "$1" fog.json all.exr --aov "$2"
+  expect 0 info all.exr
+  for channel in R G B $3; do said out.txt "^$channel "; done
+  small_by "$1" fog.json plain.exr
+  same all.exr plain.exr
+  for aov in $4; do
+    usage_error "--aov: the method $1 has no '$aov'" render fog.json -o no.exr --method "$1" --aov "$aov"
+  done
+  usage_error "--crop: the method $1 renders whole frames" render fog.json -o no.exr --method "$1" --crop 0,0,8x8
+  absent no.exr
+}
+
+# statistics METHOD LISTS NUMBERS: stats.json has them.
+statistics() {
+  valid_json stats.json
+  said stats.json "\"method\": \"$1\""
+  for name in $2; do said stats.json "\"$name\": \\["; done
+  for name in $3; do said stats.json "\"$name\": [0-9.e-]+"; done
+  unsaid stats.json 'nan|inf'
+}
+
+# interrupted ARGUMENT...: a render to cut.exr and cut.png that is told to end leaves neither.
+interrupted() {
+  start render "$@" -o cut.exr --png cut.png --size 4096x4096
+  kill -INT "$process"
+  finished 130
+  absent cut.exr
+  absent cut.png
+}
+
+# fog.json, a cube in sun and sky; room.json, with surfaces and the lights in $1; empty.json.
+write_scenes() {
+  cat > fog.json << 'END'
+{
+  "tyndall": 1,
+  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
+  "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": [2, 3, 4], "sigma_a": 0.1, "g": 0.6}],
+  "lights": [
+    {"type": "directional", "direction": [-1, -2, -0.5], "irradiance": 1},
+    {"type": "environment", "radiance": [0.1, 0.2, 0.3]}
+  ]
+}
+END
+  cat > room.json << END
+{
+  "tyndall": 1,
+  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
+  "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 0.5, "sigma_a": 0.1}],
+  "lights": [$1],
+  "geometry": [
+    {"quad": {"origin": [-5, -1, 5], "u": [10, 0, 0], "v": [0, 0, -10]}, "material": {"albedo": 0.5}},
+    {"sphere": {"center": [0, -0.4, 0], "radius": 0.5}, "material": {"albedo": 0.8}}
+  ]
+}
+END
+  echo '{"tyndall": 1, "camera": {"position": [0, 1, 5], "target": [0, 0, 0]}}' > empty.json
+}
+
+# surfaces_by_paths METHOD: surfaces come from paths, and are as noisy; depth is theirs. Leaves few.exr, at --spp 1.
+surfaces_by_paths() {
+  small_by "$1" room.json few.exr --spp 1 --aov depth
+  small_by "$1" room.json many.exr --spp 16
+  different few.exr many.exr
+  expect 0 info few.exr
+  said out.txt '^depth.Z  *[0-9.]+  *[1-9]'
+}
+
 # refused_options METHOD: of each line of stdin the first word, KEY=VALUE below render.METHOD, is refused with what follows.
 refused_options() {
   while read -r option words; do

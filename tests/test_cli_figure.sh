@@ -40,10 +40,9 @@ test_one() {
 
 # All of a paper; the photograph is not there, which is said and hinders nothing else.
 test_prefix() {
-  expect 0 figure screen -o made --quick --size 36x24
-  for name in screen-leaking screen-thickness screen-truth screen-table; do figure_files "$name"; done
   expect 0 figure screen -o made --quick --size 36x24 --data nowhere
   said err.txt '^tyndall: screen-photo is skipped: nowhere/rgbd/'
+  for name in screen-leaking screen-thickness screen-truth screen-table; do figure_files "$name"; done
   said made/screen-table.csv '^"1 Mpixel, gather 4x4",total,ms,[0-9.e-]+,2.6,$'
   absent made/screen-photo.png
 }

@@ -11,12 +11,7 @@ fld() {
 }
 
 test_scenes_name_the_method() {
-  fld fog.json asked.exr
-  expect 0 render fog.json -o named.exr --size 24x16 -D 'render={"method": "fld", "fld": {"resolution": 16}}' -q
-  same asked.exr named.exr
-  # shellcheck disable=SC2086 # options
-  expect 0 render fog.json -o again.exr $small --method fld --threads 1
-  same asked.exr again.exr
+  named_by_scenes fld '{"resolution": 16}'
 }
 
 # cda is fld without a limiter, whatever the scene says of limiters.
@@ -32,17 +27,10 @@ test_classical_diffusion() {
 
 # Every key changes what it should, or nothing at all.
 test_options() {
-  fld fog.json plain.exr
-  for option in limiter=sum limiter=max limiter=kershaw limiter=larsen streaming=1 boundary=dirichlet beam=published \
-    resolution=12 ratio=1 environment_beams=7 spp=4 step=0.3 solver=sor iterations=1 sigma_eps=5; do
-    fld fog.json other.exr -D "render.fld.$option"
-    different plain.exr other.exr
-  done
-  for option in limiter=levermore_pomraning streaming=0 boundary=marshak solver=multigrid beam=reduced ratio=2 \
-    environment_beams=64 surface_points=16 spp=1 step=1 larsen_power=3 relaxation=1 iterations=0 sigma_eps=0; do
-    fld fog.json other.exr -D "render.fld.$option"
-    same plain.exr other.exr
-  done
+  changed_by fld fog.json limiter=sum limiter=max limiter=kershaw limiter=larsen streaming=1 boundary=dirichlet \
+    beam=published resolution=12 ratio=1 environment_beams=7 spp=4 step=0.3 solver=sor iterations=1 sigma_eps=5
+  kept_by fld fog.json limiter=levermore_pomraning streaming=0 boundary=marshak solver=multigrid beam=reduced ratio=2 \
+    environment_beams=64 surface_points=16 spp=1 step=1 larsen_power=3 relaxation=1 iterations=0 sigma_eps=0
   fld fog.json power.exr -D render.fld.limiter=larsen -D render.fld.larsen_power=5
   fld fog.json other.exr -D render.fld.limiter=larsen
   different power.exr other.exr
@@ -74,41 +62,21 @@ END
 }
 
 test_channels() {
-  fld fog.json all.exr --aov single,multiple,transmittance,depth
-  expect 0 info all.exr
-  for channel in R G B single.R multiple.B transmittance.G depth.Z; do said out.txt "^$channel "; done
-  fld fog.json plain.exr
-  same all.exr plain.exr
+  channels fld single,multiple,transmittance,depth 'single.R multiple.B transmittance.G depth.Z' 'normal albedo'
   for aov in normal albedo; do
-    usage_error "--aov: the method fld has no '$aov'" render fog.json -o no.exr --method fld --aov $aov
     usage_error "--aov: the method cda has no '$aov'" render fog.json -o no.exr --method cda --aov single,$aov
   done
-  usage_error '--crop: the method fld renders whole frames' render fog.json -o no.exr --method fld --crop 0,0,8x8
-  absent no.exr
 }
 
-# Surfaces come from paths, and are as noisy; depth is theirs.
 test_surfaces() {
-  fld room.json few.exr --spp 1 --aov depth
-  fld room.json many.exr --spp 16
-  different few.exr many.exr
-  expect 0 info few.exr
-  said out.txt '^depth.Z  *[0-9.]+  *[1-9]'
+  surfaces_by_paths fld
 }
 
 test_statistics() {
   fld fog.json out.exr --stats stats.json
-  valid_json stats.json
-  said stats.json '"method": "fld"'
-  for name in direct_size diffusion_size iterations cycles work residual emitted absorbed leaving; do
-    said stats.json "\"$name\": \\["
-  done
-  for name in medium_seconds direct_seconds solve_seconds march_seconds bytes; do
-    said stats.json "\"$name\": [0-9.e-]+"
-  done
+  statistics fld 'direct_size diffusion_size iterations cycles work residual emitted absorbed leaving' \
+    'medium_seconds direct_seconds solve_seconds march_seconds bytes'
   said stats.json '"converged": true'
-  unsaid stats.json 'nan|inf'
-  # shellcheck disable=SC2086 # options
   expect 0 render fog.json -o out.exr --method fld --size 24x16 -D render.fld.resolution=16
   said out.txt '16x16x16 cells of direct light, 8x8x8 of diffusion'
   expect 0 render fog.json -o out.exr --method fld --size 24x16 -D render.fld.iterations=1 -D render.fld.tolerance=1e-9
@@ -131,41 +99,12 @@ test_scenes_without_media() {
 
 test_interrupt() {
   for resolution in 200 16; do
-    start render builtin:cloud_sky -o cut.exr --png cut.png --method fld --size 4096x4096 -D render.fld.spp=16 \
-      -D render.fld.resolution=$resolution -D render.fld.environment_beams=2000
-    kill -INT "$process"
-    finished 130
-    absent cut.exr
-    absent cut.png
+    interrupted builtin:cloud_sky --method fld -D render.fld.spp=16 -D render.fld.resolution=$resolution \
+      -D render.fld.environment_beams=2000
   done
 }
 
-cat > fog.json << 'END'
-{
-  "tyndall": 1,
-  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
-  "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": [2, 3, 4], "sigma_a": 0.1, "g": 0.6}],
-  "lights": [
-    {"type": "directional", "direction": [-1, -2, -0.5], "irradiance": 1},
-    {"type": "environment", "radiance": [0.1, 0.2, 0.3]}
-  ]
-}
-END
-cat > room.json << 'END'
-{
-  "tyndall": 1,
-  "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "fov_y": 40},
-  "media": [{"bounds": [[-1, -1, -1], [1, 1, 1]], "sigma_s": 0.5, "sigma_a": 0.1}],
-  "lights": [{"type": "point", "position": [0, 1.5, 0], "intensity": 3}],
-  "geometry": [
-    {"quad": {"origin": [-5, -1, 5], "u": [10, 0, 0], "v": [0, 0, -10]}, "material": {"albedo": 0.5}},
-    {"sphere": {"center": [0, -0.4, 0], "radius": 0.5}, "material": {"albedo": 0.8}}
-  ]
-}
-END
-cat > empty.json << 'END'
-{"tyndall": 1, "camera": {"position": [0, 1, 5], "target": [0, 0, 0]}}
-END
+write_scenes '{"type": "point", "position": [0, 1.5, 0], "intensity": 3}'
 
 for name in $(declare -F | sed -n 's/^declare -f \(test_\)/\1/p'); do $name; done
 no_temporary_files

@@ -85,13 +85,13 @@ static void check_rays(ty_context* context, const char* name, const ty_light_vie
                        double reach, uint64_t random) {
     ty_lit_map* lit = lit_of(context, light, map);
     double sum = 0, mean_lit = 0, worst = 0;
-    int64_t visited = 0, stretches_found = 0;
+    int64_t stretches_found = 0;
     int32_t measured = 0;
     for (int i = 0; i < RAYS; ++i) {
         const ty_vec origin = random_in(&random, reach), direction = random_unit(&random);
         const float from = (float)uniform_in(&random, 0, 0.5), to = from + (float)uniform_in(&random, 0.1, 2 * reach);
         float stretches[TY_LIT_STRETCHES][2];
-        const int32_t count = ty_lit_stretches_counted(lit, origin, direction, from, to, stretches, &visited);
+        const int32_t count = ty_lit_stretches(lit, origin, direction, from, to, stretches);
         check_order(stretches, count, from, to);
         stretches_found += count;
         if (count == TY_LIT_STRETCHES) continue;
@@ -106,9 +106,8 @@ static void check_rays(ty_context* context, const char* name, const ty_light_vie
         worst = fmax(worst, fabs(found - wanted));
         ++measured;
     }
-    printf("%-26s %4d^2: lit %.3f, mean error %+.1e, worst %.1e, %.1f stretches and %.1f nodes a ray\n", name,
-           map->side, mean_lit / measured, sum / measured, worst, (double)stretches_found / RAYS,
-           (double)visited / RAYS);
+    printf("%-26s %4d^2: lit %.3f, mean error %+.1e, worst %.1e, %.1f stretches a ray\n", name, map->side,
+           mean_lit / measured, sum / measured, worst, (double)stretches_found / RAYS);
     assert_true(measured > RAYS / 2);
     assert_close(sum / measured, 0, 1e-3);
     ty_lit_map_destroy(lit);
@@ -226,6 +225,13 @@ static double nothing(const void* user, const double origin[3], const double dir
     return INFINITY;
 }
 
+/* What lights a level surface that looks up. */
+static void check_share(const ty_lit_map* lit, ty_vec point, double share, bool sure) {
+    bool is_sure = !sure;
+    assert_close(ty_lit_share(lit, point, ty_vec_make(0, 1, 0), 0.1f, 0.3f, &is_sure), share, 1e-4);
+    assert_int_equal(is_sure, sure);
+}
+
 static void cones(void** state) {
     const ty_vec down = ty_vec_make(0, -1, 0), lamp = ty_vec_make(0, 2, 0);
     const double half = 0.5;
@@ -246,9 +252,9 @@ static void cones(void** state) {
     assert_close(stretches[0][0], 0, 0);
     assert_close(stretches[0][1], 6, 1e-5);
     assert_int_equal(ty_lit_stretches(lit, ty_vec_make(-5, 2.5f, 0), ty_vec_make(1, 0, 0), 0, 9, stretches), 0);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(0, 1, 0), 0), 1);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(1, 1, 0), 0), 0);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(0, 3, 0), 0), 0);
+    check_share(lit, ty_vec_make(0, 1, 0), 1, true);
+    check_share(lit, ty_vec_make(1, 1, 0), 0, true);
+    check_share(lit, ty_vec_make(0, 3, 0), 0, true);
     ty_lit_map_destroy(lit);
     free((float*)map.depth);
 }
@@ -297,16 +303,19 @@ static void points(void** state) {
     ty_light_map map = made_light_map(&sun, 100, 1, ty_vec_make(0, 2, 0));
     made_trace(&map, &sun, edge, NULL);
     ty_lit_map* lit = lit_of(*state, &sun, &map);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(-0.5f, 0.5f, 0), 0.1f), 0);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(-0.5f, 1.5f, 0), 0.1f), 1);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(-0.5f, 1.05f, 0), 0.1f), -1);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(-0.5f, 0.95f, 0), 0.1f), -1);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(0.5f, 0.5f, 0), 0.1f), 1);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(0.005f, 0.5f, 0), 0.1f), -1);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(-0.005f, 0.5f, 0), 0.1f), -1);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(0.5f, -1.5f, 0), 0.1f), 0);
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(2, -1.5f, 0), 0.1f), 1); /* beside the map */
-    assert_int_equal(ty_lit_at(lit, ty_vec_make(1, 0.5f, 1), 0.1f), 1);  /* its corner */
+    bool sure = false;
+    check_share(lit, ty_vec_make(-0.5f, 0.5f, 0), 0, true);
+    check_share(lit, ty_vec_make(-0.5f, 0.8f, 0), 0, false); /* it may be the surface itself that is nearer */
+    check_share(lit, ty_vec_make(-0.5f, 0.95f, 0), 1, true); /* within slack */
+    check_share(lit, ty_vec_make(-0.5f, 1.5f, 0), 1, true);
+    check_share(lit, ty_vec_make(0.5f, 0.5f, 0), 1, true);
+    check_share(lit, ty_vec_make(0.005f, 0.5f, 0), 0.75, false); /* a quarter of a texel beside the edge */
+    check_share(lit, ty_vec_make(-0.005f, 0.5f, 0), 0.25, false);
+    check_share(lit, ty_vec_make(0.5f, -1.5f, 0), 0, true);
+    check_share(lit, ty_vec_make(2, -1.5f, 0), 1, true); /* beside the map */
+    check_share(lit, ty_vec_make(1, 0.5f, 1), 1, true);  /* its corner */
+    assert_close(ty_lit_share(lit, ty_vec_make(0.5f, 0.5f, 0), ty_vec_make(0, -1, 0), 0.1f, 0.3f, &sure), 0, 0);
+    assert_true(sure);
     ty_lit_map_destroy(lit);
     free((float*)map.depth);
 }

@@ -47,26 +47,4 @@ static inline estimate measure_source(ty_context* context, double albedo, double
     return result;
 }
 
-typedef struct source_case {
-    double albedo, tau;
-    int32_t spp; /* of 256 items, for an error of about half a per cent */
-} source_case;
-
-static const source_case source_cases[] = {
-    {0.5, 0.5, 128}, {0.5, 1, 256}, {0.5, 2, 1024}, {0.5, 4, 12288}, {0.5, 6, 98304},
-    {0.9, 0.5, 192}, {0.9, 1, 512}, {0.9, 2, 1536}, {0.9, 4, 12288}, {0.9, 6, 16384},
-    {1, 0.5, 256},   {1, 1, 512},   {1, 2, 2048},   {1, 4, 4096},    {1, 6, 6144},
-};
-
-/* Every case to within 2%, with `effort` times the samples. */
-static inline void check_sources(ty_context* context, int32_t effort) {
-    for (size_t i = 0; i < sizeof source_cases / sizeof *source_cases; ++i) {
-        const source_case* c = &source_cases[i];
-        char name[64];
-        snprintf(name, sizeof name, "point source, albedo %g, tau %g", c->albedo, c->tau);
-        assert_close(name, measure_source(context, c->albedo, c->tau, 256, effort * c->spp),
-                     transport_in_ball(c->albedo, c->tau), 0.02);
-    }
-}
-
 #endif

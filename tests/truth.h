@@ -3,6 +3,7 @@
 #define TY_TESTS_TRUTH_H
 
 #include "base/quadrature.h"
+#include "effort.h"
 #include "files.h"
 
 #include <tyndall/tyndall.h>

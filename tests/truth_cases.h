@@ -1,4 +1,4 @@
-/* Experiments that quick tests (truth_*) and long ones (validate_*) both make, with more or fewer samples. */
+/* Experiments of more than one truth test: slabs, cubes, images of other renderers, white furnaces. */
 #ifndef TY_TESTS_TRUTH_CASES_H
 #define TY_TESTS_TRUTH_CASES_H
 

@@ -1,7 +1,7 @@
 /* A coloured medium is three gray ones: channel by channel the same picture, and not much noisier. */
 #include "truth.h"
 
-enum { SIDE = 64, SPP = 256 };
+enum { SIDE = 64, SPP = 96 };
 
 typedef struct coefficients {
     double sigma_s[3], sigma_a[3], g[3];

@@ -30,8 +30,8 @@ typedef struct truth {
     double scattered[CELLS], uncollided[CELLS], noise; /* noise: relative RMSE of scattered */
 } truth;
 
-static inline void trace(const ty_scene* scene, truth* out) {
-    const int32_t spp = 512;
+static inline void trace(const ty_scene* scene, double g, truth* out) {
+    const int32_t spp = g > 0.9 ? 512 : fewer(512, 2); /* sharp lobes are noise already */
     double* runs[2] = {new_numbers(3 * CELLS), new_numbers(3 * CELLS)};
     double* uncollided = new_numbers(3 * CELLS);
     double sum = 0, square = 0;

@@ -32,21 +32,18 @@ static void test_cube(void** state) {
     static const int32_t resolutions[] = {16, 32, 64};
     static truth expected;
     for (int i = 0; i < 4; ++i) {
+        if (anisotropies[i] == 0.5 && !in_full()) continue;
         ty_scene* scene = cube_in_light(*state, anisotropies[i]);
         double first = 0;
-        trace(scene, &expected);
-        for (int r = 0; r < 3; ++r)
+        trace(scene, anisotropies[i], &expected);
+        for (int r = 0; r < (in_full() ? 3 : 2); ++r)
             for (int ratio = 1; ratio <= 2; ++ratio) {
                 ty_fld_def def = ty_default_fld_def();
                 def.resolution = resolutions[r];
                 def.ratio = ratio;
                 const error fld = measure(scene, &def, &expected);
-                def.limiter = TY_FLD_LIMITER_NONE;
-                const error cda = measure(scene, &def, &expected);
-                printf(
-                    "g %.2f, %2d^3 / %d: fld %.4f / %.4f, cda %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n",
-                    anisotropies[i], resolutions[r], ratio, fld.mean_ratio, fld.rmse, cda.mean_ratio, cda.rmse,
-                    expected.noise);
+                printf("g %.2f, %2d^3 / %d: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", anisotropies[i],
+                       resolutions[r], ratio, fld.mean_ratio, fld.rmse, expected.noise);
                 assert_true(fabs(fld.mean_ratio - 1) <= 0.07);
                 assert_true(fld.rmse <= 0.2);
                 if (r == 0 && ratio == 1) first = fld.mean_ratio;
@@ -60,7 +57,7 @@ static void test_cube(void** state) {
 static void test_published(void** state) {
     static truth expected;
     ty_scene* scene = cube_in_light(*state, 0);
-    trace(scene, &expected);
+    trace(scene, 0, &expected);
     ty_fld_def def = ty_default_fld_def();
     def.resolution = 32;
     def.ratio = 1;

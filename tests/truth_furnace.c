@@ -14,16 +14,17 @@ static ty_scene* furnace_scene(ty_context* context, furnace_body body, double g,
 
 static void check(ty_context* context, const char* what, furnace_body body, double g, bool map, int32_t spp) {
     char name[64];
-    ty_scene* scene = furnace_scene(context, body, g, map ? coloured : white, map);
+    const float* color = map || in_full() ? coloured : white;
+    ty_scene* scene = furnace_scene(context, body, g, color, map);
     commit(scene);
     snprintf(name, sizeof name, "%s, g %g, %s", what, g, map ? "map" : "constant");
-    assert_furnace(name, scene, map ? coloured : white, 32, spp);
+    assert_furnace(name, scene, color, in_full() ? 64 : 32, in_full() ? 1024 : spp);
     ty_scene_destroy(scene);
 }
 
 static void check_all(ty_context* context, const char* what, furnace_body body, int32_t spp) {
-    static const double g[3] = {-0.5, 0, 0.9};
-    for (int i = 0; i < 3; ++i) {
+    static const double g[] = {-0.5, 0, 0.9, -0.9, 0.5, 0.98};
+    for (int i = 0; i < (in_full() ? 6 : 3); ++i) {
         check(context, what, body, g[i], false, spp);
         check(context, what, body, g[i], true, spp);
     }
@@ -42,6 +43,7 @@ static void test_plume(void** state) {
 }
 
 static void test_overlapping_media(void** state) {
+    if (in_full()) check_all(*state, "overlapping media", FURNACE_MANY, 0);
     check(*state, "overlapping media", FURNACE_MANY, 0.4, false, 256);
     check(*state, "overlapping media", FURNACE_MANY, 0.4, true, 256);
 }

@@ -19,16 +19,22 @@ static const double tolerance = 0.01; /* of the constant term */
  * alone there, and are not to be had from eight angles. */
 static const double between_angles = 0.05;
 
-static ty_impulse* make_tables(ty_context* context, int32_t bounces) {
+/* With the most bounces that there are; made once. */
+static ty_impulse* tables;
+
+static int start(void** state) {
     ty_impulse_def def = ty_default_impulse_def();
-    ty_impulse* tables = NULL;
     ty_impulse_stats stats;
-    def.bounces = bounces;
+    def.bounces = TY_IMPULSE_BOUNCES_MAX;
     def.folder = "";
-    if (ty_impulse_create(context, &def, &tables, &stats) != TY_OK) fail_msg("%s", ty_last_error(context));
-    printf("%d bounces: built in %.1f s\n", (int)bounces, stats.seconds);
-    assert_true(stats.seconds < 60);
-    return tables;
+    if (start_context(state) != 0 || ty_impulse_create(*state, &def, &tables, &stats) != TY_OK) return -1;
+    printf("%d bounces: built in %.1f s\n", (int)def.bounces, stats.seconds);
+    return 0;
+}
+
+static int stop(void** state) {
+    ty_impulse_destroy(tables);
+    return stop_context(state);
 }
 
 static double worst_of(const float is[TY_IMPULSE_TERMS], const double should[TY_IMPULSE_TERMS]) {
@@ -50,15 +56,14 @@ static double worst_irradiance(const float is[TY_IMPULSE_TERMS], const double sh
     return worst / most;
 }
 
-static void once(const ty_impulse* tables, ty_impulse_emitter emitter, int g, double tau, double cosine,
-                 ty_impulse_response* out) {
+static void once(ty_impulse_emitter emitter, int g, double tau, double cosine, ty_impulse_response* out) {
     const ty_impulse_medium medium = {1, 1, 0.5f * (float)(g - 1)};
     ty_impulse_look(tables, emitter, &medium, (float)tau, (float)cosine, 1, out);
 }
 
 /* One bounce alone. */
-static void only(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, double tau, double cosine,
-                 float out[TY_IMPULSE_TERMS], float* shift) {
+static void only(ty_impulse_emitter emitter, int32_t bounce, double tau, double cosine, float out[TY_IMPULSE_TERMS],
+                 float* shift) {
     const ty_impulse_medium medium = {1, 1, 0};
     ty_impulse_response upto, before;
     ty_impulse_look(tables, emitter, &medium, (float)tau, (float)cosine, bounce, &upto);
@@ -75,7 +80,7 @@ static void report(const char* name, double worst, double bound) {
 /* ---- single scattering ---- */
 
 static void single_scattering_of_points_and_directions(void** state) {
-    ty_impulse* tables = make_tables(*state, 1);
+    (void)state;
     const rays_scene point = {.source = rays_point, .top = HUGE_VAL};
     for (int g = 0; g < RAYS_PHASES; ++g) {
         double worst[2] = {0};
@@ -85,10 +90,10 @@ static void single_scattering_of_points_and_directions(void** state) {
             double should[RAYS_PHASES][TY_IMPULSE_TERMS];
             ty_impulse_response is;
             rays_harmonics(&point, at, -1, 0, 8, 0, should);
-            once(tables, TY_IMPULSE_POINT, g, taus[i], 1, &is);
+            once(TY_IMPULSE_POINT, g, taus[i], 1, &is);
             worst[0] = fmax(worst[0], worst_of(is.single, should[g]));
             rays_harmonics(&beam, below, 1, 0, 24, 0, should);
-            once(tables, TY_IMPULSE_DIRECTIONAL, g, taus[i], 1, &is);
+            once(TY_IMPULSE_DIRECTIONAL, g, taus[i], 1, &is);
             worst[1] = fmax(worst[1], worst_of(is.single, should[g]));
         }
         char name[64];
@@ -97,7 +102,6 @@ static void single_scattering_of_points_and_directions(void** state) {
         snprintf(name, sizeof name, "directional, once, g %+.1f", 0.5 * (g - 1));
         report(name, worst[1], tolerance);
     }
-    ty_impulse_destroy(tables);
 }
 
 static rays_area area_of(double cosine) {
@@ -105,7 +109,7 @@ static rays_area area_of(double cosine) {
 }
 
 static void single_scattering_of_areas(void** state) {
-    ty_impulse* tables = make_tables(*state, 1);
+    (void)state;
     double worst[2][RAYS_PHASES] = {{0}};
     for (int c = 0; c < COSINES; ++c)
         for (int i = 0; i < TAUS; ++i) {
@@ -114,10 +118,10 @@ static void single_scattering_of_areas(void** state) {
             const double at[3] = {0, 0, taus[i]};
             double should[RAYS_PHASES][TY_IMPULSE_TERMS];
             ty_impulse_response is;
-            once(tables, TY_IMPULSE_AREA, 1, taus[i], cosines[c], &is);
+            once(TY_IMPULSE_AREA, 1, taus[i], cosines[c], &is);
             rays_harmonics(&scene, at, -1, asin((double)is.shift), 4, 3, should);
             for (int g = 0; g < RAYS_PHASES; ++g) {
-                once(tables, TY_IMPULSE_AREA, g, taus[i], cosines[c], &is);
+                once(TY_IMPULSE_AREA, g, taus[i], cosines[c], &is);
                 const double off = c < ON ? worst_of(is.single, should[g]) : worst_irradiance(is.single, should[g]);
                 worst[c >= ON][g] = fmax(worst[c >= ON][g], off);
             }
@@ -129,7 +133,6 @@ static void single_scattering_of_areas(void** state) {
         snprintf(name, sizeof name, "area between angles, once, g %+.1f", 0.5 * (g - 1));
         report(name, worst[1][g], between_angles);
     }
-    ty_impulse_destroy(tables);
 }
 
 /* ---- more ---- */
@@ -202,7 +205,6 @@ static void fill_radius(void* user, int64_t index, int32_t worker) {
 }
 
 static void more_scattering_of_points_and_directions(void** state) {
-    ty_impulse* tables = make_tables(*state, BOUNCES);
     static fluence light[2];
     for (int beam = 0; beam < 2; ++beam) {
         const ty_impulse_emitter emitter = beam ? TY_IMPULSE_DIRECTIONAL : TY_IMPULSE_POINT;
@@ -222,7 +224,7 @@ static void more_scattering_of_points_and_directions(void** state) {
                 float is[TY_IMPULSE_TERMS], shift;
                 if (beam) scene.emitter[2] = -taus[i];
                 rays_harmonics(&scene, at, beam ? 1 : -1, 0, beam ? 24 : 8, 0, should);
-                only(tables, emitter, bounce, taus[i], 1, is, &shift);
+                only(emitter, bounce, taus[i], 1, is, &shift);
                 worst = fmax(worst, worst_of(is, should[1]));
             }
             char name[64];
@@ -230,11 +232,9 @@ static void more_scattering_of_points_and_directions(void** state) {
             report(name, worst, tolerance);
         }
     }
-    ty_impulse_destroy(tables);
 }
 
 static void twice_scattered_light_of_areas(void** state) {
-    ty_impulse* tables = make_tables(*state, 2);
     static fluence light;
     for (int column = 0; column < COLATITUDES; ++column) {
         /* The receiver stays on the z axis; the emitter turns. */
@@ -250,21 +250,20 @@ static void twice_scattered_light_of_areas(void** state) {
             float is[TY_IMPULSE_TERMS], shift;
             memcpy(light.normal, area_of(cosines[c]).normal, sizeof light.normal);
             const rays_scene scene = {.source = look_fluence, .user = &light, .top = HUGE_VAL, .isotropic = true};
-            only(tables, TY_IMPULSE_AREA, 2, taus[i], cosines[c], is, &shift);
+            only(TY_IMPULSE_AREA, 2, taus[i], cosines[c], is, &shift);
             rays_harmonics(&scene, at, -1, asin((double)shift), 3, 2, should);
             const double off = c < ON ? worst_of(is, should[1]) : worst_irradiance(is, should[1]);
             worst[c >= ON] = fmax(worst[c >= ON], off);
         }
     report("area, bounce 2", worst[0], tolerance);
     report("area between angles, bounce 2", worst[1], between_angles);
-    ty_impulse_destroy(tables);
 }
 
 /* ---- all of it ---- */
 
 /* 64 bounces leave out less than albedo^65, and what has not come so far by then. */
 static void all_bounces_are_exact_transport(void** state) {
-    ty_impulse* tables = make_tables(*state, TY_IMPULSE_BOUNCES_MAX);
+    (void)state;
     static const struct { double albedo, farthest; } cases[] = {{0.3, 20}, {0.6, 20}, {0.8, 15}, {0.9, 10}};
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; ++c) {
         double worst = 0;
@@ -279,11 +278,10 @@ static void all_bounces_are_exact_transport(void** state) {
         printf("albedo %g: scattered fluence is within %.4f of exact transport\n", cases[c].albedo, worst);
         assert_true(worst < tolerance);
     }
-    ty_impulse_destroy(tables);
 }
 
 static void flux_through_spheres_is_the_power(void** state) {
-    ty_impulse* tables = make_tables(*state, TY_IMPULSE_BOUNCES_MAX);
+    (void)state;
     static const double radii[] = {0.01, 0.1, 0.5, 1, 1.5, 2};
     static const float sigmas[] = {1, 0.25f, 8};
     for (size_t s = 0; s < 3; ++s)
@@ -297,7 +295,6 @@ static void flux_through_spheres_is_the_power(void** state) {
             printf("sigma_t %g, tau %g: net flux is %.4f of the power\n", (double)sigmas[s], radii[i], net);
             assert_close(net, 1, 0.02);
         }
-    ty_impulse_destroy(tables);
 }
 
 /* Fluence at the surface of a half space lit at right angles: H(1) of Chandrasekhar (1960), whose integral equation is
@@ -325,7 +322,7 @@ static double h_function(double albedo) {
 }
 
 static void half_spaces_reflect_what_they_must(void** state) {
-    ty_impulse* tables = make_tables(*state, TY_IMPULSE_BOUNCES_MAX);
+    (void)state;
     static const double albedos[] = {0.3, 0.6, 0.9};
     for (int i = 0; i < 3; ++i) {
         const ty_impulse_medium medium = {1, (float)albedos[i], 0};
@@ -336,19 +333,18 @@ static void half_spaces_reflect_what_they_must(void** state) {
                h_function(albedos[i]));
         assert_close(fluence_there, h_function(albedos[i]), 0.01);
     }
-    ty_impulse_destroy(tables);
 }
 
 /* Irradiance by eleven harmonics against rays, for surfaces that look all ways; of the most that there is. */
 static void irradiance_is_that_of_rays(void** state) {
-    ty_impulse* tables = make_tables(*state, 1);
+    (void)state;
     const rays_scene scene = {.source = rays_point, .top = HUGE_VAL, .isotropic = true};
     for (int i = 0; i < TAUS; i += 3) {
         double worst = 0, most = 0;
         for (int k = 0; k <= 6; ++k) {
             const double lean = RAYS_PI * k / 6, at[3] = {0, 0, taus[i]};
             ty_impulse_response is;
-            once(tables, TY_IMPULSE_POINT, 1, taus[i], 1, &is);
+            once(TY_IMPULSE_POINT, 1, taus[i], 1, &is);
             double sum = 0;
             for (int a = 0; a < 8 * 8; ++a)
                 for (int b = 0; b < 8 * 6; ++b) {
@@ -367,7 +363,6 @@ static void irradiance_is_that_of_rays(void** state) {
         printf("tau %g: irradiance is within %.4f of its most\n", taus[i], worst / most);
         assert_true(worst < 0.01 * most);
     }
-    ty_impulse_destroy(tables);
 }
 
 int main(void) {
@@ -381,5 +376,5 @@ int main(void) {
         cmocka_unit_test(half_spaces_reflect_what_they_must),
         cmocka_unit_test(irradiance_is_that_of_rays),
     };
-    return cmocka_run_group_tests(tests, start_context, stop_context);
+    return cmocka_run_group_tests(tests, start, stop);
 }

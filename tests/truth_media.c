@@ -135,7 +135,7 @@ static ty_image* cloud_picture(ty_context* context, bool turned, uint64_t seed) 
     camera.fov_y = 20;
     must(context, ty_scene_set_camera(scene, &camera));
     commit(scene);
-    ty_image* image = render(scene, SIDE, 256, seed);
+    ty_image* image = render(scene, SIDE, 128, seed);
     ty_scene_destroy(scene);
     return image;
 }

@@ -36,7 +36,7 @@ static estimate seen_along(ty_scene* scene, const double from[3], const double w
 /* Irradiance at (x, 0, z). */
 static estimate irradiance_at(ty_scene* scene, double x, double z) {
     const double from[3] = {x - 0.1, 0.25, z + 0.05}, way[3] = {0.1, -0.25, -0.05};
-    const estimate seen = seen_along(scene, from, way, 1 << 13);
+    const estimate seen = seen_along(scene, from, way, fewer(1 << 13, 2));
     return (estimate){seen.mean * pi / floor_albedo, seen.error * pi / floor_albedo};
 }
 

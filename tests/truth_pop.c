@@ -24,7 +24,7 @@ static void test_cube(void** state) {
     static truth expected;
     for (int i = 0; i < 3; ++i) {
         ty_scene* scene = cube_in_light(*state, anisotropies[i]);
-        trace(scene, &expected);
+        trace(scene, anisotropies[i], &expected);
         for (int sharp = 0; sharp <= 1; ++sharp) {
             const error pop = measure(scene, sharp != 0, &expected);
             printf("g %.2f, %s: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", anisotropies[i],

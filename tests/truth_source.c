@@ -35,8 +35,43 @@ static void test_quadrature_conserves_energy(void** state) {
         assert_true(fabs(ty_integrate(shell, &albedo, 1e-9, 120, 400) * (1 - albedo) - 1) < 1e-4);
 }
 
+typedef struct source_case {
+    double albedo, tau;
+    int32_t spp; /* of 256 items, for an error of about half a per cent */
+} source_case;
+
+static const source_case source_cases[] = {
+    {0.5, 0.5, 128}, {0.5, 1, 256}, {0.5, 2, 1024}, {0.5, 4, 12288}, {0.5, 6, 98304},
+    {0.9, 0.5, 192}, {0.9, 1, 512}, {0.9, 2, 1536}, {0.9, 4, 12288}, {0.9, 6, 16384},
+    {1, 0.5, 256},   {1, 1, 512},   {1, 2, 2048},   {1, 4, 4096},    {1, 6, 6144},
+};
+
+/* To within 2%; far from the source that takes minutes. */
 static void test_fluence(void** state) {
-    check_sources(*state, 1);
+    const double farthest = in_full() ? 6 : 2;
+    const int32_t effort = in_full() ? 8 : 1;
+    for (size_t i = 0; i < sizeof source_cases / sizeof *source_cases; ++i) {
+        const source_case* c = &source_cases[i];
+        if (c->tau > farthest) continue;
+        char name[64];
+        snprintf(name, sizeof name, "point source, albedo %g, tau %g", c->albedo, c->tau);
+        assert_close(name, measure_source(*state, c->albedo, c->tau, 256, effort * c->spp),
+                     transport_in_ball(c->albedo, c->tau), 0.02);
+    }
+}
+
+/* From a tenth of a mean free path on, for more albedos. */
+static void test_table(void** state) {
+    static const double more_albedos[] = {0.3, 0.7, 0.8, 0.95, 0.99}, more_taus[] = {0.1, 0.2, 0.3, 0.7, 1.5, 3};
+    if (!in_full()) skip();
+    for (int a = 0; a < 5; ++a)
+        for (int i = 0; i < 6; ++i) {
+            const double albedo = more_albedos[a], tau = more_taus[i];
+            char name[64];
+            snprintf(name, sizeof name, "point source, albedo %g, tau %g", albedo, tau);
+            const int32_t spp = (int32_t)(4096 * (1 + tau * tau));
+            assert_close(name, measure_source(*state, albedo, tau, 256, spp), transport_in_ball(albedo, tau), 0.02);
+        }
 }
 
 int main(void) {
@@ -44,6 +79,7 @@ int main(void) {
         cmocka_unit_test(test_quadrature),
         cmocka_unit_test(test_quadrature_conserves_energy),
         cmocka_unit_test(test_fluence),
+        cmocka_unit_test(test_table),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -234,8 +234,8 @@ static void walk_face(const ty_lit_map* map, const face_ray* ray, float from, ty
 /* Gaps that are this long, relative to the distance, are between neighbouring faces. */
 #define LIT_SEAM 1e-5f
 
-int32_t ty_lit_stretches_counted(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
-                                 float stretches[TY_LIT_STRETCHES][2], int64_t* visited) {
+int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
+                         float stretches[TY_LIT_STRETCHES][2]) {
     ty_lit_part part = {from, to};
     if (!(from < to)) return 0;
     if (map->light.kind == TY_KIND_SPOT &&
@@ -259,14 +259,7 @@ int32_t ty_lit_stretches_counted(const ty_lit_map* map, ty_vec origin, ty_vec di
     }
     if (part.to - t > LIT_SEAM * part.to) ty_lit_turn(&run, t, 1);
     ty_lit_turn(&run, part.to, 0);
-    *visited += run.visited;
     return run.count;
-}
-
-int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
-                         float stretches[TY_LIT_STRETCHES][2]) {
-    int64_t visited = 0;
-    return ty_lit_stretches_counted(map, origin, direction, from, to, stretches, &visited);
 }
 
 /* ---- points ---- */
@@ -289,22 +282,6 @@ static bool locate(const ty_lit_map* map, ty_vec point, int32_t* face, ty_vec* a
 static bool is_outside_cone(const ty_light_view* light, ty_vec point) {
     const ty_vec off = ty_sub(point, light->position);
     return ty_dot(off, light->direction) <= light->cos_outer * sqrtf(ty_dot(off, off));
-}
-
-int32_t ty_lit_at(const ty_lit_map* map, ty_vec point, float slack) {
-    int32_t face, lit = 0;
-    ty_vec at;
-    if (map->light.kind == TY_KIND_SPOT && is_outside_cone(&map->light, point)) return 0;
-    if (!locate(map, point, &face, &at)) return 1;
-    const lit_job job = {.map = map, .face = face};
-    const int32_t last = map->map->side - 1;
-    const int32_t x = (int32_t)(at.x + 0.5f) - 1, y = (int32_t)(at.y + 0.5f) - 1;
-    for (int32_t i = 0; i < 4; ++i) {
-        const float depth = depth_at(&job, ty_lit_clamp(x + i % 2, 0, last), ty_lit_clamp(y + i / 2, 0, last));
-        if (fabsf(depth - at.z) <= slack) return -1;
-        lit += at.z < depth;
-    }
-    return lit == 4 ? 1 : lit == 0 ? 0 : -1;
 }
 
 /* The plane through a point with a normal, before a face: 1 / depth on it is linear in the place on the map for lights

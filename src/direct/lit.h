@@ -41,17 +41,11 @@ void ty_lit_map_destroy(ty_lit_map* map);
  * them are taken as lit). What lies outside of a light's map is lit. */
 int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
                          float stretches[TY_LIT_STRETCHES][2]);
-/* The same; adds the number of texels and blocks that were looked at to *visited. */
-int32_t ty_lit_stretches_counted(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
-                                 float stretches[TY_LIT_STRETCHES][2], int64_t* visited);
 
-/* Whether the light reaches a point: 1, 0, or -1 where the four texels around differ, or lie within `slack` (m) of the
- * point's depth. So points of surfaces are first moved off them, by more than that. */
-int32_t ty_lit_at(const ty_lit_map* map, ty_vec point, float slack);
-/* The share of those four texels, weighted by how near they are, that leave a point of a surface with a unit normal
- * lit: they are not nearer to the light than the plane through it by more than `slack` (m). *sure: whether all four say
- * the same, and none is nearer by just less than `close`, where it may be what touches the surface, or the surface
- * itself. */
+/* The share of the four texels around, weighted by how near they are, that leave a point of a surface with a unit
+ * normal lit: they are not nearer to the light than the plane through it by more than `slack` (m). *sure: whether all
+ * four say the same, and none is nearer by just less than `close`, where it may be what touches the surface, or the
+ * surface itself. */
 float ty_lit_share(const ty_lit_map* map, ty_vec point, ty_vec normal, float slack, float close, bool* sure);
 
 #endif

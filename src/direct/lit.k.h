@@ -48,7 +48,6 @@ typedef struct ty_lit_run {
     int32_t count;
     int32_t lit; /* whether the last one goes on */
     float at;    /* where it began, or the last one ended */
-    int64_t visited;
 } ty_lit_run;
 
 /* Joins two of the stretches, those nearest to one another. */
@@ -136,7 +135,6 @@ TY_FN void ty_lit_walk(const ty_lit_face* face, const ty_lit_line* line, int32_t
         const int32_t edge_x = (block_x + ahead_x) << level, edge_y = (block_y + ahead_y) << level;
         const float u_x = ((float)edge_x - line->x) * per_x, u_y = ((float)edge_y - line->y) * per_y;
         const float leave = ty_maxf(u, ty_minf(ty_minf(u_x, u_y), 1.0f));
-        ++run->visited;
         if (level == 0) {
             ty_lit_pass_texel(line, face->texels[(size_t)y * (size_t)side + (size_t)x], u, leave, run);
         } else {

@@ -130,11 +130,6 @@ TY_FN void ty_lattice_values(const ty_lattice* lattice, const ty_lattice_cells* 
     for (int32_t t = 0; t < terms; ++t) values[t] = ty_lattice_mean(cells, lattice->light[channel][t]);
 }
 
-/* Fluence there over 4 pi, which is the mean radiance, of a channel. */
-TY_FN float ty_lattice_even(const ty_lattice* lattice, const ty_lattice_cells* cells, int32_t channel) {
-    return TY_SH_0 * ty_lattice_mean(cells, lattice->light[channel][0]);
-}
-
 /* How many cells a place is within a lattice; below 0: outside. */
 TY_FN float ty_lattice_depth(const ty_lattice* lattice, ty_vec place) {
     const int32_t* size = lattice->box.size;
