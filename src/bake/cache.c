@@ -45,17 +45,31 @@ static void find_box(const ty_scene* scene, double lower[3], double upper[3]) {
     }
 }
 
-static void place(ty_bake_cache* cache, const ty_scene* scene, int32_t longest) {
+/* Whether any medium prefers a direction: whether cells keep one. */
+static bool turns(const ty_scene_view* view) {
+    for (int32_t m = 0; m < view->medium_count; ++m) {
+        const ty_medium_view* medium = &view->media[m];
+        if (medium->has_g_field != 0 || medium->g[0] != 0 || medium->g[1] != 0 || medium->g[2] != 0) return true;
+    }
+    return false;
+}
+
+/* media: those with any matter. */
+static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_view* media, ty_cache_view* view,
+                  ty_bake_cache_info* info) {
     double lower[3], upper[3], side = 0;
-    ty_cache_view* view = &cache->view;
+    const int32_t longest = def->cells > 0 ? def->cells : CELLS_DEFAULT;
+    view->floats = turns(media) ? 8 : 4;
+    info->bytes = (double)(TY_CACHE_KINDS * view->floats) * sizeof(float);
     find_box(scene, lower, upper);
     for (int a = 0; a < 3; ++a) side = fmax(side, upper[a] - lower[a]);
     const double cell = side / longest;
-    cache->info.cell = cell;
+    info->cell = cell;
     view->per_metre = (float)(1 / cell);
     for (int a = 0; a < 3; ++a) {
         const int32_t count = (int32_t)fmax(1, ceil((upper[a] - lower[a]) / cell - 1e-6));
-        cache->info.size[a] = view->size[a] = count;
+        info->size[a] = view->size[a] = count;
+        info->bytes *= count;
         view->lower[a] = (float)(0.5 * (lower[a] + upper[a] - cell * count));
     }
 }
@@ -120,20 +134,10 @@ static ty_result fill_cells(ty_bake_cache* cache, const ty_bake_run* run, const 
 
 /* ---- the whole ---- */
 
-/* Whether any medium prefers a direction: whether cells keep one. */
-static bool turns(const ty_scene_view* view) {
-    for (int32_t m = 0; m < view->medium_count; ++m) {
-        const ty_medium_view* medium = &view->media[m];
-        if (medium->has_g_field != 0 || medium->g[0] != 0 || medium->g[1] != 0 || medium->g[2] != 0) return true;
-    }
-    return false;
-}
-
 static ty_result take_cells(ty_bake_cache* cache) {
     ty_cache_view* view = &cache->view;
     cache->floats = (size_t)(TY_CACHE_KINDS * view->floats);
     for (int a = 0; a < 3; ++a) cache->floats *= (size_t)view->size[a];
-    cache->info.bytes = (double)cache->floats * sizeof(float);
     cache->light = ty_alloc_array(cache->context, cache->floats, sizeof *cache->light, true);
     view->light = cache->light;
     return cache->light != NULL ? TY_OK : TY_ERROR_MEMORY;
@@ -188,8 +192,7 @@ ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_b
     cache->context = run->context;
     ty_result result = TY_OK;
     if (run->path.view.medium_count > 0) {
-        place(cache, scene, run->def->cells > 0 ? run->def->cells : CELLS_DEFAULT);
-        cache->view.floats = turns(&run->path.view) ? 8 : 4;
+        place(scene, run->def, &run->path.view, &cache->view, &cache->info);
         result = take_cells(cache);
         if (result == TY_OK) result = fill_all(cache, run);
     }
@@ -197,6 +200,16 @@ ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_b
         *out = cache;
     else
         ty_bake_cache_destroy(cache);
+    return result;
+}
+
+ty_result ty_bake_cache_estimate(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache_info* out) {
+    ty_cache_view view;
+    const ty_scene_view* media = ty_scene_get_view(scene);
+    *out = (ty_bake_cache_info){.cell = 0};
+    if (media == NULL) return TY_ERROR_ARGUMENT;
+    const ty_result result = ty_bake_check(ty_scene_context(scene), def);
+    if (result == TY_OK && media->medium_count > 0) place(scene, def, media, &view, out);
     return result;
 }
 
