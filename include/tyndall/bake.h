@@ -72,10 +72,10 @@ typedef struct ty_bake_def {
                         all, where that is more), > 0; 0 (default): no bound */
     int32_t bounces; /* reflections and, for TY_BAKE_PATH, scatterings together at most; 0 (default): as many
                         as Russian roulette leaves */
-    int32_t scatterings;      /* between two surfaces, or a light and a surface, at most, 1..tables' bounces; default
-                                 10. TY_BAKE_PATH keeps to it, too */
-    bool back_scattering;     /* whether light counts that surfaces behind a receiver send into the medium (Sec. 5.2);
-                                 default true */
+    int32_t scatterings;        /* between two surfaces, or a light and a surface, at most, 1..tables' bounces; default
+                                   10. TY_BAKE_PATH keeps to it, too */
+    bool back_scattering;       /* whether light counts that surfaces behind a receiver send into the medium (Sec. 5.2);
+                                   default true */
     const ty_impulse* tables;   /* method TY_BAKE_IMPULSE; NULL: made with defaults */
     const ty_bake_cache* cache; /* method TY_BAKE_CACHE, of the same scene; NULL: made of this def */
     int32_t cells;              /* of a cache along the longest side of its box, 1..512; 0 (default): 32 */
@@ -90,8 +90,8 @@ TY_API ty_bake_def ty_default_bake_def(void);
 typedef struct ty_bake_stats {
     double seconds, table_seconds;
     double cache_seconds; /* of the cache's making, if it was made for this bake */
-    int64_t paths, rays; /* segments and shadow rays */
-    double ray_seconds;  /* estimate: rays at the speed of bare tracing; 0: not measured */
+    int64_t paths, rays;  /* segments and shadow rays */
+    double ray_seconds;   /* estimate: rays at the speed of bare tracing; 0: not measured */
     double mean_samples;
 } ty_bake_stats;
 
@@ -103,6 +103,8 @@ typedef struct ty_bake_cache_info {
     double bytes, seconds;
 } ty_bake_cache_info;
 
+/* What a cache will be: its size, the side of its cells and its bytes. Errors: TY_ERROR_ARGUMENT. */
+TY_API ty_result ty_bake_cache_estimate(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache_info* out);
 /* Gathers the light in a committed scene's media, for any number of bakes of it with the same bounces and scatterings:
  * def's cells, cell_paths, bounces, scatterings, seed and progress count. Without media that scatter it has no cells.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, TY_CANCELLED. */

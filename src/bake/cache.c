@@ -45,17 +45,31 @@ static void find_box(const ty_scene* scene, double lower[3], double upper[3]) {
     }
 }
 
-static void place(ty_bake_cache* cache, const ty_scene* scene, int32_t longest) {
+/* Whether any medium prefers a direction: whether cells keep one. */
+static bool turns(const ty_scene_view* view) {
+    for (int32_t m = 0; m < view->medium_count; ++m) {
+        const ty_medium_view* medium = &view->media[m];
+        if (medium->has_g_field != 0 || medium->g[0] != 0 || medium->g[1] != 0 || medium->g[2] != 0) return true;
+    }
+    return false;
+}
+
+/* media: those with any matter. */
+static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_view* media, ty_cache_view* view,
+                  ty_bake_cache_info* info) {
     double lower[3], upper[3], side = 0;
-    ty_cache_view* view = &cache->view;
+    const int32_t longest = def->cells > 0 ? def->cells : CELLS_DEFAULT;
+    view->floats = turns(media) ? 8 : 4;
+    info->bytes = (double)(TY_CACHE_SIDES * (TY_CACHE_KINDS * view->floats + 3)) * sizeof(float) + 2;
     find_box(scene, lower, upper);
     for (int a = 0; a < 3; ++a) side = fmax(side, upper[a] - lower[a]);
     const double cell = side / longest;
-    cache->info.cell = cell;
+    info->cell = cell;
     view->per_metre = (float)(1 / cell);
     for (int a = 0; a < 3; ++a) {
         const int32_t count = (int32_t)fmax(1, ceil((upper[a] - lower[a]) / cell - 1e-6));
-        cache->info.size[a] = view->size[a] = count;
+        info->size[a] = view->size[a] = count;
+        info->bytes *= count;
         view->lower[a] = (float)(0.5 * (lower[a] + upper[a] - cell * count));
     }
 }
@@ -65,7 +79,6 @@ static void place(ty_bake_cache* cache, const ty_scene* scene, int32_t longest) 
 typedef struct fill {
     ty_cache_request request;
     ty_cache_kernel kernel;
-    float* light;
     uint8_t* known;
     int64_t begin, end; /* of this chunk */
     _Atomic uint64_t rays;
@@ -75,7 +88,7 @@ static void fill_block(void* user, int64_t block, int32_t worker) {
     (void)worker;
     fill* f = user;
     const int64_t begin = f->begin + block * BLOCK, end = begin + BLOCK < f->end ? begin + BLOCK : f->end;
-    f->rays += f->kernel(&f->request, begin, end, f->light, f->known);
+    f->rays += f->kernel(&f->request, begin, end, f->known);
 }
 
 static bool tell(const ty_bake_def* def, double seconds, int64_t done, int64_t all) {
@@ -91,11 +104,10 @@ static bool tell(const ty_bake_def* def, double seconds, int64_t done, int64_t a
     return def->progress == NULL || def->progress(def->progress_user, &progress);
 }
 
-static ty_result fill_cells(ty_bake_cache* cache, const ty_bake_run* run, const int32_t* cells, int64_t count,
-                            uint8_t* known) {
+static ty_result fill_cells(ty_bake_cache* cache, const ty_bake_run* run, const int32_t* cells, int64_t count) {
     const ty_bake_def* def = run->def;
     const double begun = ty_wall_seconds();
-    fill f = {.kernel = choose_kernel(), .light = cache->light, .known = known};
+    fill f = {.kernel = choose_kernel(), .known = cache->known};
     f.request = (ty_cache_request){.path = run->request.path, .view = cache->view, .cells = cells};
     f.request.path.seed ^= seed_salt;
     f.request.paths = (uint32_t)(def->cell_paths > 0 ? def->cell_paths : PATHS_DEFAULT);
@@ -120,65 +132,27 @@ static ty_result fill_cells(ty_bake_cache* cache, const ty_bake_run* run, const 
 
 /* ---- the whole ---- */
 
-/* Whether any medium prefers a direction: whether cells keep one. */
-static bool turns(const ty_scene_view* view) {
-    for (int32_t m = 0; m < view->medium_count; ++m) {
-        const ty_medium_view* medium = &view->media[m];
-        if (medium->has_g_field != 0 || medium->g[0] != 0 || medium->g[1] != 0 || medium->g[2] != 0) return true;
-    }
-    return false;
-}
-
 static ty_result take_cells(ty_bake_cache* cache) {
     ty_cache_view* view = &cache->view;
-    cache->floats = (size_t)(TY_CACHE_KINDS * view->floats);
-    for (int a = 0; a < 3; ++a) cache->floats *= (size_t)view->size[a];
-    cache->info.bytes = (double)cache->floats * sizeof(float);
-    cache->light = ty_alloc_array(cache->context, cache->floats, sizeof *cache->light, true);
-    view->light = cache->light;
-    return cache->light != NULL ? TY_OK : TY_ERROR_MEMORY;
-}
-
-/* The mean of what is known in the cells around one. */
-static void take_around(const ty_bake_cache* cache, const uint8_t* known, int64_t cell, float* out) {
-    const int32_t* size = cache->view.size;
-    const int32_t at[3] = {(int32_t)(cell % size[0]), (int32_t)(cell / size[0] % size[1]),
-                           (int32_t)(cell / ((int64_t)size[0] * size[1]))};
-    const int32_t floats = TY_CACHE_KINDS * cache->view.floats;
-    int32_t count = 0;
-    for (int32_t i = 0; i < 27; ++i) {
-        const int32_t x = at[0] + i % 3 - 1, y = at[1] + i / 3 % 3 - 1, z = at[2] + i / 9 - 1;
-        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
-        const int64_t other = x + size[0] * (y + (int64_t)size[1] * z);
-        if (known[other] == 0) continue;
-        const float* light = cache->light + (size_t)other * (size_t)floats;
-        for (int32_t f = 0; f < floats; ++f) out[f] += light[f];
-        ++count;
-    }
-    for (int32_t f = 0; f < floats && count > 0; ++f) out[f] /= (float)count;
-}
-
-/* Cells within walls take the light of those around: points beside the walls look there, too. */
-static void widen(ty_bake_cache* cache, const uint8_t* known, int64_t count) {
-    const size_t floats = (size_t)(TY_CACHE_KINDS * cache->view.floats);
-    for (int64_t i = 0; i < count; ++i)
-        if (known[i] == 0) take_around(cache, known, i, cache->light + (size_t)i * floats);
+    const size_t floats = (size_t)(TY_CACHE_KINDS * view->floats);
+    cache->cells = (size_t)view->size[0] * (size_t)view->size[1] * (size_t)view->size[2];
+    ty_result result = ty_check_memory(cache->context, cache->info.bytes, "light in media");
+    if (result != TY_OK) return result;
+    view->light = ty_alloc_array(cache->context, cache->cells, floats * sizeof(float), true);
+    view->other = ty_alloc_array(cache->context, cache->cells, floats * sizeof(float), true);
+    view->anchor = ty_alloc_array(cache->context, cache->cells, 3 * TY_CACHE_SIDES * sizeof(float), true);
+    view->known = cache->known = ty_alloc_array(cache->context, cache->cells, 1, true);
+    const bool all = view->light != NULL && view->other != NULL && view->anchor != NULL && cache->known != NULL;
+    return all ? TY_OK : TY_ERROR_MEMORY;
 }
 
 static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
-    const ty_cache_view* view = &cache->view;
-    const int64_t count = (int64_t)view->size[0] * view->size[1] * view->size[2];
-    ty_result result = TY_ERROR_MEMORY;
-    int32_t* cells = ty_alloc_array(cache->context, (size_t)count, sizeof *cells, false);
-    uint8_t* known = ty_alloc_array(cache->context, (size_t)count, sizeof *known, true);
-    if (cells != NULL && known != NULL) {
-        for (int64_t i = 0; i < count; ++i) cells[i] = (int32_t)i;
-        result = fill_cells(cache, run, cells, count, known);
-        if (result == TY_OK) widen(cache, known, count);
-    }
-    ty_free_array(cache->context, cells, (size_t)count, sizeof *cells);
-    ty_free_array(cache->context, known, (size_t)count, sizeof *known);
-    return result;
+    int32_t* cells = ty_alloc_array(cache->context, cache->cells, sizeof *cells, false);
+    if (cells == NULL) return TY_ERROR_MEMORY;
+    for (size_t i = 0; i < cache->cells; ++i) cells[i] = (int32_t)i;
+    const ty_result result = fill_cells(cache, run, cells, (int64_t)cache->cells);
+    ty_free_array(cache->context, cells, cache->cells, sizeof *cells);
+    return result == TY_OK ? ty_cache_part(cache, run->path.view.mesh) : result;
 }
 
 ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out) {
@@ -188,8 +162,7 @@ ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_b
     cache->context = run->context;
     ty_result result = TY_OK;
     if (run->path.view.medium_count > 0) {
-        place(cache, scene, run->def->cells > 0 ? run->def->cells : CELLS_DEFAULT);
-        cache->view.floats = turns(&run->path.view) ? 8 : 4;
+        place(scene, run->def, &run->path.view, &cache->view, &cache->info);
         result = take_cells(cache);
         if (result == TY_OK) result = fill_all(cache, run);
     }
@@ -197,6 +170,16 @@ ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_b
         *out = cache;
     else
         ty_bake_cache_destroy(cache);
+    return result;
+}
+
+ty_result ty_bake_cache_estimate(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache_info* out) {
+    ty_cache_view view;
+    const ty_scene_view* media = ty_scene_get_view(scene);
+    *out = (ty_bake_cache_info){.cell = 0};
+    if (media == NULL) return TY_ERROR_ARGUMENT;
+    const ty_result result = ty_bake_check(ty_scene_context(scene), def);
+    if (result == TY_OK && media->medium_count > 0) place(scene, def, media, &view, out);
     return result;
 }
 
@@ -211,7 +194,11 @@ ty_result ty_bake_cache_create(const ty_scene* scene, const ty_bake_def* def, ty
 
 void ty_bake_cache_destroy(ty_bake_cache* cache) {
     if (cache == NULL) return;
-    ty_free_array(cache->context, cache->light, cache->floats, sizeof *cache->light);
+    const size_t floats = (size_t)(TY_CACHE_KINDS * cache->view.floats) * sizeof(float);
+    ty_free_array(cache->context, cache->view.light, cache->cells, floats);
+    ty_free_array(cache->context, cache->view.other, cache->cells, floats);
+    ty_free_array(cache->context, cache->view.anchor, cache->cells, 3 * TY_CACHE_SIDES * sizeof(float));
+    ty_free_array(cache->context, cache->known, cache->cells, 1);
     ty_free_array(cache->context, cache, 1, sizeof *cache);
 }
 

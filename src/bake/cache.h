@@ -13,18 +13,25 @@ enum { TY_CACHE_CELLS_MAX = 512 };
  * blue; then, with room for 8 floats, how far all of it comes from one direction, 0..1, and which, a unit vector. */
 enum { TY_CACHE_ONCE = 0, TY_CACHE_REST = 1, TY_CACHE_KINDS = 2 };
 
+/* A cell that surfaces cut has two sides: what its middle sees, and the rest, of which one point is the anchor. What is
+ * known of a cell: the light on either side (bits of known), and whether who looks there has to see an anchor first. */
+enum { TY_CACHE_SIDES = 2, TY_CACHE_CUT = 1 << TY_CACHE_SIDES };
+
 typedef struct ty_cache_view {
     float lower[3], per_metre;
     int32_t size[3];
-    int32_t floats; /* per kind of light: 4 where media scatter evenly, or 8 */
-    const float* light;
+    int32_t floats;       /* per kind of light: 4 where media scatter evenly, or 8 */
+    float* light;         /* of the first side, cell by cell, both kinds */
+    float* other;         /* of the other */
+    float* anchor;        /* per cell the anchors of both sides, 3 floats each */
+    const uint8_t* known; /* per cell */
 } ty_cache_view;
 
 struct ty_bake_cache {
     ty_context* context;
     ty_cache_view view;
-    float* light;
-    size_t floats;
+    uint8_t* known; /* view's */
+    size_t cells;
     ty_bake_cache_info info;
 };
 
@@ -35,9 +42,8 @@ typedef struct ty_cache_request {
     uint32_t paths;       /* per cell */
 } ty_cache_request;
 
-/* Fills cells[begin..end) of light, and says for which it is known, by cell; returns rays. */
-#define TY_CACHE_KERNEL(name)                                                                                          \
-    uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, float* light, uint8_t* known)
+/* Fills cells[begin..end), what is known but TY_CACHE_CUT of light from other cells; returns rays. */
+#define TY_CACHE_KERNEL(name) uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, uint8_t* known)
 typedef TY_CACHE_KERNEL((*ty_cache_kernel));
 TY_CACHE_KERNEL(ty_cache_kernel_v1);
 TY_CACHE_KERNEL(ty_cache_kernel_v3);

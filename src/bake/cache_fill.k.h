@@ -2,7 +2,7 @@
 #ifndef TY_BAKE_CACHE_FILL_K_H
 #define TY_BAKE_CACHE_FILL_K_H
 
-#include "bake/cache.h"
+#include "bake/cache_look.k.h"
 #include "method/path/path.k.h"
 
 /* Sums over paths of a cell. */
@@ -25,19 +25,41 @@ TY_FN double ty_cache_sum(const ty_cache_sums* sums, int32_t kind) {
     return sums->radiance[kind][0] + sums->radiance[kind][1] + sums->radiance[kind][2];
 }
 
-/* Somewhere in the cell. */
-TY_FN ty_vec ty_cache_point(const ty_cache_view* view, int32_t cell, ty_random* random) {
-    const int32_t index[3] = {cell % view->size[0], cell / view->size[0] % view->size[1],
-                              cell / (view->size[0] * view->size[1])};
-    float point[3];
-    for (int a = 0; a < 3; ++a)
-        point[a] = view->lower[a] + ((float)index[a] + ty_random_next(random)) / view->per_metre;
-    return ty_vec_load(point);
+/* A point of a cell, by where in it: 0..1. */
+TY_FN ty_vec ty_cache_point(const ty_cache_view* view, int32_t cell, float x, float y, float z) {
+    const float metres = 1.0f / view->per_metre;
+    const float i = (float)(cell % view->size[0]), j = (float)(cell / view->size[0] % view->size[1]),
+                k = (float)(cell / (view->size[0] * view->size[1]));
+    return ty_vec_make(view->lower[0] + metres * (i + x), view->lower[1] + metres * (j + y),
+                       view->lower[2] + metres * (k + z));
 }
 
-/* One path from where light is to be scattered, which is the first scattering of its run. sums: of paths whose first
- * ray meets no back of a surface, and of those where it does. Returns rays. */
-TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, uint32_t number, ty_cache_sums sums[2]) {
+/* One side of a cell: paths whose first ray meets no back of a surface, and those where it does. */
+typedef struct ty_cache_side_sums {
+    ty_vec anchor;
+    ty_cache_sums fronts, backs;
+} ty_cache_side_sums;
+
+/* The sides of a cell that is being filled; sides: how many there are. */
+typedef struct ty_cache_cell_sums {
+    int32_t sides;
+    ty_cache_side_sums side[TY_CACHE_SIDES];
+} ty_cache_cell_sums;
+
+/* The side that a point is on; the first that sees no anchor becomes the second. NULL: it is on neither. */
+TY_FN ty_cache_side_sums* ty_cache_find_side(const ty_mesh* mesh, ty_cache_cell_sums* sums, ty_vec point) {
+    for (int32_t i = 0; i < sums->sides; ++i)
+        if (mesh == NULL || ty_cache_sees(mesh, point, sums->side[i].anchor)) return &sums->side[i];
+    if (sums->sides == TY_CACHE_SIDES) return NULL;
+    ty_cache_side_sums* side = &sums->side[sums->sides++];
+    memset(side, 0, sizeof *side);
+    side->anchor = point;
+    return side;
+}
+
+/* One path from where light is to be scattered, which is the first scattering of its run. Returns rays. */
+TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, uint32_t number,
+                               ty_cache_cell_sums* sums) {
     const float factor[3] = {TY_INV_4PI, TY_INV_4PI, TY_INV_4PI};
     const ty_mesh* mesh = request->path.scene->mesh;
     ty_path path;
@@ -45,8 +67,11 @@ TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, ui
     ty_hit hit;
     float chosen, straight[3], rest[3];
     ty_path_begin(&path, &request->path, (uint64_t)cell, number);
-    path.origin = ty_cache_point(&request->view, cell, &path.random);
+    const float x = ty_random_next(&path.random), y = ty_random_next(&path.random), z = ty_random_next(&path.random);
+    path.origin = ty_cache_point(&request->view, cell, x, y, z);
     path.run = 1;
+    ty_cache_side_sums* side = ty_cache_find_side(mesh, sums, path.origin);
+    if (side == NULL) return 2;
     const ty_light_view* light = ty_path_choose_light(&path, path.origin, &chosen, &sample);
     if (light != NULL) ty_path_add_vertex_light(&path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
     memcpy(straight, path.radiance[TY_PART_UNCOLLIDED], sizeof straight);
@@ -55,8 +80,8 @@ TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, ui
     const ty_vec direction = path.direction;
     const bool back = mesh != NULL && ty_mesh_intersect(mesh, path.origin, direction, TY_FLOAT_MAX, &hit) &&
                       ty_dot(hit.normal, direction) > 0.0f;
-    const uint64_t rays = 3 + 2 * ty_path_follow(&path);
-    ty_cache_sums* sum = &sums[back ? 1 : 0];
+    const uint64_t rays = 4 + 2 * ty_path_follow(&path);
+    ty_cache_sums* sum = back ? &side->backs : &side->fronts;
     for (int c = 0; c < 3; ++c)
         rest[c] =
             path.radiance[TY_PART_REFLECTED][c] + path.radiance[TY_PART_SINGLE][c] + path.radiance[TY_PART_MULTIPLE][c];
@@ -78,24 +103,42 @@ TY_FN void ty_cache_keep(const ty_cache_view* view, const ty_cache_sums* sums, i
     for (int a = 0; a < 3; ++a) out[4 + a] = (float)(toward[a] / length);
 }
 
-/* Where rays meet backs of surfaces and no light at all, they begin within walls: of cells that are partly there, the
+/* Where rays meet backs of surfaces and no light at all, they begin within walls: of sides that are partly there, the
  * rest alone counts. False: nothing does. */
-TY_FN bool ty_cache_fill(const ty_cache_request* request, int32_t cell, float* light, uint64_t* rays) {
-    ty_cache_sums sums[2];
-    memset(sums, 0, sizeof sums);
-    for (uint32_t i = 0; i < request->paths; ++i) *rays += ty_cache_sample(request, cell, i, sums);
-    if (ty_cache_sum(&sums[1], TY_CACHE_ONCE) + ty_cache_sum(&sums[1], TY_CACHE_REST) > 0) {
-        sums[0].paths += sums[1].paths;
+TY_FN bool ty_cache_keep_side(const ty_cache_view* view, ty_cache_side_sums* side, float* light) {
+    ty_cache_sums* all = &side->fronts;
+    if (ty_cache_sum(&side->backs, TY_CACHE_ONCE) + ty_cache_sum(&side->backs, TY_CACHE_REST) > 0) {
+        all->paths += side->backs.paths;
         for (int32_t k = 0; k < TY_CACHE_KINDS; ++k)
             for (int a = 0; a < 3; ++a) {
-                sums[0].radiance[k][a] += sums[1].radiance[k][a];
-                sums[0].toward[k][a] += sums[1].toward[k][a];
+                all->radiance[k][a] += side->backs.radiance[k][a];
+                all->toward[k][a] += side->backs.toward[k][a];
             }
     }
-    if (!(sums[0].paths > 0)) return false;
-    for (int32_t k = 0; k < TY_CACHE_KINDS; ++k)
-        ty_cache_keep(&request->view, &sums[0], k, light + k * request->view.floats);
+    if (!(all->paths > 0)) return false;
+    for (int32_t k = 0; k < TY_CACHE_KINDS; ++k) ty_cache_keep(view, all, k, light + k * view->floats);
     return true;
+}
+
+/* Returns what is known then. */
+TY_FN uint8_t ty_cache_fill(const ty_cache_request* request, int32_t cell, uint64_t* rays) {
+    const ty_cache_view* view = &request->view;
+    const size_t place = (size_t)cell * (size_t)(TY_CACHE_KINDS * view->floats);
+    ty_cache_cell_sums sums;
+    uint8_t known = 0;
+    sums.sides = 0;
+    /* Beside the very middle, where walls like to be. */
+    ty_cache_find_side(NULL, &sums, ty_cache_point(view, cell, 0.513f, 0.507f, 0.491f));
+    for (uint32_t i = 0; i < request->paths; ++i) *rays += ty_cache_sample(request, cell, i, &sums);
+    for (int32_t i = 0; i < sums.sides; ++i) {
+        float* anchor = view->anchor + (size_t)cell * (3 * TY_CACHE_SIDES) + 3 * i;
+        anchor[0] = sums.side[i].anchor.x;
+        anchor[1] = sums.side[i].anchor.y;
+        anchor[2] = sums.side[i].anchor.z;
+        if (ty_cache_keep_side(view, &sums.side[i], (i == 0 ? view->light : view->other) + place))
+            known |= (uint8_t)(1 << i);
+    }
+    return sums.sides > 1 ? known | TY_CACHE_CUT : known;
 }
 
 #endif

@@ -8,12 +8,8 @@
 
 TY_CACHE_KERNEL(TY_JOIN(ty_cache_kernel_, TY_ISA)) {
     const unsigned thread_state = ty_flush_denormals();
-    const size_t each = (size_t)(TY_CACHE_KINDS * request->view.floats);
     uint64_t rays = 0;
-    for (int64_t i = begin; i < end; ++i) {
-        const int32_t cell = request->cells[i];
-        known[cell] = ty_cache_fill(request, cell, light + each * (size_t)cell, &rays);
-    }
+    for (int64_t i = begin; i < end; ++i) known[request->cells[i]] = ty_cache_fill(request, request->cells[i], &rays);
     ty_restore_denormals(thread_state);
     return rays;
 }

@@ -5,20 +5,46 @@
 #include "bake/cache.h"
 #include "scene/phase.k.h"
 
+TY_FN int32_t ty_cache_cell(const ty_cache_view* view, ty_vec at) {
+    const int32_t* size = view->size;
+    const float m = view->per_metre;
+    const int32_t x = (int32_t)ty_clampf((at.x - view->lower[0]) * m, 0.0f, (float)(size[0] - 1));
+    const int32_t y = (int32_t)ty_clampf((at.y - view->lower[1]) * m, 0.0f, (float)(size[1] - 1));
+    const int32_t z = (int32_t)ty_clampf((at.z - view->lower[2]) * m, 0.0f, (float)(size[2] - 1));
+    return x + size[0] * (y + size[1] * z);
+}
+
+TY_FN bool ty_cache_sees(const ty_mesh* mesh, ty_vec from, ty_vec to) {
+    const ty_vec way = ty_sub(to, from);
+    const float distance = sqrtf(ty_dot(way, way));
+    return !(distance > 0.0f) || !ty_mesh_occluded(mesh, from, ty_scale(way, 1.0f / distance), distance);
+}
+
+/* The light of the side of a cell that a point sees; NULL: it sees neither. */
+TY_FN const float* ty_cache_side(const ty_cache_view* view, const ty_mesh* mesh, int32_t cell, ty_vec at) {
+    const size_t place = (size_t)cell * (size_t)(TY_CACHE_KINDS * view->floats);
+    const float* anchor = view->anchor + (size_t)cell * (3 * TY_CACHE_SIDES);
+    const uint8_t known = view->known[cell];
+    if ((known & 1) != 0 && ty_cache_sees(mesh, at, ty_vec_load(anchor))) return view->light + place;
+    if ((known & 2) != 0 && ty_cache_sees(mesh, at, ty_vec_load(anchor + 3))) return view->other + place;
+    return NULL;
+}
+
 /* The light of one of the eight cells around a point, by a chance that makes the mean trilinear between cells' middles,
- * even beyond the outermost. */
-TY_FN const float* ty_cache_look(const ty_cache_view* view, ty_vec at, ty_random* random) {
+ * even beyond the outermost. Near surfaces that cut cells, or cells from each other, light counts that the point sees
+ * where it was gathered. */
+TY_FN const float* ty_cache_look(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_random* random) {
     const uint64_t bits = ty_random_bits(random);
-    const float jitter[3] = {(float)(uint32_t)(bits >> 43) * 0x1p-21f,
-                             (float)(uint32_t)(bits >> 22 & 0x1fffffu) * 0x1p-21f,
-                             (float)(uint32_t)(bits & 0x1fffffu) * 0x1p-21f};
-    const float point[3] = {at.x, at.y, at.z};
-    int32_t cell = 0;
-    for (int a = 2; a >= 0; --a) {
-        const float x = (point[a] - view->lower[a]) * view->per_metre + jitter[a] - 0.5f;
-        cell = cell * view->size[a] + (int32_t)ty_clampf(x, 0.0f, (float)(view->size[a] - 1));
-    }
-    return view->light + (size_t)cell * (size_t)(TY_CACHE_KINDS * view->floats);
+    const float half = 0.5f, metres = 1.0f / view->per_metre;
+    const ty_vec jitter = ty_vec_make((float)(uint32_t)(bits >> 43) * 0x1p-21f - half,
+                                      (float)(uint32_t)(bits >> 22 & 0x1fffffu) * 0x1p-21f - half,
+                                      (float)(uint32_t)(bits & 0x1fffffu) * 0x1p-21f - half);
+    const int32_t cell = ty_cache_cell(view, ty_mad(at, jitter, metres)), own = ty_cache_cell(view, at);
+    const size_t each = (size_t)(TY_CACHE_KINDS * view->floats);
+    if ((view->known[own] & TY_CACHE_CUT) == 0) return view->light + (size_t)cell * each;
+    const float* light = ty_cache_side(view, mesh, cell, at);
+    if (light == NULL && cell != own) light = ty_cache_side(view, mesh, own, at);
+    return light != NULL ? light : view->light + (size_t)own * each;
 }
 
 /* Radiance scattered against a ray's direction, per scattering coefficient, of one kind of light. Light whose mean

@@ -31,7 +31,7 @@ TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, ty_cached_f
         for (int c = 0; c < 3; ++c) fog->glow[c] *= weight[c] * (1.0f - albedo[c]);
     }
     if (request->cache.light == NULL) return;
-    const float* light = ty_cache_look(&request->cache, at, &g->path.random);
+    const float* light = ty_cache_look(&request->cache, scene->mesh, at, &g->path.random);
     if (request->cache.floats < 8) {
         for (int c = 0; c < 3; ++c) {
             fog->once[c] = weight[c] * albedo[c] * light[c];

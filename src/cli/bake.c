@@ -61,9 +61,11 @@ static ty_bake_def make_def(bake_run* run) {
                                       : SPP_LOW;
     def.error = options->error;
     def.bounces = options->bounces;
-    def.scatterings = options->scatterings > 0     ? options->scatterings
-                      : def.method == TY_BAKE_PATH ? TY_IMPULSE_BOUNCES_MAX
-                                                   : def.scatterings;
+    def.scatterings = options->scatterings > 0        ? options->scatterings
+                      : def.method == TY_BAKE_IMPULSE ? def.scatterings
+                                                      : TY_IMPULSE_BOUNCES_MAX;
+    def.cells = options->cells;
+    def.cell_paths = options->cell_paths;
     def.back_scattering = !options->no_back_scattering;
     def.seed = run->session->common.seed_given ? run->session->common.seed : ty_scene_render_settings(run->scene).seed;
     def.progress = bake_report_progress;
@@ -84,13 +86,32 @@ static ty_result make_tables(bake_run* run) {
     return result;
 }
 
+static ty_result make_cache(bake_run* run) {
+    if (run->def.method != TY_BAKE_CACHE || ty_scene_get_info(run->scene).media == 0) return TY_OK;
+    ty_bake_def def = run->def;
+    def.progress = cli_progress_report;
+    def.progress_user = &run->session->progress;
+    const ty_result result = ty_bake_cache_create(run->scene, &def, &run->cache);
+    if (result != TY_OK) return result;
+    run->def.cache = run->cache;
+    run->cache_seconds = ty_bake_cache_get_info(run->cache).seconds;
+    return TY_OK;
+}
+
+/* Whether anything is left to bake. */
+static bool has_work(const bake_run* run) {
+    for (int32_t i = 0; i < run->plan.count; ++i)
+        if (!run->plan.units[i].done) return true;
+    return false;
+}
+
 static ty_result record(bake_run* run) {
     const ty_result result = bake_write_state(run);
     return result == TY_OK ? bake_write_sidecar(run) : result;
 }
 
 static ty_result bake_units(bake_run* run) {
-    ty_result result = record(run);
+    ty_result result = TY_OK;
     for (int32_t i = 0; i < run->plan.count && result == TY_OK; ++i) {
         bake_unit* unit = &run->plan.units[i];
         if (unit->done) continue;
@@ -113,6 +134,7 @@ static void print_closing_lines(const bake_run* run) {
     if (resumed > 0) printf(", %d of them before", (int)resumed);
     printf(", %.1f s", cli_wall_seconds() - run->started);
     if (run->tables != NULL) printf(" (tables %.1f s)", run->table_seconds);
+    if (run->cache != NULL) printf(" (light in media %.1f s)", run->cache_seconds);
     printf("%s\nwrote %s/bake.json and what it lists\n", run->complete ? "" : ", interrupted", run->options->folder);
 }
 
@@ -151,7 +173,10 @@ static int bake_scene(bake_run* run) {
     fflush(stdout);
     session->stats = bake_report_stats;
     session->stats_user = run;
-    ty_result result = make_tables(run);
+    run->started = cli_wall_seconds();
+    ty_result result = record(run);
+    if (result == TY_OK && has_work(run)) result = make_tables(run);
+    if (result == TY_OK && has_work(run)) result = make_cache(run);
     run->started = cli_wall_seconds();
     if (result == TY_OK) result = bake_units(run);
     return finish(run, result);
@@ -164,6 +189,7 @@ static int load_and_bake(cli_session* session, const bake_options* options) {
     bake_count_totals(&run);
     bake_free_plan(session, &run.plan);
     free(run.copies);
+    ty_bake_cache_destroy(run.cache);
     ty_impulse_destroy(run.tables);
     ty_scene_destroy(run.scene);
     return cli_session_close(session, status);
@@ -201,7 +227,7 @@ int cli_bake(int count, char** arguments) {
     bake_options options = {.sh = 3, .padding = atlas.padding, .density = atlas.density};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
-        {"method", 0, CLI_CHOICE, "impulse|attenuation|surfaces|path", "how media count (default impulse)",
+        {"method", 0, CLI_CHOICE, "cache|impulse|attenuation|surfaces|path", "how media count (default cache)",
          &options.method, 0, 0, NULL},
         {"quality", 0, CLI_CHOICE, "low|high", "64 or 1024 paths per receiver (default low)", &options.quality, 0, 0,
          NULL},
@@ -211,10 +237,15 @@ int cli_bake(int count, char** arguments) {
          NULL},
         {"bounces", 0, CLI_INT, "N", "reflections at most (default 0: 16, and some paths end earlier)",
          &options.bounces, 0, 1024, NULL},
-        {"scatterings", 0, CLI_INT, "N", "scatterings in a row at most (default 10, and 64 for path)",
+        {"scatterings", 0, CLI_INT, "N", "scatterings in a row at most (default 64, and 10 for impulse)",
          &options.scatterings, 1, TY_IMPULSE_BOUNCES_MAX, NULL},
-        {"no-back-scattering", 0, CLI_FLAG, NULL, "leave out what surfaces behind a receiver send into the medium",
-         &options.no_back_scattering, 0, 0, NULL},
+        {"cache", 0, CLI_INT, "N", "cells of the media's light along their longest side (default 32)", &options.cells,
+         1, 512, NULL},
+        {"cache-paths", 0, CLI_INT, "N", "paths that gather light in each cell (default 64)", &options.cell_paths, 1,
+         SPP_MAX, NULL},
+        {"no-back-scattering", 0, CLI_FLAG, NULL,
+         "impulse: leave out what surfaces behind a receiver send into the medium", &options.no_back_scattering, 0, 0,
+         NULL},
         {"lightmaps", 0, CLI_FLAG, NULL, "bake meshes by lightmap", &options.lightmaps, 0, 0, NULL},
         {"vertices", 0, CLI_FLAG, NULL, "bake meshes by vertex; with --lightmaps only those without UV2",
          &options.vertices, 0, 0, NULL},

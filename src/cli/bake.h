@@ -11,7 +11,7 @@ enum { BAKE_NAME_SIZE = 96, BAKE_PATH_SIZE = 4096, BAKE_KEY_SIZE = 2048, BAKE_RO
 typedef struct bake_options {
     const char *scene, *folder, *probes;
     int method, quality;
-    int32_t spp, bounces, scatterings, sh, padding, size[2], grid[3];
+    int32_t spp, bounces, scatterings, cells, cell_paths, sh, padding, size[2], grid[3];
     double error, density, grid_spacing;
     const char* grid_text; /* --grid as given */
     bool spp_given, no_back_scattering, lightmaps, vertices, resume, dry_run;
@@ -48,7 +48,8 @@ typedef struct bake_plan {
     int64_t probe_count;
     int32_t lightmapped, by_vertex; /* meshes */
     int64_t receivers, texels;
-    double bytes; /* of the largest unit */
+    double bytes;             /* of the largest unit */
+    ty_bake_cache_info cache; /* bytes 0: there will be none */
 } bake_plan;
 
 /* A glTF file whose meshes are baked by vertex. */
@@ -75,7 +76,8 @@ typedef struct bake_run {
     int32_t copy_count;
     ty_bake_def def;
     ty_impulse* tables;
-    double table_seconds, started;
+    ty_bake_cache* cache;
+    double table_seconds, cache_seconds, started;
     double receivers_done, receivers_skipped; /* skipped: of units that were done before */
     bool complete;
     bake_totals totals;
@@ -131,6 +133,6 @@ ty_result bake_write_probes(bake_run* run, const ty_bake_probe* probes);
 /* For --stats, which are written when the plan is gone. */
 void bake_count_totals(bake_run* run);
 void bake_report_stats(json_writer* json, const void* user);
-extern const char* const bake_method_names[4];
+extern const char* const bake_method_names[TY_BAKE_PATH + 1];
 
 #endif

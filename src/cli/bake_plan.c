@@ -236,6 +236,10 @@ int bake_make_plan(bake_run* run) {
         const ty_result result = plan_meshes(run);
         if (result != TY_OK) return cli_fail_reading(run->session, result);
     }
+    if (run->def.method == TY_BAKE_CACHE) {
+        const ty_result result = ty_bake_cache_estimate(run->scene, &run->def, &run->plan.cache);
+        if (result != TY_OK) return cli_fail_running(run->session, result);
+    }
     int status = wants_grid(options) ? plan_grid(run) : CLI_GO;
     if (status == CLI_GO && options->probes != NULL) status = plan_probes(run);
     return status;
@@ -258,6 +262,9 @@ void bake_print_plan(const bake_run* run) {
         printf("%d shapes have no coordinates to bake by; they give and block light\n", (int)info.shapes);
     if (grid[0] > 0) printf("light grid: %d x %d x %d\n", (int)grid[0], (int)grid[1], (int)grid[2]);
     if (plan->probe_count > 0) printf("probes: %" PRId64 "\n", plan->probe_count);
-    cli_format_bytes(plan->bytes + (double)info.bytes, bytes);
+    cli_format_bytes(plan->bytes + plan->cache.bytes + (double)info.bytes, bytes);
+    if (plan->cache.bytes > 0)
+        printf("light in media: %d x %d x %d cells of %.3g m\n", (int)plan->cache.size[0], (int)plan->cache.size[1],
+               (int)plan->cache.size[2], plan->cache.cell);
     printf("about %" PRId64 " receivers, %s of memory\n", plan->receivers, bytes);
 }

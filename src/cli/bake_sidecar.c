@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-const char* const bake_method_names[4] = {"impulse", "attenuation", "surfaces", "path"};
+const char* const bake_method_names[TY_BAKE_PATH + 1] = {"cache", "impulse", "attenuation", "surfaces", "path"};
 static const char* const layer_names[TY_BAKE_LAYERS] = {"direct", "indirect", "single", "multiple"};
 
 /* ---- Conventions ---- */
@@ -88,6 +88,19 @@ ty_result bake_write_probes(bake_run* run, const ty_bake_probe* probes) {
 
 /* ---- bake.json ---- */
 
+static void put_cache(json_writer* json, const bake_run* run) {
+    const ty_bake_cache_info info = ty_bake_cache_get_info(run->cache);
+    json_open_object(json, "cache");
+    json_numbers(json, "cells", (const double[]){info.size[0], info.size[1], info.size[2]}, 3);
+    json_number(json, "cell", info.cell);
+    json_integer(json, "filled", info.filled);
+    json_integer(json, "paths", info.paths);
+    json_integer(json, "rays", info.rays);
+    json_number(json, "bytes", info.bytes);
+    json_number(json, "seconds", info.seconds);
+    json_close_object(json);
+}
+
 static void put_options(json_writer* json, const bake_run* run) {
     const bake_options* options = run->options;
     json_text(json, "method", bake_method_names[options->method]);
@@ -95,6 +108,7 @@ static void put_options(json_writer* json, const bake_run* run) {
     json_number(json, "error", run->def.error);
     json_integer(json, "bounces", run->def.bounces);
     json_integer(json, "scatterings", run->def.scatterings);
+    if (run->cache != NULL) put_cache(json, run);
     json_bool(json, "back_scattering", run->def.back_scattering);
     json_unsigned(json, "seed", run->def.seed);
 }
