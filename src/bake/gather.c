@@ -166,10 +166,15 @@ void ty_bake_run_end(ty_bake_run* run) {
     if (run->path.items != NULL) ty_path_run_end(&run->path);
 }
 
+/* Of a mean of n samples, by their sum and that of their squares. */
+static double variance_of(double sum, double square, int32_t n) {
+    return n < 2 ? square : fmax(0, (square - sum * sum / n) / (n - 1)) / n;
+}
+
 double ty_bake_variance(const ty_bake_sums* sums, int channel) {
     if (sums->count < 2) return 0;
-    const double n = sums->count, mean = sums->mean[channel] / n;
-    return fmax(0, (sums->square[channel] - n * mean * mean) / (n - 1)) / n;
+    return variance_of(sums->mean[channel], sums->square[channel], sums->count) +
+           variance_of(sums->fog_mean[channel], sums->fog_square[channel], sums->asked);
 }
 
 /* ---- passes ---- */
@@ -218,7 +223,12 @@ static ty_result sample_pass(ty_bake_run* run, uint32_t first, uint32_t count, d
 }
 
 static double brightness(const ty_bake_sums* sums) {
-    return sums->count > 0 ? (sums->mean[0] + sums->mean[1] + sums->mean[2]) / (3 * sums->count) : 0;
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (sums->count > 0) sum += sums->mean[c] / sums->count;
+        if (sums->asked > 0) sum += sums->fog_mean[c] / sums->asked;
+    }
+    return sum / 3;
 }
 
 /* Ends receivers that are precise enough; true when all are. */

@@ -11,8 +11,6 @@
 #define TY_LEAST_GRAZING 0.02f
 /* Emitters with a receiver this far behind their plane (a cosine) count as if it were in it. */
 #define TY_LEAST_FACING -0.1f
-/* The part of a flat light's area that one of its samples stands for. */
-#define TY_LAMP_PART 0.0625f
 
 /* A light that a point sees, and the media in between. weight: of its light that goes straight to the point, which may
  * take that direction itself, with density cosine / pi (surfaces) or evenly (probes). */
@@ -147,35 +145,6 @@ TY_FN void ty_emitter_look_from(ty_emitter* emitter, ty_vec from) {
     emitter->look = distance > 0.0f ? ty_scale(to, 1.0f / distance) : ty_vec_make(0.0f, 0.0f, 1.0f);
     emitter->distance = ty_disc_distance(distance, emitter->area);
     emitter->cosine = emitter->kind == TY_IMPULSE_AREA ? -ty_dot(emitter->normal, emitter->look) : 1.0f;
-}
-
-/* A light, by its sample from a point. */
-TY_FN void ty_emitter_of_light(const ty_light_view* light, const ty_light_sample* sample, ty_vec from,
-                               const ty_segment* segment, float weight, ty_emitter* out) {
-    const float d2 = sample->distance * sample->distance;
-    float factor = weight * d2;
-    *out = (ty_emitter){.kind = TY_IMPULSE_POINT, .position = ty_mad(from, sample->look, sample->distance)};
-    if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT) {
-        out->kind = TY_IMPULSE_DIRECTIONAL;
-        out->look = sample->look;
-        out->distance = segment->leave;
-        out->cosine = 1.0f;
-        for (int c = 0; c < 3; ++c) out->strength[c] = weight * sample->radiance[c];
-        return;
-    }
-    if (light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE) {
-        out->kind = TY_IMPULSE_AREA;
-        out->area = light->area * TY_LAMP_PART;
-        out->normal = ty_scale(light->direction, ty_dot(light->direction, sample->look) < 0.0f ? 1.0f : -1.0f);
-        factor = weight * d2 / ty_light_facing(light, sample->look);
-    } else if (light->kind == TY_KIND_SPHERE) {
-        out->position = light->position;
-        factor = 0.0f;
-        for (int c = 0; c < 3; ++c) out->strength[c] = weight * light->color[c] * TY_PI * light->radius * light->radius;
-    }
-    if (factor > 0.0f)
-        for (int c = 0; c < 3; ++c) out->strength[c] = factor * sample->radiance[c];
-    ty_emitter_look_from(out, from);
 }
 
 /* ---- segments ---- */
@@ -320,32 +289,31 @@ TY_FN void ty_gather_ahead(ty_gather* g, const ty_encounter* end, const ty_segme
     const float weight = 1.0f / g->path.pdf;
     float basis[TY_BAKE_TERMS_MAX], light[3] = {0.0f, 0.0f, 0.0f};
     ty_gather_basis(g, direction, basis);
-    for (int c = 0; c < 3; ++c) g->path.beta[c] = weight;
-    ty_gather_meet(g, end, segment, light);
-    ty_gather_keep_all(g, TY_BAKE_DIRECT, light, basis);
+    if (g->request->fog_alone == 0) {
+        for (int c = 0; c < 3; ++c) g->path.beta[c] = weight;
+        ty_gather_meet(g, end, segment, light);
+        ty_gather_keep_all(g, TY_BAKE_DIRECT, light, basis);
+    }
     if (end == NULL) return;
+    if (ty_gather_scatters(g)) {
+        /* Light that media sent to the surface. */
+        ty_senders_fog(g->request->senders, end->hit.position, end->point.normal, light);
+        for (int c = 0; c < 3; ++c)
+            light[c] *= weight * segment->transmittance[c] * end->point.albedo[c] * (1.0f / TY_PI);
+        ty_gather_keep_all(g, TY_BAKE_MULTIPLE, light, basis);
+    }
+    if (g->request->fog_alone != 0) return;
     for (int c = 0; c < 3; ++c) g->path.beta[c] = 1.0f;
     ty_gather_follow(g, end, light);
     for (int c = 0; c < 3; ++c) light[c] *= weight * segment->transmittance[c];
     ty_gather_keep_all(g, TY_BAKE_INDIRECT, light, basis);
 }
 
-/* Light that media sent to the surface that the path's first ray met, and that the surface reflects. */
-TY_FN void ty_gather_reflected_fog(ty_gather* g, const ty_encounter* end, ty_vec direction, float weight,
-                                   const ty_segment* segment) {
-    float basis[TY_BAKE_TERMS_MAX], light[3];
-    ty_senders_fog(g->request->senders, end->hit.position, end->point.normal, light);
-    for (int c = 0; c < 3; ++c)
-        light[c] *= weight * segment->transmittance[c] * end->point.albedo[c] * (1.0f / TY_PI);
-    ty_gather_basis(g, direction, basis);
-    ty_gather_keep_all(g, TY_BAKE_MULTIPLE, light, basis);
-}
-
 /* ---- what media make of emitters ---- */
 
 /* What the sky sends that is never sampled as a light, from where the sample's ray leaves all. */
-TY_FN void ty_gather_sky_response(ty_gather* g, ty_vec direction, float weight, const ty_segment* segment) {
-    const ty_emitter emitter = {.kind = TY_IMPULSE_DIRECTIONAL, .look = direction, .distance = segment->leave};
+TY_FN void ty_gather_sky_response(ty_gather* g, float weight, const ty_segment* segment) {
+    const ty_emitter emitter = {.kind = TY_IMPULSE_DIRECTIONAL, .look = g->way, .distance = segment->leave};
     ty_response response;
     float strength[3];
     ty_gather_sky(g, false, strength);
@@ -354,41 +322,37 @@ TY_FN void ty_gather_sky_response(ty_gather* g, ty_vec direction, float weight, 
         ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
 }
 
-/* What media make of a light that the receiver sees. */
-TY_FN void ty_gather_light_response(ty_gather* g, const ty_seen_light* seen, float weight) {
-    ty_emitter emitter;
-    ty_response response;
-    ty_emitter_of_light(seen->light, &seen->sample, g->from, &seen->segment, weight / seen->chosen, &emitter);
-    if (ty_response_find(g->request, &seen->segment, &emitter, g->most, &response))
-        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
+TY_FN bool ty_light_is_far(const ty_light_view* light) {
+    return light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT;
 }
 
-/* And of lights that send it nothing straight, being behind it or turned away: what is off the surface looks for them.
- */
-TY_FN void ty_gather_light_aside(ty_gather* g, float weight) {
-    ty_path* path = &g->path;
-    ty_emitter emitter;
+/* What media make of light from afar. weight: of the sample. */
+TY_FN void ty_gather_far_response(ty_gather* g, const ty_light_sample* sample, const ty_segment* segment,
+                                  float weight) {
+    const ty_emitter emitter = {
+        .kind = TY_IMPULSE_DIRECTIONAL, .look = sample->look, .distance = segment->leave, .cosine = 1.0f};
     ty_response response;
+    float strength[3];
+    for (int c = 0; c < 3; ++c) strength[c] = weight * sample->radiance[c];
+    if (ty_response_find(g->request, segment, &emitter, g->most, &response))
+        ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
+}
+
+/* And of what comes from behind the receiver: what is off the surface looks for it. */
+TY_FN void ty_gather_far_behind(ty_gather* g, float weight) {
+    ty_path* path = &g->path;
     ty_segment segment;
     ty_light_sample sample;
     float chosen;
     path->origin = g->off;
     path->normal = ty_vec_make(0.0f, 0.0f, 0.0f);
     const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
-    if (light == NULL) return;
-    ty_gather_segment(g, path->origin, sample.look, sample.distance, &segment);
-    ty_emitter_of_light(light, &sample, path->origin, &segment, weight / chosen, &emitter);
-    if (emitter.kind != TY_IMPULSE_DIRECTIONAL) ty_emitter_look_from(&emitter, g->position);
-    const bool ahead = ty_dot(g->normal, emitter.look) > 0.0f && ty_dot(g->face, emitter.look) > 0.0f;
-    if (ahead && emitter.cosine > 0.0f) return;
-    if (emitter.cosine < TY_LEAST_FACING) return;
-    emitter.cosine = ty_maxf(0.0f, emitter.cosine);
+    if (light == NULL || !ty_light_is_far(light)) return;
+    if (ty_dot(g->normal, sample.look) > 0.0f && ty_dot(g->face, sample.look) > 0.0f) return;
     ++g->rays;
     if (!ty_path_sees(path, path->origin, &sample)) return;
-    if (emitter.kind != TY_IMPULSE_DIRECTIONAL)
-        ty_gather_segment(g, g->position, emitter.look, emitter.distance, &segment);
-    if (ty_response_find(g->request, &segment, &emitter, g->most, &response))
-        ty_gather_keep_response(g, &emitter, &response, emitter.strength, TY_BAKE_SINGLE);
+    ty_gather_segment(g, path->origin, sample.look, sample.distance, &segment);
+    ty_gather_far_response(g, &sample, &segment, weight / chosen);
 }
 
 /* What a sender is to the receiver; false where they see nothing of each other. What is before both looks straight;
@@ -396,10 +360,8 @@ TY_FN void ty_gather_light_aside(ty_gather* g, float weight) {
 TY_FN bool ty_gather_see_sender(ty_gather* g, const ty_sender* sender, ty_emitter* emitter) {
     const ty_mesh* mesh = g->request->path.scene->mesh;
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
-    *emitter = (ty_emitter){.kind = TY_IMPULSE_AREA,
-                            .position = sender->position,
-                            .normal = sender->normal,
-                            .area = sender->area};
+    *emitter = (ty_emitter){
+        .kind = sender->kind, .position = sender->position, .normal = sender->normal, .area = sender->area};
     ty_emitter_look_from(emitter, g->position);
     const bool ahead =
         probe || (ty_dot(g->normal, emitter->look) > 0.0f && ty_dot(g->face, emitter->look) > 0.0f);
@@ -427,6 +389,13 @@ TY_FN void ty_gather_weigh_senders(const ty_gather* g, float* chances) {
     for (int32_t i = 1; i < senders->count; ++i) chances[i] += chances[i - 1];
 }
 
+/* How much of a lamp's intensity goes to where it is seen along look. */
+TY_FN float ty_sender_falloff(const ty_gather* g, const ty_sender* sender, ty_vec look) {
+    if (sender->light < 0) return 1.0f;
+    const ty_light_view* light = &g->request->path.scene->lights.lights[sender->light];
+    return light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(look, light->direction)) : 1.0f;
+}
+
 /* One sender, number k of this receiver's. */
 TY_FN void ty_gather_sender_response(ty_gather* g, uint64_t item, uint32_t k, float weight) {
     const ty_senders* senders = g->request->senders;
@@ -451,12 +420,11 @@ TY_FN void ty_gather_sender_response(ty_gather* g, uint64_t item, uint32_t k, fl
     if (!(chance > 0.0f) || !ty_gather_see_sender(g, sender, &emitter)) return;
     ty_gather_segment(g, g->position, emitter.look, emitter.distance, &segment);
     if (!ty_response_find(g->request, &segment, &emitter, g->most, &response)) return;
-    const float amount = weight / chance * sender->area;
-    for (int c = 0; c < 3; ++c) strength[c] = amount * sender->light[c];
-    ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_MULTIPLE);
-    if (!(ty_max3(sender->glow) > 0.0f)) return;
-    for (int c = 0; c < 3; ++c) strength[c] = amount * sender->glow[c];
-    ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
+    const float amount = weight / chance * sender->amount * ty_sender_falloff(g, sender, emitter.look);
+    for (int c = 0; c < 3; ++c) strength[c] = amount * sender->sends[c];
+    if (ty_max3(strength) > 0.0f) ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_MULTIPLE);
+    for (int c = 0; c < 3; ++c) strength[c] = amount * sender->glows[c];
+    if (ty_max3(strength) > 0.0f) ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
 }
 
 /* One path of TY_BAKE_PATH: through media as well. */
@@ -494,6 +462,33 @@ TY_FN bool ty_gather_asks(const ty_bake_request* request, uint64_t item, uint32_
     return number % every == (uint32_t)(bits >> 32) % every;
 }
 
+/* What media make of emitters. seen: the light that the sample saw, or NULL; hit: whether its ray met a surface. */
+TY_FN void ty_gather_ask(ty_gather* g, uint64_t item, uint32_t number, const ty_seen_light* seen, bool hit,
+                         float weight, const ty_segment* segment) {
+    const ty_bake_request* request = g->request;
+    const bool probe = request->terms == TY_BAKE_SH_TERMS;
+    const float each = (float)request->fog_every;
+    ty_bake_sums* sums = g->sums;
+    float before[3];
+    for (int c = 0; c < 3; ++c) {
+        before[c] = g->sample[c];
+        g->sample[c] = 0.0f;
+    }
+    if (!hit) ty_gather_sky_response(g, each * weight, segment);
+    if (seen != NULL && ty_light_is_far(seen->light))
+        ty_gather_far_response(g, &seen->sample, &seen->segment, each / seen->chosen);
+    if (!probe && request->back_scattering != 0 && request->path.scene->lights.distant_count > 0)
+        ty_gather_far_behind(g, each);
+    ty_gather_sender_response(g, item, number / request->fog_every, each);
+    for (int c = 0; c < 3; ++c) {
+        const double amount = (double)(g->sample[c] / each);
+        sums->fog_mean[c] += amount;
+        sums->fog_square[c] += amount * amount;
+        g->sample[c] = before[c];
+    }
+    ++sums->asked;
+}
+
 /* One sample of a receiver; true where its ray met the back of a surface. */
 TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     const ty_bake_request* request = g->request;
@@ -517,17 +512,11 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
     const bool hit = ty_gather_trace(g, &end, &segment);
     const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
-    const bool fog = ty_gather_scatters(g) && ty_gather_asks(request, item, number);
-    const ty_vec direction = path->direction;
-    const float weight = 1.0f / path->pdf, each = (float)request->fog_every;
-    if (fog) ty_gather_note(g, hit, &segment, end.hit.distance);
-    if (fog && !hit) ty_gather_sky_response(g, direction, each * weight, &segment);
-    if (hit && ty_gather_scatters(g)) ty_gather_reflected_fog(g, &end, direction, weight, &segment);
-    if (request->fog_alone == 0) ty_gather_ahead(g, hit ? &end : NULL, &segment);
-    if (!fog) return blocked;
-    if (seen) ty_gather_light_response(g, &light, each);
-    if (!probe && request->back_scattering != 0) ty_gather_light_aside(g, each);
-    ty_gather_sender_response(g, item, number / request->fog_every, each);
+    const bool asks = ty_gather_scatters(g) && ty_gather_asks(request, item, number);
+    const float weight = 1.0f / path->pdf;
+    if (asks) ty_gather_note(g, hit, &segment, end.hit.distance);
+    ty_gather_ahead(g, hit ? &end : NULL, &segment);
+    if (asks) ty_gather_ask(g, item, number, seen ? &light : NULL, hit, weight, &segment);
     return blocked;
 }
 

@@ -30,9 +30,12 @@ typedef struct ty_bake_request {
 typedef struct ty_bake_sums {
     double mean[3], square[3]; /* of what variance is told of */
     double blocked;            /* rays that met the back of a surface */
+    /* The same of what media make of emitters, over the samples that ask: it is not in mean and square. */
+    double fog_mean[3], fog_square[3];
     double depth[3], stopped[3]; /* how far media go around it: optical depth of rays, and what of light it stops */
     uint64_t paths, rays;
-    int32_t count; /* samples */
+    int32_t count; /* samples, */
+    int32_t asked; /* of which so many asked what media make of emitters */
     int32_t done;
 } ty_bake_sums;
 

@@ -14,12 +14,13 @@
 
 /* Rounds of light from media to surfaces and back; samples of each. */
 enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, FOG_SAMPLES = 32, BLOCK = 4 };
-enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256 };
+enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, LAMP_POINTS_MAX = 256 };
 
 typedef struct search {
     ty_bake_run* run;
     ty_senders* senders;
     int32_t anchor_count, each; /* rays of one anchor */
+    int32_t lamp_points, most;  /* of lamps and of all, at most */
     ty_vec anchors[ANCHORS_MAX];
     ty_bake_receiver* receivers; /* the senders, */
     ty_bake_sums* sums;          /* and what they gather */
@@ -54,7 +55,9 @@ static bool find_sender(const search* s, int32_t ray, ty_sender* out) {
     *out = (ty_sender){.position = end.hit.position,
                        .normal = end.point.normal,
                        .face = end.point.facing,
-                       .margin = end.hit.margin};
+                       .margin = end.hit.margin,
+                       .kind = TY_IMPULSE_AREA,
+                       .light = -1};
     double density = 0;
     for (int32_t i = 0; i < s->anchor_count; ++i) {
         const ty_vec from = ty_mad(out->position, out->face, out->margin), to = ty_sub(s->anchors[i], from);
@@ -65,10 +68,10 @@ static bool find_sender(const search* s, int32_t ray, ty_sender* out) {
             density += (double)(cosine / d2) * s->each * (double)TY_INV_4PI;
     }
     if (!(density > 0)) return false;
-    out->area = (float)(1 / density);
+    out->area = out->amount = (float)(1 / density);
     for (int c = 0; c < 3; ++c) {
         out->albedo[c] = end.point.albedo[c];
-        out->glow[c] = end.point.light < 0 ? end.point.emission[c] : 0.0f;
+        out->glows[c] = end.point.light < 0 ? end.point.emission[c] : 0.0f;
     }
     return true;
 }
@@ -79,13 +82,71 @@ static void find_senders(void* user, int64_t ray, int32_t worker) {
     if (!find_sender(s, (int32_t)ray, &s->senders->at[ray])) s->senders->at[ray].area = 0;
 }
 
+/* ---- lamps ---- */
+
+/* What a lamp sends, to share points among lamps by: intensity along its normal. */
+static double lamp_power(const ty_light_view* light) {
+    const double color = (double)light->color[0] + (double)light->color[1] + (double)light->color[2];
+    const double radius = (double)light->radius;
+    if (ty_light_is_far(light)) return 0;
+    if (light->kind == TY_KIND_SPHERE) return color * (double)TY_PI * radius * radius;
+    if (light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE)
+        return color * (double)light->area * (light->two_sided != 0 ? 2 : 1);
+    return color;
+}
+
+/* Point k of count of a lamp, each of which stands for `share` lamps. */
+static ty_sender lamp_point(const search* s, int32_t index, int32_t k, int32_t count, double share) {
+    const ty_light_view* light = &s->run->request.path.scene->lights.lights[index];
+    ty_sender out = {.position = light->position, .kind = TY_IMPULSE_POINT, .light = index, .amount = (float)share};
+    for (int c = 0; c < 3; ++c) out.glows[c] = light->color[c];
+    if (light->kind == TY_KIND_SPHERE) {
+        out.area = TY_PI * light->radius * light->radius;
+        out.amount *= out.area;
+    }
+    if (light->kind != TY_KIND_AREA && light->kind != TY_KIND_TRIANGLE) return out;
+    float b1, b2;
+    const bool back = light->two_sided != 0 && k % 2 == 1;
+    const float u = ((float)k + 0.5f) / (float)count, v = ty_unit_float(ty_reverse_bits((uint32_t)k));
+    out.kind = TY_IMPULSE_AREA;
+    out.light = -1;
+    out.position = ty_light_place(light, u, v, &b1, &b2);
+    out.normal = out.face = ty_scale(light->direction, back ? -1.0f : 1.0f);
+    out.area = light->area * (light->two_sided != 0 ? 2.0f : 1.0f) / (float)count;
+    out.amount *= out.area;
+    if (light->textured != NULL) ty_surface_sent(light->textured, light->part, b1, b2, out.glows);
+    return out;
+}
+
+/* Shares points among lamps: faint ones get one by chance. */
+static void place_lamps(search* s) {
+    const ty_light_set* lights = &s->run->request.path.scene->lights;
+    ty_random random = ty_random_begin(s->run->request.path.sobol, s->run->def->seed, UINT64_MAX, 0);
+    double all = 0;
+    for (int32_t i = 0; i < lights->count; ++i) all += lamp_power(&lights->lights[i]);
+    for (int32_t i = 0; i < lights->count && all > 0; ++i) {
+        const ty_light_view* light = &lights->lights[i];
+        const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
+        const double wanted = 0.5 * s->lamp_points * lamp_power(light) / all;
+        int32_t count = flat ? (int32_t)ceil(wanted) : 1;
+        if (!(wanted > 0)) continue;
+        if (light->two_sided != 0 && flat) count += count % 2;
+        const double share = fmin(1, wanted);
+        if (share < 1 && (double)ty_random_white(&random) >= share) continue;
+        for (int32_t k = 0; k < count && s->senders->count < s->most; ++k)
+            s->senders->at[s->senders->count++] = lamp_point(s, i, k, count, 1 / share);
+    }
+}
+
 static void place_senders(search* s) {
     ty_senders* senders = s->senders;
     const int64_t rays = (int64_t)s->anchor_count * s->each;
     place_anchors(s);
-    ty_parallel_flushed(s->run->context, rays, find_senders, s);
+    if (s->run->request.path.scene->mesh != NULL) ty_parallel_flushed(s->run->context, rays, find_senders, s);
     for (int64_t i = 0; i < rays; ++i)
         if (senders->at[i].area > 0) senders->at[senders->count++] = senders->at[i];
+    senders->surfaces = senders->count;
+    place_lamps(s);
     for (int32_t i = 0; i < senders->count; ++i) {
         const ty_sender* at = &senders->at[i];
         ty_bake_receiver* receiver = &s->receivers[i];
@@ -103,12 +164,12 @@ static void place_senders(search* s) {
     }
 }
 
-/* A lattice about all senders. */
+/* A lattice about all surfaces. */
 static void place_cells(ty_senders* senders) {
     for (int a = 0; a < 3; ++a) {
         const float* at = a == 0 ? senders->x : a == 1 ? senders->y : senders->z;
         float lower = 0, upper = 0;
-        for (int32_t i = 0; i < senders->count; ++i) {
+        for (int32_t i = 0; i < senders->surfaces; ++i) {
             lower = i == 0 ? at[i] : fminf(lower, at[i]);
             upper = i == 0 ? at[i] : fmaxf(upper, at[i]);
         }
@@ -122,16 +183,16 @@ static void place_cells(ty_senders* senders) {
 static void gather_block(void* user, int64_t block, int32_t worker) {
     const search* s = user;
     (void)worker;
-    const int64_t begin = block * BLOCK, left = s->senders->count - begin;
+    const int64_t begin = block * BLOCK, left = s->senders->surfaces - begin;
     s->run->kernel(&s->request, begin, begin + (left < BLOCK ? left : BLOCK), 0, s->samples, s->sums, s->light);
 }
 
 static void gather(search* s, uint32_t samples) {
-    const size_t count = (size_t)s->senders->count;
+    const size_t count = (size_t)s->senders->surfaces;
     memset(s->sums, 0, count * sizeof *s->sums);
     memset(s->light, 0, count * LIGHT_SIZE * sizeof *s->light);
     s->samples = samples;
-    ty_parallel_flushed(s->run->context, (s->senders->count + BLOCK - 1) / BLOCK, gather_block, s);
+    ty_parallel_flushed(s->run->context, (s->senders->surfaces + BLOCK - 1) / BLOCK, gather_block, s);
 }
 
 /* Irradiance of all layers that was gathered. */
@@ -147,8 +208,8 @@ static void set_light(search* s, const float* clear, const float* fog) {
         ty_sender* at = &s->senders->at[i];
         float power = 0;
         for (int c = 0; c < 3; ++c) {
-            at->light[c] = at->albedo[c] * (1.0f / TY_PI) * fmaxf(0, clear[3 * i + c] + fog[3 * i + c]);
-            power += at->area * (at->light[c] + at->glow[c]);
+            at->sends[c] = at->albedo[c] * (1.0f / TY_PI) * fmaxf(0, clear[3 * i + c] + fog[3 * i + c]);
+            power += at->amount * (at->sends[c] + at->glows[c]);
         }
         s->senders->power[i] = power;
     }
@@ -173,7 +234,7 @@ static void fill_cell(void* user, int64_t index, int32_t worker) {
         middle[a] = senders->lower[a] + ((float)at[a] + 0.5f) * size;
         within += 0.25f * size * size;
     }
-    for (int32_t i = 0; i < senders->count; ++i) {
+    for (int32_t i = 0; i < senders->surfaces; ++i) {
         const float x = senders->x[i] - middle[0], y = senders->y[i] - middle[1], z = senders->z[i] - middle[2];
         const float d2 = x * x + y * y + z * z + within + 1e-12f;
         const float normal[3] = {senders->nx[i], senders->ny[i], senders->nz[i]};
@@ -195,14 +256,14 @@ static void light_senders(search* s, uint32_t samples, float* clear, float* fog)
     cells_job job = {senders, fog};
     s->request.method = TY_BAKE_ATTENUATION;
     gather(s, samples);
-    for (int32_t i = 0; i < senders->count; ++i)
+    for (int32_t i = 0; i < senders->surfaces; ++i)
         for (int c = 0; c < 3; ++c) clear[3 * i + c] = (float)gathered(s, i, c);
     set_light(s, clear, fog);
     s->request.method = TY_BAKE_IMPULSE;
     s->request.fog_alone = s->request.fog_every = 1;
     for (int round = 0; round < ROUNDS; ++round) {
         gather(s, FOG_SAMPLES);
-        for (int32_t i = 0; i < senders->count; ++i)
+        for (int32_t i = 0; i < senders->surfaces; ++i)
             for (int c = 0; c < 3; ++c) fog[3 * i + c] = (float)gathered(s, i, c);
         set_light(s, clear, fog);
         ty_parallel_flushed(s->run->context, (int64_t)senders->side * senders->side * senders->side, fill_cell, &job);
@@ -248,16 +309,18 @@ ty_result ty_bake_senders_make(ty_bake_run* run) {
     run->request.fog_every = run->def->spp < 256 ? 4 : 8;
     search s = {.run = run, .senders = &run->senders};
     s.anchor_count = run->count < ANCHORS_MAX ? (int32_t)run->count : ANCHORS_MAX;
-    const double wanted = fmin(TY_SENDERS_MAX, fmax(SENDERS_MIN, sqrt(paths / 8)));
+    const double wanted = fmin(TY_SENDERS_MAX - LAMP_POINTS_MAX, fmax(SENDERS_MIN, sqrt(paths / 8)));
     s.each = s.anchor_count > 0 ? (int32_t)(wanted / s.anchor_count) : 0;
-    const size_t most = (size_t)(s.anchor_count * s.each);
-    ty_result result = take_senders(run, (int32_t)most);
+    s.lamp_points = (int32_t)fmin(LAMP_POINTS_MAX, 0.5 * wanted);
+    s.most = s.anchor_count * s.each + s.lamp_points;
+    const size_t most = (size_t)s.most;
+    ty_result result = take_senders(run, s.most);
     s.receivers = ty_alloc_array(context, most, sizeof *s.receivers, true);
     s.sums = ty_alloc_array(context, most, sizeof *s.sums, true);
     s.light = ty_alloc_array(context, most * LIGHT_SIZE, sizeof *s.light, true);
     float* light = ty_alloc_array(context, 6 * most, sizeof *light, true);
     if (s.receivers == NULL || s.sums == NULL || s.light == NULL || light == NULL) result = TY_ERROR_MEMORY;
-    if (result == TY_OK && run->request.path.scene->mesh != NULL && most > 0) {
+    if (result == TY_OK) {
         place_senders(&s);
         place_cells(&run->senders);
         s.request = run->request;

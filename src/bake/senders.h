@@ -1,4 +1,4 @@
-/* Surface points that stand for all surfaces when media answer to their light: found once per bake, shared by all
+/* Points that stand for all surfaces and lamps when media answer to their light: found once per bake, shared by all
  * receivers. */
 #ifndef TY_BAKE_SENDERS_H
 #define TY_BAKE_SENDERS_H
@@ -7,14 +7,17 @@
 
 enum { TY_SENDERS_MAX = 1024, TY_FOG_SIDE_MAX = 16, TY_FOG_SIDES = 6 };
 
-/* A disc on a surface. */
+/* A disc on a surface or a lamp, or a lamp without extent. */
 typedef struct ty_sender {
     ty_vec position, normal; /* on the side that sends */
     ty_vec face;             /* of the flat face on that side */
     float margin;
-    float area;     /* m^2 */
-    float light[3]; /* radiance that it reflects */
-    float glow[3];  /* radiance of its own, unless it is one of the scene's lights */
+    int32_t kind;   /* ty_impulse_emitter */
+    int32_t light;  /* lamps without extent: which; else -1 */
+    float area;     /* of the disc, m^2 */
+    float amount;   /* what it stands for: area, of lamps without extent how many */
+    float sends[3]; /* radiance that it reflects */
+    float glows[3]; /* radiance, or intensity, of its own: of surfaces, unless they are lamps that are senders as well */
     float albedo[3];
 } ty_sender;
 
@@ -27,7 +30,9 @@ typedef struct ty_fog_cell {
 typedef struct ty_senders {
     int32_t count;
     ty_sender* at;
-    /* What choosing goes by, as arrays: power is radiance times area, all channels and kinds together. */
+    int32_t surfaces; /* the first of them; the rest are lamps */
+    /* What choosing goes by, as arrays: power is what it sends times how much of it there is, all channels together;
+     * the normal of lamps without extent is 0. */
     float *x, *y, *z, *nx, *ny, *nz, *power, *area;
     int32_t side; /* cells along each axis */
     float lower[3], per_metre[3];
