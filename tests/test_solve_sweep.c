@@ -89,11 +89,43 @@ static void what_is_emitted_is_absorbed_or_leaves(void** state) {
     free(set);
 }
 
+/* The same light from all around fills an empty box, and leaves it. */
+static void light_comes_in_through_faces(void** state) {
+    ty_ordinate_set* set = malloc(sizeof *set);
+    float radiance[TY_ORDINATES_MAX];
+    assert_int_equal(ty_ordinate_set_make(*state, 48, set, NULL), TY_OK);
+    for (int32_t d = 0; d < set->count; ++d) radiance[d] = 2;
+    lit_box* box = make_box();
+    memset(box->extinction, 0, sizeof box->extinction);
+    memset(box->emission, 0, sizeof box->emission);
+    ty_sweep* sweep = NULL;
+    double leaving = 0;
+    assert_int_equal(ty_sweep_create(*state, box->size, box->cell, set, 1, box->extinction, &sweep), TY_OK);
+    ty_sweep_let_in(sweep, radiance);
+    assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &leaving, NULL), TY_OK);
+    for (int i = 0; i < 120; ++i) assert_close(sqrt(4 * PI) * (double)box->moments[i], 8 * PI, 1e-4);
+    double through = 0; /* W: of all faces, half of the directions */
+    for (int32_t d = 0; d < set->count; ++d)
+        for (int a = 0; a < 3; ++a) {
+            const double area =
+                box->cell[(a + 1) % 3] * box->size[(a + 1) % 3] * box->cell[(a + 2) % 3] * box->size[(a + 2) % 3];
+            through += 2 * (double)set->weight[d] * fabs((double)set->direction[a][d]) * area;
+        }
+    assert_close(leaving / through, 1, 1e-5);
+    ty_sweep_let_in(sweep, NULL);
+    assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &leaving, NULL), TY_OK);
+    assert_true(leaving == 0);
+    ty_sweep_destroy(sweep);
+    free(box);
+    free(set);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(harmonics_are_those_of_the_kernels),
         cmocka_unit_test_setup_teardown(a_set_is_mirrored_and_complete, start_context, stop_context),
         cmocka_unit_test_setup_teardown(what_is_emitted_is_absorbed_or_leaves, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(light_comes_in_through_faces, start_context, stop_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
