@@ -25,8 +25,8 @@ static const struct {
      "{\"tyndall\": 1,"
      " \"camera\": {\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_y\": 26, \"resolution\": [192, 192],"
      "  \"exposure\": 1},"
-     " \"media\": [{\"name\": \"fog\", \"bounds\": [[-2, -2, -2], [2, 2, 2]], \"sigma_s\": 0.7, \"sigma_a\": 0.02,"
-     "  \"g\": 0.6}],"
+     " \"media\": [{\"name\": \"fog\", \"bounds\": [[-2, -2, -2], [2, 2, 2]], \"sigma_s\": 0.7, \"sigma_a\": "
+     "0.02}],"
      " \"lights\": [{\"type\": \"spot\", \"position\": [-2.5, 1.1, 0], \"direction\": [1, -0.37, 0], \"cone\": 4,"
      "  \"intensity\": 40}]}"},
     {"spot through smoke",
@@ -37,7 +37,7 @@ static const struct {
      "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 3, \"octaves\": "
      "4,"
      "   \"coverage\": 0.6, \"sharpness\": 3}},"
-     "  \"sigma_s\": 4, \"sigma_a\": 0.4, \"g\": 0.5}],"
+     "  \"sigma_s\": 4, \"sigma_a\": 0.4}],"
      " \"lights\": [{\"type\": \"spot\", \"position\": [-1.5, 3, 0.5], \"direction\": [1.2, -3, -0.5], \"cone\": 30,"
      "  \"intensity\": 20}]}"},
 };
