@@ -11,13 +11,13 @@ static const char plume_file[] = "volumes/plume/plume_0042.vdb";
 
 static const char plume_scene[] =
     "{\"tyndall\": 1, \"up_axis\": \"z\","
-    " \"camera\": {\"position\": [4.6, -5.6, 2.2], \"target\": [1, 1, 2.0], \"fov_y\": 36, \"resolution\": [192, 256],"
+    " \"camera\": {\"position\": [4.2, -5.2, 1.7], \"target\": [1, 1, 2.0], \"fov_y\": 36, \"resolution\": [192, 256],"
     "  \"exposure\": 1},"
     " \"media\": [{\"name\": \"smoke\", \"density\": {\"file\": \"volumes/plume/plume_0042.vdb\", \"grid\": "
     "\"density\"},"
-    "  \"sigma_t\": 18, \"albedo\": [0.96, 0.95, 0.93], \"g\": 0.5}],"
-    " \"lights\": [{\"type\": \"directional\", \"direction\": [-0.6, 0.5, -0.6], \"irradiance\": 1},"
-    "  {\"type\": \"environment\", \"radiance\": [0.05, 0.07, 0.1]}]}";
+    "  \"sigma_t\": 14, \"albedo\": [0.85, 0.84, 0.82], \"g\": 0.3}],"
+    " \"lights\": [{\"type\": \"environment\", \"sky\": {\"sun_direction\": [-0.5, 0.6, -0.55], \"haze\": 1,"
+    "  \"sun\": true}}]}";
 
 /* file: that text names, below the folder of third-party data; text NULL: a builtin scene. */
 typedef struct image_scene {

@@ -7,7 +7,7 @@
 #include <string.h>
 
 enum { POP = 4, CLASSICAL = 2, DOM = POP + CLASSICAL, VARIANTS = DOM + 1 };
-enum { WIDTH = 224, HEIGHT = 288, PICTURE_WIDTH = 190 };
+enum { WIDTH = 224, HEIGHT = 288, PICTURE_WIDTH = 250 };
 
 static const char plume_file[] = "volumes/plume/plume_0042.vdb", sky_file[] = "hdri/potsdamer_platz_1k.hdr";
 
