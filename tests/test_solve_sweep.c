@@ -263,9 +263,7 @@ static void light_comes_in_through_faces(void** state) {
     float radiance[TY_ORDINATES_MAX];
     assert_int_equal(ty_ordinate_set_make(*state, 48, set, NULL), TY_OK);
     for (int32_t d = 0; d < set->count; ++d) radiance[d] = 2;
-    lit_box* box = make_box();
-    memset(box->extinction, 0, sizeof box->extinction);
-    memset(box->emission, 0, sizeof box->emission);
+    lit_box* box = make_box(5, 4, 6, 1);
     ty_sweep* sweep = NULL;
     double leaving = 0;
     assert_int_equal(ty_sweep_create(*state, box->size, box->cell, set, 1, box->extinction, &sweep), TY_OK);
@@ -284,7 +282,7 @@ static void light_comes_in_through_faces(void** state) {
     assert_int_equal(ty_sweep_run(sweep, box->emission, box->moments, &leaving, NULL), TY_OK);
     assert_true(leaving == 0);
     ty_sweep_destroy(sweep);
-    free(box);
+    free_box(box);
     free(set);
 }
 
