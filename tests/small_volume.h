@@ -2,6 +2,8 @@
 #ifndef TY_TESTS_SMALL_VOLUME_H
 #define TY_TESTS_SMALL_VOLUME_H
 
+#include "files.h"
+
 #include <tyndall/io.h>
 
 #include <math.h>

@@ -1,25 +1,9 @@
 /* What baking leaves: copies of glTF files with colours at their vertices, receivers of vertices, images of probes. */
 #include "mesh_maker.h"
+#include "strict_fixture.h"
 
 #include <tyndall/bake.h>
 #include <tyndall/io.h>
-
-static strict_memory memory;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    memory = (strict_memory){.limit = (size_t)1 << 30, .until_refusal = -1};
-    context = strict_context(&memory);
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    assert_int_equal(memory.used, 0);
-    return 0;
-}
 
 /* Two triangles of one array of positions, the second with colours, and a second node with the same mesh. */
 static const char pair[] =

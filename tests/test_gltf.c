@@ -1,25 +1,10 @@
 /* glTF files: accessors, primitives, nodes, materials, textures, lights, cameras; broken files; real ones. */
 #define _GNU_SOURCE
-#include "mesh_maker.h"
+#include "mesh_fixture.h"
 
 #include <tyndall/io.h>
 
 #include <png.h>
-
-static log_book book;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    context = logged_context(&book, 2);
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return 0;
-}
 
 /* A triangle with a material, a spot light and a camera. */
 static const char triangle[] =

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "exr_maker.h"
 #include "image_maker.h"
+#include "strict_fixture.h"
 
 #include "base/context.h"
 #include "io/images/image_file.h"
@@ -9,22 +10,6 @@
 #include <tyndall/io.h>
 
 #include <zlib.h>
-
-static strict_memory memory;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    memory = (strict_memory){.limit = (size_t)1 << 30, .until_refusal = -1};
-    context = strict_context(&memory);
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return memory.used == 0 ? 0 : -1;
-}
 
 static void assert_refused(const char* path, const char* matter) {
     ty_image* image = NULL;

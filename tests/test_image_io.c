@@ -1,29 +1,12 @@
 /* Image files: OpenEXR and PNG out, OpenEXR and Radiance .hdr in. */
 #define _GNU_SOURCE
 #include "exr_maker.h"
-#include "files.h"
+#include "strict_fixture.h"
 
 #include <tyndall/io.h>
 
 #include <math.h>
 #include <png.h>
-
-static strict_memory memory;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    memory = (strict_memory){.limit = (size_t)1 << 30, .until_refusal = -1};
-    context = strict_context(&memory);
-    remove_temporary_files(); /* of a run that was killed */
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return memory.used == 0 ? 0 : -1;
-}
 
 /* Values of every size, in no order. */
 static float scramble(uint32_t i) {

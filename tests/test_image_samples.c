@@ -1,5 +1,6 @@
 /* PNG and JPEG in: images, raw images, textures; 16-bit PNG out. */
 #include "image_maker.h"
+#include "strict_fixture.h"
 
 #include "base/context.h"
 #include "io/images/image_file.h"
@@ -7,22 +8,6 @@
 #include <tyndall/io.h>
 
 #include <math.h>
-
-static strict_memory memory;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    memory = (strict_memory){.limit = (size_t)1 << 30, .until_refusal = -1};
-    context = strict_context(&memory);
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return memory.used == 0 ? 0 : -1;
-}
 
 /* What a reader should find: 1 to 4 channels of values up to *max. */
 static int expected_pixel(const png_kind* kind, int x, int y, uint32_t pixel[4], uint32_t* max) {

@@ -1,25 +1,10 @@
 /* Mesh files as scenes, shells and cameras. */
 #define _GNU_SOURCE
-#include "mesh_maker.h"
+#include "mesh_fixture.h"
 
 #include "scene/scene.h"
 
 #include <tyndall/io.h>
-
-static log_book book;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    context = logged_context(&book, 2);
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return 0;
-}
 
 /* The tetrahedron of the origin and the unit points, twice: mirrored and stretched, and as it is under a turned node;
  * a third one is scaled to 0. A sun and a camera hang on the turned node. */

@@ -1,24 +1,7 @@
 /* NanoVDB files: round trips, files that NanoVDB's own converter made of every type, broken ones. */
-#include "files.h"
+#include "strict_fixture.h"
 
 #include "small_volume.h"
-
-static strict_memory memory;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    memory = (strict_memory){.limit = (size_t)1 << 30, .until_refusal = -1};
-    context = strict_context(&memory);
-    remove_temporary_files();
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return memory.used == 0 ? 0 : -1;
-}
 
 #define CORPUS TYNDALL_SOURCE_DIR "/tests/fuzz/corpus/nvdb/"
 

@@ -1,21 +1,8 @@
 /* Procedural densities: what each kind promises, and that nothing but the def decides the result. */
+#include "checks.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
-
-#include <tyndall/grid.h>
-
-static ty_context* make_context(int32_t threads) {
-    ty_context_def def = ty_default_context_def();
-    def.threads = threads;
-    ty_context* context = NULL;
-    assert_int_equal(ty_context_create(&def, &context), TY_OK);
-    return context;
-}
 
 static ty_grid* make_noise(ty_context* context, const ty_noise_def* def) {
     ty_grid* grid = NULL;
@@ -322,16 +309,6 @@ static void test_arguments_are_checked(void** state) {
     def = good, def.sharpness = 0, refuse(context, &def, "sharpness");
 }
 
-static int set_up(void** state) {
-    *state = make_context(2);
-    return 0;
-}
-
-static int tear_down(void** state) {
-    ty_context_destroy(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_threads_do_not_matter),
@@ -347,5 +324,5 @@ int main(void) {
         cmocka_unit_test(test_thin_grids),
         cmocka_unit_test(test_arguments_are_checked),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -1,26 +1,11 @@
 /* Wavefront OBJ files and their materials. */
 #define _GNU_SOURCE
-#include "mesh_maker.h"
+#include "mesh_fixture.h"
 
 #include "io/meshes/obj.h"
 
 #include <locale.h>
 #include <png.h>
-
-static log_book book;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    context = logged_context(&book, 2);
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return 0;
-}
 
 static ty_result read_text(const char* text, const char* folder, ty_model* model) {
     book = (log_book){0};

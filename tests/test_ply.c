@@ -1,21 +1,6 @@
 /* PLY files: text and binary of both byte orders. */
 #define _GNU_SOURCE
-#include "mesh_maker.h"
-
-static log_book book;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    context = logged_context(&book, 2);
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return 0;
-}
+#include "mesh_fixture.h"
 
 static ty_result read_bytes(const void* bytes, size_t size, ty_model* model) {
     return ty_read_ply(context, "made.ply", bytes, size, TY_MODEL_ALL, model);

@@ -1,23 +1,10 @@
 /* The sky: where things are on the map, what colours they have, and that light adds up. */
+#include "checks.h"
+
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-#include <tyndall/scene.h>
-
 static const double pi = 3.14159265358979323846;
-
-static ty_context* make_context(int32_t threads) {
-    ty_context_def def = ty_default_context_def();
-    def.threads = threads;
-    ty_context* context = NULL;
-    assert_int_equal(ty_context_create(&def, &context), TY_OK);
-    return context;
-}
 
 /* A sky with the sun seen at an elevation above x, turned by azimuth from x towards z (y up) or towards -y (z up). */
 static ty_sky_def sun_at(double elevation_deg, double azimuth_deg, ty_axis up) {
@@ -295,16 +282,6 @@ static void test_arguments_are_checked(void** state) {
     def = good, def.width = 8194, refuse(context, &def, "width");
 }
 
-static int set_up(void** state) {
-    *state = make_context(2);
-    return 0;
-}
-
-static int tear_down(void** state) {
-    ty_context_destroy(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_threads_do_not_matter),
@@ -319,5 +296,5 @@ int main(void) {
         cmocka_unit_test(test_solar_scales_and_haze_dims),
         cmocka_unit_test(test_arguments_are_checked),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, start_context, stop_context);
 }

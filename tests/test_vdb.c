@@ -1,7 +1,7 @@
 /* OpenVDB files: round trips, files of other makes built byte by byte, broken ones, and real ones. */
 #define _GNU_SOURCE
-#include "files.h"
 #include "small_volume.h"
+#include "strict_fixture.h"
 #include "vdb_maker.h"
 
 #include <tyndall/io.h>
@@ -10,23 +10,6 @@
 #include <math.h>
 #include <unistd.h>
 #include <zlib.h>
-
-static strict_memory memory;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    memory = (strict_memory){.limit = (size_t)1 << 30, .until_refusal = -1};
-    context = strict_context(&memory);
-    remove_temporary_files(); /* of a run that was killed */
-    return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return memory.used == 0 ? 0 : -1;
-}
 
 enum { NX = 21, NY = 13, NZ = 30 };
 

@@ -1,25 +1,16 @@
 /* Volumes of any kind: which reader, file sequences, raw files; and how grids are surveyed. */
-#include "files.h"
+#include "strict_fixture.h"
 
 #include "base/half.h"
 #include "grid/lookup.k.h"
 
 #include <tyndall/io.h>
 
-static strict_memory memory;
-static ty_context* context;
-
-static int start(void** state) {
-    (void)state;
-    memory = (strict_memory){.limit = (size_t)1 << 28, .until_refusal = -1};
-    context = strict_context(&memory);
+/* Little memory: what files claim is not believed. */
+static int start_small(void** state) {
+    start(state);
+    memory.limit = (size_t)1 << 28;
     return 0;
-}
-
-static int stop(void** state) {
-    (void)state;
-    ty_context_destroy(context);
-    return memory.used == 0 ? 0 : -1;
 }
 
 static void frames_take_the_place_of_hashes(void** state) {
@@ -212,5 +203,5 @@ int main(void) {
         cmocka_unit_test(kinds_are_told_by_content),
         cmocka_unit_test(surveys_are_what_they_are_defined_to_be),
     };
-    return cmocka_run_group_tests(tests, start, stop);
+    return cmocka_run_group_tests(tests, start_small, stop);
 }
