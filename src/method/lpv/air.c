@@ -60,10 +60,17 @@ void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right,
 }
 
 void ty_lpv_single_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {
+    ty_air_ray rays[TY_TILE_PIXELS];
+    float single[TY_TILE_PIXELS][3];
+    int32_t count = 0, next = 0;
     for (int32_t row = y; row < bottom; ++row)
         for (int32_t i = x; i < right; ++i) {
             const ty_fog_way way = way_of(frame, i, row);
-            ty_airlight_ray(frame->job->airlight, way.origin, way.direction, way.far, way.offset,
-                            ty_lpv_kept_air(frame, i, row)->seen.single, NULL);
+            rays[count++] = (ty_air_ray){.direction = way.direction, .far = way.far, .offset = way.offset};
         }
+    if (count == 0) return;
+    ty_airlight_rays(frame->job->airlight, frame->camera.origin, rays, count, single, NULL);
+    for (int32_t row = y; row < bottom; ++row)
+        for (int32_t i = x; i < right; ++i)
+            memcpy(ty_lpv_kept_air(frame, i, row)->seen.single, single[next++], sizeof single[0]);
 }

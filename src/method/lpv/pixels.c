@@ -211,7 +211,7 @@ static ty_result take_planes(ty_lpv_frame* frame) {
     if (!frame->foggy) return TY_OK;
     frame->air = ty_alloc_array(frame->context, kept_rays(frame), sizeof *frame->air, false);
     frame->upsample.air = frame->air;
-    frame->upsample.kept = TY_KEPT / frame->shrink;
+    frame->upsample.mask = TY_KEPT / frame->shrink - 1;
     return frame->air != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 

@@ -22,7 +22,7 @@ typedef struct ty_lpv_air {
 typedef struct ty_upsample {
     TY_GLOBAL const ty_lpv_air* air; /* NULL: vacuum */
     int32_t width, height;
-    int32_t kept;                                   /* rows that air has: others take their places */
+    int32_t mask; /* rows that air has, a power of two, less 1: others take their places */
     float weights[TY_AIR_PERIOD][TY_AIR_PERIOD][4]; /* of the four rays around a pixel */
 } ty_upsample;
 
@@ -115,7 +115,7 @@ TY_FN float ty_air_upsample(const ty_air_lanes* lanes, const ty_upsample* from, 
     const float far = ty_minf(distance, TY_FLOAT_MAX);
     TY_GLOBAL const ty_lpv_air* air[4];
     for (int i = 0; i < 4; ++i) {
-        air[i] = from->air + (size_t)(rows[i / 2] % from->kept) * (size_t)from->width + (size_t)columns[i % 2];
+        air[i] = from->air + (size_t)(rows[i / 2] & from->mask) * (size_t)from->width + (size_t)columns[i % 2];
         reached[i] = ty_minf(air[i]->seen.distance, TY_FLOAT_MAX);
     }
 #pragma omp simd
