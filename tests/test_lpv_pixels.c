@@ -526,6 +526,7 @@ static void progress_and_cancelling(void** state) {
     view_case at;
     begin_still(&at, *state);
     told so_far = {0};
+    at.def.spp = 2; /* two parts each */
     at.def.progress = listen;
     at.def.progress_user = &so_far;
     ty_image_destroy(image_of(&at, NULL));

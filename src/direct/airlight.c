@@ -94,15 +94,36 @@ void ty_airlight_destroy(ty_airlight* airlight) {
 
 /* ---- rays and points ---- */
 
+/* At most TY_LIT_LINES rays. */
+static void add_rays(const ty_airlight* airlight, ty_vec origin, const ty_air_ray* rays, int32_t count,
+                     ty_air_sum* sums) {
+    for (int32_t i = 0; i < count; ++i) sums[i] = (ty_air_sum){.transmittance = {1, 1, 1}};
+    if (airlight->on_cells == 0) {
+        ty_air_even(airlight, origin, rays, count, sums);
+        return;
+    }
+    for (int32_t i = 0; i < count; ++i)
+        ty_air_cells(airlight, origin, rays[i].direction, rays[i].far, rays[i].offset, &sums[i]);
+}
+
+void ty_airlight_rays(const ty_airlight* airlight, ty_vec origin, const ty_air_ray* rays, int32_t count,
+                      float (*radiance)[3], float (*transmittance)[3]) {
+    ty_air_sum sums[TY_LIT_LINES];
+    for (int32_t first = 0; first < count; first += TY_LIT_LINES) {
+        const int32_t some = count - first < TY_LIT_LINES ? count - first : TY_LIT_LINES;
+        add_rays(airlight, origin, rays + first, some, sums);
+        for (int32_t i = 0; i < some; ++i) {
+            memcpy(radiance[first + i], sums[i].radiance, sizeof sums[i].radiance);
+            if (transmittance != NULL)
+                memcpy(transmittance[first + i], sums[i].transmittance, sizeof sums[i].transmittance);
+        }
+    }
+}
+
 void ty_airlight_ray(const ty_airlight* airlight, ty_vec origin, ty_vec direction, float far, float offset,
                      float radiance[3], float transmittance[3]) {
-    ty_air_sum sum = {.transmittance = {1, 1, 1}};
-    if (airlight->on_cells != 0)
-        ty_air_cells(airlight, origin, direction, far, offset, &sum);
-    else
-        ty_air_even(airlight, origin, direction, far, &sum);
-    memcpy(radiance, sum.radiance, sizeof sum.radiance);
-    if (transmittance != NULL) memcpy(transmittance, sum.transmittance, sizeof sum.transmittance);
+    const ty_air_ray ray = {.direction = direction, .far = far, .offset = offset};
+    ty_airlight_rays(airlight, origin, &ray, 1, (float(*)[3])radiance, (float(*)[3])transmittance);
 }
 
 void ty_airlight_reach(const ty_airlight* airlight, int32_t light, ty_vec point, float transmittance[3]) {

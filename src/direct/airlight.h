@@ -20,10 +20,19 @@ typedef struct ty_airlight ty_airlight;
 ty_result ty_airlight_create(const ty_scene* scene, const ty_airlight_def* def, ty_airlight** out);
 void ty_airlight_destroy(ty_airlight* airlight);
 
-/* Radiance, W m^-2 sr^-1, that arrives at the origin of a ray (unit direction) from [0, far], scattered once,
- * extinction up to there and from the light included, but not what media send by themselves; and the transmittance of
- * the same stretch (may be NULL). May be called from any thread. offset: (0, 1], where steps begin, in media that are
- * not homogeneous. */
+/* A ray from an eye: where it goes (unit), how far, m, and where steps begin in media that are not homogeneous, (0, 1].
+ */
+typedef struct ty_air_ray {
+    ty_vec direction;
+    float far, offset;
+} ty_air_ray;
+
+/* Radiance, W m^-2 sr^-1, that arrives at the origin of each ray from [0, far], scattered once, extinction up to there
+ * and from the light included, but not what media send by themselves; and the transmittance of the same stretch (may be
+ * NULL). May be called from any thread; rays that are near one another together are faster than each by itself. */
+void ty_airlight_rays(const ty_airlight* airlight, ty_vec origin, const ty_air_ray* rays, int32_t count,
+                      float (*radiance)[3], float (*transmittance)[3]);
+/* The same of one ray. */
 void ty_airlight_ray(const ty_airlight* airlight, ty_vec origin, ty_vec direction, float far, float offset,
                      float radiance[3], float transmittance[3]);
 

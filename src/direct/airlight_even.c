@@ -131,7 +131,7 @@ static void scattered_in(const air_ray* ray, const air_piece* piece, float mu, f
 
 typedef struct air_stretches {
     int32_t count, next;
-    float at[TY_LIT_STRETCHES][2];
+    const float (*at)[2];
 } air_stretches;
 
 /* Calls for each lit part of each piece between cuts. */
@@ -152,12 +152,6 @@ static void each_lit(const air_ray* ray, const air_cuts* cuts, air_stretches* li
         }
         if (lit->at[lit->next][1] > piece->to) return;
     }
-}
-
-static void find_lit(const air_ray* ray, const ty_air_light* light, air_stretches* lit) {
-    lit->next = 0;
-    lit->count = ty_lit_stretches(light->map, ray->origin, ray->direction, ray->pieces[0].from,
-                                  ray->pieces[ray->count - 1].to, lit->at);
 }
 
 static void add_part(const air_ray* ray, const air_part* part, const float scattered[3], const float light[3]) {
@@ -301,12 +295,9 @@ static void take_sun(const air_ray* ray, const void* user, const air_part* part)
         take_linear(ray, sun, part);
 }
 
-static void add_sun(const air_ray* ray, const ty_air_light* light) {
-    air_stretches lit;
+static void add_sun(const air_ray* ray, const ty_air_light* light, air_stretches lit) {
     air_cuts cuts = {.count = 0};
     air_sun sun;
-    find_lit(ray, light, &lit);
-    if (lit.count == 0) return;
     find_sun(ray, light->light, &sun, &cuts);
     const float mu = ty_dot(sun.back, ray->direction);
     for (int32_t i = 0; i < ray->count && lit.next < lit.count; ++i) {
@@ -423,11 +414,8 @@ static void cut_spot(const air_ray* ray, const ty_light_view* light, air_cuts* c
     add_cut(cuts, from, to, part.to);
 }
 
-static void add_lamp(const air_ray* ray, const ty_air_light* light) {
-    air_stretches lit;
+static void add_lamp(const air_ray* ray, const ty_air_light* light, air_stretches lit) {
     air_cuts cuts = {.count = 0};
-    find_lit(ray, light, &lit);
-    if (lit.count == 0) return;
     air_lamp lamp = {.of = light, .pass = ty_air_pass_by(light->light->position, ray->origin, ray->direction)};
     find_peaks(ray->airlight, &lamp);
     lamp.panel = light->inside != 0 ? PANEL_ANGLE : PANEL_ANGLE_NARROW;
@@ -447,19 +435,38 @@ static void add_lamp(const air_ray* ray, const ty_air_light* light) {
 
 /* ---- all ---- */
 
-void ty_air_even(const ty_airlight* airlight, ty_vec origin, ty_vec direction, float far, ty_air_sum* sum) {
-    air_ray ray;
-    ray.airlight = airlight;
-    ray.origin = origin;
-    ray.direction = direction;
-    ray.sum = sum;
-    find_pieces(&ray, far);
-    leave_unseen(&ray);
-    if (ray.count == 0) return;
-    for (int32_t i = 0; i < airlight->count; ++i) {
-        if (airlight->lights[i].light->kind == TY_KIND_DIRECTIONAL)
-            add_sun(&ray, &airlight->lights[i]);
-        else
-            add_lamp(&ray, &airlight->lights[i]);
+/* The stretches of all rays that a light reaches, and its light. */
+static void add_light(const air_ray* rays, int32_t count, const ty_air_light* light, ty_lit_rays* lit) {
+    lit->count = count;
+    lit->origin = rays[0].origin;
+    for (int32_t i = 0; i < count; ++i) {
+        lit->direction[i] = rays[i].direction;
+        lit->from[i] = rays[i].count > 0 ? rays[i].pieces[0].from : 0.0f;
+        lit->to[i] = rays[i].count > 0 ? rays[i].pieces[rays[i].count - 1].to : 0.0f;
     }
+    ty_lit_stretches_of(light->map, lit);
+    for (int32_t i = 0; i < count; ++i) {
+        const air_stretches stretches = {.count = lit->counts[i], .at = (const float(*)[2])lit->stretches[i]};
+        if (stretches.count == 0) continue;
+        if (light->light->kind == TY_KIND_DIRECTIONAL)
+            add_sun(&rays[i], light, stretches);
+        else
+            add_lamp(&rays[i], light, stretches);
+    }
+}
+
+void ty_air_even(const ty_airlight* airlight, ty_vec origin, const ty_air_ray* rays, int32_t count, ty_air_sum* sums) {
+    air_ray own[TY_LIT_LINES];
+    ty_lit_rays lit;
+    bool any = false;
+    for (int32_t i = 0; i < count; ++i) {
+        own[i].airlight = airlight;
+        own[i].origin = origin;
+        own[i].direction = rays[i].direction;
+        own[i].sum = &sums[i];
+        find_pieces(&own[i], rays[i].far);
+        leave_unseen(&own[i]);
+        any = any || own[i].count > 0;
+    }
+    for (int32_t i = 0; i < airlight->count && any; ++i) add_light(own, count, &airlight->lights[i], &lit);
 }

@@ -52,7 +52,8 @@ static inline ty_air_pass ty_air_pass_by(ty_vec lamp, ty_vec origin, ty_vec dire
     return (ty_air_pass){nearest, ty_maxf(sqrtf(ty_dot(beside, beside)), least)};
 }
 
-void ty_air_even(const ty_airlight* airlight, ty_vec origin, ty_vec direction, float far, ty_air_sum* sum);
+/* At most TY_LIT_LINES rays. */
+void ty_air_even(const ty_airlight* airlight, ty_vec origin, const ty_air_ray* rays, int32_t count, ty_air_sum* sums);
 void ty_air_cells(const ty_airlight* airlight, ty_vec origin, ty_vec direction, float far, float offset,
                   ty_air_sum* sum);
 /* Transmittance of media on cells from a light to a point. */

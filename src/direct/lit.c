@@ -2,8 +2,9 @@
 #include "direct/lit.h"
 
 #include "base/context.h"
+#include "base/isa.h"
 #include "base/parallel.h"
-#include "direct/lit.k.h"
+#include "direct/lit_kernel.h"
 
 /* ---- texels ---- */
 
@@ -144,14 +145,19 @@ static void fill_face(ty_lit_map* map, int32_t index) {
 }
 
 static bool take_face(const ty_lit_map* map, ty_lit_face* face) {
-    face->texels = ty_alloc_array(map->context, width_at(map, 0) * width_at(map, 0), sizeof *face->texels, false);
-    bool whole = face->texels != NULL;
-    for (int32_t level = 1; level < map->levels && whole; ++level) {
-        const size_t width = width_at(map, level);
-        face->levels[level] = ty_alloc_array(map->context, width * width, sizeof *face->levels[level], false);
-        whole = face->levels[level] != NULL;
+    size_t count =
+        width_at(map, 0) * width_at(map, 0) + width_at(map, 0) % 2; /* levels of pairs begin at even places */
+    for (int32_t level = 1; level < map->levels; ++level) {
+        face->offset[level] = count;
+        count += 2 * width_at(map, level) * width_at(map, level);
     }
-    return whole;
+    face->nodes = ty_alloc_array(map->context, count, sizeof *face->nodes, false);
+    if (face->nodes == NULL) return false;
+    face->node_count = count;
+    face->texels = face->nodes;
+    for (int32_t level = 1; level < map->levels; ++level)
+        face->levels[level] = (ty_lit_range*)(face->nodes + face->offset[level]);
+    return true;
 }
 
 ty_result ty_lit_map_create(ty_context* context, const ty_light_view* light, const ty_light_map* map,
@@ -175,14 +181,8 @@ ty_result ty_lit_map_create(ty_context* context, const ty_light_view* light, con
 
 void ty_lit_map_destroy(ty_lit_map* map) {
     if (map == NULL) return;
-    for (int32_t i = 0; i < 6; ++i) {
-        ty_lit_face* face = &map->faces[i];
-        ty_free_array(map->context, face->texels, width_at(map, 0) * width_at(map, 0), sizeof *face->texels);
-        for (int32_t level = 1; level < map->levels; ++level) {
-            const size_t width = width_at(map, level);
-            ty_free_array(map->context, face->levels[level], width * width, sizeof *face->levels[level]);
-        }
-    }
+    for (int32_t i = 0; i < 6; ++i)
+        ty_free_array(map->context, map->faces[i].nodes, map->faces[i].node_count, sizeof(float));
     ty_free_array(map->context, map, 1, sizeof *map);
 }
 
@@ -209,7 +209,7 @@ static bool find_face(const ty_lit_map* map, int32_t index, ty_vec origin, ty_ve
            ty_lit_keep(span - at.y, span_way - way.y, &out->part);
 }
 
-static void walk_face(const ty_lit_map* map, const face_ray* ray, float from, ty_lit_run* run) {
+static ty_lit_line line_of(const ty_lit_map* map, const face_ray* ray, float from) {
     ty_vec begin = ty_mad(ray->at, ray->way, from), end = ty_mad(ray->at, ray->way, ray->part.to);
     ty_lit_line line = {.from = from, .length = ray->part.to - from, .depth = {1.0f, 1.0f}};
     if (is_parallel(map)) {
@@ -228,6 +228,11 @@ static void walk_face(const ty_lit_map* map, const face_ray* ray, float from, ty
     line.dx = end.x - begin.x;
     line.dy = end.y - begin.y;
     line.dnear = end.z - begin.z;
+    return line;
+}
+
+static void walk_face(const ty_lit_map* map, const face_ray* ray, float from, ty_lit_run* run) {
+    const ty_lit_line line = line_of(map, ray, from);
     ty_lit_walk(ray->face, &line, map->map->side, map->levels - 1, run);
 }
 
@@ -260,6 +265,64 @@ int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction,
     if (part.to - t > LIT_SEAM * part.to) ty_lit_turn(&run, t, 1);
     ty_lit_turn(&run, part.to, 0);
     return run.count;
+}
+
+/* ---- many rays ---- */
+
+static const ty_lit_kernels* choose_kernels(void) {
+#if TY_ISA_X86
+    static const ty_lit_kernels* const kernels[TY_ISA_COUNT] = {&ty_lit_kernels_v1, &ty_lit_kernels_v3,
+                                                                &ty_lit_kernels_v4};
+    return kernels[ty_best_isa()];
+#else
+    return &ty_lit_kernels_v1;
+#endif
+}
+
+/* Maps of one face: which rays have a part before surfaces, and all of those together. */
+static void walk_together(const ty_lit_map* map, ty_lit_rays* rays) {
+    ty_lit_line lines[TY_LIT_LINES];
+    ty_lit_run runs[TY_LIT_LINES];
+    ty_lit_part parts[TY_LIT_LINES];
+    int32_t which[TY_LIT_LINES], count = 0;
+    float ends[TY_LIT_LINES]; /* of what is before surfaces */
+    for (int32_t i = 0; i < rays->count; ++i) {
+        ty_lit_part part = {rays->from[i], rays->to[i]};
+        face_ray ray;
+        rays->counts[i] = 0;
+        if (!(part.from < part.to)) continue;
+        if (map->light.kind == TY_KIND_SPOT &&
+            !ty_lit_keep_cone(&map->light, map->light.cos_outer, rays->origin, rays->direction[i], &part))
+            continue;
+        if (!find_face(map, 0, rays->origin, rays->direction[i], part, &ray)) {
+            rays->stretches[i][0][0] = part.from;
+            rays->stretches[i][0][1] = part.to;
+            rays->counts[i] = 1;
+            continue;
+        }
+        runs[count] = (ty_lit_run){.stretches = rays->stretches[i], .lit = 1, .at = part.from};
+        lines[count] = line_of(map, &ray, ray.part.from);
+        parts[count] = part;
+        ends[count] = ray.part.to;
+        which[count++] = i;
+    }
+    if (count == 0) return;
+    choose_kernels()->walk(&map->faces[0], lines, count, map->map->side, map->levels - 1, runs);
+    for (int32_t k = 0; k < count; ++k) {
+        if (parts[k].to - ends[k] > LIT_SEAM * parts[k].to) ty_lit_turn(&runs[k], ends[k], 1);
+        ty_lit_turn(&runs[k], parts[k].to, 0);
+        rays->counts[which[k]] = runs[k].count;
+    }
+}
+
+void ty_lit_stretches_of(const ty_lit_map* map, ty_lit_rays* rays) {
+    if (map->map->faces == 1) {
+        walk_together(map, rays);
+        return;
+    }
+    for (int32_t i = 0; i < rays->count; ++i)
+        rays->counts[i] =
+            ty_lit_stretches(map, rays->origin, rays->direction[i], rays->from[i], rays->to[i], rays->stretches[i]);
 }
 
 /* ---- points ---- */

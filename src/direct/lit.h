@@ -10,7 +10,7 @@
 #include "base/vector.k.h"
 #include "direct/light_map.h"
 
-enum { TY_LIT_LEVELS = 14, TY_LIT_STRETCHES = 64 };
+enum { TY_LIT_LEVELS = 14, TY_LIT_STRETCHES = 64, TY_LIT_LINES = 16 };
 
 /* Of a block of texels, nearness. */
 typedef struct ty_lit_range {
@@ -20,7 +20,10 @@ typedef struct ty_lit_range {
 typedef struct ty_lit_face {
     float to_map[12]; /* a point to x, y in texels and depth, m; lights with a place: x and y times depth */
     float nearest;    /* depth of the nearest texel, m; INFINITY: all are empty */
-    float* texels;    /* nearness, row by row */
+    float* nodes;     /* all that follows, one after another */
+    size_t node_count;
+    size_t offset[TY_LIT_LEVELS];        /* of levels there */
+    float* texels;                       /* nearness, row by row */
     ty_lit_range* levels[TY_LIT_LEVELS]; /* of blocks of 2^level texels a side; [0]: NULL, that is texels */
 } ty_lit_face;
 
@@ -41,6 +44,17 @@ void ty_lit_map_destroy(ty_lit_map* map);
  * them are taken as lit). What lies outside of a light's map is lit. */
 int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction, float from, float to,
                          float stretches[TY_LIT_STRETCHES][2]);
+
+/* The same for up to TY_LIT_LINES rays from one origin, each with its part [from, to] and its stretches; counts: how
+ * many each has. */
+typedef struct ty_lit_rays {
+    int32_t count;
+    ty_vec origin, direction[TY_LIT_LINES];
+    float from[TY_LIT_LINES], to[TY_LIT_LINES];
+    int32_t counts[TY_LIT_LINES];
+    float stretches[TY_LIT_LINES][TY_LIT_STRETCHES][2];
+} ty_lit_rays;
+void ty_lit_stretches_of(const ty_lit_map* map, ty_lit_rays* rays);
 
 /* The share of the four texels around, weighted by how near they are, that leave a point of a surface with a unit
  * normal lit: they are not nearer to the light than the plane through it by more than `slack` (m). *sure: whether all

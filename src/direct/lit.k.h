@@ -121,14 +121,21 @@ TY_FN int32_t ty_lit_clamp(int32_t value, int32_t low, int32_t high) {
     return value < low ? low : value > high ? high : value;
 }
 
+/* The level that a line begins at: of blocks that are not much larger than it is long. */
+TY_FN int32_t ty_lit_first_level(const ty_lit_line* line, int32_t top) {
+    const float reach = 2.0f * ty_maxf(fabsf(ty_lit_slanting(line->dx)), fabsf(ty_lit_slanting(line->dy)));
+    int32_t level = 0;
+    while (level < top && reach > (float)(4 << level)) ++level;
+    return level;
+}
+
 /* Up where a block ends that four blocks make, else at the same level; down where a block is partly lit. */
 TY_FN void ty_lit_walk(const ty_lit_face* face, const ty_lit_line* line, int32_t side, int32_t top, ty_lit_run* run) {
     const float dx = ty_lit_slanting(line->dx), dy = ty_lit_slanting(line->dy);
     const float per_x = 1.0f / dx, per_y = 1.0f / dy;
     const int32_t ahead_x = dx > 0.0f, ahead_y = dy > 0.0f;
     int32_t x = ty_lit_clamp((int32_t)line->x, 0, side - 1), y = ty_lit_clamp((int32_t)line->y, 0, side - 1);
-    int32_t level = 0;
-    for (float reach = 2.0f * ty_maxf(fabsf(dx), fabsf(dy)); level < top && reach > (float)(4 << level);) ++level;
+    int32_t level = ty_lit_first_level(line, top);
     float u = 0.0f;
     for (;;) {
         const int32_t block_x = x >> level, block_y = y >> level;

@@ -16,7 +16,7 @@ float ty_lpv_air_offset(const ty_lpv_frame* frame, int32_t x, int32_t y) {
 }
 
 ty_fog_way ty_lpv_air_way(const ty_lpv_frame* frame, int32_t x, int32_t y, float offset) {
-    const float distance = frame->distance[(size_t)y * (size_t)frame->width + (size_t)x];
+    const float distance = frame->distance[ty_lpv_kept(frame, x, y)];
     return (ty_fog_way){.origin = frame->camera.origin,
                         .direction = ty_camera_direction(&frame->camera, (float)x + frame->dx, (float)y + frame->dy),
                         .far = ty_minf(distance, TY_FLOAT_MAX),
@@ -51,7 +51,7 @@ void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right,
     ty_fog_way ways[TY_TILE];
     ty_fog fog[TY_TILE];
     for (int32_t row = y; row < bottom; ++row) {
-        ty_lpv_air* air = frame->air + (size_t)row * (size_t)frame->air_width;
+        ty_lpv_air* air = ty_lpv_kept_air(frame, 0, row);
         for (int32_t i = x; i < right; ++i) ways[i - x] = way_of(frame, i, row);
         frame->kernels->fog(&frame->fog, ways, right - x, fog);
         for (int32_t i = x; i < right; ++i) take_fog(&fog[i - x], ways[i - x].far, &air[i]);
@@ -60,10 +60,17 @@ void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right,
 }
 
 void ty_lpv_single_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {
+    ty_air_ray rays[TY_TILE_PIXELS];
+    float single[TY_TILE_PIXELS][3];
+    int32_t count = 0, next = 0;
     for (int32_t row = y; row < bottom; ++row)
         for (int32_t i = x; i < right; ++i) {
             const ty_fog_way way = way_of(frame, i, row);
-            ty_airlight_ray(frame->job->airlight, way.origin, way.direction, way.far, way.offset,
-                            frame->air[(size_t)row * (size_t)frame->air_width + (size_t)i].seen.single, NULL);
+            rays[count++] = (ty_air_ray){.direction = way.direction, .far = way.far, .offset = way.offset};
         }
+    if (count == 0) return;
+    ty_airlight_rays(frame->job->airlight, frame->camera.origin, rays, count, single, NULL);
+    for (int32_t row = y; row < bottom; ++row)
+        for (int32_t i = x; i < right; ++i)
+            memcpy(ty_lpv_kept_air(frame, i, row)->seen.single, single[next++], sizeof single[0]);
 }

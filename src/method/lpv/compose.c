@@ -64,19 +64,60 @@ static void march_alone(ty_lpv_frame* frame, int32_t x, int32_t y, ty_lpv_seen* 
         ty_airlight_ray(frame->job->airlight, way.origin, way.direction, way.far, way.offset, out->single, NULL);
 }
 
+/* Once scattered light is found anew where it differs by more than this part of a pixel's light between the rays around
+ * it, as at edges of shafts; where it differs by more than all of it, as about lamps in the picture, by FINE x FINE
+ * rays through the pixel. */
+static const float edge_contrast = 0.1f, lamp_contrast = 1.0f;
+enum { FINE = 4 };
+
+/* Light of a pixel towards the eye, all channels together. */
+static float light_of(const ty_lpv_frame* frame, int32_t x, int32_t y, const ty_lpv_seen* seen) {
+    const float* surface = frame->surface + 3 * ty_lpv_kept(frame, x, y);
+    float sum = 0.0f;
+    for (int c = 0; c < 3; ++c)
+        sum += surface[c] * seen->transmittance[c] + seen->glow[c] + seen->single[c] + seen->multiple[c];
+    return sum;
+}
+
+static void single_alone(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t fine, ty_lpv_seen* out) {
+    const ty_fog_way way = ty_lpv_air_way(frame, x, y, ty_lpv_air_offset(frame, x, y));
+    const float share = 1.0f / (float)(fine * fine);
+    for (int c = 0; c < 3; ++c) out->single[c] = 0.0f;
+    for (int32_t i = 0; i < fine * fine; ++i) {
+        const float dx = fine > 1 ? ((float)(i % fine) + 0.5f) / (float)fine : frame->dx;
+        const float dy = fine > 1 ? ((float)(i / fine) + 0.5f) / (float)fine : frame->dy;
+        float single[3];
+        ty_airlight_ray(frame->job->airlight, way.origin,
+                        ty_camera_direction(&frame->camera, (float)x + dx, (float)y + dy), way.far, way.offset, single,
+                        NULL);
+        for (int c = 0; c < 3; ++c) out->single[c] += share * single[c];
+    }
+}
+
+/* Finds once scattered light anew if the rays around a pixel do not agree on it; whether they do not. */
+static bool sharpen(ty_lpv_frame* frame, int32_t x, int32_t y, float contrast, ty_lpv_seen* out) {
+    if (!(contrast > 0.0f)) return false;
+    const float light = light_of(frame, x, y, out);
+    if (!(contrast > edge_contrast * light)) return false;
+    single_alone(frame, x, y, contrast > lamp_contrast * light ? FINE : 1, out);
+    return true;
+}
+
 /* What is before a row of pixels; returns how many of them had to be marched. */
 static int64_t find_air(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t count, ty_lpv_seen* out) {
-    bool found[TY_TILE];
+    float contrast[TY_TILE];
     int64_t alone = 0;
     if (frame->shrink > 1) {
-        const float* distance = frame->distance + (size_t)y * (size_t)frame->width + (size_t)x;
-        frame->kernels->upsample(&frame->upsample, x, y, count, distance, out, found);
+        const float* distance = frame->distance + ty_lpv_kept(frame, x, y);
+        frame->kernels->upsample(&frame->upsample, x, y, count, distance, out, contrast);
     }
     for (int32_t i = 0; i < count; ++i) {
         if (frame->shrink == 1) {
-            out[i] = frame->air[(size_t)y * (size_t)frame->air_width + (size_t)(x + i)].seen;
-        } else if (!found[i]) {
+            out[i] = ty_lpv_kept_air(frame, x + i, y)->seen;
+        } else if (contrast[i] < 0.0f) {
             march_alone(frame, x + i, y, &out[i]);
+            ++alone;
+        } else if (sharpen(frame, x + i, y, contrast[i], &out[i])) {
             ++alone;
         }
     }
@@ -92,8 +133,9 @@ static void add(float* const planes[3], size_t at, const float values[3]) {
     for (int c = 0; c < 3 && planes[c] != NULL; ++c) planes[c][at] += finite(values[c]);
 }
 
-static void add_pixel(const ty_lpv_frame* frame, size_t at, const ty_lpv_seen* seen) {
-    const float* surface = frame->surface + 3 * at;
+static void add_pixel(const ty_lpv_frame* frame, int32_t x, int32_t y, const ty_lpv_seen* seen) {
+    const float* surface = frame->surface + 3 * ty_lpv_kept(frame, x, y);
+    const size_t at = (size_t)y * (size_t)frame->width + (size_t)x;
     float color[3];
     for (int c = 0; c < 3; ++c)
         color[c] = surface[c] * seen->transmittance[c] + seen->glow[c] + seen->single[c] + seen->multiple[c];
@@ -110,8 +152,7 @@ void ty_lpv_compose_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t righ
     for (int32_t i = 0; i < TY_TILE; ++i) seen[i] = (ty_lpv_seen){.transmittance = {1.0f, 1.0f, 1.0f}};
     for (int32_t row = y; row < bottom; ++row) {
         if (frame->air != NULL) alone += find_air(frame, x, row, right - x, seen);
-        for (int32_t i = 0; i < right - x; ++i)
-            add_pixel(frame, (size_t)row * (size_t)frame->width + (size_t)(x + i), &seen[i]);
+        for (int32_t i = 0; i < right - x; ++i) add_pixel(frame, x + i, row, &seen[i]);
     }
     atomic_fetch_add(&frame->marched, alone);
 }

@@ -1,5 +1,6 @@
-/* An image in the making: what its passes share. Each pass goes over all pixels, tile by tile; with several rays per
- * pixel all passes are made for each, and their images are added. */
+/* An image in the making: what its passes share. An image is made in bands of rows, each tile by tile: first what is
+ * seen of surfaces and media, then both together, which needs the media around. What is seen is kept for two bands, so
+ * that it stays in caches. With several rays per pixel all is done for each, and their images are added. */
 #ifndef TY_METHOD_LPV_FRAME_H
 #define TY_METHOD_LPV_FRAME_H
 
@@ -13,6 +14,8 @@
 #include <stdatomic.h>
 
 enum { TY_TILE = 16, TY_TILE_PIXELS = TY_TILE * TY_TILE };
+/* Rows of a band, and those of which what is seen is kept: powers of two. */
+enum { TY_BAND = 64, TY_KEPT = 2 * TY_BAND };
 /* Pixels along a side of the blocks in which a tile's pixels are in order. */
 enum { TY_BLOCK = 4, TY_BLOCK_PIXELS = TY_BLOCK * TY_BLOCK };
 
@@ -39,7 +42,7 @@ typedef struct ty_lpv_planes {
 } ty_lpv_planes;
 
 /* What time goes to within passes that do several things, processor nanoseconds. */
-enum { TY_CLOCK_VIEW, TY_CLOCK_SURFACES, TY_CLOCK_RAYS, TY_CLOCKS };
+enum { TY_CLOCK_VIEW, TY_CLOCK_SURFACES, TY_CLOCK_MARCH, TY_CLOCK_SINGLE, TY_CLOCK_RAYS, TY_CLOCKS };
 
 typedef struct ty_lpv_frame {
     const ty_lpv_image_job* job;
@@ -58,27 +61,30 @@ typedef struct ty_lpv_frame {
     int32_t samples;      /* rays per pixel */
     int32_t sample;       /* the one that the passes are at */
     float dx, dy;         /* where in pixels it lies */
-    float* distance;      /* m, as in ty_lpv_pixel */
-    float* surface;       /* 3 a pixel: its radiance */
+    float* distance;      /* m, as in ty_lpv_pixel; of TY_KEPT rows, as ty_lpv_kept says */
+    float* surface;       /* 3 a pixel: its radiance; of as many */
     float* hits;          /* rays of a pixel that hit a surface; NULL: nobody asks */
-    ty_lpv_air* air;      /* NULL: vacuum */
+    ty_lpv_air* air;      /* of TY_KEPT / shrink rows; NULL: vacuum */
     ty_upsample upsample; /* of air */
     ty_image* image;      /* sums over samples */
     ty_lpv_planes planes;
     ty_lpv_stats stats; /* its parts of images */
     ty_part_progress progress;
-    const char* stage;
+    double done, tiles;   /* of this ray's tiles, and all there are */
     pthread_mutex_t lock; /* guards reporting */
     _Atomic bool cancelled;
     _Atomic int64_t clocks[TY_CLOCKS];
     _Atomic int64_t rays, marched;
 } ty_lpv_frame;
 
-typedef void (*ty_tile_fn)(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
-
-/* Runs a pass over an image's tiles; seconds: is added to. Errors: TY_CANCELLED. */
-ty_result ty_lpv_run_tiles(ty_lpv_frame* frame, const char* stage, double until, const int32_t size[2], ty_tile_fn body,
-                           double* seconds);
+/* Where a pixel's distance and surface are kept. */
+static inline size_t ty_lpv_kept(const ty_lpv_frame* frame, int32_t x, int32_t y) {
+    return (size_t)(y % TY_KEPT) * (size_t)frame->width + (size_t)x;
+}
+/* The same for what media along ray (x, y) send. */
+static inline ty_lpv_air* ty_lpv_kept_air(const ty_lpv_frame* frame, int32_t x, int32_t y) {
+    return frame->air + (size_t)(y % (TY_KEPT / frame->shrink)) * (size_t)frame->air_width + x;
+}
 
 /* Adds the nanoseconds since `begun` to one of the clocks; returns now. */
 int64_t ty_lpv_clock(ty_lpv_frame* frame, int clock, int64_t begun);
@@ -99,7 +105,7 @@ ty_lpv_seen ty_lpv_seen_of(const ty_fog* fog, float distance);
 ty_fog_way ty_lpv_air_way(const ty_lpv_frame* frame, int32_t x, int32_t y, float offset);
 /* Where steps begin, for neighbours as far from one another as can be: (0, 1]. */
 float ty_lpv_air_offset(const ty_lpv_frame* frame, int32_t x, int32_t y);
-/* Passes over the air: the lattice's light, then light that is scattered once. */
+/* A tile of rays through the air: the lattice's light, then light that is scattered once. */
 void ty_lpv_march_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
 void ty_lpv_single_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
 

@@ -13,13 +13,16 @@
 
 static const double progress_interval = 0.1; /* s */
 
-/* ---- passes ---- */
+/* ---- tiles ---- */
 
+typedef void (*tile_fn)(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom);
+
+/* Rows [top, bottom) of the image. */
 typedef struct tile_pass {
     ty_lpv_frame* frame;
-    ty_tile_fn body;
-    const int32_t* size;
-    int32_t columns;
+    tile_fn body;
+    const char* stage;
+    int32_t top, bottom, columns;
     int64_t tiles;
     _Atomic int64_t finished;
 } tile_pass;
@@ -28,7 +31,7 @@ static void report(tile_pass* pass) {
     ty_lpv_frame* frame = pass->frame;
     if (frame->progress.function == NULL || pthread_mutex_trylock(&frame->lock) != 0) return;
     if (ty_wall_seconds() - frame->progress.reported >= progress_interval) {
-        const ty_progress part = {.stage = frame->stage,
+        const ty_progress part = {.stage = pass->stage,
                                   .fraction = (double)atomic_load(&pass->finished) / (double)pass->tiles};
         if (!ty_part_report(&frame->progress, &part)) atomic_store(&frame->cancelled, true);
     }
@@ -39,22 +42,23 @@ static void run_tile(void* user, int64_t index, int32_t worker) {
     (void)worker;
     tile_pass* pass = user;
     if (atomic_load_explicit(&pass->frame->cancelled, memory_order_relaxed)) return;
-    const int32_t x = (int32_t)(index % pass->columns) * TY_TILE, y = (int32_t)(index / pass->columns) * TY_TILE;
-    const int32_t right = x + TY_TILE < pass->size[0] ? x + TY_TILE : pass->size[0];
-    const int32_t bottom = y + TY_TILE < pass->size[1] ? y + TY_TILE : pass->size[1];
+    const int32_t x = (int32_t)(index % pass->columns) * TY_TILE;
+    const int32_t y = pass->top + (int32_t)(index / pass->columns) * TY_TILE;
+    const int32_t right = x + TY_TILE < pass->frame->width ? x + TY_TILE : pass->frame->width;
+    const int32_t bottom = y + TY_TILE < pass->bottom ? y + TY_TILE : pass->bottom;
     pass->body(pass->frame, x, y, right, bottom);
     atomic_fetch_add(&pass->finished, 1);
     report(pass);
 }
 
-ty_result ty_lpv_run_tiles(ty_lpv_frame* frame, const char* stage, double until, const int32_t size[2], ty_tile_fn body,
-                           double* seconds) {
+/* Runs a pass, which takes the progress up to `until`; seconds: is added to. Errors: TY_CANCELLED. */
+static ty_result run_tiles(tile_pass* pass, double until, double* seconds) {
+    ty_lpv_frame* frame = pass->frame;
     const double begun = ty_wall_seconds();
-    frame->stage = stage;
-    if (ty_part_next(&frame->progress, stage, until) != TY_OK) return TY_CANCELLED;
-    tile_pass pass = {.frame = frame, .body = body, .size = size, .columns = (size[0] + TY_TILE - 1) / TY_TILE};
-    pass.tiles = (int64_t)pass.columns * ((size[1] + TY_TILE - 1) / TY_TILE);
-    ty_parallel_for(frame->context, pass.tiles, run_tile, &pass);
+    if (ty_part_next(&frame->progress, pass->stage, until) != TY_OK) return TY_CANCELLED;
+    pass->columns = (frame->width + TY_TILE - 1) / TY_TILE;
+    pass->tiles = (int64_t)pass->columns * ((pass->bottom - pass->top + TY_TILE - 1) / TY_TILE);
+    ty_parallel_for(frame->context, pass->tiles, run_tile, pass);
     *seconds += ty_wall_seconds() - begun;
     return atomic_load(&frame->cancelled) ? TY_CANCELLED : TY_OK;
 }
@@ -67,13 +71,22 @@ int64_t ty_lpv_clock(ty_lpv_frame* frame, int clock, int64_t begun) {
     return nanoseconds;
 }
 
-static void surface_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {
+/* What a tile's pixels see of surfaces, and the air's rays that go through it of media. */
+static void see_tile(ty_lpv_frame* frame, int32_t x, int32_t y, int32_t right, int32_t bottom) {
     ty_lpv_tile tile;
+    const int32_t shrink = frame->shrink, first[2] = {x / shrink, y / shrink};
+    const int32_t end[2] = {(right + shrink - 1) / shrink, (bottom + shrink - 1) / shrink};
     int64_t begun = ty_lpv_clock(frame, TY_CLOCKS, 0);
     ty_lpv_see(frame, x, y, right, bottom, &tile);
     begun = ty_lpv_clock(frame, TY_CLOCK_VIEW, begun);
     ty_lpv_shade(frame, &tile);
-    ty_lpv_clock(frame, TY_CLOCK_SURFACES, begun);
+    begun = ty_lpv_clock(frame, TY_CLOCK_SURFACES, begun);
+    if (frame->air == NULL) return;
+    ty_lpv_march_tile(frame, first[0], first[1], end[0], end[1]);
+    begun = ty_lpv_clock(frame, TY_CLOCK_MARCH, begun);
+    if (frame->job->airlight == NULL || (frame->job->def->parts & TY_LPV_SINGLE) == 0) return;
+    ty_lpv_single_tile(frame, first[0], first[1], end[0], end[1]);
+    ty_lpv_clock(frame, TY_CLOCK_SINGLE, begun);
 }
 
 /* A golden-ratio lattice over the pixel; one ray goes through the middle. */
@@ -84,21 +97,26 @@ static void place_sample(ty_lpv_frame* frame, int32_t sample) {
     frame->dy = turn - floorf(turn);
 }
 
-/* All passes for one ray per pixel; until: as in ty_part_next. */
+/* The first row that cannot be composed yet when so many rows' media are there: it takes media of the next ones. */
+static int32_t composable(const ty_lpv_frame* frame, int32_t rows) {
+    return rows == frame->height || frame->shrink == 1 ? rows : rows - 1;
+}
+
+/* All bands for one ray per pixel; until: as in ty_part_next. */
 static ty_result add_sample(ty_lpv_frame* frame, double until) {
-    const int32_t size[2] = {frame->width, frame->height}, air[2] = {frame->air_width, frame->air_height};
-    const double from = frame->progress.from + frame->progress.share, all = until - from;
-    const bool single = frame->job->airlight != NULL && (frame->job->def->parts & TY_LPV_SINGLE) != 0;
-    ty_lpv_stats* stats = &frame->stats;
-    double seconds = 0;
-    ty_result result = ty_lpv_run_tiles(frame, "surfaces", from + 0.5 * all, size, surface_tile, &seconds);
-    stats->view_seconds += seconds;
-    if (result == TY_OK && frame->air != NULL)
-        result = ty_lpv_run_tiles(frame, "march", from + 0.7 * all, air, ty_lpv_march_tile, &stats->march_seconds);
-    if (result == TY_OK && frame->air != NULL && single)
-        result = ty_lpv_run_tiles(frame, "shafts", from + 0.9 * all, air, ty_lpv_single_tile, &stats->single_seconds);
-    if (result == TY_OK)
-        result = ty_lpv_run_tiles(frame, "image", until, size, ty_lpv_compose_tile, &stats->compose_seconds);
+    static const double seen_share = 0.9; /* of a band's work */
+    const double from = frame->progress.from + frame->progress.share, per_row = (until - from) / frame->height;
+    ty_result result = TY_OK;
+    for (int32_t top = 0, composed = 0; top < frame->height && result == TY_OK; top += TY_BAND) {
+        const int32_t bottom = top + TY_BAND < frame->height ? top + TY_BAND : frame->height;
+        const int32_t next = composable(frame, bottom);
+        tile_pass see = {.frame = frame, .body = see_tile, .stage = "surfaces and media", .top = top, .bottom = bottom};
+        tile_pass compose = {
+            .frame = frame, .body = ty_lpv_compose_tile, .stage = "image", .top = composed, .bottom = next};
+        result = run_tiles(&see, from + per_row * (top + seen_share * (bottom - top)), &frame->stats.view_seconds);
+        if (result == TY_OK) result = run_tiles(&compose, from + per_row * bottom, &frame->stats.compose_seconds);
+        composed = next;
+    }
     return result;
 }
 
@@ -116,7 +134,7 @@ static void finish_row(void* user, int64_t row, int32_t worker) {
     float* const* means[] = {planes->color, planes->transmittance, planes->albedo, planes->single, planes->multiple};
     const size_t begin = (size_t)row * (size_t)frame->width, end = begin + (size_t)frame->width;
     const float share = 1.0f / (float)frame->samples;
-    for (int m = 0; m < 5; ++m)
+    for (int m = 0; m < 5 && frame->samples > 1; ++m)
         for (int c = 0; c < 3 && means[m][c] != NULL; ++c)
             for (size_t at = begin; at < end; ++at) means[m][c][at] *= share;
     for (size_t at = begin; at < end && planes->normal[0] != NULL; ++at) finish_normal(planes->normal, at);
@@ -124,15 +142,15 @@ static void finish_row(void* user, int64_t row, int32_t worker) {
         planes->depth[0][at] = frame->hits[at] > 0.0f ? planes->depth[0][at] / frame->hits[at] : 0.0f;
 }
 
-/* Parts of passes by how their processor time divides. */
+/* Parts of what tiles see by how their processor time divides. */
 static void finish_stats(ty_lpv_frame* frame, ty_lpv_stats* out) {
-    const double view = (double)atomic_load(&frame->clocks[TY_CLOCK_VIEW]);
-    const double surfaces = (double)atomic_load(&frame->clocks[TY_CLOCK_SURFACES]);
-    const double wall = frame->stats.view_seconds, per_second = view + surfaces > 0 ? wall / (view + surfaces) : 0;
-    out->view_seconds = view * per_second;
-    out->surface_seconds = surfaces * per_second;
-    out->march_seconds = frame->stats.march_seconds;
-    out->single_seconds = frame->stats.single_seconds;
+    double clocks[TY_CLOCK_RAYS], sum = 0;
+    for (int i = 0; i < TY_CLOCK_RAYS; ++i) sum += clocks[i] = (double)atomic_load(&frame->clocks[i]);
+    const double per_clock = sum > 0 ? frame->stats.view_seconds / sum : 0;
+    out->view_seconds = clocks[TY_CLOCK_VIEW] * per_clock;
+    out->surface_seconds = clocks[TY_CLOCK_SURFACES] * per_clock;
+    out->march_seconds = clocks[TY_CLOCK_MARCH] * per_clock;
+    out->single_seconds = clocks[TY_CLOCK_SINGLE] * per_clock;
     out->compose_seconds = frame->stats.compose_seconds;
     out->rays += atomic_load(&frame->rays);
     out->ray_seconds += 1e-9 * (double)atomic_load(&frame->clocks[TY_CLOCK_RAYS]) / ty_context_threads(frame->context);
@@ -173,19 +191,27 @@ static ty_result create_image(ty_lpv_frame* frame) {
     return TY_OK;
 }
 
+static size_t kept_pixels(const ty_lpv_frame* frame) {
+    return (size_t)TY_KEPT * (size_t)frame->width;
+}
+
+static size_t kept_rays(const ty_lpv_frame* frame) {
+    return (size_t)(TY_KEPT / frame->shrink) * (size_t)frame->air_width;
+}
+
 static ty_result take_planes(ty_lpv_frame* frame) {
     const size_t pixels = (size_t)frame->width * (size_t)frame->height;
-    const size_t air = (size_t)frame->air_width * (size_t)frame->air_height;
-    frame->distance = ty_alloc_array(frame->context, pixels, sizeof(float), false);
-    frame->surface = ty_alloc_array(frame->context, pixels, 3 * sizeof(float), false);
+    frame->distance = ty_alloc_array(frame->context, kept_pixels(frame), sizeof(float), false);
+    frame->surface = ty_alloc_array(frame->context, kept_pixels(frame), 3 * sizeof(float), false);
     if (frame->distance == NULL || frame->surface == NULL) return TY_ERROR_MEMORY;
     if ((frame->job->def->aovs & TY_AOV_DEPTH) != 0) {
         frame->hits = ty_alloc_array(frame->context, pixels, sizeof(float), true);
         if (frame->hits == NULL) return TY_ERROR_MEMORY;
     }
     if (!frame->foggy) return TY_OK;
-    frame->air = ty_alloc_array(frame->context, air, sizeof *frame->air, false);
+    frame->air = ty_alloc_array(frame->context, kept_rays(frame), sizeof *frame->air, false);
     frame->upsample.air = frame->air;
+    frame->upsample.mask = TY_KEPT / frame->shrink - 1;
     return frame->air != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
@@ -224,12 +250,11 @@ static ty_result begin_frame(const ty_lpv_image_job* job, ty_lpv_frame* frame) {
 
 static void end_frame(ty_lpv_frame* frame) {
     const size_t pixels = (size_t)frame->width * (size_t)frame->height;
-    const size_t air = (size_t)frame->air_width * (size_t)frame->air_height;
     ty_look_end(frame->context, &frame->look);
-    ty_free_array(frame->context, frame->distance, pixels, sizeof(float));
-    ty_free_array(frame->context, frame->surface, pixels, 3 * sizeof(float));
+    ty_free_array(frame->context, frame->distance, kept_pixels(frame), sizeof(float));
+    ty_free_array(frame->context, frame->surface, kept_pixels(frame), 3 * sizeof(float));
     ty_free_array(frame->context, frame->hits, pixels, sizeof(float));
-    ty_free_array(frame->context, frame->air, air, sizeof *frame->air);
+    ty_free_array(frame->context, frame->air, kept_rays(frame), sizeof *frame->air);
     pthread_mutex_destroy(&frame->lock);
 }
 

@@ -17,10 +17,10 @@ static void fog(const ty_fog_request* request, const ty_fog_way* ways, int32_t c
 }
 
 static void upsample(const ty_upsample* from, int32_t x, int32_t y, int32_t count, const float* distance,
-                     ty_lpv_seen* out, bool* found) {
+                     ty_lpv_seen* out, float* contrast) {
     const ty_air_lanes lanes = ty_air_lanes_make();
     const unsigned state = ty_flush_denormals();
-    for (int32_t i = 0; i < count; ++i) found[i] = ty_air_upsample(&lanes, from, x + i, y, distance[i], &out[i]);
+    for (int32_t i = 0; i < count; ++i) contrast[i] = ty_air_upsample(&lanes, from, x + i, y, distance[i], &out[i]);
     ty_restore_denormals(state);
 }
 

@@ -182,7 +182,7 @@ void ty_lpv_shade(ty_lpv_frame* frame, ty_lpv_tile* tile) {
     if ((frame->job->def->parts & TY_LPV_SURFACES) != 0 && frame->look.count > 0) add_lattice(frame, tile);
     for (int32_t i = 0; i < tile->count; ++i) {
         const ty_lpv_pixel* pixel = &tile->pixels[i];
-        float* to = frame->surface + 3 * ((size_t)pixel->y * (size_t)frame->width + (size_t)pixel->x);
+        float* to = frame->surface + 3 * ty_lpv_kept(frame, pixel->x, pixel->y);
         for (int c = 0; c < 3; ++c) to[c] = pixel->radiance[c];
     }
 }

@@ -22,6 +22,7 @@ typedef struct ty_lpv_air {
 typedef struct ty_upsample {
     TY_GLOBAL const ty_lpv_air* air; /* NULL: vacuum */
     int32_t width, height;
+    int32_t mask; /* rows that air has, a power of two, less 1: others take their places */
     float weights[TY_AIR_PERIOD][TY_AIR_PERIOD][4]; /* of the four rays around a pixel */
 } ty_upsample;
 
@@ -67,31 +68,57 @@ TY_FN ty_air_lanes ty_air_lanes_make(void) {
     return lanes;
 }
 
-/* Adds a share of what a ray brings, as if it went `farther` (m) than it does, which is little. */
-TY_FN void ty_air_add(const ty_air_lanes* lanes, TY_GLOBAL const ty_lpv_air* air, float share, float farther,
-                      float sum[TY_AIR_FLOATS]) {
-    TY_GLOBAL const float *seen = air->seen.transmittance, *change = air->extinction;
-    const float x = farther * change[0], y = farther * change[1], z = farther * change[2];
+/* The mean of what rays bring, as if each went `farther` (m) than it does, which is little. */
+TY_FN void ty_air_mean(const ty_air_lanes* lanes, TY_GLOBAL const ty_lpv_air* const air[4], const float share[4],
+                       const float farther[4], float mean[TY_AIR_FLOATS]) {
+    TY_GLOBAL const float *seen[4], *change[4];
+    float x[4], y[4], z[4];
+    for (int i = 0; i < 4; ++i) {
+        seen[i] = air[i]->seen.transmittance;
+        change[i] = air[i]->extinction;
+        x[i] = farther[i] * change[i][0];
+        y[i] = farther[i] * change[i][1];
+        z[i] = farther[i] * change[i][2];
+    }
 #pragma omp simd
     for (int j = 0; j < TY_AIR_FLOATS; ++j) {
-        const float half = x * lanes->channel[0][j] + y * lanes->channel[1][j] + z * lanes->channel[2][j];
-        const float rise = change[j] * (lanes->rises[j] - lanes->fades[j] * seen[j]);
-        sum[j] += share * (seen[j] + farther * (1.0f - half) * rise);
+        const float a = lanes->channel[0][j], b = lanes->channel[1][j], c = lanes->channel[2][j];
+        float sum = 0.0f;
+        for (int i = 0; i < 4; ++i) {
+            const float half = x[i] * a + y[i] * b + z[i] * c;
+            const float rise = change[i][j] * (lanes->rises[j] - lanes->fades[j] * seen[i][j]);
+            sum += share[i] * (seen[i][j] + farther[i] * (1.0f - half) * rise);
+        }
+        mean[j] = lanes->rises[j] > 0.0f ? ty_maxf(sum, 0.0f) : sum;
     }
 }
 
-/* false: none of the rays around went about as far. */
-TY_FN bool ty_air_upsample(const ty_air_lanes* lanes, const ty_upsample* from, int32_t x, int32_t y, float distance,
-                           ty_lpv_seen* out) {
+/* How much light that is scattered once differs between the rays that count, all channels together. */
+TY_FN float ty_air_contrast(TY_GLOBAL const ty_lpv_air* const air[4], const float share[4]) {
+    float least = TY_FLOAT_MAX, most = 0.0f;
+    for (int i = 0; i < 4; ++i) {
+        TY_GLOBAL const float* single = air[i]->seen.single;
+        const float sum = single[0] + single[1] + single[2];
+        least = share[i] != 0.0f ? ty_minf(least, sum) : least;
+        most = share[i] != 0.0f ? ty_maxf(most, sum) : most;
+    }
+    return most - least;
+}
+
+/* What a pixel sees; returns how much once scattered light differs between the rays around it, or below 0: none of them
+ * went about as far. */
+TY_FN float ty_air_upsample(const ty_air_lanes* lanes, const ty_upsample* from, int32_t x, int32_t y, float distance,
+                            ty_lpv_seen* out) {
     int32_t columns[2], rows[2];
-    float weight[4], like[4], reached[4], total[TY_AIR_FLOATS];
+    float weight[4], like[4], reached[4], farther[4], mean[TY_AIR_FLOATS];
     const float along = ty_air_pair(x, from->width, columns), down = ty_air_pair(y, from->height, rows);
     const float far = ty_minf(distance, TY_FLOAT_MAX);
     TY_GLOBAL const ty_lpv_air* air[4];
     for (int i = 0; i < 4; ++i) {
-        air[i] = from->air + (size_t)rows[i / 2] * (size_t)from->width + (size_t)columns[i % 2];
+        air[i] = from->air + (size_t)(rows[i / 2] & from->mask) * (size_t)from->width + (size_t)columns[i % 2];
         reached[i] = ty_minf(air[i]->seen.distance, TY_FLOAT_MAX);
     }
+#pragma omp simd
     for (int i = 0; i < 4; ++i) like[i] = ty_air_likeness(far, reached[i]);
     const float least = ty_minf(ty_minf(like[0], like[1]), ty_minf(like[2], like[3]));
     if (least > 0.5f && columns[0] < columns[1] && rows[0] < rows[1])
@@ -100,15 +127,16 @@ TY_FN bool ty_air_upsample(const ty_air_lanes* lanes, const ty_upsample* from, i
         ty_air_bilinear(along, down, weight);
     for (int i = 0; i < 4; ++i) weight[i] *= like[i];
     const float sum = (weight[0] + weight[1]) + (weight[2] + weight[3]);
-    if (!(sum >= TY_AIR_ENOUGH)) return false;
+    if (!(sum >= TY_AIR_ENOUGH)) return -1.0f;
     const float scale = 1.0f / sum;
-    for (int j = 0; j < TY_AIR_FLOATS; ++j) total[j] = 0.0f;
-    for (int i = 0; i < 4; ++i)
-        if (weight[i] != 0.0f) ty_air_add(lanes, air[i], weight[i] * scale, far - reached[i], total);
-    for (int j = 0; j < TY_AIR_FLOATS; ++j) total[j] = lanes->rises[j] > 0.0f ? ty_maxf(total[j], 0.0f) : total[j];
-    memcpy(out, total, sizeof *out);
+    for (int i = 0; i < 4; ++i) {
+        weight[i] *= scale;
+        farther[i] = weight[i] != 0.0f ? far - reached[i] : 0.0f;
+    }
+    ty_air_mean(lanes, air, weight, farther, mean);
+    memcpy(out, mean, sizeof *out);
     out->distance = distance;
-    return true;
+    return ty_air_contrast(air, weight);
 }
 
 #endif

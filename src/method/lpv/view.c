@@ -102,7 +102,7 @@ static void take(const ty_lpv_frame* frame, const ty_lpv_view_def* view, ty_lpv_
 
 static void store(const ty_lpv_frame* frame, const ty_lpv_pixel* pixel) {
     const size_t at = (size_t)pixel->y * (size_t)frame->width + (size_t)pixel->x;
-    frame->distance[at] = pixel->distance;
+    frame->distance[ty_lpv_kept(frame, pixel->x, pixel->y)] = pixel->distance;
     if (isinf(pixel->distance)) return;
     if (frame->planes.depth[0] != NULL) frame->planes.depth[0][at] += pixel->distance;
     if (frame->hits != NULL) frame->hits[at] += 1.0f;
