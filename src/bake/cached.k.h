@@ -52,7 +52,7 @@ TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, ty_cached_f
 TY_FN bool ty_cached_trace(ty_gather* g, float u, ty_encounter* end, ty_segment* segment, ty_cached_fog* fog) {
     const ty_scene_view* scene = g->request->path.scene;
     ty_path* path = &g->path;
-    ty_fog_point point = ty_fog_point_begin(u);
+    ty_fog_point point = ty_fog_point_begin(u, &path->random);
     ++g->rays;
     const bool hit =
         scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);

@@ -7,7 +7,8 @@
 /* Chosen among the pieces of a ray that are offered one after the other, by how much of the light that comes from there
  * they stop. */
 typedef struct ty_fog_point {
-    float u;                                /* random, in [0, 1); what choices leave of it */
+    float u;                                /* random, in [0, 1): where in the piece */
+    ty_random* random;                      /* which piece */
     float all;                              /* of all pieces: what they stop, mean of the channels */
     TY_GLOBAL const ty_medium_view* medium; /* the chosen piece's; NULL: there is none */
     float enter, leave;                     /* m along the ray */
@@ -16,8 +17,9 @@ typedef struct ty_fog_point {
     float left[3];
 } ty_fog_point;
 
-TY_FN ty_fog_point ty_fog_point_begin(float u) {
+TY_FN ty_fog_point ty_fog_point_begin(float u, ty_random* random) {
     ty_fog_point point;
+    point.random = random;
     point.u = u;
     point.all = 0.0f;
     point.medium = point.last = NULL;
@@ -32,21 +34,17 @@ TY_FN void ty_fog_point_offer(ty_fog_point* point, TY_GLOBAL const ty_medium_vie
         for (int c = 0; c < 3; ++c) point->left[c] = 1.0f;
     }
     for (int c = 0; c < 3; ++c) {
-        stopped[c] =
-            point->left[c] * (c > 0 && medium->gray != 0 ? stopped[0] : ty_stopped(medium->sigma_t[c] * matter));
+        stopped[c] = c > 0 && medium->gray != 0 ? stopped[0] : point->left[c] * ty_stopped(medium->sigma_t[c] * matter);
         stops += (1.0f / 3.0f) * stopped[c];
     }
     point->all += stops;
-    const float chance = stops / ty_maxf(point->all, 1e-37f);
-    if (point->u < chance) {
-        point->u = point->u / chance;
+    if (stops > 0.0f && (point->medium == NULL || ty_random_white(point->random) * point->all < stops)) {
         point->medium = medium;
         point->matter = matter;
         point->enter = enter;
         point->leave = leave;
         for (int c = 0; c < 3; ++c) point->passing[c] = point->left[c];
-    } else
-        point->u = (point->u - chance) / (1.0f - chance);
+    }
     for (int c = 0; c < 3; ++c) point->left[c] -= stopped[c];
 }
 
@@ -57,7 +55,7 @@ TY_FN float ty_fog_point_place(const ty_fog_point* point, float weight[3], float
     const bool gray = point->medium->gray != 0;
     /* A channel by its share of what the piece stops, then as that channel stops it: no channel's weight is ever more
      * than thrice all's. */
-    float u = ty_minf(point->u, 0x1.fffffep-1f), share[3], sum = 0.0f, total = 0.0f;
+    float u = point->u, share[3], sum = 0.0f, total = 0.0f;
     int32_t channel = 0;
     if (!gray) {
         for (int c = 0; c < 3; ++c) sum += share[c] = point->passing[c] * ty_stopped(sigma_t[c] * point->matter);
