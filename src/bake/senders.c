@@ -13,8 +13,8 @@
 #include <string.h>
 
 /* Rounds of light from media to surfaces and back; samples of each. */
-enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, FOG_SAMPLES = 32, BLOCK = 4 };
-enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, LAMP_POINTS_MAX = 256 };
+enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, BLOCK = 4 };
+enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, FOG_SAMPLES_MIN = 8, LAMP_POINTS_MAX = 256, FOG_EVERY = 4 };
 
 typedef struct search {
     ty_bake_run* run;
@@ -41,6 +41,68 @@ static void place_anchors(search* s) {
         s->anchors[i] = ty_gather_off(&g);
     }
 }
+
+/* ---- what media are like ---- */
+
+/* How many times as bright as one bounce the next is at most, per channel, where light that scattered does so again
+ * with a mean probability p before it leaves the medium or meets a surface. In the long run it is p; the first bounces
+ * fall off less, more of their light being deep in the medium. */
+static void find_most(search* s) {
+    enum { RAYS = 8 };
+    ty_bake_request* request = &s->run->request;
+    const ty_mesh* mesh = request->path.scene->mesh;
+    const ty_gather g = {.request = request};
+    double depth[3] = {0}, stopped[3] = {0};
+    ty_path path;
+    ty_hit hit;
+    ty_segment segment;
+    for (int32_t ray = 0; ray < RAYS * s->anchor_count; ++ray) {
+        const ty_vec from = s->anchors[ray / RAYS];
+        ty_path_begin(&path, &request->path, ~(uint64_t)(ray / RAYS), (uint32_t)(ray % RAYS));
+        ty_path_turn_anywhere(&path);
+        const bool met = mesh != NULL && ty_mesh_intersect(mesh, from, path.direction, TY_FLOAT_MAX, &hit);
+        ty_gather_segment(&g, from, path.direction, met ? hit.distance : TY_FLOAT_MAX, &segment);
+        for (int c = 0; c < 3; ++c) {
+            depth[c] += (double)ty_minf(segment.depth[c], 1e6f);
+            stopped[c] += (double)ty_stopped(segment.depth[c]);
+        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        const double p = depth[c] > 0 ? 1 - stopped[c] / depth[c] : 1;
+        request->most[c] = p < 1 ? (float)(p / (1 - p * p)) : TY_FLOAT_MAX;
+    }
+}
+
+/* Whether all media have one albedo and one g in a channel. */
+static bool are_alike(const ty_scene_view* scene, int channel, float* albedo, float* g) {
+    for (int32_t i = 0; i < scene->medium_count; ++i) {
+        const ty_medium_view* medium = &scene->media[i];
+        const float own = medium->sigma_s[channel] / medium->sigma_t[channel];
+        if (medium->albedo_fields != 0 || medium->transfer_albedo != 0 || medium->has_g_field != 0) return false;
+        if (!(medium->sigma_t[channel] > 0)) return false;
+        if (i > 0 && (own != *albedo || medium->g[channel] != *g)) return false;
+        *albedo = own;
+        *g = medium->g[channel];
+    }
+    return true;
+}
+
+static ty_result merge_tables(ty_bake_run* run) {
+    ty_bake_request* request = &run->request;
+    const size_t rows = ty_impulse_merged_rows();
+    run->merged_size = 3 * rows;
+    run->merged = ty_alloc_array(run->context, run->merged_size, sizeof *run->merged, false);
+    if (run->merged == NULL) return TY_ERROR_MEMORY;
+    for (int c = 0; c < (request->gray != 0 ? 1 : 3); ++c) {
+        float albedo = 0, g = 0;
+        if (are_alike(request->path.scene, c, &albedo, &g))
+            ty_impulse_merge(request->tables, albedo, g, request->scatterings, request->most[c],
+                             run->merged + (size_t)c * rows, &request->merged[c]);
+    }
+    return TY_OK;
+}
+
+/* ---- surfaces ---- */
 
 static bool find_sender(const search* s, int32_t ray, ty_sender* out) {
     const ty_path_request* request = &s->run->request.path;
@@ -141,7 +203,6 @@ static void place_lamps(search* s) {
 static void place_senders(search* s) {
     ty_senders* senders = s->senders;
     const int64_t rays = (int64_t)s->anchor_count * s->each;
-    place_anchors(s);
     if (s->run->request.path.scene->mesh != NULL) ty_parallel_flushed(s->run->context, rays, find_senders, s);
     for (int64_t i = 0; i < rays; ++i)
         if (senders->at[i].area > 0) senders->at[senders->count++] = senders->at[i];
@@ -225,8 +286,8 @@ static void fill_cell(void* user, int64_t index, int32_t worker) {
     const cells_job* job = user;
     const ty_senders* senders = job->senders;
     (void)worker;
-    const int32_t side = senders->side, at[3] = {(int32_t)index % side, (int32_t)index / side % side,
-                                                 (int32_t)index / side / side};
+    const int32_t side = senders->side,
+                  at[3] = {(int32_t)index % side, (int32_t)index / side % side, (int32_t)index / side / side};
     float middle[3], within = 0;
     double sums[TY_FOG_SIDES][4] = {{0}};
     for (int a = 0; a < 3; ++a) {
@@ -262,7 +323,7 @@ static void light_senders(search* s, uint32_t samples, float* clear, float* fog)
     s->request.method = TY_BAKE_IMPULSE;
     s->request.fog_alone = s->request.fog_every = 1;
     for (int round = 0; round < ROUNDS; ++round) {
-        gather(s, FOG_SAMPLES);
+        gather(s, samples / 4 > FOG_SAMPLES_MIN ? samples / 4 : FOG_SAMPLES_MIN);
         for (int32_t i = 0; i < senders->surfaces; ++i)
             for (int c = 0; c < 3; ++c) fog[3 * i + c] = (float)gathered(s, i, c);
         set_light(s, clear, fog);
@@ -282,7 +343,7 @@ static size_t cells_of(const ty_senders* senders) {
 static ty_result take_senders(ty_bake_run* run, int32_t most) {
     ty_senders* senders = &run->senders;
     run->sender_size = (size_t)most;
-    senders->side = (int32_t)fmin(TY_FOG_SIDE_MAX, ceil(cbrt(2.0 * most)));
+    senders->side = (int32_t)fmin(TY_FOG_SIDE_MAX, ceil(cbrt(most)));
     senders->at = ty_alloc_array(run->context, run->sender_size, sizeof *senders->at, true);
     senders->x = ty_alloc_array(run->context, run->sender_size * NUMBERS, sizeof *senders->x, true);
     senders->cells = ty_alloc_array(run->context, cells_of(senders), sizeof *senders->cells, true);
@@ -299,6 +360,7 @@ void ty_bake_senders_free(ty_bake_run* run) {
     ty_free_array(run->context, senders->x, run->sender_size * NUMBERS, sizeof *senders->x);
     ty_free_array(run->context, senders->cells, cells_of(senders), sizeof *senders->cells);
     *senders = (ty_senders){.count = 0};
+    ty_free_array(run->context, run->merged, run->merged_size, sizeof *run->merged);
 }
 
 /* Paths of senders are a small part of all, and as many per sender as there are senders. */
@@ -306,7 +368,7 @@ ty_result ty_bake_senders_make(ty_bake_run* run) {
     ty_context* context = run->context;
     const double paths = (double)run->count * run->def->spp;
     run->request.senders = &run->senders;
-    run->request.fog_every = run->def->spp < 256 ? 4 : 8;
+    run->request.fog_every = FOG_EVERY;
     search s = {.run = run, .senders = &run->senders};
     s.anchor_count = run->count < ANCHORS_MAX ? (int32_t)run->count : ANCHORS_MAX;
     const double wanted = fmin(TY_SENDERS_MAX - LAMP_POINTS_MAX, fmax(SENDERS_MIN, sqrt(paths / 8)));
@@ -320,6 +382,11 @@ ty_result ty_bake_senders_make(ty_bake_run* run) {
     s.light = ty_alloc_array(context, most * LIGHT_SIZE, sizeof *s.light, true);
     float* light = ty_alloc_array(context, 6 * most, sizeof *light, true);
     if (s.receivers == NULL || s.sums == NULL || s.light == NULL || light == NULL) result = TY_ERROR_MEMORY;
+    if (result == TY_OK) {
+        place_anchors(&s);
+        find_most(&s);
+        result = merge_tables(run);
+    }
     if (result == TY_OK) {
         place_senders(&s);
         place_cells(&run->senders);

@@ -17,7 +17,8 @@ typedef struct ty_sender {
     float area;     /* of the disc, m^2 */
     float amount;   /* what it stands for: area, of lamps without extent how many */
     float sends[3]; /* radiance that it reflects */
-    float glows[3]; /* radiance, or intensity, of its own: of surfaces, unless they are lamps that are senders as well */
+    float
+        glows[3]; /* radiance, or intensity, of its own: of surfaces, unless they are lamps that are senders as well */
     float albedo[3];
 } ty_sender;
 

@@ -139,6 +139,45 @@ void ty_impulse_look_within(const ty_impulse* tables, ty_impulse_emitter emitter
     memcpy(out->multiple, multiple.at, sizeof out->multiple);
 }
 
+size_t ty_impulse_merged_rows(void) {
+    return TY_IMPULSE_ROWS;
+}
+
+/* A bin's response of the canonical medium with this albedo, as tabled: without what an emitter's nearness and
+ * transmittance make of it. */
+static void merge_row(const ty_impulse* tables, int32_t angle, int32_t bin, double distance,
+                      const ty_impulse_medium* medium, int32_t bounces, float most, ty_impulse_sum* out) {
+    const ty_impulse_emitter emitter = angle < 2 ? (ty_impulse_emitter)angle : TY_IMPULSE_AREA;
+    const float cosine = angle < 2 ? 1 : ty_impulse_cosines[angle - 2];
+    ty_impulse_response response;
+    ty_impulse_look_within(tables, emitter, medium, (float)distance, cosine, bounces, most, &response);
+    const float once = (float)ty_impulse_scale(emitter, true, distance),
+                more = (float)ty_impulse_scale(emitter, false, distance);
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
+        out->once[l] = once * response.single[l];
+        out->more[l] = more * response.multiple[l];
+    }
+    if (angle >= 2) out->once[TY_IMPULSE_SHIFT] = ty_impulse_row(tables, emitter, angle - 2, bin)[TY_IMPULSE_SHIFT];
+}
+
+void ty_impulse_merge(const ty_impulse* tables, float albedo, float g, int32_t bounces, float most,
+                      ty_impulse_sum* rows, ty_impulse_merged* out) {
+    const ty_impulse_medium medium = {1, albedo, g};
+    for (int32_t bin = 0; bin < TY_IMPULSE_DISTANCES; ++bin) {
+        const double distance = ty_impulse_distance(tables, bin);
+        for (int32_t angle = 0; angle < 2 + TY_IMPULSE_ANGLES; ++angle) {
+            ty_impulse_sum* row = &rows[angle * TY_IMPULSE_DISTANCES + bin];
+            *row = (ty_impulse_sum){.once = {0}};
+            merge_row(tables, angle, bin, distance, &medium, bounces, most, row);
+        }
+    }
+    *out = (ty_impulse_merged){.rows = rows,
+                               .cosines = ty_impulse_cosines,
+                               .near = (float)TY_IMPULSE_NEAREST,
+                               .density = (float)tables->density,
+                               .even = (float)TY_IMPULSE_EVEN};
+}
+
 ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g, int32_t angle,
                          int32_t bin, double* distance, float zonal[TY_IMPULSE_TERMS]) {
     const bool area = emitter == TY_IMPULSE_AREA;
