@@ -362,7 +362,8 @@ TY_FN bool ty_gather_see_sender(ty_gather* g, const ty_sender* sender, ty_emitte
            !ty_mesh_occluded(mesh, from, ty_scale(way, 1.0f / length), length * 0.9999f);
 }
 
-/* Cumulative chances of senders: by their power and as what scatters near one falls with distance. */
+/* Cumulative chances of senders: by their power and as what scatters near one falls with distance, and what parts of
+ * media send with its square. */
 TY_FN void ty_gather_weigh_senders(const ty_gather* g, float* chances) {
     const ty_senders* senders = g->request->senders;
     const ty_vec at = g->position;
@@ -371,6 +372,7 @@ TY_FN void ty_gather_weigh_senders(const ty_gather* g, float* chances) {
         const float over = 1.0f / sqrtf(x * x + y * y + z * z + senders->area[i] * (0.25f / TY_PI));
         const float cosine = -(x * senders->nx[i] + y * senders->ny[i] + z * senders->nz[i]) * over;
         chances[i] = cosine < TY_LEAST_FACING ? 0.0f : senders->power[i] * over;
+        if (i >= senders->surfaces + senders->lamps) chances[i] *= over;
     }
     for (int32_t i = 1; i < senders->count; ++i) chances[i] += chances[i - 1];
 }
@@ -380,6 +382,37 @@ TY_FN float ty_sender_falloff(const ty_gather* g, const ty_sender* sender, ty_ve
     if (sender->light < 0) return 1.0f;
     const ty_light_view* light = &g->request->path.scene->lights.lights[sender->light];
     return light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(look, light->direction)) : 1.0f;
+}
+
+/* Whether light from afar comes straight to the receiver, or to what is off it where that comes from behind. */
+TY_FN bool ty_gather_sees_far(ty_gather* g, ty_vec toward) {
+    const ty_mesh* mesh = g->request->path.scene->mesh;
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    const bool ahead = probe || (ty_dot(g->normal, toward) > 0.0f && ty_dot(g->face, toward) > 0.0f);
+    ++g->rays;
+    return mesh == NULL || !ty_mesh_occluded(mesh, ahead ? g->from : g->off, toward, TY_FLOAT_MAX);
+}
+
+/* A part of a medium: what it sends straight has scattered once; what media make of that, more often. Where the
+ * receiver sees the light itself, the light's own response has all of this. */
+TY_FN void ty_gather_lit_response(ty_gather* g, const ty_sender* sender, const ty_emitter* emitter, float amount,
+                                  const ty_segment* segment) {
+    ty_response response;
+    float basis[TY_BAKE_TERMS_MAX], strength[3];
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    if (ty_gather_sees_far(g, sender->toward)) return;
+    const float mu = ty_clampf(-ty_dot(sender->toward, ty_scale(emitter->look, -1.0f)), -1.0f, 1.0f);
+    for (int c = 0; c < 3; ++c) strength[c] = amount * sender->sends[c];
+    if (probe || (ty_dot(g->normal, emitter->look) > 0.0f && ty_dot(g->face, emitter->look) > 0.0f)) {
+        float straight[3];
+        const float over = 1.0f / (TY_INV_4PI * emitter->distance * emitter->distance);
+        for (int c = 0; c < 3; ++c)
+            straight[c] = strength[c] * over * ty_hg(mu, sender->g[c]) * segment->transmittance[c];
+        ty_gather_basis(g, emitter->look, basis);
+        ty_gather_keep_all(g, TY_BAKE_SINGLE, straight, basis);
+    }
+    if (g->request->scatterings > 1 && ty_response_find(g->request, segment, emitter, &response))
+        ty_gather_keep_response(g, emitter, &response, strength, TY_BAKE_MULTIPLE);
 }
 
 /* One sender, number k of this receiver's. */
@@ -405,8 +438,12 @@ TY_FN void ty_gather_sender_response(ty_gather* g, uint64_t item, uint32_t k, fl
     float strength[3];
     if (!(chance > 0.0f) || !ty_gather_see_sender(g, sender, &emitter)) return;
     ty_gather_segment(g, g->position, emitter.look, emitter.distance, &segment);
-    if (!ty_response_find(g->request, &segment, &emitter, &response)) return;
     const float amount = weight / chance * sender->amount * ty_sender_falloff(g, sender, emitter.look);
+    if (sender->lit != 0) {
+        ty_gather_lit_response(g, sender, &emitter, amount, &segment);
+        return;
+    }
+    if (!ty_response_find(g->request, &segment, &emitter, &response)) return;
     for (int c = 0; c < 3; ++c) strength[c] = amount * sender->sends[c];
     if (ty_max3(strength) > 0.0f) ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_MULTIPLE);
     for (int c = 0; c < 3; ++c) strength[c] = amount * sender->glows[c];

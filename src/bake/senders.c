@@ -14,13 +14,15 @@
 
 /* Rounds of light from media to surfaces and back; samples of each. */
 enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, BLOCK = 4 };
-enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, FOG_SAMPLES_MIN = 8, LAMP_POINTS_MAX = 256, FOG_EVERY = 4 };
+enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, FOG_SAMPLES_MIN = 8, LAMP_POINTS_MAX = 256, LIT_RAYS = 512 };
+enum { FOG_EVERY = 4 };
 
 typedef struct search {
     ty_bake_run* run;
     ty_senders* senders;
-    int32_t anchor_count, each; /* rays of one anchor */
-    int32_t lamp_points, most;  /* of lamps and of all, at most */
+    int32_t anchor_count, each;          /* rays of one anchor */
+    int32_t lamp_points, lit_each, most; /* of lamps; rays of one anchor for parts of media; of all, at most */
+    float reach, free; /* m: how far rays of anchors go in the mean; and light in media before it is met */
     ty_vec anchors[ANCHORS_MAX];
     ty_bake_receiver* receivers; /* the senders, */
     ty_bake_sums* sums;          /* and what they gather */
@@ -52,7 +54,7 @@ static void find_most(search* s) {
     ty_bake_request* request = &s->run->request;
     const ty_mesh* mesh = request->path.scene->mesh;
     const ty_gather g = {.request = request};
-    double depth[3] = {0}, stopped[3] = {0};
+    double depth[3] = {0}, stopped[3] = {0}, length = 0;
     ty_path path;
     ty_hit hit;
     ty_segment segment;
@@ -62,11 +64,14 @@ static void find_most(search* s) {
         ty_path_turn_anywhere(&path);
         const bool met = mesh != NULL && ty_mesh_intersect(mesh, from, path.direction, TY_FLOAT_MAX, &hit);
         ty_gather_segment(&g, from, path.direction, met ? hit.distance : TY_FLOAT_MAX, &segment);
+        length += met ? (double)ty_minf(hit.distance, segment.leave) : (double)ty_minf(segment.leave, 1e6f);
         for (int c = 0; c < 3; ++c) {
             depth[c] += (double)ty_minf(segment.depth[c], 1e6f);
             stopped[c] += (double)ty_stopped(segment.depth[c]);
         }
     }
+    s->reach = s->anchor_count > 0 ? (float)fmax(1e-6, length / (RAYS * s->anchor_count)) : 1;
+    s->free = (float)(length / fmax(1e-12, fmax(depth[0], fmax(depth[1], depth[2]))));
     for (int c = 0; c < 3; ++c) {
         const double p = depth[c] > 0 ? 1 - stopped[c] / depth[c] : 1;
         request->most[c] = p < 1 ? (float)(p / (1 - p * p)) : TY_FLOAT_MAX;
@@ -195,9 +200,73 @@ static void place_lamps(search* s) {
         if (light->two_sided != 0 && flat) count += count % 2;
         const double share = fmin(1, wanted);
         if (share < 1 && (double)ty_random_white(&random) >= share) continue;
-        for (int32_t k = 0; k < count && s->senders->count < s->most; ++k)
+        for (int32_t k = 0; k < count && s->senders->count < s->senders->surfaces + s->lamp_points; ++k)
             s->senders->at[s->senders->count++] = lamp_point(s, i, k, count, 1 / share);
     }
+}
+
+/* ---- parts of media ---- */
+
+/* A part of a medium that light from afar reaches: along a ray of an anchor, at a distance of any length, typically
+ * s->reach. */
+static bool find_lit(const search* s, int32_t ray, ty_sender* out) {
+    const ty_path_request* request = &s->run->request.path;
+    const ty_light_set* lights = &request->scene->lights;
+    const ty_mesh* mesh = request->scene->mesh;
+    const ty_gather g = {.request = &s->run->request};
+    ty_path path;
+    ty_segment segment;
+    ty_light_sample sample;
+    const int32_t anchor = ray / s->lit_each;
+    ty_path_begin(&path, request, ~(uint64_t)anchor, (uint32_t)(ray % s->lit_each));
+    ty_path_turn_anywhere(&path);
+    const float u = ty_random_next(&path.random), distance = s->reach * u / (1 - u);
+    const float pick = ty_random_next(&path.random), a = ty_random_next(&path.random), b = ty_random_next(&path.random);
+    const ty_vec from = s->anchors[anchor], at = ty_mad(from, path.direction, distance);
+    if (mesh != NULL && ty_mesh_occluded(mesh, from, path.direction, distance)) return false;
+    const ty_light_view* light = &lights->lights[lights->distant[(int32_t)(pick * (float)lights->distant_count)]];
+    if (!ty_light_sample_from(light, at, a, b, &sample)) return false;
+    const float step = 1e-3f * s->reach;
+    ty_gather_segment(&g, at, sample.look, step, &segment);
+    *out = (ty_sender){.position = at, .kind = TY_IMPULSE_POINT, .light = -1, .lit = 1, .toward = sample.look};
+    for (int c = 0; c < 3; ++c) {
+        out->sends[c] = segment.scattered[c] / step * (float)lights->distant_count * TY_INV_4PI * sample.radiance[c];
+        out->g[c] = segment.scattered[c] > 0 ? segment.turned[c] / segment.scattered[c] : 0;
+    }
+    if (!(ty_max3(out->sends) > 0) || (mesh != NULL && ty_mesh_occluded(mesh, at, sample.look, TY_FLOAT_MAX)))
+        return false;
+    ty_gather_segment(&g, at, sample.look, TY_FLOAT_MAX, &segment);
+    double density = 0;
+    for (int32_t i = 0; i < s->anchor_count; ++i) {
+        const ty_vec to = ty_sub(s->anchors[i], at);
+        const float d2 = ty_dot(to, to), d = sqrtf(d2);
+        if (!(d > 0) || (i != anchor && mesh != NULL && ty_mesh_occluded(mesh, at, ty_scale(to, 1 / d), d))) continue;
+        density += (double)(s->reach / (d2 * (s->reach + d) * (s->reach + d))) * s->lit_each * (double)TY_INV_4PI;
+    }
+    if (!(density > 0)) return false;
+    for (int c = 0; c < 3; ++c) out->sends[c] *= segment.transmittance[c];
+    out->amount = (float)(1 / density);
+    /* The mean of 1 / d^2 over a ball about its middle is 3 / radius^2. */
+    const double radius = cbrt(0.75 / (double)TY_PI * (double)out->amount);
+    out->area = (float)(4 * (double)TY_PI * radius * radius / 3);
+    return true;
+}
+
+static void find_lits(void* user, int64_t ray, int32_t worker) {
+    const search* s = user;
+    (void)worker;
+    ty_sender* out = &s->senders->at[s->senders->count + ray];
+    if (!find_lit(s, (int32_t)ray, out)) out->amount = 0;
+}
+
+static void place_lit(search* s) {
+    ty_senders* senders = s->senders;
+    const int32_t rays = s->anchor_count * s->lit_each;
+    if (s->run->request.path.scene->lights.distant_count == 0) return;
+    ty_parallel_flushed(s->run->context, rays, find_lits, s);
+    const int32_t first = senders->count;
+    for (int32_t i = 0; i < rays; ++i)
+        if (senders->at[first + i].amount > 0) senders->at[senders->count++] = senders->at[first + i];
 }
 
 static void place_senders(search* s) {
@@ -208,6 +277,8 @@ static void place_senders(search* s) {
         if (senders->at[i].area > 0) senders->at[senders->count++] = senders->at[i];
     senders->surfaces = senders->count;
     place_lamps(s);
+    senders->lamps = senders->count - senders->surfaces;
+    place_lit(s);
     for (int32_t i = 0; i < senders->count; ++i) {
         const ty_sender* at = &senders->at[i];
         ty_bake_receiver* receiver = &s->receivers[i];
@@ -268,6 +339,10 @@ static void set_light(search* s, const float* clear, const float* fog) {
     for (int32_t i = 0; i < s->senders->count; ++i) {
         ty_sender* at = &s->senders->at[i];
         float power = 0;
+        if (at->lit != 0) {
+            s->senders->power[i] = 2 * s->free * at->amount * ty_sum3(at->sends);
+            continue;
+        }
         for (int c = 0; c < 3; ++c) {
             at->sends[c] = at->albedo[c] * (1.0f / TY_PI) * fmaxf(0, clear[3 * i + c] + fog[3 * i + c]);
             power += at->amount * (at->sends[c] + at->glows[c]);
@@ -371,10 +446,11 @@ ty_result ty_bake_senders_make(ty_bake_run* run) {
     run->request.fog_every = FOG_EVERY;
     search s = {.run = run, .senders = &run->senders};
     s.anchor_count = run->count < ANCHORS_MAX ? (int32_t)run->count : ANCHORS_MAX;
-    const double wanted = fmin(TY_SENDERS_MAX - LAMP_POINTS_MAX, fmax(SENDERS_MIN, sqrt(paths / 8)));
+    const double wanted = fmin(TY_SENDERS_MAX - LAMP_POINTS_MAX - LIT_RAYS, fmax(SENDERS_MIN, sqrt(paths / 8)));
     s.each = s.anchor_count > 0 ? (int32_t)(wanted / s.anchor_count) : 0;
     s.lamp_points = (int32_t)fmin(LAMP_POINTS_MAX, 0.5 * wanted);
-    s.most = s.anchor_count * s.each + s.lamp_points;
+    s.lit_each = s.anchor_count > 0 ? LIT_RAYS / s.anchor_count : 0;
+    s.most = s.anchor_count * s.each + s.lamp_points + s.anchor_count * s.lit_each;
     const size_t most = (size_t)s.most;
     ty_result result = take_senders(run, s.most);
     s.receivers = ty_alloc_array(context, most, sizeof *s.receivers, true);

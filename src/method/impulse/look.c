@@ -9,7 +9,8 @@
 /* What is nearer counts as this far away (optical): what comes from there grows without bound. */
 static const float closest = 1e-6f;
 
-const float ty_impulse_cosines[TY_IMPULSE_ANGLES] = {0, 0.04f, 0.09f, 0.172f, 0.312f, 0.53f, 0.765f, 1};
+const float ty_impulse_cosines[TY_IMPULSE_ANGLES] = {0,     0.02f, 0.05f, 0.09f, 0.14f, 0.2f,  0.27f, 0.35f,
+                                                     0.44f, 0.53f, 0.62f, 0.71f, 0.79f, 0.87f, 0.94f, 1};
 
 double ty_impulse_place(const ty_impulse* tables, double distance) {
     const double near = TY_IMPULSE_NEAREST;
