@@ -8,16 +8,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { TAUS = 10, COSINES = 11, RADII = 128, COLATITUDES = 33, BOUNCES = 4 };
+enum { TAUS = 10, COSINES = 14, RADII = 128, COLATITUDES = 33, BOUNCES = 4 };
 
 static const double taus[TAUS] = {0.01, 0.034, 0.1, 0.37, 1, 2.3, 4.9, 9.1, 14.3, 20};
 /* On angles of the tables, then between them. */
 enum { ON = 6 };
-static const double cosines[COSINES] = {0, 0.04, 0.172, 0.53, 0.765, 1, 0.02, 0.13, 0.24, 0.65, 0.88};
+static const double cosines[COSINES] = {0, 0.05, 0.2, 0.53, 0.79, 1, 0.01, 0.07, 0.115, 0.31, 0.48, 0.66, 0.83, 0.97};
 static const double tolerance = 0.01; /* of the constant term */
 /* Between angles, where axes differ, too: of the most irradiance. High harmonics at short distances go by the axis
- * alone there, and are not to be had from eight angles. */
-static const double between_angles = 0.05;
+ * alone there, and are not to be had from a few angles. */
+static const double between_angles = 0.01;
 
 /* With the most bounces that there are; made once. */
 static ty_impulse* tables;

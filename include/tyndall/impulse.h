@@ -21,7 +21,7 @@ typedef enum ty_impulse_emitter {
 enum {
     TY_IMPULSE_TERMS = 11, /* zonal harmonics */
     TY_IMPULSE_DISTANCES = 256,
-    TY_IMPULSE_ANGLES = 8,
+    TY_IMPULSE_ANGLES = 16,
     TY_IMPULSE_BOUNCES_MAX = 64
 };
 
@@ -73,8 +73,9 @@ typedef struct ty_impulse_response {
 TY_API void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
                             float distance, float cosine, int32_t bounces, ty_impulse_response* out);
 /* One scattering's own coefficients as tabled, at sigma_t 1/m and albedo 1: what `tyndall figure impulse-tables` draws.
- * bounce: 1..def.bounces; angle: 0..7 of areas, for cosines 0, 0.04, 0.09, 0.172, 0.312, 0.53, 0.765, 1, else 0; g: -1,
- * 0 or 1 for -0.5, 0, 0.5 (bounce 1 alone). *distance is that of the bin. Errors: TY_ERROR_ARGUMENT. */
+ * bounce: 1..def.bounces; angle: 0..15 of areas, for cosines 0, 0.02, 0.05, 0.09, 0.14, 0.2, 0.27, 0.35, 0.44, 0.53,
+ * 0.62, 0.71, 0.79, 0.87, 0.94, 1, else 0; g: -1, 0 or 1 for -0.5, 0, 0.5 (bounce 1 alone). *distance is that of the
+ * bin. Errors: TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g,
                                 int32_t angle, int32_t bin, double* distance, float zonal[TY_IMPULSE_TERMS]);
 

@@ -15,6 +15,8 @@ typedef struct ty_bake_run {
     ty_bake_cache* cache; /* the same */
     ty_senders senders;   /* sender_size of them at most */
     size_t sender_size;
+    ty_impulse_sum* merged; /* rows of request.merged */
+    size_t merged_size;
     ty_bake_request request;
     ty_bake_kernel kernel;
     int64_t count;

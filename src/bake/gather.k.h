@@ -30,9 +30,8 @@ typedef struct ty_gather {
     double* light;                 /* layers x 3 x terms */
     float sample[3];               /* of this sample: all layers' first terms */
     ty_bake_sums* sums;
-    float most[3]; /* what the receiver's surroundings leave of responses (ty_response_most) */
-    ty_vec way;    /* this sample's ray, */
-    float far;     /* which sees as far as this, m */
+    ty_vec way;           /* this sample's ray, */
+    float far;            /* which sees as far as this, m */
     const float* chances; /* of senders: cumulative, of this receiver */
     uint64_t rays;
     ty_path path;
@@ -75,8 +74,8 @@ TY_FN void ty_gather_keep_all(ty_gather* g, int32_t layer, const float amount[3]
 
 /* The same of a zonal function about an axis: Eq. 13; on surfaces Appendix A, and its first harmonics, of which what
  * goes along the normal is known better. */
-TY_FN void ty_gather_zonal_basis(const ty_gather* g, const ty_response* response, const float zonal[TY_IMPULSE_TERMS],
-                                 ty_vec axis, float basis[TY_BAKE_TERMS_MAX]) {
+TY_FN void ty_gather_zonal_basis(const ty_gather* g, const float zonal[TY_IMPULSE_TERMS], ty_vec axis,
+                                 float basis[TY_BAKE_TERMS_MAX]) {
     if (g->request->terms == TY_BAKE_SH_TERMS) {
         ty_sh_all(axis, basis);
         for (int32_t l = 0, t = 0; l < TY_SH_BANDS_MAX; ++l) {
@@ -86,7 +85,7 @@ TY_FN void ty_gather_zonal_basis(const ty_gather* g, const ty_response* response
         return;
     }
     const float cosine = ty_dot(axis, g->normal), first = zonal[1] * 2.04665342f; /* sqrt(4 pi / 3) */
-    basis[0] = ty_response_on(response, zonal, axis, g->normal);
+    basis[0] = ty_maxf(0.0f, ty_impulse_irradiance(zonal, cosine));
     const ty_vec vector = ty_mad(ty_scale(axis, first), g->normal, basis[0] - first * cosine);
     basis[1] = vector.x;
     basis[2] = vector.y;
@@ -115,25 +114,13 @@ TY_FN void ty_gather_keep_response(ty_gather* g, const ty_emitter* emitter, cons
     float one[TY_BAKE_TERMS_MAX], more[TY_BAKE_TERMS_MAX];
     for (int c = 0; c < 3; ++c) {
         if (c < response->channels) {
-            ty_gather_zonal_basis(g, response, response->channel[c].single, response->axis[c], one);
-            ty_gather_zonal_basis(g, response, response->channel[c].multiple, response->axis[c], more);
+            ty_gather_zonal_basis(g, response->channel[c].single, response->axis[c], one);
+            ty_gather_zonal_basis(g, response->channel[c].multiple, response->axis[c], more);
         }
         ty_gather_keep(g, single, c, strength[c], one);
         ty_gather_keep(g, TY_BAKE_MULTIPLE, c, strength[c], more);
     }
     ty_gather_take_beyond(g, emitter, response, strength, single);
-}
-
-/* Notes how far media go along a sample's ray. */
-TY_FN void ty_gather_note(ty_gather* g, bool hit, const ty_segment* segment, float distance) {
-    ty_bake_sums* sums = g->sums;
-    g->way = g->path.direction;
-    g->far = hit ? distance : segment->leave;
-    for (int c = 0; c < 3; ++c) {
-        sums->depth[c] += (double)ty_minf(segment->depth[c], 1e6f);
-        sums->stopped[c] += (double)ty_stopped(segment->depth[c]);
-        g->most[c] = ty_response_most(sums->depth[c], sums->stopped[c]);
-    }
 }
 
 /* ---- emitters ---- */
@@ -318,7 +305,7 @@ TY_FN void ty_gather_sky_response(ty_gather* g, float weight, const ty_segment* 
     float strength[3];
     ty_gather_sky(g, false, strength);
     for (int c = 0; c < 3; ++c) strength[c] *= weight;
-    if (ty_max3(strength) > 0.0f && ty_response_find(g->request, segment, &emitter, g->most, &response))
+    if (ty_max3(strength) > 0.0f && ty_response_find(g->request, segment, &emitter, &response))
         ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
 }
 
@@ -334,7 +321,7 @@ TY_FN void ty_gather_far_response(ty_gather* g, const ty_light_sample* sample, c
     ty_response response;
     float strength[3];
     for (int c = 0; c < 3; ++c) strength[c] = weight * sample->radiance[c];
-    if (ty_response_find(g->request, segment, &emitter, g->most, &response))
+    if (ty_response_find(g->request, segment, &emitter, &response))
         ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
 }
 
@@ -363,20 +350,21 @@ TY_FN bool ty_gather_see_sender(ty_gather* g, const ty_sender* sender, ty_emitte
     *emitter = (ty_emitter){
         .kind = sender->kind, .position = sender->position, .normal = sender->normal, .area = sender->area};
     ty_emitter_look_from(emitter, g->position);
-    const bool ahead =
-        probe || (ty_dot(g->normal, emitter->look) > 0.0f && ty_dot(g->face, emitter->look) > 0.0f);
+    const bool ahead = probe || (ty_dot(g->normal, emitter->look) > 0.0f && ty_dot(g->face, emitter->look) > 0.0f);
     const bool straight = ahead && emitter->cosine > 0.0f;
     if (!straight && (probe || g->request->back_scattering == 0 || emitter->cosine < TY_LEAST_FACING)) return false;
     const ty_vec from = straight ? g->from : g->off;
     const ty_vec way = ty_sub(ty_mad(sender->position, sender->face, sender->margin), from);
     const float length = sqrtf(ty_dot(way, way));
+    if (sender->kind == TY_IMPULSE_AREA && !(ty_dot(way, sender->face) < 0.0f)) return false;
     emitter->cosine = ty_maxf(0.0f, emitter->cosine);
     ++g->rays;
     return !(length > 0.0f) || mesh == NULL ||
            !ty_mesh_occluded(mesh, from, ty_scale(way, 1.0f / length), length * 0.9999f);
 }
 
-/* Cumulative chances of senders: by their power and as what scatters near one falls with distance. */
+/* Cumulative chances of senders: by their power and as what scatters near one falls with distance, and what parts of
+ * media send with its square. */
 TY_FN void ty_gather_weigh_senders(const ty_gather* g, float* chances) {
     const ty_senders* senders = g->request->senders;
     const ty_vec at = g->position;
@@ -385,6 +373,7 @@ TY_FN void ty_gather_weigh_senders(const ty_gather* g, float* chances) {
         const float over = 1.0f / sqrtf(x * x + y * y + z * z + senders->area[i] * (0.25f / TY_PI));
         const float cosine = -(x * senders->nx[i] + y * senders->ny[i] + z * senders->nz[i]) * over;
         chances[i] = cosine < TY_LEAST_FACING ? 0.0f : senders->power[i] * over;
+        if (i >= senders->surfaces + senders->lamps) chances[i] *= over;
     }
     for (int32_t i = 1; i < senders->count; ++i) chances[i] += chances[i - 1];
 }
@@ -394,6 +383,37 @@ TY_FN float ty_sender_falloff(const ty_gather* g, const ty_sender* sender, ty_ve
     if (sender->light < 0) return 1.0f;
     const ty_light_view* light = &g->request->path.scene->lights.lights[sender->light];
     return light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(look, light->direction)) : 1.0f;
+}
+
+/* Whether light from afar comes straight to the receiver, or to what is off it where that comes from behind. */
+TY_FN bool ty_gather_sees_far(ty_gather* g, ty_vec toward) {
+    const ty_mesh* mesh = g->request->path.scene->mesh;
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    const bool ahead = probe || (ty_dot(g->normal, toward) > 0.0f && ty_dot(g->face, toward) > 0.0f);
+    ++g->rays;
+    return mesh == NULL || !ty_mesh_occluded(mesh, ahead ? g->from : g->off, toward, TY_FLOAT_MAX);
+}
+
+/* A part of a medium: what it sends straight has scattered once; what media make of that, more often. Where the
+ * receiver sees the light itself, the light's own response has all of this. */
+TY_FN void ty_gather_lit_response(ty_gather* g, const ty_sender* sender, const ty_emitter* emitter, float amount,
+                                  const ty_segment* segment) {
+    ty_response response;
+    float basis[TY_BAKE_TERMS_MAX], strength[3];
+    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
+    if (ty_gather_sees_far(g, sender->toward)) return;
+    const float mu = ty_clampf(-ty_dot(sender->toward, ty_scale(emitter->look, -1.0f)), -1.0f, 1.0f);
+    for (int c = 0; c < 3; ++c) strength[c] = amount * sender->sends[c];
+    if (probe || (ty_dot(g->normal, emitter->look) > 0.0f && ty_dot(g->face, emitter->look) > 0.0f)) {
+        float straight[3];
+        const float over = 1.0f / (TY_INV_4PI * emitter->distance * emitter->distance);
+        for (int c = 0; c < 3; ++c)
+            straight[c] = strength[c] * over * ty_hg(mu, sender->g[c]) * segment->transmittance[c];
+        ty_gather_basis(g, emitter->look, basis);
+        ty_gather_keep_all(g, TY_BAKE_SINGLE, straight, basis);
+    }
+    if (g->request->scatterings > 1 && ty_response_find(g->request, segment, emitter, &response))
+        ty_gather_keep_response(g, emitter, &response, strength, TY_BAKE_MULTIPLE);
 }
 
 /* One sender, number k of this receiver's. */
@@ -419,8 +439,12 @@ TY_FN void ty_gather_sender_response(ty_gather* g, uint64_t item, uint32_t k, fl
     float strength[3];
     if (!(chance > 0.0f) || !ty_gather_see_sender(g, sender, &emitter)) return;
     ty_gather_segment(g, g->position, emitter.look, emitter.distance, &segment);
-    if (!ty_response_find(g->request, &segment, &emitter, g->most, &response)) return;
     const float amount = weight / chance * sender->amount * ty_sender_falloff(g, sender, emitter.look);
+    if (sender->lit != 0) {
+        ty_gather_lit_response(g, sender, &emitter, amount, &segment);
+        return;
+    }
+    if (!ty_response_find(g->request, &segment, &emitter, &response)) return;
     for (int c = 0; c < 3; ++c) strength[c] = amount * sender->sends[c];
     if (ty_max3(strength) > 0.0f) ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_MULTIPLE);
     for (int c = 0; c < 3; ++c) strength[c] = amount * sender->glows[c];
@@ -514,7 +538,8 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;
     const bool asks = ty_gather_scatters(g) && ty_gather_asks(request, item, number);
     const float weight = 1.0f / path->pdf;
-    if (asks) ty_gather_note(g, hit, &segment, end.hit.distance);
+    g->way = path->direction;
+    g->far = hit ? end.hit.distance : segment.leave;
     ty_gather_ahead(g, hit ? &end : NULL, &segment);
     if (asks) ty_gather_ask(g, item, number, seen ? &light : NULL, hit, weight, &segment);
     return blocked;

@@ -4,6 +4,7 @@
 
 #include "bake/cache.h"
 #include "bake/senders.h"
+#include "method/impulse/look.h"
 
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
@@ -21,6 +22,8 @@ typedef struct ty_bake_request {
     const ty_bake_receiver* receivers;
     int32_t terms; /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
     /* TY_BAKE_IMPULSE */
+    ty_impulse_merged merged[3]; /* per channel, of media that have one albedo and g; rows NULL: they have not */
+    float most[3];               /* times as bright as a bounce is the next at most, in the tables' unlimited medium */
     const ty_senders* senders;
     uint32_t fog_every; /* one in so many samples asks what media make of emitters; a power of two */
     int32_t fog_alone;  /* whether only light counts that media scattered */
@@ -32,7 +35,6 @@ typedef struct ty_bake_sums {
     double blocked;            /* rays that met the back of a surface */
     /* The same of what media make of emitters, over the samples that ask: it is not in mean and square. */
     double fog_mean[3], fog_square[3];
-    double depth[3], stopped[3]; /* how far media go around it: optical depth of rays, and what of light it stops */
     uint64_t paths, rays;
     int32_t count; /* samples, */
     int32_t asked; /* of which so many asked what media make of emitters */

@@ -13,14 +13,16 @@
 #include <string.h>
 
 /* Rounds of light from media to surfaces and back; samples of each. */
-enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, FOG_SAMPLES = 32, BLOCK = 4 };
-enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, LAMP_POINTS_MAX = 256 };
+enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, BLOCK = 4 };
+enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, FOG_SAMPLES_MIN = 8, LAMP_POINTS_MAX = 256, LIT_RAYS = 512 };
+enum { FOG_EVERY = 4 };
 
 typedef struct search {
     ty_bake_run* run;
     ty_senders* senders;
-    int32_t anchor_count, each; /* rays of one anchor */
-    int32_t lamp_points, most;  /* of lamps and of all, at most */
+    int32_t anchor_count, each;          /* rays of one anchor */
+    int32_t lamp_points, lit_each, most; /* of lamps; rays of one anchor for parts of media; of all, at most */
+    float reach, free; /* m: how far rays of anchors go in the mean; and light in media before it is met */
     ty_vec anchors[ANCHORS_MAX];
     ty_bake_receiver* receivers; /* the senders, */
     ty_bake_sums* sums;          /* and what they gather */
@@ -41,6 +43,71 @@ static void place_anchors(search* s) {
         s->anchors[i] = ty_gather_off(&g);
     }
 }
+
+/* ---- what media are like ---- */
+
+/* How many times as bright as one bounce the next is at most, per channel, where light that scattered does so again
+ * with a mean probability p before it leaves the medium or meets a surface. In the long run it is p; the first bounces
+ * fall off less, more of their light being deep in the medium. */
+static void find_most(search* s) {
+    enum { RAYS = 8 };
+    ty_bake_request* request = &s->run->request;
+    const ty_mesh* mesh = request->path.scene->mesh;
+    const ty_gather g = {.request = request};
+    double depth[3] = {0}, stopped[3] = {0}, length = 0;
+    ty_path path;
+    ty_hit hit;
+    ty_segment segment;
+    for (int32_t ray = 0; ray < RAYS * s->anchor_count; ++ray) {
+        const ty_vec from = s->anchors[ray / RAYS];
+        ty_path_begin(&path, &request->path, ~(uint64_t)(ray / RAYS), (uint32_t)(ray % RAYS));
+        ty_path_turn_anywhere(&path);
+        const bool met = mesh != NULL && ty_mesh_intersect(mesh, from, path.direction, TY_FLOAT_MAX, &hit);
+        ty_gather_segment(&g, from, path.direction, met ? hit.distance : TY_FLOAT_MAX, &segment);
+        length += met ? (double)ty_minf(hit.distance, segment.leave) : (double)ty_minf(segment.leave, 1e6f);
+        for (int c = 0; c < 3; ++c) {
+            depth[c] += (double)ty_minf(segment.depth[c], 1e6f);
+            stopped[c] += (double)ty_stopped(segment.depth[c]);
+        }
+    }
+    s->reach = s->anchor_count > 0 ? (float)fmax(1e-6, length / (RAYS * s->anchor_count)) : 1;
+    s->free = (float)(length / fmax(1e-12, fmax(depth[0], fmax(depth[1], depth[2]))));
+    for (int c = 0; c < 3; ++c) {
+        const double p = depth[c] > 0 ? 1 - stopped[c] / depth[c] : 1;
+        request->most[c] = p < 1 ? (float)(p / (1 - p * p)) : TY_FLOAT_MAX;
+    }
+}
+
+/* Whether all media have one albedo and one g in a channel. */
+static bool are_alike(const ty_scene_view* scene, int channel, float* albedo, float* g) {
+    for (int32_t i = 0; i < scene->medium_count; ++i) {
+        const ty_medium_view* medium = &scene->media[i];
+        const float own = medium->sigma_s[channel] / medium->sigma_t[channel];
+        if (medium->albedo_fields != 0 || medium->transfer_albedo != 0 || medium->has_g_field != 0) return false;
+        if (!(medium->sigma_t[channel] > 0)) return false;
+        if (i > 0 && (own != *albedo || medium->g[channel] != *g)) return false;
+        *albedo = own;
+        *g = medium->g[channel];
+    }
+    return true;
+}
+
+static ty_result merge_tables(ty_bake_run* run) {
+    ty_bake_request* request = &run->request;
+    const size_t rows = ty_impulse_merged_rows();
+    run->merged_size = 3 * rows;
+    run->merged = ty_alloc_array(run->context, run->merged_size, sizeof *run->merged, false);
+    if (run->merged == NULL) return TY_ERROR_MEMORY;
+    for (int c = 0; c < (request->gray != 0 ? 1 : 3); ++c) {
+        float albedo = 0, g = 0;
+        if (are_alike(request->path.scene, c, &albedo, &g))
+            ty_impulse_merge(request->tables, albedo, g, request->scatterings, request->most[c],
+                             run->merged + (size_t)c * rows, &request->merged[c]);
+    }
+    return TY_OK;
+}
+
+/* ---- surfaces ---- */
 
 static bool find_sender(const search* s, int32_t ray, ty_sender* out) {
     const ty_path_request* request = &s->run->request.path;
@@ -133,20 +200,85 @@ static void place_lamps(search* s) {
         if (light->two_sided != 0 && flat) count += count % 2;
         const double share = fmin(1, wanted);
         if (share < 1 && (double)ty_random_white(&random) >= share) continue;
-        for (int32_t k = 0; k < count && s->senders->count < s->most; ++k)
+        for (int32_t k = 0; k < count && s->senders->count < s->senders->surfaces + s->lamp_points; ++k)
             s->senders->at[s->senders->count++] = lamp_point(s, i, k, count, 1 / share);
     }
+}
+
+/* ---- parts of media ---- */
+
+/* A part of a medium that light from afar reaches: along a ray of an anchor, at a distance of any length, typically
+ * s->reach. */
+static bool find_lit(const search* s, int32_t ray, ty_sender* out) {
+    const ty_path_request* request = &s->run->request.path;
+    const ty_light_set* lights = &request->scene->lights;
+    const ty_mesh* mesh = request->scene->mesh;
+    const ty_gather g = {.request = &s->run->request};
+    ty_path path;
+    ty_segment segment;
+    ty_light_sample sample;
+    const int32_t anchor = ray / s->lit_each;
+    ty_path_begin(&path, request, ~(uint64_t)anchor, (uint32_t)(ray % s->lit_each));
+    ty_path_turn_anywhere(&path);
+    const float u = ty_random_next(&path.random), distance = s->reach * u / (1 - u);
+    const float pick = ty_random_next(&path.random), a = ty_random_next(&path.random), b = ty_random_next(&path.random);
+    const ty_vec from = s->anchors[anchor], at = ty_mad(from, path.direction, distance);
+    if (mesh != NULL && ty_mesh_occluded(mesh, from, path.direction, distance)) return false;
+    const ty_light_view* light = &lights->lights[lights->distant[(int32_t)(pick * (float)lights->distant_count)]];
+    if (!ty_light_sample_from(light, at, a, b, &sample)) return false;
+    const float step = 1e-3f * s->reach;
+    ty_gather_segment(&g, at, sample.look, step, &segment);
+    *out = (ty_sender){.position = at, .kind = TY_IMPULSE_POINT, .light = -1, .lit = 1, .toward = sample.look};
+    for (int c = 0; c < 3; ++c) {
+        out->sends[c] = segment.scattered[c] / step * (float)lights->distant_count * TY_INV_4PI * sample.radiance[c];
+        out->g[c] = segment.scattered[c] > 0 ? segment.turned[c] / segment.scattered[c] : 0;
+    }
+    if (!(ty_max3(out->sends) > 0) || (mesh != NULL && ty_mesh_occluded(mesh, at, sample.look, TY_FLOAT_MAX)))
+        return false;
+    ty_gather_segment(&g, at, sample.look, TY_FLOAT_MAX, &segment);
+    double density = 0;
+    for (int32_t i = 0; i < s->anchor_count; ++i) {
+        const ty_vec to = ty_sub(s->anchors[i], at);
+        const float d2 = ty_dot(to, to), d = sqrtf(d2);
+        if (!(d > 0) || (i != anchor && mesh != NULL && ty_mesh_occluded(mesh, at, ty_scale(to, 1 / d), d))) continue;
+        density += (double)(s->reach / (d2 * (s->reach + d) * (s->reach + d))) * s->lit_each * (double)TY_INV_4PI;
+    }
+    if (!(density > 0)) return false;
+    for (int c = 0; c < 3; ++c) out->sends[c] *= segment.transmittance[c];
+    out->amount = (float)(1 / density);
+    /* The mean of 1 / d^2 over a ball about its middle is 3 / radius^2. */
+    const double radius = cbrt(0.75 / (double)TY_PI * (double)out->amount);
+    out->area = (float)(4 * (double)TY_PI * radius * radius / 3);
+    return true;
+}
+
+static void find_lits(void* user, int64_t ray, int32_t worker) {
+    const search* s = user;
+    (void)worker;
+    ty_sender* out = &s->senders->at[s->senders->count + ray];
+    if (!find_lit(s, (int32_t)ray, out)) out->amount = 0;
+}
+
+static void place_lit(search* s) {
+    ty_senders* senders = s->senders;
+    const int32_t rays = s->anchor_count * s->lit_each;
+    if (s->run->request.path.scene->lights.distant_count == 0) return;
+    ty_parallel_flushed(s->run->context, rays, find_lits, s);
+    const int32_t first = senders->count;
+    for (int32_t i = 0; i < rays; ++i)
+        if (senders->at[first + i].amount > 0) senders->at[senders->count++] = senders->at[first + i];
 }
 
 static void place_senders(search* s) {
     ty_senders* senders = s->senders;
     const int64_t rays = (int64_t)s->anchor_count * s->each;
-    place_anchors(s);
     if (s->run->request.path.scene->mesh != NULL) ty_parallel_flushed(s->run->context, rays, find_senders, s);
     for (int64_t i = 0; i < rays; ++i)
         if (senders->at[i].area > 0) senders->at[senders->count++] = senders->at[i];
     senders->surfaces = senders->count;
     place_lamps(s);
+    senders->lamps = senders->count - senders->surfaces;
+    place_lit(s);
     for (int32_t i = 0; i < senders->count; ++i) {
         const ty_sender* at = &senders->at[i];
         ty_bake_receiver* receiver = &s->receivers[i];
@@ -207,6 +339,10 @@ static void set_light(search* s, const float* clear, const float* fog) {
     for (int32_t i = 0; i < s->senders->count; ++i) {
         ty_sender* at = &s->senders->at[i];
         float power = 0;
+        if (at->lit != 0) {
+            s->senders->power[i] = 2 * s->free * at->amount * ty_sum3(at->sends);
+            continue;
+        }
         for (int c = 0; c < 3; ++c) {
             at->sends[c] = at->albedo[c] * (1.0f / TY_PI) * fmaxf(0, clear[3 * i + c] + fog[3 * i + c]);
             power += at->amount * (at->sends[c] + at->glows[c]);
@@ -225,8 +361,8 @@ static void fill_cell(void* user, int64_t index, int32_t worker) {
     const cells_job* job = user;
     const ty_senders* senders = job->senders;
     (void)worker;
-    const int32_t side = senders->side, at[3] = {(int32_t)index % side, (int32_t)index / side % side,
-                                                 (int32_t)index / side / side};
+    const int32_t side = senders->side,
+                  at[3] = {(int32_t)index % side, (int32_t)index / side % side, (int32_t)index / side / side};
     float middle[3], within = 0;
     double sums[TY_FOG_SIDES][4] = {{0}};
     for (int a = 0; a < 3; ++a) {
@@ -262,7 +398,7 @@ static void light_senders(search* s, uint32_t samples, float* clear, float* fog)
     s->request.method = TY_BAKE_IMPULSE;
     s->request.fog_alone = s->request.fog_every = 1;
     for (int round = 0; round < ROUNDS; ++round) {
-        gather(s, FOG_SAMPLES);
+        gather(s, samples / 4 > FOG_SAMPLES_MIN ? samples / 4 : FOG_SAMPLES_MIN);
         for (int32_t i = 0; i < senders->surfaces; ++i)
             for (int c = 0; c < 3; ++c) fog[3 * i + c] = (float)gathered(s, i, c);
         set_light(s, clear, fog);
@@ -282,7 +418,7 @@ static size_t cells_of(const ty_senders* senders) {
 static ty_result take_senders(ty_bake_run* run, int32_t most) {
     ty_senders* senders = &run->senders;
     run->sender_size = (size_t)most;
-    senders->side = (int32_t)fmin(TY_FOG_SIDE_MAX, ceil(cbrt(2.0 * most)));
+    senders->side = (int32_t)fmin(TY_FOG_SIDE_MAX, ceil(cbrt(most)));
     senders->at = ty_alloc_array(run->context, run->sender_size, sizeof *senders->at, true);
     senders->x = ty_alloc_array(run->context, run->sender_size * NUMBERS, sizeof *senders->x, true);
     senders->cells = ty_alloc_array(run->context, cells_of(senders), sizeof *senders->cells, true);
@@ -299,6 +435,7 @@ void ty_bake_senders_free(ty_bake_run* run) {
     ty_free_array(run->context, senders->x, run->sender_size * NUMBERS, sizeof *senders->x);
     ty_free_array(run->context, senders->cells, cells_of(senders), sizeof *senders->cells);
     *senders = (ty_senders){.count = 0};
+    ty_free_array(run->context, run->merged, run->merged_size, sizeof *run->merged);
 }
 
 /* Paths of senders are a small part of all, and as many per sender as there are senders. */
@@ -306,13 +443,14 @@ ty_result ty_bake_senders_make(ty_bake_run* run) {
     ty_context* context = run->context;
     const double paths = (double)run->count * run->def->spp;
     run->request.senders = &run->senders;
-    run->request.fog_every = run->def->spp < 256 ? 4 : 8;
+    run->request.fog_every = FOG_EVERY;
     search s = {.run = run, .senders = &run->senders};
     s.anchor_count = run->count < ANCHORS_MAX ? (int32_t)run->count : ANCHORS_MAX;
-    const double wanted = fmin(TY_SENDERS_MAX - LAMP_POINTS_MAX, fmax(SENDERS_MIN, sqrt(paths / 8)));
+    const double wanted = fmin(TY_SENDERS_MAX - LAMP_POINTS_MAX - LIT_RAYS, fmax(SENDERS_MIN, sqrt(paths / 8)));
     s.each = s.anchor_count > 0 ? (int32_t)(wanted / s.anchor_count) : 0;
     s.lamp_points = (int32_t)fmin(LAMP_POINTS_MAX, 0.5 * wanted);
-    s.most = s.anchor_count * s.each + s.lamp_points;
+    s.lit_each = s.anchor_count > 0 ? LIT_RAYS / s.anchor_count : 0;
+    s.most = s.anchor_count * s.each + s.lamp_points + s.anchor_count * s.lit_each;
     const size_t most = (size_t)s.most;
     ty_result result = take_senders(run, s.most);
     s.receivers = ty_alloc_array(context, most, sizeof *s.receivers, true);
@@ -320,6 +458,11 @@ ty_result ty_bake_senders_make(ty_bake_run* run) {
     s.light = ty_alloc_array(context, most * LIGHT_SIZE, sizeof *s.light, true);
     float* light = ty_alloc_array(context, 6 * most, sizeof *light, true);
     if (s.receivers == NULL || s.sums == NULL || s.light == NULL || light == NULL) result = TY_ERROR_MEMORY;
+    if (result == TY_OK) {
+        place_anchors(&s);
+        find_most(&s);
+        result = merge_tables(run);
+    }
     if (result == TY_OK) {
         place_senders(&s);
         place_cells(&run->senders);

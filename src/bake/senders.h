@@ -5,19 +5,23 @@
 
 #include "base/vector.k.h"
 
-enum { TY_SENDERS_MAX = 1024, TY_FOG_SIDE_MAX = 16, TY_FOG_SIDES = 6 };
+enum { TY_SENDERS_MAX = 2048, TY_FOG_SIDE_MAX = 16, TY_FOG_SIDES = 6 };
 
-/* A disc on a surface or a lamp, or a lamp without extent. */
+/* A disc on a surface or a lamp, a lamp without extent, or a part of a medium that light from afar shines into. */
 typedef struct ty_sender {
     ty_vec position, normal; /* on the side that sends */
     ty_vec face;             /* of the flat face on that side */
     float margin;
-    int32_t kind;   /* ty_impulse_emitter */
-    int32_t light;  /* lamps without extent: which; else -1 */
-    float area;     /* of the disc, m^2 */
-    float amount;   /* what it stands for: area, of lamps without extent how many */
-    float sends[3]; /* radiance that it reflects */
-    float glows[3]; /* radiance, or intensity, of its own: of surfaces, unless they are lamps that are senders as well */
+    int32_t kind;  /* ty_impulse_emitter */
+    int32_t light; /* lamps without extent: which; else -1 */
+    int32_t lit;   /* whether it is part of a medium, */
+    ty_vec toward; /* and, unit, where its light comes from */
+    float g[3];
+    float area;     /* of the disc, m^2; of a part of a medium, what keeps it as far off as it is in the mean */
+    float amount;   /* what it stands for: area, volume, of lamps without extent how many */
+    float sends[3]; /* radiance that it reflects, or intensity that it scatters, by volume */
+    float
+        glows[3]; /* radiance, or intensity, of its own: of surfaces, unless they are lamps that are senders as well */
     float albedo[3];
 } ty_sender;
 
@@ -30,7 +34,7 @@ typedef struct ty_fog_cell {
 typedef struct ty_senders {
     int32_t count;
     ty_sender* at;
-    int32_t surfaces; /* the first of them; the rest are lamps */
+    int32_t surfaces, lamps; /* the first of them, and the next; the rest is parts of media */
     /* What choosing goes by, as arrays: power is what it sends times how much of it there is, all channels together;
      * the normal of lamps without extent is 0. */
     float *x, *y, *z, *nx, *ny, *nz, *power, *area;

@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 
 /* The version counts changes of what is tabled or how; tables of another are stale. */
-enum { TABLES_VERSION = 2, BYTE_ORDER_MARK = 0x01020304, PATH_SIZE = 1024 };
+enum { TABLES_VERSION = 3, BYTE_ORDER_MARK = 0x01020304, PATH_SIZE = 1024 };
 
 static const char tables_magic[8] = "tyndimpr";
 

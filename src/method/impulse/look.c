@@ -9,7 +9,8 @@
 /* What is nearer counts as this far away (optical): what comes from there grows without bound. */
 static const float closest = 1e-6f;
 
-const float ty_impulse_cosines[TY_IMPULSE_ANGLES] = {0, 0.04f, 0.09f, 0.172f, 0.312f, 0.53f, 0.765f, 1};
+const float ty_impulse_cosines[TY_IMPULSE_ANGLES] = {0,     0.02f, 0.05f, 0.09f, 0.14f, 0.2f,  0.27f, 0.35f,
+                                                     0.44f, 0.53f, 0.62f, 0.71f, 0.79f, 0.87f, 0.94f, 1};
 
 double ty_impulse_place(const ty_impulse* tables, double distance) {
     const double near = TY_IMPULSE_NEAREST;
@@ -137,6 +138,45 @@ void ty_impulse_look_within(const ty_impulse* tables, ty_impulse_emitter emitter
         look_multiple(&p, fminf(1, scattered / met), bounces < tables->bounces ? bounces : tables->bounces,
                       expf(-0.5f * p.optical) * (near ? met * met : 1), out->single[0], most);
     memcpy(out->multiple, multiple.at, sizeof out->multiple);
+}
+
+size_t ty_impulse_merged_rows(void) {
+    return TY_IMPULSE_ROWS;
+}
+
+/* A bin's response of the canonical medium with this albedo, as tabled: without what an emitter's nearness and
+ * transmittance make of it. */
+static void merge_row(const ty_impulse* tables, int32_t angle, int32_t bin, double distance,
+                      const ty_impulse_medium* medium, int32_t bounces, float most, ty_impulse_sum* out) {
+    const ty_impulse_emitter emitter = angle < 2 ? (ty_impulse_emitter)angle : TY_IMPULSE_AREA;
+    const float cosine = angle < 2 ? 1 : ty_impulse_cosines[angle - 2];
+    ty_impulse_response response;
+    ty_impulse_look_within(tables, emitter, medium, (float)distance, cosine, bounces, most, &response);
+    const float once = (float)ty_impulse_scale(emitter, true, distance),
+                more = (float)ty_impulse_scale(emitter, false, distance);
+    for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
+        out->once[l] = once * response.single[l];
+        out->more[l] = more * response.multiple[l];
+    }
+    if (angle >= 2) out->once[TY_IMPULSE_SHIFT] = ty_impulse_row(tables, emitter, angle - 2, bin)[TY_IMPULSE_SHIFT];
+}
+
+void ty_impulse_merge(const ty_impulse* tables, float albedo, float g, int32_t bounces, float most,
+                      ty_impulse_sum* rows, ty_impulse_merged* out) {
+    const ty_impulse_medium medium = {1, albedo, g};
+    for (int32_t bin = 0; bin < TY_IMPULSE_DISTANCES; ++bin) {
+        const double distance = ty_impulse_distance(tables, bin);
+        for (int32_t angle = 0; angle < 2 + TY_IMPULSE_ANGLES; ++angle) {
+            ty_impulse_sum* row = &rows[angle * TY_IMPULSE_DISTANCES + bin];
+            *row = (ty_impulse_sum){.once = {0}};
+            merge_row(tables, angle, bin, distance, &medium, bounces, most, row);
+        }
+    }
+    *out = (ty_impulse_merged){.rows = rows,
+                               .cosines = ty_impulse_cosines,
+                               .near = (float)TY_IMPULSE_NEAREST,
+                               .density = (float)tables->density,
+                               .even = (float)TY_IMPULSE_EVEN};
 }
 
 ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g, int32_t angle,
