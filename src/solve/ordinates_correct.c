@@ -43,44 +43,79 @@ static void scattering_of(const ty_ordinates_def* def, size_t i, float s[2]) {
 
 /* ---- the source of the correction ---- */
 
+static void take_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const ty_ordinates_job* job = l->job;
+    const size_t terms = (size_t)job->terms, lows = (size_t)job->lows,
+                 begin = (size_t)ty_box_dense(&l->box, 0, (int32_t)z);
+    const size_t end = begin + (size_t)l->box.size[0] * (size_t)l->box.size[1];
+    const float* moments = job->moments[job->latest];
+    float* low = job->low[job->latest];
+    for (size_t i = begin; i < end; ++i)
+        for (size_t t = 0; t < lows; ++t) low[i * lows + t] = moments[i * terms + t];
+}
+
+static void give_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const loop* l = user;
+    const ty_ordinates_job* job = l->job;
+    const size_t terms = (size_t)job->terms, lows = (size_t)job->lows,
+                 begin = (size_t)ty_box_dense(&l->box, 0, (int32_t)z);
+    const size_t end = begin + (size_t)l->box.size[0] * (size_t)l->box.size[1];
+    float* moments = job->moments[job->latest];
+    const float* low = job->low[job->latest];
+    for (size_t i = begin; i < end; ++i)
+        for (size_t t = 0; t < lows; ++t) moments[i * terms + t] = low[i * lows + t];
+}
+
+void ty_ordinates_take_low(ty_ordinates_job* job) {
+    loop l = loop_over(job, NULL);
+    ty_ordinates_planes(job, take_plane, &l);
+}
+
+void ty_ordinates_give_low(ty_ordinates_job* job) {
+    loop l = loop_over(job, NULL);
+    ty_ordinates_planes(job, give_plane, &l);
+}
+
 /* T - x, of the flux times sqrt(3) D s_1: that of e. */
 static void excess_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const size_t terms = (size_t)job->terms, low = (size_t)job->low;
-    const float* latest = job->iterates[job->latest];
-    float* change = job->changes[job->latest];
+    const size_t lows = (size_t)job->lows;
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
-        const float* d = l->diffusivity + ty_box_at(&l->box, y, (int32_t)z);
         const size_t begin = (size_t)ty_box_dense(&l->box, y, (int32_t)z);
+        const float* d = l->diffusivity + ty_box_at(&l->box, y, (int32_t)z);
+        const float *low = job->low[job->latest] + begin * lows, *before = job->before + begin * lows;
+        float* change = job->changes[job->latest] + begin * lows;
         for (size_t x = 0; x < (size_t)l->box.size[0]; ++x) {
-            const size_t i = begin + x;
             float s[2];
-            scattering_of(job->def, i, s);
-            change[i * low] = s[0] * (latest[i * terms] - job->before[i * low]);
-            for (size_t t = 1; t < low; ++t)
-                change[i * low + t] = SQRT_3 * d[x] * s[1] * (latest[i * terms + t] - job->before[i * low + t]);
+            scattering_of(job->def, begin + x, s);
+            change[x * lows] = s[0] * (low[x * lows] - before[x * lows]);
+            for (size_t t = x * lows + 1; t < (x + 1) * lows; ++t)
+                change[t] = SQRT_3 * d[x] * s[1] * (low[t] - before[t]);
         }
     }
 }
 
-/* The same of the def's source, for a first guess. */
+/* The same of the def's source. */
 static void begin_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const size_t terms = (size_t)job->terms, low = (size_t)job->low;
-    float *latest = job->iterates[job->latest], *change = job->changes[job->latest];
+    const size_t terms = (size_t)job->terms, lows = (size_t)job->lows;
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
+        const size_t begin = (size_t)ty_box_dense(&l->box, y, (int32_t)z), count = (size_t)l->box.size[0];
         const float* d = l->diffusivity + ty_box_at(&l->box, y, (int32_t)z);
-        const size_t begin = (size_t)ty_box_dense(&l->box, y, (int32_t)z);
-        memset(latest + begin * terms, 0, sizeof(float) * terms * (size_t)l->box.size[0]);
-        for (size_t x = 0; x < (size_t)l->box.size[0]; ++x) {
-            const size_t i = begin + x;
-            change[i * low] = job->def->source[0][i];
-            for (size_t t = 1; t < low; ++t)
-                change[i * low + t] = job->fixed != NULL ? SQRT_3 * d[x] * job->fixed[i * terms + t] : 0;
+        float* change = job->changes[job->latest] + begin * lows;
+        memset(job->moments[job->latest] + begin * terms, 0, sizeof(float) * terms * count);
+        memset(job->low[job->latest] + begin * lows, 0, sizeof(float) * lows * count);
+        for (size_t x = 0; x < count; ++x) {
+            change[x * lows] = job->def->source[0][begin + x];
+            for (size_t t = 1; t < lows; ++t)
+                change[x * lows + t] = job->fixed != NULL ? SQRT_3 * d[x] * job->fixed[(begin + x) * terms + t] : 0;
         }
     }
 }
@@ -99,18 +134,18 @@ static void source_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const ptrdiff_t low = job->low, nx = l->box.size[0];
-    const ptrdiff_t steps[3] = {low, low * nx, low * nx * l->box.size[1]};
+    const ptrdiff_t lows = job->lows, nx = l->box.size[0];
+    const ptrdiff_t steps[3] = {lows, lows * nx, lows * nx * l->box.size[1]};
     double sum = 0;
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
         const ptrdiff_t row = ty_box_at(&l->box, y, (int32_t)z);
-        const float* change = job->changes[job->latest] + ty_box_dense(&l->box, y, (int32_t)z) * low;
+        const float* change = job->changes[job->latest] + ty_box_dense(&l->box, y, (int32_t)z) * lows;
         float* f = ty_correction_source(job->correction) + row;
         for (int32_t x = 0; x < nx; ++x) {
             const int32_t place[3] = {x, y, (int32_t)z};
-            f[x] = change[x * low];
-            for (int axis = 0; low > 1 && axis < 3; ++axis)
-                f[x] -= outflow(l, change + x * low + (ptrdiff_t)along(axis), steps[axis], place[axis], axis,
+            f[x] = change[x * lows];
+            for (int axis = 0; lows > 1 && axis < 3; ++axis)
+                f[x] -= outflow(l, change + x * lows + (ptrdiff_t)along(axis), steps[axis], place[axis], axis,
                                 l->diffusivity[row + x]);
             sum += (double)f[x] * (double)f[x];
         }
@@ -137,41 +172,44 @@ static float flux(const float* d, const float* e, ptrdiff_t step, float inverse_
 /* Adds e to fluence and flux of a row; `change` holds the flux that a sweep adds to that of e. */
 static void add_row(const loop* l, int32_t y, int32_t z) {
     const ty_ordinates_job* job = l->job;
-    const size_t terms = (size_t)job->terms, low = (size_t)job->low, begin = (size_t)ty_box_dense(&l->box, y, z);
-    const ptrdiff_t row = ty_box_at(&l->box, y, z), steps[3] = {1, l->box.row, l->box.plane};
-    const float *e = l->e + row, *d = l->diffusivity + row;
-    float* latest = job->iterates[job->latest] + begin * terms;
-    const float* change = job->changes[job->latest] + begin * low;
-    const float* smooth = ty_correction_smooth(job->correction) + row;
-    for (size_t x = 0; x < (size_t)l->box.size[0]; ++x) latest[x * terms] += smooth[x];
-    for (int axis = 0; low > 1 && axis < 3; ++axis) {
+    const size_t lows = (size_t)job->lows, count = (size_t)l->box.size[0];
+    const ptrdiff_t dense = ty_box_dense(&l->box, y, z) * job->lows, row = ty_box_at(&l->box, y, z);
+    const ptrdiff_t steps[3] = {1, l->box.row, l->box.plane};
+    const float *e = l->e + row, *d = l->diffusivity + row, *smooth = ty_correction_smooth(job->correction) + row;
+    const float* change = job->changes[job->latest] + dense;
+    float* low = job->low[job->latest] + dense;
+    for (size_t x = 0; x < count; ++x) low[x * lows] += smooth[x];
+    for (int axis = 0; lows > 1 && axis < 3; ++axis) {
         const float inverse_edge = (float)(1 / job->def->cell[axis]);
         const size_t t = along(axis);
-        for (size_t x = 0; x < (size_t)l->box.size[0]; ++x)
-            latest[x * terms + t] += SQRT_3 * (flux(d + x, e + x, steps[axis], inverse_edge) + change[x * low + t]);
+        for (size_t x = 0; x < count; ++x)
+            low[x * lows + t] += SQRT_3 * (flux(d + x, e + x, steps[axis], inverse_edge) + change[x * lows + t]);
     }
 }
 
+static double product_of(const float* a, const float* b, size_t count) {
+    float sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < count; ++i) sum += a[i] * b[i];
+    return (double)sum;
+}
+
 /* What the latest iterate is more than its mixture, and its products with those of others. */
-static void compare_row(const ty_ordinates_job* job, size_t begin, size_t count, ty_ordinates_sums* sums) {
-    const size_t terms = (size_t)job->terms, low = (size_t)job->low;
-    const float* latest = job->iterates[job->latest];
-    float* change = job->changes[job->latest];
+static void compare_row(const ty_ordinates_job* job, ptrdiff_t dense, size_t cells, ty_ordinates_sums* sums) {
+    const size_t lows = (size_t)job->lows, count = cells * lows;
+    const float *low = job->low[job->latest] + dense * job->lows, *before = job->before + dense * job->lows;
+    float* change = job->changes[job->latest] + dense * job->lows;
     double squares = 0, fluence = 0;
-    for (size_t i = begin; i < begin + count; ++i) {
-        for (size_t t = 0; t < low; ++t) change[i * low + t] = latest[i * terms + t] - job->before[i * low + t];
-        squares += (double)change[i * low] * (double)change[i * low];
-        fluence += (double)latest[i * terms] * (double)latest[i * terms];
+#pragma omp simd
+    for (size_t i = 0; i < count; ++i) change[i] = low[i] - before[i];
+    for (size_t i = 0; i < count; i += lows) {
+        squares += (double)change[i] * (double)change[i];
+        fluence += (double)low[i] * (double)low[i];
     }
     sums->change += squares;
     sums->fluence += fluence;
-    for (int32_t k = 0; k < job->count; ++k) {
-        const float* other = job->changes[k];
-        double product = 0;
-#pragma omp simd reduction(+ : product)
-        for (size_t i = begin * low; i < (begin + count) * low; ++i) product += (double)change[i] * (double)other[i];
-        sums->products[k] += product;
-    }
+    for (int32_t k = 0; k < job->count; ++k)
+        sums->products[k] += product_of(change, job->changes[k] + dense * job->lows, count);
 }
 
 static void correct_plane(void* user, int64_t z, int32_t worker) {
@@ -180,7 +218,7 @@ static void correct_plane(void* user, int64_t z, int32_t worker) {
     ty_ordinates_sums sums = {0};
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
         if (l->e != NULL) add_row(l, y, (int32_t)z);
-        compare_row(l->job, (size_t)ty_box_dense(&l->box, y, (int32_t)z), (size_t)l->box.size[0], &sums);
+        compare_row(l->job, ty_box_dense(&l->box, y, (int32_t)z), (size_t)l->box.size[0], &sums);
     }
     l->job->sums[z] = sums;
 }

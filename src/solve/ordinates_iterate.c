@@ -9,9 +9,8 @@
 
 /* Between two reports, s. */
 static const double REPORT_SECONDS = 0.1;
-/* What a correction's solve leaves of its residual, and its cycles at most. */
-static const double REDUCTION = 0.1;
-enum { CYCLES = 4 };
+/* Cycles of multigrid in a correction, whose solve sweeps and mixtures go on with; and to start from. */
+enum { CYCLES = 1, FIRST_CYCLES = 3 };
 /* What iterations are expected to leave of a change. With corrections changes do not fall evenly: of those, bounds. */
 static const double SLOWEST = 0.999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
 /* Changes whose part across others is less than this share of them tell nothing. */
@@ -82,7 +81,8 @@ static void mix(const iteration* it) {
 /* NULL: there is none. */
 static const float* correction(ty_ordinates_job* job, bool first) {
     if (job->correction == NULL) return NULL;
-    ty_correction_solve(job->correction, ty_ordinates_excess(job, first), REDUCTION, CYCLES);
+    const double squares = ty_ordinates_excess(job, first);
+    ty_correction_solve(job->correction, squares, 0, first ? FIRST_CYCLES : CYCLES);
     return ty_correction_fluence(job->correction);
 }
 
@@ -116,9 +116,10 @@ static ty_result sweep(const iteration* it) {
     make_room(it);
     const double begun = ty_wall_seconds();
     const ty_result result =
-        ty_sweep_run(job->sweep, job->emission, job->iterates[job->latest], &job->leaving[job->latest], NULL);
+        ty_sweep_run(job->sweep, job->emission, job->moments[job->latest], &job->leaving[job->latest], NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
+    ty_ordinates_take_low(job);
     return result;
 }
 

@@ -24,7 +24,7 @@ typedef struct ty_ordinates_job {
 
     int64_t cells;
     int32_t terms; /* bands^2 */
-    int32_t low;   /* of them, those that corrections change: band 0, and 1 if there is one */
+    int32_t lows;  /* of them, those that corrections change: band 0, and 1 if there is one */
     ty_sweep* sweep;
     ty_correction* correction; /* NULL: source iteration */
 
@@ -32,7 +32,8 @@ typedef struct ty_ordinates_job {
     float* extinction; /* sigma* */
     float* fixed;      /* q, where it has more than one term; NULL: the def's plane */
     float* emission;
-    float* iterates[TY_ORDINATES_DEPTH]; /* moments: what sweeps, with their corrections, made of mixtures of others */
+    float* moments[TY_ORDINATES_DEPTH];  /* of the iterates, as sweeps of mixtures left them */
+    float* low[TY_ORDINATES_DEPTH];      /* the low terms alone, corrected: those of `moments` are not */
     float* changes[TY_ORDINATES_DEPTH];  /* of low terms, from the mixture to the iterate */
     double leaving[TY_ORDINATES_DEPTH];  /* W, in the sweep that made it */
     float* before;                       /* low terms of the mixture */
@@ -59,6 +60,9 @@ void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t ter
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
 /* Mixes iterates by their shares: low terms to `before`, and to emission what the mixture emits. */
 void ty_ordinates_emit(ty_ordinates_job* job);
+/* The low terms of the latest iterate, from its moments; and back, when there are no more corrections. */
+void ty_ordinates_take_low(ty_ordinates_job* job);
+void ty_ordinates_give_low(ty_ordinates_job* job);
 /* The source of the correction: what the latest iterate scatters more than the mixture; first: all that the def emits,
  * from a dark iterate. Returns its sum of squares. */
 double ty_ordinates_excess(ty_ordinates_job* job, bool first);

@@ -132,7 +132,7 @@ void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms,
 
 /* Iterates that the mixture has a share of. */
 typedef struct mixture {
-    const float* iterates[TY_ORDINATES_DEPTH];
+    const float *moments[TY_ORDINATES_DEPTH], *low[TY_ORDINATES_DEPTH];
     float shares[TY_ORDINATES_DEPTH];
     int32_t count;
 } mixture;
@@ -141,37 +141,42 @@ static mixture mixture_of(const ty_ordinates_job* job) {
     mixture m = {0};
     for (int32_t i = 0; i < job->count; ++i) {
         if (job->shares[i] == 0) continue;
-        m.iterates[m.count] = job->iterates[i];
+        m.moments[m.count] = job->moments[i];
+        m.low[m.count] = job->low[i];
         m.shares[m.count++] = (float)job->shares[i];
     }
     return m;
 }
 
+INLINE void mix_cell(const mixture* m, size_t i, size_t low, size_t terms, float* mixed) {
+    for (size_t t = 0; t < terms; ++t) mixed[t] = 0;
+    for (int32_t k = 0; k < m->count; ++k) {
+        const float share = m->shares[k], *moments = m->moments[k] + i * terms, *corrected = m->low[k] + i * low;
+        for (size_t t = 0; t < low; ++t) mixed[t] += share * corrected[t];
+        for (size_t t = low; t < terms; ++t) mixed[t] += share * moments[t];
+    }
+}
+
 INLINE void emit_cells(const ty_ordinates_job* job, const mixture* m, size_t begin, size_t end, const int32_t bands) {
     const ty_ordinates_def* def = job->def;
     const size_t terms = (size_t)(bands * bands), low = bands > 1 ? 4 : 1;
-    const float* source = def->source[0];
     for (size_t i = begin; i < end; ++i) {
-        float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX];
-        for (size_t t = 0; t < terms; ++t) mixed[t] = 0;
-        for (int32_t k = 0; k < m->count; ++k) {
-            const float *iterate = m->iterates[k] + i * terms, share = m->shares[k];
-            for (size_t t = 0; t < terms; ++t) mixed[t] += share * iterate[t];
-        }
-        for (size_t t = 0; t < low; ++t) job->before[i * low + t] = mixed[t];
+        float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX], *emission = job->emission + i * terms;
+        mix_cell(m, i, low, terms, mixed);
+        memcpy(job->before + i * low, mixed, sizeof(float) * low);
         const float scattering = def->scattering[i], g = def->g[i];
         float forward = 1, power_of_g = 1;
         for (int32_t l = 0; l < bands; ++l) forward *= g;
-        float* emission = job->emission + i * terms;
         for (int32_t l = 0; l < bands; ++l) {
             const float s = scattering * (power_of_g - forward);
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) emission[t] = s * mixed[t];
             power_of_g *= g;
         }
-        if (job->fixed == NULL)
-            emission[0] += source[i];
-        else
-            for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
+        if (job->fixed == NULL) {
+            emission[0] += def->source[0][i];
+            continue;
+        }
+        for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
     }
 }
 
