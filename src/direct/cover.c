@@ -21,7 +21,7 @@ static ty_cover cover_along(const ty_grid_box* box, int axis, double lower, doub
     return c;
 }
 
-static double share_of(const ty_cover* c, int32_t cell) {
+double ty_cover_share(const ty_cover* c, int32_t cell) {
     if (!(c->upper > c->lower)) return 1;
     return fmax(0, fmin(c->upper, cell + 1) - fmax(c->lower, cell)) / (c->upper - c->lower);
 }
@@ -30,10 +30,10 @@ void ty_cover_add(const ty_grid_box* box, const ty_cover axes[3], const float* c
                   double scale, double* out) {
     for (int32_t k = axes[2].first; k < axes[2].first + axes[2].count; ++k)
         for (int32_t j = axes[1].first; j < axes[1].first + axes[1].count; ++j) {
-            const double row = scale * share_of(&axes[2], k) * share_of(&axes[1], j);
+            const double row = scale * ty_cover_share(&axes[2], k) * ty_cover_share(&axes[1], j);
             const size_t base = (size_t)box->size[0] * ((size_t)j + (size_t)box->size[1] * (size_t)k);
             for (int32_t i = axes[0].first; i < axes[0].first + axes[0].count; ++i) {
-                const double share = row * share_of(&axes[0], i);
+                const double share = row * ty_cover_share(&axes[0], i);
                 for (int32_t p = 0; p < plane_count; ++p) out[p] += share * (double)planes[p][base + (size_t)i];
             }
         }

@@ -20,6 +20,8 @@ typedef struct ty_cover {
 ty_result ty_cover_check(ty_context* context, const ty_cover_box* box);
 /* A caller's cell in a box. */
 void ty_cover_cell(const ty_grid_box* box, const ty_cover_box* callers, const int32_t cell[3], ty_cover axes[3]);
+/* How much of what a cover spans one of its cells is. */
+double ty_cover_share(const ty_cover* cover, int32_t cell);
 /* Adds the mean over what three covers span, of planes of a box's cells, times scale, to out[]. */
 void ty_cover_add(const ty_grid_box* box, const ty_cover axes[3], const float* const* planes, int32_t plane_count,
                   double scale, double* out);

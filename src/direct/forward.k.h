@@ -43,6 +43,44 @@ TY_FN float ty_forward_scattered(ty_forward light, float mu, float g) {
     return ty_forward_lobe(mu, light.straight, light.kept, light.bent, light.cosine * g);
 }
 
+/* Terms of a series that falls off slowly at worst, and what b^L must be for its closed form to keep its digits. */
+enum { TY_FORWARD_TERMS = 16 };
+#define TY_FORWARD_CLOSED 1e-2f
+
+/* The same of a line of light where others know not one moment but those of l < L, to which R, of sigma_t - g^L
+ * sigma_s, is given in full (delta-M); S is that of L + 1. Light that has scattered and kept its direction then has the
+ * moments (R - U) up to l = L and, as it has b = (S - U) / (R - U) at the next, (R - U) b^(l - L) from there on. L =
+ * order >= 1.
+ */
+TY_FN float ty_forward_beyond(ty_forward light, float mu, float g, int32_t order) {
+    const float b = ty_forward_cosine(light.straight, light.kept, light.bent), x = g * b;
+    float before = 0.0f, now = 1.0f, of_g = 1.0f, of_x = 1.0f, of_b = 1.0f, known = 0.0f, low = 0.0f, tail = 0.0f;
+    int32_t l = 0;
+    for (; l < order; ++l) {
+        const float weight = (float)(2 * l + 1) * now;
+        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        known += weight * of_g;
+        low += weight * of_x;
+        before = now;
+        now = next;
+        of_g *= g;
+        of_x *= x;
+        of_b *= b;
+    }
+    if (of_b > TY_FORWARD_CLOSED) {
+        tail = (4.0f * TY_PI * ty_hg(mu, x) - low) / of_b;
+    } else {
+        for (; l < order + TY_FORWARD_TERMS; ++l) {
+            const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+            tail += (float)(2 * l + 1) * now * of_g;
+            before = now;
+            now = next;
+            of_g *= x;
+        }
+    }
+    return ty_maxf(0.0f, light.kept - light.straight) * TY_INV_4PI * (known + tail);
+}
+
 /* What of the light that has not scattered does so, the same. */
 TY_FN float ty_forward_straight(ty_forward light, float mu, float g) {
     return light.straight * ty_hg(mu, light.cosine * g);

@@ -51,6 +51,12 @@ int32_t ty_grid_box_longest(const ty_scene* scene, int32_t asked) {
     return SMOOTH_CELLS;
 }
 
+void ty_grid_box_cut(const ty_grid_box* box, int32_t longest, int32_t size[3]) {
+    double most = 0;
+    for (int a = 0; a < 3; ++a) most = fmax(most, box->upper[a] - box->lower[a]);
+    for (int a = 0; a < 3; ++a) size[a] = (int32_t)fmax(1, lround(longest * (box->upper[a] - box->lower[a]) / most));
+}
+
 ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* out) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;

@@ -31,6 +31,9 @@ ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* o
  * where no medium has voxels. The scene is committed. */
 int32_t ty_grid_box_longest(const ty_scene* scene, int32_t asked);
 
+/* How many about cubic cells a box has along its sides, `longest` along the longest. */
+void ty_grid_box_cut(const ty_grid_box* box, int32_t longest, int32_t size[3]);
+
 /* Samples all media: eight points per voxel (which is exact for voxels that cells are aligned with) as long as that is
  * 4096 points a cell at most, times the part of each cell within the medium's bounds. Media outside the box are left
  * out. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */

@@ -15,7 +15,7 @@ typedef struct ty_single_light {
     TY_GLOBAL const float*
         straight[3];                /* TY_SINGLE_BEAM and _LAMP, where lobes is set: U of forward.k.h; fluence is R */
     TY_GLOBAL const float* bent[3]; /* S */
-    int32_t lobes;                  /* whether these are there; else all of fluence comes along one line */
+    int32_t lobes; /* L of forward.k.h, where these are there; 0: all of fluence comes along one line */
     TY_GLOBAL const float* flux[3][3]; /* TY_SINGLE_MANY: along x, y, z */
     int32_t shared;                    /* whether all channels are the first one's planes, times color (as in a
                                           ty_light_field of one plane) */
@@ -23,8 +23,9 @@ typedef struct ty_single_light {
 } ty_single_light;
 
 /* Of TY_SINGLE_MANY only the mean direction is known: light scatters as (fluence + 3 g flux . way) / (4 pi), not below
- * 0, which is exact for isotropic scattering. */
-enum { TY_SINGLE_BEAM = 0, TY_SINGLE_LAMP = 1, TY_SINGLE_MANY = 2 };
+ * 0, which is exact for isotropic scattering. TY_SINGLE_EVEN scatters as fluence / (4 pi), whatever g is: it is made so
+ * for an eye. */
+enum { TY_SINGLE_BEAM = 0, TY_SINGLE_LAMP = 1, TY_SINGLE_MANY = 2, TY_SINGLE_EVEN = 3 };
 
 /* A channel's fluence of a light, without its factor. */
 TY_FN TY_GLOBAL const float* ty_single_plane(const ty_single_light* light, int32_t channel, float* factor) {
@@ -88,7 +89,8 @@ TY_FN void ty_single_forward(const ty_single_light* light, const ty_cell_point* 
                                     fluence[TY_SINGLE_KEPT][plane] * passing[TY_SINGLE_KEPT][c],
                                     fluence[TY_SINGLE_BENT][plane] * passing[TY_SINGLE_BENT][c], 1.0f};
         scattered[c] += color * ty_forward_straight(forward, mu, g[c]);
-        again[c] += color * ty_forward_scattered(forward, mu, g[c]);
+        again[c] += color * (light->lobes == 1 ? ty_forward_scattered(forward, mu, g[c])
+                                               : ty_forward_beyond(forward, mu, g[c], light->lobes));
     }
 }
 
@@ -121,7 +123,7 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
         fluence[c] = fluence[0] * light->color[c];
         forward[c] = forward[0] * light->color[c];
     }
-    if (light->kind == TY_SINGLE_MANY) {
+    if (light->kind >= TY_SINGLE_MANY) {
         for (int32_t c = 0; c < 3; ++c)
             scattered[c] +=
                 passing[TY_SINGLE_KEPT][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);

@@ -13,7 +13,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-enum { TILE = 16, SPP_MAX = 64 };
+enum { TILE = 16, SPP_MAX = 64, REDUCED_MAX = 12 };
 
 static const double progress_interval = 0.1;
 
@@ -90,6 +90,7 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
                          (unsigned)def->aovs);
     if (result == TY_OK)
         result = ty_check_number(context, "march.light_count", def->light_count, 0, TY_MARCH_LIGHTS_MAX);
+    if (result == TY_OK) result = ty_check_number(context, "march.reduced", def->reduced, 0, REDUCED_MAX);
     if (result == TY_OK && def->light_count > 0) result = check_box(context, "light_box", &def->light_box);
     if (result == TY_OK && def->field != NULL) result = check_field(context, def->field);
     if (result == TY_OK && def->surface_field != NULL) result = check_field(context, def->surface_field);
@@ -193,7 +194,7 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->light = place_cells(&def->light_box);
     request->lights = def->lights;
     request->light_count = def->light_count;
-    request->reduced = def->reduced ? 1 : 0;
+    request->reduced = def->reduced;
     return pack_fields(job);
 }
 

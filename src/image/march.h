@@ -29,8 +29,8 @@ typedef struct ty_march_def {
     ty_grid_box light_box;         /* the cells that lights lie on; looked at if there are any */
     const ty_single_light* lights; /* uncollided light; default none */
     int32_t light_count;           /* 0..TY_MARCH_LIGHTS_MAX */
-    bool reduced; /* whether that light lost only what scatters aside on its way, sigma_t - g sigma_s for g above 0 (a
-                     reduced beam); default false: sigma_t */
+    int32_t reduced; /* whether that light lost only what scatters aside on its way: L of sigma_t - g^L sigma_s, 1..12
+                        (1, g above 0 alone: a reduced beam); default 0: sigma_t */
     const ty_source_field* field;         /* multiply scattered light; NULL (default): none */
     const ty_source_field* surface_field; /* what of it surfaces are lit by; NULL (default): field */
     const ty_image* unscattered; /* R, G, B: radiance that no medium scattered, extinction by media included, in the

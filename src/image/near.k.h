@@ -37,6 +37,14 @@ TY_FN float ty_near_amount(TY_GLOBAL const ty_medium_view* medium, ty_vec from, 
     return sum * part;
 }
 
+/* How much of what scatters counts as light that goes straight on. */
+TY_FN float ty_near_kept(int32_t reduced, float g) {
+    if (reduced < 2) return reduced == 0 ? 0.0f : ty_maxf(0.0f, g);
+    float power = g;
+    for (int32_t l = 1; l < reduced; ++l) power *= g;
+    return power;
+}
+
 /* Adds the optical depths of a medium between two distances along a ray, as beams' fluences lose light. */
 TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_medium_view* medium, ty_vec from,
                          ty_vec toward, float enter, float leave, float extinction,
@@ -47,9 +55,8 @@ TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL co
     ty_medium_sigma_s(medium, middle, sigma_s);
     ty_medium_g(medium, middle, g);
     for (int32_t c = 0; c < 3; ++c) {
-        const float forward = ty_maxf(0.0f, g[c]) * sigma_s[c], sigma_t = medium->sigma_t[c];
-        const float kept = request->reduced != 0 ? sigma_t - forward : sigma_t;
-        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, kept);
+        const float sigma_t = medium->sigma_t[c], forward = ty_near_kept(request->reduced, g[c]) * sigma_s[c];
+        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, sigma_t - forward);
         depth[TY_SINGLE_STRAIGHT][c] += amount * sigma_t;
         depth[TY_SINGLE_BENT][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * forward);
     }
@@ -130,7 +137,7 @@ TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point,
     const bool thick = extinction > TY_NEAR_THICK * coarsest;
     for (int32_t i = 0; i < request->light_count; ++i) {
         TY_GLOBAL const ty_single_light* light = &request->lights[i];
-        if (thick && light->kind != TY_SINGLE_MANY && ty_near_follow(request, light, point, extinction, &lights[i]))
+        if (thick && light->kind < TY_SINGLE_MANY && ty_near_follow(request, light, point, extinction, &lights[i]))
             continue;
         lights[i].at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
         for (int32_t f = 0; f < TY_SINGLE_FLUENCES; ++f)

@@ -216,7 +216,7 @@ static void cross_row(const ty_sweep_box* box, int32_t octant, int32_t y, int32_
         emit(&view, emission + row * box->terms, scratch->light[0], scratch->light[1]);
         stream streams[2];
         for (int o = 0; o < 2; ++o)
-            streams[o] = (stream){.along = {0},
+            streams[o] = (stream){.along = load(box->inflow[octant + o] + g * LANES),
                                   .light = scratch->light[o],
                                   .face_y = box->faces_y[octant + o] + (g * nz + z) * nx * LANES,
                                   .face_z = box->faces_z[octant + o] + (g * ny + y) * nx * LANES};

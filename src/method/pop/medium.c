@@ -21,13 +21,6 @@ static bool has_sharp_lights(const ty_pop_job* job) {
     return false;
 }
 
-/* The size of a box in about cubic cells, so many along its longest side. */
-static void cut_box(const ty_grid_box* box, int32_t longest, int32_t size[3]) {
-    double most = 0;
-    for (int a = 0; a < 3; ++a) most = fmax(most, box->upper[a] - box->lower[a]);
-    for (int a = 0; a < 3; ++a) size[a] = (int32_t)fmax(1, lround(longest * (box->upper[a] - box->lower[a]) / most));
-}
-
 static ty_result take_guide(ty_pop_job* job) {
     const ty_grid_medium* medium = job->medium;
     ty_pop* light = job->light;
@@ -91,8 +84,8 @@ ty_result ty_pop_sample_media(ty_pop_job* job) {
     ty_result result = ty_grid_box_fit(job->scene, longest, &light->fine_box);
     if (result != TY_OK) return result;
     light->def.resolution = own_cells(def, &light->fine_box);
-    cut_box(&light->fine_box, merged_cells(def, light->def.resolution), merged);
-    cut_box(&light->fine_box, light->def.resolution, own);
+    ty_grid_box_cut(&light->fine_box, merged_cells(def, light->def.resolution), merged);
+    ty_grid_box_cut(&light->fine_box, light->def.resolution, own);
     if (needs_fine(job, longest, merged)) result = ty_grid_medium_create(job->scene, &light->fine_box, &job->fine);
     if (result == TY_OK) result = sample_merged(job, merged);
     if (result == TY_OK) result = sample_own(job, own);

@@ -1,0 +1,108 @@
+/* Entry points. */
+#include "base/context.h"
+#include "method/dom/view.h"
+#include "scene/scene.h"
+
+/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
+static const double medium_until = 0.1, direct_until = 0.4, solve_share = 0.7;
+
+/* ---- solving ---- */
+
+static void end_job(ty_dom_job* job) {
+    const size_t terms = (size_t)job->light->bands * (size_t)job->light->bands;
+    for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
+    ty_sources_destroy(job->context, job->sources, job->source_capacity);
+    ty_free_array(job->context, job->set, 1, sizeof *job->set);
+    ty_grid_medium_destroy(job->coarse);
+    ty_grid_medium_destroy(job->fine);
+}
+
+static ty_result run_part(ty_dom_job* job, const char* stage, double until, ty_result (*run)(ty_dom_job* job),
+                          double* seconds) {
+    const double begun = ty_wall_seconds();
+    ty_result result = ty_part_next(&job->progress, stage, until);
+    if (result == TY_OK) result = run(job);
+    *seconds = ty_wall_seconds() - begun;
+    return result;
+}
+
+static ty_result run_parts(ty_dom_job* job, double share) {
+    ty_dom_stats* stats = &job->stats;
+    ty_result result = run_part(job, "media", share * medium_until, ty_dom_sample_media, &stats->medium_seconds);
+    if (result == TY_OK) result = ty_dom_take_sources(job);
+    if (result == TY_OK)
+        result = run_part(job, "direct light", share * direct_until, ty_dom_light_directly, &stats->direct_seconds);
+    stats->direct_seconds -= stats->source_seconds;
+    if (result == TY_OK) result = run_part(job, "ordinates", share, ty_dom_scatter, &stats->solve_seconds);
+    return result;
+}
+
+/* share: of the caller's progress that the solve is. */
+static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double share, ty_dom** out, ty_dom_stats* stats) {
+    ty_context* context = ty_scene_context(scene);
+    ty_result result = ty_dom_check(context, def);
+    if (result != TY_OK) return result;
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    if (view == NULL) return TY_ERROR_ARGUMENT;
+    if (view->medium_count == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "dom: the scene has no media");
+    ty_dom_job job = {.context = context, .scene = scene, .def = def};
+    job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
+    job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
+    if (job.light == NULL) return TY_ERROR_MEMORY;
+    job.light->context = context;
+    result = run_parts(&job, share);
+    job.stats.seconds = ty_wall_seconds() - job.progress.begun;
+    end_job(&job);
+    if (result != TY_OK) {
+        ty_dom_destroy(job.light);
+        return result;
+    }
+    if (stats != NULL) *stats = job.stats;
+    *out = job.light;
+    return TY_OK;
+}
+
+ty_result ty_dom_solve(const ty_scene* scene, const ty_dom_def* def, ty_dom** out, ty_dom_stats* stats) {
+    *out = NULL;
+    return solve(scene, def, 1, out, stats);
+}
+
+void ty_dom_destroy(ty_dom* light) {
+    if (light == NULL) return;
+    ty_context* context = light->context;
+    const size_t bytes = (size_t)light->kept * (size_t)light->kept * sizeof(float);
+    for (int i = 0; i < TY_DOM_OWN_MAX; ++i)
+        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) ty_light_field_destroy(light->fields[i][f]);
+    ty_light_field_destroy(light->many);
+    for (int c = 0; c < 3; ++c) {
+        ty_free_array(context, light->g[c], light->cells, sizeof(float));
+        ty_free_array(context, light->moments[c], light->cells, bytes);
+        ty_free_array(context, light->once[c], light->cells, bytes);
+    }
+    ty_free_array(context, light, 1, sizeof *light);
+}
+
+/* ---- images ---- */
+
+ty_result ty_dom_view(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_image** out,
+                      ty_dom_stats* stats) {
+    *out = NULL;
+    const ty_result result = ty_dom_check(ty_scene_context(scene), def);
+    if (result != TY_OK) return result;
+    return ty_dom_march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, stats);
+}
+
+ty_result ty_dom_render(const ty_scene* scene, const ty_dom_def* def, ty_image** out, ty_dom_stats* stats) {
+    *out = NULL;
+    ty_dom* light = NULL;
+    ty_dom_stats own = {0};
+    const double begun = ty_wall_seconds();
+    ty_result result = solve(scene, def, solve_share, &light, &own);
+    if (result != TY_OK) return result;
+    ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
+    progress.begun = begun;
+    result = ty_dom_march(light, scene, def, progress, out, &own);
+    ty_dom_destroy(light);
+    if (stats != NULL) *stats = own;
+    return result;
+}

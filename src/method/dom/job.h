@@ -1,0 +1,96 @@
+/* What a solve leaves behind, and one call on its way through the parts of the method. */
+#ifndef TY_METHOD_DOM_JOB_H
+#define TY_METHOD_DOM_JOB_H
+
+#include "base/progress.h"
+#include "direct/single.k.h"
+#include "direct/uncollided.h"
+#include "solve/ordinates.h"
+
+#include <tyndall/dom.h>
+
+/* Lights that keep a field of their own, so that their phase function stays sharp, beside all others together. */
+enum { TY_DOM_OWN_MAX = 8 };
+
+struct ty_dom {
+    ty_context* context;
+    int32_t bands, kept; /* L; of moments */
+    /* Uncollided light, on fine cells. */
+    ty_grid_box fine_box;
+    bool lobes; /* whether what scatters nearly straight on is told from what has not scattered */
+    ty_light_field* fields[TY_DOM_OWN_MAX][TY_SINGLE_FLUENCES];
+    ty_light_field* many; /* of all lights that have no field of their own */
+    ty_single_light lights[TY_DOM_OWN_MAX + 1];
+    int32_t light_count;
+    /* What ordinates go through. */
+    ty_grid_box box;
+    size_t cells;
+    int32_t planes; /* of g: 1 or 3 */
+    float* g[3];    /* mean cosines of cells */
+    bool even;      /* whether all of them are 0 */
+    /* Light: harmonic after harmonic, as many planes of cells as kept^2. */
+    bool shared; /* whether all channels are the first one's, times color */
+    float color[3];
+    float* moments[3]; /* of what has scattered, W m^-2 */
+    float* once[3];    /* of what lights without fields of their own scatter: sigma_s g^l times their moments, W m^-3;
+                          NULL: there are none, or all g are 0 */
+};
+
+typedef struct ty_dom_job {
+    ty_context* context;
+    const ty_scene* scene;
+    const ty_dom_def* def;
+    ty_part_progress progress;
+    ty_ordinate_set* set;
+    ty_grid_medium* fine;   /* cells of uncollided light */
+    ty_grid_medium* coarse; /* cells of ordinates */
+    ty_source* sources;
+    int32_t source_count, source_capacity;
+    float* source[3]; /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
+    ty_dom* light;
+    ty_dom_stats stats;
+} ty_dom_job;
+
+/* Fails with the first field that is out of its range. */
+ty_result ty_dom_check(ty_context* context, const ty_dom_def* def);
+
+/* Directions, fine and coarse cells, the media on them, and how many bands they need. */
+ty_result ty_dom_sample_media(ty_dom_job* job);
+/* Beams and lamps, and whether all channels are multiples of one. */
+ty_result ty_dom_take_sources(ty_dom_job* job);
+/* Uncollided light of all sources on fine cells, and q_lm. */
+ty_result ty_dom_light_directly(ty_dom_job* job);
+/* Moments of all channels. */
+ty_result ty_dom_scatter(ty_dom_job* job);
+
+/* Channels that are solved for. */
+static inline int32_t ty_dom_channels(const ty_dom* light) {
+    return light->shared ? 1 : 3;
+}
+
+/* Harmonic lm of a channel's planes. */
+static inline float* ty_dom_plane(const ty_dom* light, float* planes, int32_t lm) {
+    return planes + light->cells * (size_t)lm;
+}
+
+/* ---- one light's share of the source ---- */
+
+enum { TY_DOM_MEANS = TY_DOM_BANDS_MAX + 1 };
+
+/* Memory to work in, and what is known of fine cells. */
+typedef struct ty_dom_scratch {
+    float* turned;   /* of fine cells */
+    float* means;    /* of coarse cells, TY_DOM_MEANS planes */
+    bool uniform[3]; /* whether all that scatters on a plane of the medium has one g */
+    float g[3];      /* that one */
+} ty_dom_scratch;
+
+ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch);
+void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch);
+/* Adds what scatters of a field's light, which is that of `single` (TY_SINGLE_BEAM or _LAMP), to q_lm, or (once) to
+ * light->once: ty_dom_add_once then completes q_lm. */
+void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
+                       ty_dom_scratch* scratch, bool once);
+void ty_dom_add_once(ty_dom_job* job, const ty_dom_scratch* scratch);
+
+#endif

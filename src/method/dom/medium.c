@@ -1,0 +1,105 @@
+/* Directions, the cells of uncollided light and of ordinates, the media on them, and how many bands they need. */
+#include "base/context.h"
+#include "method/dom/job.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Cells of ordinates where nothing is asked for: a third of those of uncollided light, so many at least and at most. */
+enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64 };
+
+/* ---- bands ---- */
+
+static double largest_g(const ty_grid_medium* medium) {
+    double most = 0;
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i) most = fmax(most, fabs((double)medium->g[p][i]));
+    return most;
+}
+
+/* What of the light that scatters may be left to the peak that goes straight on, where directions are enough. */
+static const double peak = 0.2;
+
+/* Below this it need not be told from light that has not scattered. */
+static const double least_peak = 0.02;
+
+static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
+    const int32_t most = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
+    if (job->def->bands > 0) return job->def->bands;
+    if (!(g > 0)) return 1;
+    return (int32_t)fmin(most, fmax(2, ceil(log(peak) / log(g))));
+}
+
+/* Bands of moments that are kept for the eye, which phase functions tell apart as far as g^l is worth it; two for
+ * surfaces. */
+enum { LEAST_KEPT = 2 };
+
+static void choose_all_bands(ty_dom_job* job, int32_t exact) {
+    ty_dom* light = job->light;
+    const double g = largest_g(job->coarse);
+    light->even = !(g > 0);
+    light->bands = choose_bands(job, g, exact);
+    light->lobes = pow(g, light->bands) > least_peak;
+    light->kept = light->bands < LEAST_KEPT ? LEAST_KEPT : light->bands;
+    job->stats.bands = light->bands;
+    job->stats.directions = job->set->count;
+}
+
+/* ---- cells ---- */
+
+static int32_t longest_side(const int32_t size[3]) {
+    const int32_t most = size[0] > size[1] ? size[0] : size[1];
+    return most > size[2] ? most : size[2];
+}
+
+static int32_t choose_cells(const ty_dom_def* def, const int32_t fine[3]) {
+    const int32_t cells = longest_side(fine) / SHARE;
+    if (def->resolution > 0) return def->resolution;
+    return cells < LEAST_CELLS ? LEAST_CELLS : cells > MOST_CELLS ? MOST_CELLS : cells;
+}
+
+static ty_result sample_fine(ty_dom_job* job) {
+    const ty_dom_def* def = job->def;
+    int32_t longest = ty_grid_box_longest(job->scene, def->direct);
+    ty_grid_box box;
+    if (def->direct == 0 && longest < def->resolution) longest = def->resolution;
+    ty_result result = ty_grid_box_fit(job->scene, longest, &box);
+    if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->fine);
+    return result;
+}
+
+static ty_result sample_coarse(ty_dom_job* job) {
+    const ty_grid_box* box = &job->fine->box;
+    int32_t size[3];
+    ty_grid_box_cut(box, choose_cells(job->def, box->size), size);
+    return ty_grid_medium_resize(job->fine, size, &job->coarse);
+}
+
+static ty_result keep_medium(ty_dom_job* job) {
+    ty_dom* light = job->light;
+    const ty_grid_medium* coarse = job->coarse;
+    light->fine_box = job->fine->box;
+    light->box = coarse->box;
+    light->cells = coarse->cells;
+    light->planes = coarse->planes;
+    for (int32_t p = 0; p < light->planes; ++p) {
+        light->g[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+        if (light->g[p] == NULL) return TY_ERROR_MEMORY;
+        memcpy(light->g[p], coarse->g[p], light->cells * sizeof(float));
+    }
+    memcpy(job->stats.direct_size, job->fine->box.size, sizeof job->stats.direct_size);
+    memcpy(job->stats.size, coarse->box.size, sizeof job->stats.size);
+    return TY_OK;
+}
+
+ty_result ty_dom_sample_media(ty_dom_job* job) {
+    int32_t exact = 0;
+    job->set = ty_alloc_array(job->context, 1, sizeof *job->set, true);
+    if (job->set == NULL) return TY_ERROR_MEMORY;
+    ty_result result = ty_ordinate_set_make(job->context, job->def->directions, job->set, &exact);
+    if (result == TY_OK) result = sample_fine(job);
+    if (result == TY_OK) result = sample_coarse(job);
+    if (result == TY_OK) result = keep_medium(job);
+    if (result == TY_OK) choose_all_bands(job, exact);
+    return result;
+}

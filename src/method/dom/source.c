@@ -1,0 +1,268 @@
+/* Uncollided light: lights that can be met from one direction, or one point, on fields of their own, and all others
+ * together, one beam or lamp after the other, because each has its own direction. */
+#include "base/context.h"
+#include "direct/group.h"
+#include "method/dom/job.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Relative difference up to which colors are multiples of each other. */
+static const float alike = 1e-6f;
+
+/* ---- colors ---- */
+
+static bool is_black(const float color[3]) {
+    return !(color[0] + color[1] + color[2] > 0);
+}
+
+/* A color that all emission may be a multiple of; black where nothing glows. */
+static void emission_color(const ty_grid_medium* medium, float color[3]) {
+    for (int c = 0; c < 3; ++c) color[c] = 0;
+    for (size_t i = 0; i < medium->cells && is_black(color); ++i)
+        for (int c = 0; c < 3; ++c) color[c] = medium->emission[c] != NULL ? medium->emission[c][i] : 0;
+}
+
+static bool emission_shares(const ty_grid_medium* medium, const float color[3]) {
+    for (int c = 0; c < 3 && medium->emission[0] != NULL; ++c) {
+        const int d = (c + 1) % 3;
+        for (size_t i = 0; i < medium->cells; ++i) {
+            const float a = medium->emission[c][i] * color[d], b = medium->emission[d][i] * color[c];
+            if (fabsf(a - b) > alike * ty_maxf(a, b)) return false;
+        }
+    }
+    return true;
+}
+
+/* Sources without black ones. */
+static void drop_black(ty_dom_job* job) {
+    int32_t count = 0;
+    for (int32_t i = 0; i < job->source_count; ++i)
+        if (!is_black(job->sources[i].color)) job->sources[count++] = job->sources[i];
+    job->source_count = count;
+}
+
+/* What the sources' array was taken with stays what it is freed with. */
+ty_result ty_dom_take_sources(ty_dom_job* job) {
+    const ty_source_def def = {
+        .environment = job->def->environment_beams, .surface = job->def->surface_points, .seed = job->def->seed};
+    ty_dom* light = job->light;
+    const ty_result result = ty_sources_create(job->scene, &def, &job->sources, &job->source_capacity);
+    if (result != TY_OK) return result;
+    job->source_count = job->source_capacity;
+    drop_black(job);
+    float color[3] = {0};
+    if (job->source_count > 0)
+        memcpy(color, job->sources[0].color, sizeof color);
+    else
+        emission_color(job->coarse, color);
+    light->shared = !is_black(color) && light->planes == 1 && emission_shares(job->coarse, color) &&
+                    ty_sources_share(job->sources, job->source_count, color);
+    for (int c = 0; c < 3; ++c) light->color[c] = light->shared ? color[c] : 1;
+    job->stats.planes = ty_dom_channels(light);
+    return TY_OK;
+}
+
+/* ---- fields ---- */
+
+typedef struct direct_job {
+    ty_dom_job* job;
+    float* extinction[TY_SINGLE_FLUENCES][3]; /* of fine cells, for each fluence of a light */
+    ty_dom_scratch scratch;
+    ty_light_field* one; /* of one source that has no field of its own */
+    ty_source_group* groups;
+    int32_t group_count;
+} direct_job;
+
+static ty_result light_field(direct_job* direct, int32_t fluence, const ty_source* sources, int32_t count,
+                             ty_light_field* field) {
+    ty_dom_job* job = direct->job;
+    return ty_uncollided_add_watched(job->scene, job->fine, direct->extinction[fluence], sources, count, field,
+                                     ty_part_report, &job->progress);
+}
+
+/* Fluences beside the one that counts as uncollided. */
+static void describe_lobes(const ty_dom* light, ty_light_field* const fields[TY_SINGLE_FLUENCES],
+                           ty_single_light* single) {
+    if (!light->lobes) return;
+    single->lobes = light->bands;
+    for (int c = 0; c < 3; ++c) {
+        single->straight[c] = fields[TY_SINGLE_STRAIGHT]->fluence[c];
+        single->bent[c] = fields[TY_SINGLE_BENT]->fluence[c];
+    }
+}
+
+static ty_result light_own(direct_job* direct, const ty_source_group* group) {
+    ty_dom_job* job = direct->job;
+    ty_dom* light = job->light;
+    ty_light_field** fields = light->fields[light->light_count];
+    ty_single_light* single = &light->lights[light->light_count];
+    ty_result result = TY_OK;
+    for (int32_t f = 0; f < (light->lobes ? TY_SINGLE_FLUENCES : 1) && result == TY_OK; ++f) {
+        result = ty_source_groups_field(job->sources, group, 1, true, job->fine, false, &fields[f]);
+        if (result == TY_OK) result = light_field(direct, f, &job->sources[group->first], group->count, fields[f]);
+    }
+    if (result != TY_OK) return result;
+    *single = ty_source_group_light(job->sources, group, fields[TY_SINGLE_KEPT]);
+    describe_lobes(light, fields, single);
+    ++light->light_count;
+    ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, &direct->scratch, false);
+    return TY_OK;
+}
+
+enum { CHUNK = 1 << 15 };
+
+typedef struct sum_job {
+    const ty_light_field* one;
+    ty_light_field* all;
+} sum_job;
+
+static void sum_chunk(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const sum_job* sum = user;
+    const size_t begin = (size_t)index * CHUNK, cells = sum->all->cells;
+    const size_t end = cells - begin < CHUNK ? cells : begin + CHUNK;
+    const float *from = sum->one->color, *to = sum->all->color;
+    for (int32_t p = 0; p < sum->all->planes; ++p) {
+        const float* one = sum->one->fluence[sum->one->planes == 3 ? p : 0];
+        float* all = sum->all->fluence[p];
+        const float factor = sum->one->planes == 3   ? 1
+                             : sum->all->planes == 3 ? from[p]
+                                                     : (from[0] + from[1] + from[2]) / (to[0] + to[1] + to[2]);
+        for (size_t i = begin; i < end; ++i) all[i] += factor * one[i];
+    }
+}
+
+static void clear_field(ty_light_field* field) {
+    for (int32_t p = 0; p < field->planes; ++p) memset(field->fluence[p], 0, field->cells * sizeof(float));
+}
+
+/* One source of many. */
+static ty_result light_one(direct_job* direct, const ty_source* source, ty_light_field* all) {
+    ty_dom_job* job = direct->job;
+    ty_light_field* one = direct->one;
+    const ty_source_group group = {.first = 0, .count = 1, .middle = source->position};
+    clear_field(one);
+    if (one->planes == 1) memcpy(one->color, source->color, sizeof one->color);
+    const ty_result result = light_field(direct, TY_SINGLE_KEPT, source, 1, one);
+    if (result != TY_OK) return result;
+    sum_job sum = {one, all};
+    ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
+    const ty_single_light single = ty_source_group_light(source, &group, one);
+    ty_dom_add_source(job, one, &single, &direct->scratch, job->light->once[0] != NULL);
+    return TY_OK;
+}
+
+/* Memory of lights that have no field of their own. */
+static ty_result take_many(direct_job* direct) {
+    ty_dom_job* job = direct->job;
+    ty_dom* light = job->light;
+    const float* any = job->sources[0].color;
+    ty_result result = job->fine->planes == 1 ? ty_light_field_create_shared(job->fine, false, any, &direct->one)
+                                              : ty_light_field_create(job->fine, false, &direct->one);
+    if (result == TY_OK)
+        result = ty_source_groups_field(job->sources, direct->groups, direct->group_count, false, job->fine, false,
+                                        &light->many);
+    for (int32_t c = 0; c < ty_dom_channels(light) && result == TY_OK && !light->even; ++c) {
+        light->once[c] =
+            ty_alloc_array(job->context, light->cells, (size_t)(light->kept * light->kept) * sizeof(float), true);
+        if (light->once[c] == NULL) result = TY_ERROR_MEMORY;
+    }
+    return result;
+}
+
+static ty_result light_many(direct_job* direct, const ty_source_group* group) {
+    ty_dom_job* job = direct->job;
+    ty_result result = job->light->many == NULL ? take_many(direct) : TY_OK;
+    for (int32_t i = 0; i < group->count && result == TY_OK; ++i)
+        result = light_one(direct, &job->sources[group->first + i], job->light->many);
+    return result;
+}
+
+static ty_result light_groups(direct_job* direct) {
+    ty_dom_job* job = direct->job;
+    ty_dom* light = job->light;
+    const double from = job->progress.from, share = job->progress.share;
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < direct->group_count && result == TY_OK; ++i) {
+        const ty_source_group* group = &direct->groups[i];
+        job->progress.share = share / ty_maxf(1, (float)direct->group_count);
+        result = ty_part_show(&job->progress, "direct light");
+        if (result == TY_OK) result = group->own ? light_own(direct, group) : light_many(direct, group);
+        job->progress.from += job->progress.share;
+    }
+    job->progress.from = from;
+    job->progress.share = share;
+    if (result != TY_OK || light->many == NULL) return result;
+    if (!light->even) ty_dom_add_once(job, &direct->scratch);
+    light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->many);
+    return TY_OK;
+}
+
+/* ---- all ---- */
+
+/* What media send by themselves. */
+static void add_emission(ty_dom_job* job) {
+    static const float to_harmonic = 0.28209479177f; /* 1 / sqrt(4 pi) */
+    const ty_dom* light = job->light;
+    const ty_grid_medium* medium = job->coarse;
+    const float total = light->color[0] + light->color[1] + light->color[2];
+    for (int32_t c = 0; c < ty_dom_channels(light) && medium->emission[0] != NULL; ++c)
+        for (size_t i = 0; i < light->cells; ++i) {
+            float emission = medium->emission[c][i];
+            if (light->shared)
+                emission = (medium->emission[0][i] + medium->emission[1][i] + medium->emission[2][i]) / total;
+            job->source[c][i] += to_harmonic * emission;
+        }
+}
+
+static ty_result take_extinction(direct_job* direct, int32_t fluence, int32_t order) {
+    ty_dom_job* job = direct->job;
+    for (int32_t p = 0; p < job->fine->planes; ++p) {
+        direct->extinction[fluence][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
+        if (direct->extinction[fluence][p] == NULL) return TY_ERROR_MEMORY;
+    }
+    ty_grid_medium_reduce(job->fine, order, direct->extinction[fluence]);
+    return TY_OK;
+}
+
+static ty_result take_memory(direct_job* direct) {
+    ty_dom_job* job = direct->job;
+    const ty_dom* light = job->light;
+    const size_t terms = (size_t)(light->bands * light->bands);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
+        job->source[c] = ty_alloc_array(job->context, light->cells, terms * sizeof(float), true);
+        if (job->source[c] == NULL) return TY_ERROR_MEMORY;
+    }
+    for (int32_t p = 0; p < job->fine->planes; ++p)
+        direct->extinction[TY_SINGLE_STRAIGHT][p] = job->fine->extinction[p];
+    const ty_result result = take_extinction(direct, TY_SINGLE_KEPT, light->bands);
+    if (result != TY_OK || (light->lobes && take_extinction(direct, TY_SINGLE_BENT, light->bands + 1) != TY_OK))
+        return TY_ERROR_MEMORY;
+    direct->groups = ty_alloc_array(job->context, (size_t)job->source_count, sizeof *direct->groups, false);
+    return direct->groups != NULL ? ty_dom_scratch_create(job, &direct->scratch) : TY_ERROR_MEMORY;
+}
+
+static void free_memory(direct_job* direct) {
+    ty_dom_job* job = direct->job;
+    ty_dom_scratch_destroy(job, &direct->scratch);
+    ty_free_array(job->context, direct->groups, (size_t)job->source_count, sizeof *direct->groups);
+    for (int32_t p = 0; p < job->fine->planes; ++p) {
+        ty_free_array(job->context, direct->extinction[TY_SINGLE_KEPT][p], job->fine->cells, sizeof(float));
+        ty_free_array(job->context, direct->extinction[TY_SINGLE_BENT][p], job->fine->cells, sizeof(float));
+    }
+    ty_light_field_destroy(direct->one);
+}
+
+ty_result ty_dom_light_directly(ty_dom_job* job) {
+    direct_job direct = {.job = job};
+    ty_result result = take_memory(&direct);
+    if (result == TY_OK) {
+        direct.group_count = ty_source_groups_find(job->scene, &job->fine->box, job->sources, job->source_count,
+                                                   TY_DOM_OWN_MAX, direct.groups);
+        result = light_groups(&direct);
+    }
+    if (result == TY_OK) add_emission(job);
+    free_memory(&direct);
+    return result;
+}

@@ -1,0 +1,225 @@
+/* Images: what cells send towards an eye. */
+#include "base/context.h"
+#include "image/march.h"
+#include "method/dom/job.h"
+#include "method/dom/view.h"
+#include "scene/scene.h"
+#include "solve/harmonics.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
+
+static const double four_pi = 12.566370614359172;
+static const double harmonic_0 = 0.28209479177387814, harmonic_1 = 0.4886025119029199;
+
+/* Fields that are made for one image. */
+typedef struct fields {
+    ty_source_field seen, surfaces;
+    float* sent[3];                     /* radiance that cells send to the eye per scattering coefficient */
+    float* incident[3][TY_FIELD_TERMS]; /* radiance by direction, for surfaces */
+    ty_single_light lights[TY_DOM_OWN_MAX + 1];
+    size_t fine_cells;
+    float* many[3]; /* of fine cells: what lights without fields of their own send to the eye, times 4 pi */
+} fields;
+
+/* ---- what cells send ---- */
+
+typedef struct send_job {
+    const ty_dom* light;
+    const double* eye;
+    const float* const* planes; /* per channel, kept^2 harmonics of cells */
+    bool turned;                /* whether those are times g^l already */
+    float* const* out;
+} send_job;
+
+static void way_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double way[3]) {
+    double square = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double side = (light->box.upper[a] - light->box.lower[a]) / light->box.size[a];
+        way[a] = eye[a] - (light->box.lower[a] + (cell[a] + 0.5) * side);
+        square += way[a] * way[a];
+    }
+    for (int a = 0; a < 3; ++a) way[a] = square > 0 ? way[a] / sqrt(square) : a == 2;
+}
+
+static void send_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const send_job* job = user;
+    const ty_dom* light = job->light;
+    const int32_t* size = light->box.size;
+    for (int32_t i = 0; i < size[0]; ++i) {
+        const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
+        const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
+        double way[3], y[TERMS_MAX];
+        way_to_eye(light, cell, job->eye, way);
+        ty_harmonics_at(way, light->kept, y);
+        for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
+            const double g = job->turned ? 1 : (double)light->g[light->planes == 3 ? c : 0][at];
+            double sum = 0, power = 1;
+            for (int32_t l = 0; l < light->kept; ++l, power *= g)
+                for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
+                    sum += power * y[t] * (double)job->planes[c][light->cells * (size_t)t + at];
+            job->out[c][at] = (float)sum;
+        }
+    }
+}
+
+static void send_all(const ty_dom* light, const double eye[3], float* const planes[3], bool turned,
+                     float* const out[3]) {
+    send_job job = {light, eye, (const float* const*)planes, turned, out};
+    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
+}
+
+static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) {
+    f->seen = (ty_source_field){.box = light->box, .term_count = 1, .shared = light->shared};
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
+        f->sent[c] = ty_alloc_array(light->context, light->cells, sizeof(float), false);
+        if (f->sent[c] == NULL) return TY_ERROR_MEMORY;
+        f->seen.terms[c][0] = f->sent[c];
+    }
+    memcpy(f->seen.color, light->color, sizeof f->seen.color);
+    send_all(light, eye, light->moments, false, f->sent);
+    return TY_OK;
+}
+
+/* ---- what surfaces get ---- */
+
+/* Harmonics of radiance along x, y and z. */
+static const int32_t term_of[TY_FIELD_TERMS] = {0, 3, 1, 2};
+
+static ty_result make_incident(const ty_dom* light, fields* f) {
+    f->surfaces = (ty_source_field){.box = light->box, .term_count = TY_FIELD_TERMS, .shared = light->shared};
+    memcpy(f->surfaces.color, light->color, sizeof f->surfaces.color);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c)
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) {
+            float* out = ty_alloc_array(light->context, light->cells, sizeof(float), false);
+            const float* from = ty_dom_plane(light, light->moments[c], term_of[t]);
+            const float factor = (float)(t == 0 ? harmonic_0 : harmonic_1);
+            f->incident[c][t] = out;
+            if (out == NULL) return TY_ERROR_MEMORY;
+            for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];
+            f->surfaces.terms[c][t] = out;
+        }
+    return TY_OK;
+}
+
+/* ---- lights that have no field of their own ---- */
+
+typedef struct many_job {
+    const ty_dom* light;
+    const ty_single_light* single;
+    float* const* sent; /* of the light's cells: what is scattered to the eye, W m^-3 sr^-1 */
+    float* const* out;  /* of fine cells */
+    int32_t channels;   /* of single */
+} many_job;
+
+/* Their fluence on fine cells, times what of such light is sent to the eye on the cells of ordinates. */
+static void many_row(void* user, int64_t row, int32_t worker) {
+    (void)worker;
+    const many_job* job = user;
+    const ty_dom* light = job->light;
+    const int32_t *size = light->fine_box.size, *coarse = light->box.size;
+    for (int32_t i = 0; i < size[0]; ++i) {
+        const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
+        const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
+        float cells[3];
+        for (int a = 0; a < 3; ++a) cells[a] = (float)((cell[a] + 0.5) * coarse[a] / size[a]);
+        const ty_cell_point place = ty_cell_locate(coarse, ty_vec_load(cells));
+        for (int32_t c = 0; c < job->channels; ++c) {
+            const float sent = ty_cell_value(job->sent[c], &place), all = ty_cell_value(light->once[c], &place);
+            const float* fluence = job->single->fluence[c];
+            const float share = all > 0 ? ty_maxf(0, sent / all) : 0;
+            job->out[c][at] = (float)(four_pi * harmonic_0) * share * fluence[at];
+        }
+    }
+}
+
+/* Fields of fine cells in place of those of TY_SINGLE_MANY, which know no direction. */
+static ty_result make_many(const ty_dom* light, const double eye[3], fields* f) {
+    ty_single_light* single = &f->lights[light->light_count - 1];
+    const int32_t channels = single->shared != 0 ? 1 : 3;
+    float* sent[3] = {NULL, NULL, NULL};
+    ty_result result = TY_OK;
+    for (int32_t c = 0; c < channels && result == TY_OK; ++c) {
+        f->many[c] = ty_alloc_array(light->context, f->fine_cells, sizeof(float), false);
+        if (f->many[c] == NULL) result = TY_ERROR_MEMORY;
+    }
+    for (int32_t c = 0; c < ty_dom_channels(light) && result == TY_OK; ++c) {
+        sent[c] = ty_alloc_array(light->context, light->cells, sizeof(float), false);
+        if (sent[c] == NULL) result = TY_ERROR_MEMORY;
+    }
+    if (result == TY_OK) {
+        send_all(light, eye, light->once, true, sent);
+        many_job job = {light, single, sent, f->many, channels};
+        ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], many_row, &job);
+        for (int32_t c = 0; c < channels; ++c) single->fluence[c] = f->many[c];
+    }
+    for (int32_t c = 0; c < 3; ++c)
+        ty_free_array(light->context, sent[c], sent[c] != NULL ? light->cells : 0, sizeof(float));
+    return result;
+}
+
+static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f) {
+    memcpy(f->lights, light->lights, sizeof f->lights);
+    if (light->many == NULL) return TY_OK;
+    f->lights[light->light_count - 1].kind = TY_SINGLE_EVEN;
+    return light->once[0] != NULL ? make_many(light, eye, f) : TY_OK;
+}
+
+/* ---- images ---- */
+
+static void free_fields(const ty_dom* light, fields* f) {
+    for (int c = 0; c < 3; ++c) {
+        ty_free_array(light->context, f->sent[c], light->cells, sizeof(float));
+        ty_free_array(light->context, f->many[c], f->fine_cells, sizeof(float));
+        for (int t = 0; t < TY_FIELD_TERMS; ++t)
+            ty_free_array(light->context, f->incident[c][t], light->cells, sizeof(float));
+    }
+}
+
+static ty_result make_fields(const ty_dom* light, const double eye[3], bool surfaces, fields* f) {
+    const int32_t* fine = light->fine_box.size;
+    f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
+    ty_result result = make_seen(light, eye, f);
+    if (result == TY_OK && surfaces) result = make_incident(light, f);
+    if (result == TY_OK) result = make_lights(light, eye, f);
+    return result;
+}
+
+ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_part_progress progress,
+                       ty_image** out, ty_dom_stats* stats) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
+    const double begun = ty_wall_seconds();
+    fields f = {.fine_cells = 0};
+    ty_march_def march = ty_default_march_def();
+    march.width = def->width > 0 ? def->width : camera.resolution[0];
+    march.height = def->width > 0 ? def->height : camera.resolution[1];
+    march.spp = def->spp;
+    march.seed = def->seed;
+    march.step = def->step;
+    march.aovs = def->aovs;
+    march.light_box = light->fine_box;
+    march.lights = f.lights;
+    march.light_count = light->light_count;
+    march.reduced = light->bands;
+    march.field = &f.seen;
+    march.surface_field = surfaces ? &f.surfaces : NULL;
+    march.guided = 0;
+    march.keeps_means = true;
+    march.unscattered = def->unscattered;
+    march.progress = ty_part_report;
+    march.progress_user = &progress;
+    ty_march_stats marched = {0};
+    ty_result result = make_fields(light, camera.position, surfaces, &f);
+    if (result == TY_OK) result = ty_march(scene, &march, out, &marched);
+    free_fields(light, &f);
+    if (result == TY_OK && stats != NULL) {
+        stats->march_seconds = ty_wall_seconds() - begun;
+        stats->seconds += stats->march_seconds;
+        stats->isa = marched.isa;
+    }
+    return result;
+}
