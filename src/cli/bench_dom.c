@@ -171,7 +171,7 @@ static void print_sweeps(const bench_session* bench, const char* key, const ty_o
         json_number(bench->json, "seconds", stats->seconds);
         json_close_object(bench->json);
     } else {
-        printf(" %12s%4d %9.1f", stats->converged ? "" : "more than", (int)stats->sweeps, 1e3 * stats->seconds);
+        printf(" %12s%4d %9.1f", stats->converged ? "" : "not after", (int)stats->sweeps, 1e3 * stats->seconds);
     }
 }
 
