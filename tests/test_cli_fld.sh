@@ -70,7 +70,7 @@ spp=65 render.fld.spp
 step=9 render.fld.step
 surface_points=0 render.fld.surface_points
 END
-  usage_error "unknown method 'fdl'.*path, screen, fld, cda, pop, lpv" render fog.json -o no.exr --method fdl
+  usage_error "unknown method 'fdl'.*path, screen, fld, cda, pop, lpv, dom" render fog.json -o no.exr --method fdl
 }
 
 test_channels() {

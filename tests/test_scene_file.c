@@ -13,6 +13,7 @@
 #include "io/scenes/builtin.h"
 #include "scene/scene.h"
 
+#include <tyndall/dom.h>
 #include <tyndall/io.h>
 #include <tyndall/lpv.h>
 
@@ -74,6 +75,18 @@ static void expect_lpv_defaults(const ty_lpv_settings* settings) {
     assert_true(settings->step == def.step && settings->spp == def.spp);
 }
 
+static void expect_dom_defaults(const ty_dom_settings* settings) {
+    const ty_dom_def def = ty_default_dom_def();
+    assert_string_equal(settings->acceleration, "diffusion");
+    assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
+    assert_true(settings->resolution == def.resolution && settings->direct == def.direct);
+    assert_true(settings->directions == def.directions && settings->bands == def.bands);
+    assert_true(settings->tolerance == def.tolerance && settings->iterations == def.iterations);
+    assert_true(settings->environment_beams == def.environment_beams);
+    assert_true(settings->surface_points == def.surface_points);
+    assert_true(settings->step == def.step && settings->spp == def.spp);
+}
+
 static void test_the_smallest_scene_has_the_defaults(void** state) {
     (void)state;
     ty_context* context = make_context();
@@ -94,6 +107,7 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_string_equal(render.screen.environment, "around");
     assert_true(render.screen.balance);
     expect_lpv_defaults(&render.lpv);
+    expect_dom_defaults(&render.dom);
     assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
     assert_int_equal(ty_scene_get_info(scene).media, 0);
     ty_scene_destroy(scene);
@@ -457,7 +471,9 @@ static const char every_key[] =
     "\"step\":0.25},"
     "\"lpv\":{\"mode\":\"published\",\"parts\":\"both\",\"place\":\"camera\",\"resolution\":24,\"extent\":20,"
     "\"cascades\":3,\"bands\":3,\"window\":0.1,\"iterations\":10,\"tolerance\":0.02,\"map_side\":64,\"samples\":4,"
-    "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5}}}";
+    "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5},"
+    "\"dom\":{\"resolution\":20,\"direct\":60,\"directions\":48,\"bands\":4,\"acceleration\":\"none\","
+    "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
 static void expect_keys(const json_t* schema, const char* text) {
@@ -517,6 +533,11 @@ static void test_every_key_is_accepted(void** state) {
     assert_true(lpv.iterations == 10 && lpv.tolerance == 0.02 && lpv.map_side == 64 && lpv.samples == 4);
     assert_true(lpv.block_side == 2 && lpv.shadow_side == 128 && !lpv.shadow_rays && !lpv.half);
     assert_true(lpv.step == 0.75 && lpv.spp == 5);
+    const ty_dom_settings dom = ty_scene_render_settings(scene).dom;
+    assert_string_equal(dom.acceleration, "none");
+    assert_true(dom.resolution == 20 && dom.direct == 60 && dom.directions == 48 && dom.bands == 4);
+    assert_true(dom.tolerance == 1e-4 && dom.iterations == 50 && dom.step == 2 && dom.spp == 4);
+    assert_true(dom.environment_beams == 9 && dom.surface_points == 6);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }

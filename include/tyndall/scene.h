@@ -347,9 +347,19 @@ typedef struct ty_lpv_settings {
     int32_t spp; /* rays per pixel */
 } ty_lpv_settings;
 
+/* ty_dom_def in words; 0 for what it calls its own choice. */
+typedef struct ty_dom_settings {
+    char acceleration[16]; /* "diffusion" (default) or "none" */
+    int32_t resolution, direct, directions, bands;
+    double tolerance;
+    int32_t iterations, environment_beams, surface_points;
+    double step;
+    int32_t spp; /* rays per pixel */
+} ty_dom_settings;
+
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16]; /* "path" (default), "screen", "fld", "cda" (fld without limiter), "pop" or "lpv" */
+    char method[16]; /* "path" (default), "screen", "fld", "cda" (fld without limiter), "pop", "lpv" or "dom" */
     int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
     uint64_t seed;   /* default 0 */
     ty_path_settings path;
@@ -357,6 +367,7 @@ typedef struct ty_render_settings {
     ty_fld_settings fld;
     ty_pop_settings pop;
     ty_lpv_settings lpv;
+    ty_dom_settings dom;
 } ty_render_settings;
 
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);

@@ -20,6 +20,7 @@ static const bench_entry benches[] = {
     {"fld", "flux-limited diffusion: its solvers, and images beside path", bench_fld},
     {"pop", "principal-ordinates propagation: its stages, and how they grow", bench_pop},
     {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
+    {"dom", "discrete ordinates: solves, sweeps against thickness, images beside path", bench_dom},
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"bake", "baking: what impulse responses cost, and save beside paths", bench_bake},
     {"load", "reading volumes of every format", bench_load},
@@ -88,7 +89,7 @@ int cli_bench(int count, char** arguments) {
         {"spp", 0, CLI_INT, "N", "samples per pixel (default 64)", &options.spp, 1, 1 << 24, NULL},
         {"size", 0, CLI_SIZE, "WxH",
          "pixels (default 256x256; rays: 1024x1024; screen: 1, 2, 4 and 8 million; "
-         "fld, pop: 1024x1024; lpv: 1280x720; bake: 48x48 receivers)",
+         "fld, pop: 1024x1024; lpv: 1280x720; dom: 384x216; bake: 48x48 receivers)",
          options.size, 0, 0, &options.size_given},
         {"runs", 0, CLI_INT, "N", "repetitions whose median counts (default 3)", &options.runs, 1, 99, NULL},
         {"side", 0, CLI_INT, "N", "voxels a side of the volumes to load (default 192)", &options.side, 8, 1024, NULL},
@@ -98,7 +99,7 @@ int cli_bench(int count, char** arguments) {
          NULL},
         {"mesh", 0, CLI_TEXT, "FILE", "mesh for the rays (default: a terrain)", &options.mesh, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "DIR", "also compare with DIR/SCENE.exr", &options.reference, 0, 0, NULL},
-        {"data", 0, CLI_TEXT, "DIR", "lpv: third-party scenes (default: the environment variable TYNDALL_DATA)",
+        {"data", 0, CLI_TEXT, "DIR", "lpv, dom: third-party scenes (default: the environment variable TYNDALL_DATA)",
          &options.data, 0, 0, NULL},
     };
     char details[1024] = "benches:";

@@ -29,6 +29,7 @@ int bench_screen(const bench_session* bench);
 int bench_fld(const bench_session* bench);
 int bench_pop(const bench_session* bench);
 int bench_lpv(const bench_session* bench);
+int bench_dom(const bench_session* bench);
 int bench_impulse(const bench_session* bench);
 int bench_bake(const bench_session* bench);
 int bench_load(const bench_session* bench);

@@ -252,7 +252,7 @@ int cli_compare(int count, char** arguments) {
     compare_options options = {0};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
-        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with: path, screen, fld, cda, pop, lpv",
+        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with: path, screen, fld, cda, pop, lpv, dom",
          &options.methods, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "FILE", "the true image (default: path, rendered for longer)", &options.reference, 0,
          0, NULL},

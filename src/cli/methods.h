@@ -24,14 +24,14 @@ typedef struct cli_method {
     bool crops;    /* whether it can render a part of the frame */
     /* Whether it is made for the scene; NULL: for all of them. */
     ty_result (*check)(const ty_scene* scene);
-    /* Renders, and fills in what the report says of the run: path, own_seconds, screen, fld, pop, lpv. Results as of
-     * ty_path_render, but for TY_CANCELLED with *out NULL when a part is no picture. */
+    /* Renders, and fills in what the report says of the run: path, own_seconds, screen, fld, pop, lpv, dom. Results as
+     * of ty_path_render, but for TY_CANCELLED with *out NULL when a part is no picture. */
     ty_result (*render)(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
                         cli_report* report);
 } cli_method;
 
 extern const cli_method cli_method_path, cli_method_screen, cli_method_fld, cli_method_cda, cli_method_pop,
-    cli_method_lpv;
+    cli_method_lpv, cli_method_dom;
 
 /* NULL, after a message that names the known ones, if there is none of that name. */
 const cli_method* cli_find_method(const char* command, const char* name);

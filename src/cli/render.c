@@ -64,6 +64,18 @@ static void print_lpv_line(const cli_report* report) {
            cli_lpv_image_seconds(lpv));
 }
 
+static void print_dom_line(const cli_report* report) {
+    const ty_dom_stats* dom = &report->dom;
+    const int32_t *fine = dom->direct_size, *coarse = dom->size;
+    int32_t sweeps = 0;
+    for (int32_t plane = 0; plane < dom->planes; ++plane) sweeps += dom->sweeps[plane];
+    printf("%s: %dx%d, %dx%dx%d cells of direct light, %dx%dx%d of %d ordinates, %d sweeps%s, %.2f s (before the march "
+           "%.3f, march %.3f)\n",
+           report->method, report->width, report->height, fine[0], fine[1], fine[2], coarse[0], coarse[1], coarse[2],
+           dom->directions, sweeps, dom->converged ? "" : ", not converged", report->own_seconds,
+           dom->seconds - dom->march_seconds, dom->march_seconds);
+}
+
 static void print_surfaces_line(const cli_report* report) {
     if (report->path.seconds > report->own_seconds)
         printf("surfaces: %.4g spp of path, %.2f s\n", report->path.spp, report->path.seconds - report->own_seconds);
@@ -83,9 +95,11 @@ static void print_closing_lines(const render_options* options, const cli_report*
         print_pop_line(report);
     else if (report->lpv.isa != NULL)
         print_lpv_line(report);
+    else if (report->dom.isa != NULL)
+        print_dom_line(report);
     else
         print_path_line(report);
-    if (report->fld.isa != NULL || report->pop.isa != NULL) print_surfaces_line(report);
+    if (report->fld.isa != NULL || report->pop.isa != NULL || report->dom.isa != NULL) print_surfaces_line(report);
     printf("wrote %s\n", options->output);
     if (options->png != NULL) printf("wrote %s\n", options->png);
 }
@@ -199,7 +213,7 @@ int cli_render(int count, char** arguments) {
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld, cda, pop or lpv (default: what the scene says)",
+        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld, cda, pop, lpv or dom (default: what the scene says)",
          &options.method, 0, 0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},

@@ -113,6 +113,35 @@ static void lpv_stats(json_writer* json, const ty_lpv_stats* lpv) {
     json_close_object(json);
 }
 
+static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
+    const int32_t *direct = dom->direct_size, *size = dom->size;
+    const struct {
+        const char* name;
+        double seconds;
+    } parts[] = {
+        {"medium_seconds", dom->medium_seconds}, {"direct_seconds", dom->direct_seconds},
+        {"source_seconds", dom->source_seconds}, {"solve_seconds", dom->solve_seconds},
+        {"sweep_seconds", dom->sweep_seconds},   {"march_seconds", dom->march_seconds},
+    };
+    json_open_object(json, "dom");
+    json_numbers(json, "direct_size", (const double[]){direct[0], direct[1], direct[2]}, 3);
+    json_numbers(json, "size", (const double[]){size[0], size[1], size[2]}, 3);
+    json_integer(json, "planes", dom->planes);
+    json_integer(json, "directions", dom->directions);
+    json_integer(json, "bands", dom->bands);
+    json_bool(json, "converged", dom->converged);
+    json_numbers(json, "sweeps", (const double[]){dom->sweeps[0], dom->sweeps[1], dom->sweeps[2]}, 3);
+    json_numbers(json, "cycles", (const double[]){dom->cycles[0], dom->cycles[1], dom->cycles[2]}, 3);
+    json_numbers(json, "change", dom->change, 3);
+    json_numbers(json, "emitted", dom->emitted, 3);
+    json_numbers(json, "absorbed", dom->absorbed, 3);
+    json_numbers(json, "leaving", dom->leaving, 3);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) json_number(json, parts[i].name, parts[i].seconds);
+    json_number(json, "bytes", dom->bytes);
+    json_text(json, "isa", dom->isa);
+    json_close_object(json);
+}
+
 void cli_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
     json_text(json, "method", report->method);
@@ -143,6 +172,7 @@ void cli_report_stats(json_writer* json, const void* user) {
     if (report->fld.isa != NULL) fld_stats(json, &report->fld);
     if (report->pop.isa != NULL) pop_stats(json, &report->pop);
     if (report->lpv.isa != NULL) lpv_stats(json, &report->lpv);
+    if (report->dom.isa != NULL) dom_stats(json, &report->dom);
     json_number(json, "load_seconds", report->load_seconds);
     json_number(json, "render_seconds", report->path.seconds);
     json_number(json, "render_cpu_seconds", report->path.cpu_seconds);

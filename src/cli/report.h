@@ -16,6 +16,7 @@ typedef struct cli_report {
     ty_fld_stats fld;       /* methods fld and cda alone */
     ty_pop_stats pop;       /* method pop alone */
     ty_lpv_stats lpv;       /* method lpv alone */
+    ty_dom_stats dom;       /* method dom alone */
     uint64_t seed;
     int32_t width, height;
     double load_seconds;

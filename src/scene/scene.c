@@ -72,6 +72,13 @@ ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out) 
                                                    .shadow_rays = true,
                                                    .half = true,
                                                    .step = 1,
+                                                   .spp = 1},
+                                           .dom = {.acceleration = "diffusion",
+                                                   .directions = 96,
+                                                   .tolerance = 1e-3,
+                                                   .environment_beams = 64,
+                                                   .surface_points = 16,
+                                                   .step = 1,
                                                    .spp = 1}};
     *out = scene;
     return TY_OK;

@@ -1,8 +1,10 @@
 #include "solve/correction.h"
 
+#include "base/arena.h"
 #include "base/context.h"
 #include "solve/job.h"
 
+#include <math.h>
 #include <string.h>
 
 struct ty_correction {
@@ -12,7 +14,44 @@ struct ty_correction {
     ty_diffusion_stats stats;
     char* memory;
     size_t bytes;
+    float *e, *smooth[2]; /* as the job's arrays lie */
 };
+
+/* ---- the problem ---- */
+
+static void lay_out(ty_correction* correction, ty_arena* arena) {
+    ty_diffusion_job* job = &correction->job;
+    ty_solve_lay_out(job, arena);
+    const ty_box* box = &job->cells.box;
+    for (int axis = 0; axis < 3; ++axis) job->levels[0].g[axis] = ty_solve_take_box(arena, box, sizeof(float));
+    for (int i = 0; i < 2; ++i) correction->smooth[i] = ty_solve_take_box(arena, box, sizeof(float));
+}
+
+/* What a cell has of the value on the face to a neighbour: 0..1. */
+static float share_of(float here, float there) {
+    return here / (here + there);
+}
+
+/* Couplings through faces: the half cells in series, so that where thick cells meet thin ones the thin side's value is
+ * that of the face. (The mean D of the two, which limited diffusion has, would put it in the middle of the thick cell.)
+ */
+static void couple_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    ty_correction* correction = user;
+    const ty_diffusion_job* job = &correction->job;
+    const ty_box* box = &job->cells.box;
+    const ptrdiff_t steps[3] = {1, box->row, box->plane};
+    for (int32_t y = 0; y < box->size[1]; ++y)
+        for (int32_t x = 0; x < box->size[0]; ++x) {
+            const int32_t place[3] = {x, y, (int32_t)z};
+            const ptrdiff_t at = ty_box_at(box, y, (int32_t)z) + x;
+            for (int axis = 0; axis < 3; ++axis) {
+                const float here = job->diffusivity[at], below = job->diffusivity[at - steps[axis]];
+                job->levels[0].g[axis][at] =
+                    place[axis] > 0 ? 4 * job->cells.coupling[axis] * here * share_of(below, here) : 0;
+            }
+        }
+}
 
 static void linearise(ty_correction* correction) {
     ty_diffusion_job* job = &correction->job;
@@ -20,9 +59,8 @@ static void linearise(ty_correction* correction) {
     job->stage_count = 1; /* no coarser ones: the problem is linear */
     ty_stages_fill(job);
     ty_stage_linearise(job, 0);
-    ty_level* level = &job->levels[0];
-    level->diffusivity = job->diffusivity;
-    memcpy(level->coupling, job->cells.coupling, sizeof level->coupling);
+    ty_solve_planes(job, &job->cells.box, couple_plane, correction);
+    job->levels[0].diffusivity = NULL;
     ty_multigrid_coarsen(job, 0);
 }
 
@@ -36,15 +74,17 @@ ty_result ty_correction_create(ty_context* context, const ty_diffusion_def* def,
     correction->def.source = def->absorption; /* read, but what it makes is not used */
     correction->job = (ty_diffusion_job){
         .context = context, .def = &correction->def, .out = &correction->out, .stats = &correction->stats};
-    correction->bytes = ty_diffusion_memory(&correction->def);
+    ty_arena arena = {0};
+    lay_out(correction, &arena);
+    correction->bytes = arena.used;
     correction->memory = ty_alloc_array(context, correction->bytes, 1, true);
     if (correction->memory == NULL) {
         ty_correction_destroy(correction);
         return TY_ERROR_MEMORY;
     }
-    ty_arena arena = {.base = correction->memory};
+    arena = (ty_arena){.base = correction->memory};
     ty_solve_choose_kernels(&correction->job);
-    ty_solve_lay_out(&correction->job, &arena);
+    lay_out(correction, &arena);
     linearise(correction);
     *out = correction;
     return TY_OK;
@@ -73,10 +113,71 @@ float* ty_correction_source(ty_correction* correction) {
     return correction->job.levels[0].f;
 }
 
-const float* ty_correction_solve(ty_correction* correction, double squares, double reduction, int32_t cycles) {
+/* ---- solves ---- */
+
+/* Ghosts at both ends of an axis, of the cells inside. */
+static void close_axis(const ty_correction* correction, int axis, float* e) {
+    const ty_box* box = &correction->job.cells.box;
+    const ptrdiff_t steps[3] = {1, box->row, box->plane}, step = steps[axis];
+    const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+    const float edge = (float)correction->def.cell[axis];
+    for (int32_t j = 0; j < box->size[v]; ++j)
+        for (int32_t i = 0; i < box->size[u]; ++i)
+            for (int end = 0; end < 2; ++end) {
+                const ptrdiff_t at = steps[u] * i + steps[v] * j + (end != 0 ? step * (box->size[axis] - 1) : 0);
+                const float thick = edge / (4 * correction->job.diffusivity[at]);
+                e[end != 0 ? at + step : at - step] = e[at] * (1 - thick) / (1 + thick);
+            }
+}
+
+typedef struct smoothing {
+    const ty_correction* correction;
+    const float* from;
+    float* to;
+    int axis;
+} smoothing;
+
+static void smooth_plane(void* user, int64_t z, int32_t worker) {
+    (void)worker;
+    const smoothing* s = user;
+    const ty_box* box = &s->correction->job.cells.box;
+    const ptrdiff_t steps[3] = {1, box->row, box->plane}, step = steps[s->axis];
+    for (int32_t y = 0; y < box->size[1]; ++y) {
+        const ptrdiff_t at = ty_box_at(box, y, (int32_t)z);
+        const float *d = s->correction->job.diffusivity + at, *e = s->from + at;
+        float* to = s->to + at;
+#pragma omp simd
+        for (ptrdiff_t i = 0; i < box->size[0]; ++i) {
+            const float here = fabsf(d[i]), below = fabsf(d[i - step]), above = fabsf(d[i + step]);
+            to[i] = e[i] + 0.5f * (share_of(below, here) * (e[i - step] - e[i]) +
+                                   share_of(above, here) * (e[i + step] - e[i]));
+        }
+    }
+}
+
+static void smooth(ty_correction* correction) {
+    const float* from = correction->e;
+    for (int axis = 0; axis < 3; ++axis) {
+        smoothing s = {.correction = correction, .from = from, .to = correction->smooth[axis & 1], .axis = axis};
+        ty_solve_planes(&correction->job, &correction->job.cells.box, smooth_plane, &s);
+        if (axis < 2) close_axis(correction, axis + 1, s.to);
+        from = s.to;
+    }
+}
+
+void ty_correction_solve(ty_correction* correction, double squares, double reduction, int32_t cycles) {
     ty_diffusion_job* job = &correction->job;
-    job->levels[0].diffusivity = job->diffusivity; /* a solve ends without it */
-    return ty_multigrid_solve(job, 0, squares, squares * reduction * reduction, cycles);
+    correction->e = (float*)ty_multigrid_solve(job, 0, squares, squares * reduction * reduction, cycles);
+    for (int axis = 0; axis < 3; ++axis) close_axis(correction, axis, correction->e);
+    smooth(correction);
+}
+
+const float* ty_correction_fluence(const ty_correction* correction) {
+    return correction->e;
+}
+
+const float* ty_correction_smooth(const ty_correction* correction) {
+    return correction->smooth[0];
 }
 
 int32_t ty_correction_cycles(const ty_correction* correction) {

@@ -6,20 +6,25 @@
 
 typedef struct ty_correction ty_correction;
 
-/* Of the def, size, cells, extinction, absorption, least_extinction and boundaries count; its planes are not needed any
- * more after this. Errors: TY_ERROR_MEMORY. */
+/* Of the def, size, cells, extinction, absorption and least_extinction count (light leaves through Marshak boundaries);
+ * its planes are not needed any more after this. Errors: TY_ERROR_MEMORY. */
 ty_result ty_correction_create(ty_context* context, const ty_diffusion_def* def, ty_correction** out);
 void ty_correction_destroy(ty_correction* correction);
 size_t ty_correction_bytes(const ty_correction* correction);
 
-/* How the arrays lie; D, its ghosts aside; the source, to be written before each solve, which changes it. */
+/* How the arrays lie; D, whose ghosts are -D of the cell beside them; the source, to be written before each solve,
+ * which changes it. */
 const ty_box* ty_correction_box(const ty_correction* correction);
 const float* ty_correction_diffusivity(const ty_correction* correction);
 float* ty_correction_source(ty_correction* correction);
 
-/* The fluence of the source, whose sum of squares is `squares`, until about the share `reduction` of the residual's rms
- * is left or for so many cycles of multigrid. It holds until the next solve. */
-const float* ty_correction_solve(ty_correction* correction, double squares, double reduction, int32_t cycles);
+/* Solves for the fluence of the source, whose sum of squares is `squares`, until about the share `reduction` of the
+ * residual's rms is left or for so many cycles of multigrid. */
+void ty_correction_solve(ty_correction* correction, double squares, double reduction, int32_t cycles);
+/* What the last solve found, with ghosts such that differences hold at the box's faces; and its means over cells and
+ * their neighbours along each axis, with weights 1/4, 1/2, 1/4: where D changes, of what D's means make of the face. */
+const float* ty_correction_fluence(const ty_correction* correction);
+const float* ty_correction_smooth(const ty_correction* correction);
 /* Cycles so far. */
 int32_t ty_correction_cycles(const ty_correction* correction);
 

@@ -6,7 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIZE_MAX_CELLS = 512, TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+/* Optical thickness of the box of which diffusion takes vacuum to be: light streams there, and with the D of thinner
+ * media, or none, corrections carry too much of it. The fewest sweeps are between 3 and 12, whatever the cells. */
+static const double THINNEST = 6;
 
 ty_ordinates_def ty_default_ordinates_def(void) {
     return (ty_ordinates_def){.bands = 4, .kept = 4, .source_terms = 1, .accelerated = true, .tolerance = 1e-3};
@@ -16,9 +18,9 @@ ty_ordinates_def ty_default_ordinates_def(void) {
 
 static ty_result check_size(ty_context* context, const ty_ordinates_def* def) {
     for (int axis = 0; axis < 3; ++axis) {
-        if (def->size[axis] < 1 || def->size[axis] > SIZE_MAX_CELLS)
+        if (def->size[axis] < 1 || def->size[axis] > TY_ORDINATES_SIDE_MAX)
             return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: size[%d]: %d cells are outside 1..%d", axis,
-                           (int)def->size[axis], SIZE_MAX_CELLS);
+                           (int)def->size[axis], TY_ORDINATES_SIDE_MAX);
         if (!(def->cell[axis] > 0 && def->cell[axis] < 1e12))
             return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: cell[%d]: %g m is no edge of a cell", axis,
                            def->cell[axis]);
@@ -74,16 +76,17 @@ static void give_back(ty_ordinates_job* job, float** array, int32_t items) {
 
 static ty_result allocate(ty_ordinates_job* job) {
     job->depth = job->def->accelerated ? TY_ORDINATES_DEPTH : 1;
-    const double floats = (double)job->terms * (job->depth + 2) + job->depth + 2;
+    const double floats = ((double)job->terms + 2.0 * job->lows) * (job->depth + 2);
     const ty_result result =
         ty_check_memory(job->context, floats * sizeof(float) * (double)job->cells, "discrete ordinates");
     if (result != TY_OK) return result;
     bool there = (job->extinction = take(job, 1)) != NULL;
     there = there && (job->emission = take(job, job->terms)) != NULL;
-    there = there && (job->before = take(job, 1)) != NULL;
+    there = there && (job->before = take(job, job->lows)) != NULL;
     for (int32_t i = 0; i < job->depth; ++i) {
-        there = there && (job->iterates[i] = take(job, job->terms)) != NULL;
-        there = there && (job->changes[i] = take(job, 1)) != NULL;
+        there = there && (job->moments[i] = take(job, job->terms)) != NULL;
+        there = there && (job->low[i] = take(job, job->lows)) != NULL;
+        there = there && (job->changes[i] = take(job, job->lows)) != NULL;
     }
     if (job->def->source_terms > 1) there = there && (job->fixed = take(job, job->terms)) != NULL;
     job->sums = ty_alloc_array(job->context, (size_t)job->def->size[2], sizeof *job->sums, true);
@@ -93,10 +96,11 @@ static ty_result allocate(ty_ordinates_job* job) {
 /* All but one of the iterates. */
 static void free_but(ty_ordinates_job* job, int32_t kept) {
     for (int32_t i = 0; i < TY_ORDINATES_DEPTH; ++i) {
-        if (i != kept) give_back(job, &job->iterates[i], job->terms);
-        give_back(job, &job->changes[i], 1);
+        if (i != kept) give_back(job, &job->moments[i], job->terms);
+        give_back(job, &job->low[i], job->lows);
+        give_back(job, &job->changes[i], job->lows);
     }
-    give_back(job, &job->before, 1);
+    give_back(job, &job->before, job->lows);
     give_back(job, &job->fixed, job->terms);
 }
 
@@ -115,8 +119,8 @@ static void free_all(ty_ordinates_job* job) {
  * box of about its own mean free path. */
 static ty_result scale(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
-    float* reduced = job->depth > 1 ? job->changes[0] : NULL;
-    float* absorption = job->depth > 1 ? job->changes[1] : NULL;
+    float* reduced = def->accelerated ? job->changes[0] : NULL;
+    float* absorption = def->accelerated ? job->before : NULL;
     if (!ty_ordinates_scale(job, reduced, absorption))
         return ty_fail(job->context, TY_ERROR_ARGUMENT,
                        "ordinates: extinction, scattering, g or source of a cell is outside its range or not finite");
@@ -130,7 +134,7 @@ static ty_result scale(ty_ordinates_job* job) {
     }
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
-    diffusion.least_extinction = 1 / longest;
+    diffusion.least_extinction = THINNEST / longest;
     const ty_result result = ty_correction_create(job->context, &diffusion, &job->correction);
     if (result == TY_OK) job->stats->bytes += (double)ty_correction_bytes(job->correction);
     return result;
@@ -147,7 +151,8 @@ static ty_result prepare(ty_ordinates_job* job) {
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
     if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->terms, job->fixed);
     if (def->start == NULL) return TY_OK;
-    ty_ordinates_gather(job, def->start, job->terms, job->terms, job->iterates[0]);
+    ty_ordinates_gather(job, def->start, job->terms, job->terms, job->moments[0]);
+    ty_ordinates_take_low(job);
     job->count = 1;
     job->given = true;
     job->shares[0] = 1;
@@ -193,8 +198,10 @@ static void set_dark(const ty_ordinates_job* job, float* const* moments, int32_t
 static void store(ty_ordinates_job* job, float* const* moments) {
     set_dark(job, moments, job->count > 0 ? job->terms : 0);
     if (job->count == 0) return;
-    const float* latest = job->iterates[job->latest];
+    const float* latest = job->moments[job->latest];
+    ty_ordinates_give_low(job);
     ty_ordinates_scatter(job, latest, job->terms, moments);
+    job->stats->leaving = job->leaving[job->latest];
     const ty_ordinates_sums sums = ty_ordinates_balance(job, latest, job->terms);
     job->stats->emitted = sums.emitted;
     job->stats->absorbed = sums.absorbed;
@@ -221,7 +228,8 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
                             .history = history,
                             .history_capacity = history != NULL ? history_capacity : 0,
                             .cells = (int64_t)def->size[0] * def->size[1] * def->size[2],
-                            .terms = def->bands * def->bands};
+                            .terms = def->bands * def->bands,
+                            .lows = def->bands > 1 ? 4 : 1};
     *job.stats = (ty_ordinates_stats){0};
     job.start = job.reported = ty_wall_seconds();
     result = solve(&job, moments);

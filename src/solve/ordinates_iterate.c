@@ -1,7 +1,7 @@
 /* Iterations. Each mixes what there was so far, sweeps, and corrects what came out by diffusion of what it scatters
- * more than what went in (diffusion synthetic acceleration). The mixture is that whose change would be the least if
- * changes were linear (Anderson acceleration): the correction, on cells, is not quite that of diamond differences, and
- * where cells are thick, or light is scattered forward, iterations that just repeat it take long or grow. */
+ * more than what went in (ordinates_correct.c). The mixture is that whose change would be the least if changes were
+ * linear (Anderson acceleration): diffusion knows nothing of what light scattered forward does, and little of vacuum.
+ */
 #include "base/context.h"
 #include "solve/ordinates_job.h"
 
@@ -9,25 +9,30 @@
 
 /* Between two reports, s. */
 static const double REPORT_SECONDS = 0.1;
-/* What a correction's solve leaves of its residual, and its cycles at most. */
-static const double REDUCTION = 0.1;
-enum { CYCLES = 4 };
-/* What iterations are expected to leave of a change, at most. */
-static const double SLOWEST = 0.999;
+/* Cycles of multigrid in a correction, whose solve sweeps and mixtures go on with; and to start from. */
+enum { CYCLES = 1, FIRST_CYCLES = 3 };
+/* What iterations are expected to leave of a change. With corrections changes do not fall evenly: of those, bounds. */
+static const double SLOWEST = 0.999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
 /* Changes whose part across others is less than this share of them tell nothing. */
 static const double LEAST_PART = 1e-10;
+/* Sweeps in a row that find no smaller change before it is clear that there will be none: where cells are very thick,
+ * what rounding does, and keeping radiance from falling below 0, are corrected as if they were changes. */
+enum { PATIENCE = 25 };
+
+typedef double matrix[TY_ORDINATES_DEPTH][TY_ORDINATES_DEPTH];
 
 typedef struct iteration {
     ty_ordinates_job* job;
-    double products[TY_ORDINATES_DEPTH][TY_ORDINATES_DEPTH]; /* of changes */
-    double change;                                           /* rms, relative; of the sweep before */
+    matrix products; /* of changes */
+    double change;   /* rms, relative; of the sweep before */
+    double least;    /* so far */
+    int32_t futile;  /* sweeps since then */
 } iteration;
 
 /* ---- mixing ---- */
 
-/* Solves the symmetric n x n system a x = b by elimination from the last unknown on; unknowns that others make up for
- * are 0. */
-static void solve_symmetric(double a[TY_ORDINATES_DEPTH][TY_ORDINATES_DEPTH], double* b, int32_t n, double* x) {
+/* Solves a symmetric system; unknowns that others make up for are 0. */
+static void solve_symmetric(matrix a, double* b, int32_t n, double* x) {
     bool known[TY_ORDINATES_DEPTH] = {false};
     double first[TY_ORDINATES_DEPTH];
     for (int32_t i = 0; i < n; ++i) first[i] = a[i][i];
@@ -49,19 +54,19 @@ static void solve_symmetric(double a[TY_ORDINATES_DEPTH][TY_ORDINATES_DEPTH], do
 }
 
 /* Shares that make the least of the mixed change: the latest's, less x times its difference from each other's. */
-static void mix(iteration* it) {
+static void mix(const iteration* it) {
     ty_ordinates_job* job = it->job;
     const int32_t last = job->latest;
-    double a[TY_ORDINATES_DEPTH][TY_ORDINATES_DEPTH], b[TY_ORDINATES_DEPTH], x[TY_ORDINATES_DEPTH];
+    const double* own = it->products[last];
+    matrix a;
+    double b[TY_ORDINATES_DEPTH], x[TY_ORDINATES_DEPTH];
     int32_t others[TY_ORDINATES_DEPTH] = {0}, n = 0;
-    for (int32_t age = 1; age < job->count; ++age) others[n++] = (last + job->depth - age) % job->depth;
+    for (int32_t i = 0; i < job->count; ++i)
+        if (i != last) others[n++] = i;
     for (int32_t i = 0; i < n; ++i) {
-        const int32_t p = others[i];
-        b[i] = it->products[last][last] - it->products[last][p];
-        for (int32_t j = 0; j < n; ++j) {
-            const int32_t q = others[j];
-            a[i][j] = it->products[last][last] - it->products[last][p] - it->products[last][q] + it->products[p][q];
-        }
+        b[i] = own[last] - own[others[i]];
+        for (int32_t j = 0; j < n; ++j)
+            a[i][j] = own[last] - own[others[i]] - own[others[j]] + it->products[others[i]][others[j]];
     }
     solve_symmetric(a, b, n, x);
     job->shares[last] = 1;
@@ -73,33 +78,48 @@ static void mix(iteration* it) {
 
 /* ---- sweeps ---- */
 
-/* Where the next iterate goes: over the oldest, or over a start. */
-static void make_room(ty_ordinates_job* job) {
-    if (job->count == 0 || job->given) {
-        job->given = false;
-        job->count = 1;
-        job->latest = 0;
+/* NULL: there is none. */
+static const float* correction(ty_ordinates_job* job, bool first) {
+    if (job->correction == NULL) return NULL;
+    const double squares = ty_ordinates_excess(job, first);
+    ty_correction_solve(job->correction, squares, 0, first ? FIRST_CYCLES : CYCLES);
+    return ty_correction_fluence(job->correction);
+}
+
+/* What diffusion alone makes of the source, to start from. */
+static void guess(ty_ordinates_job* job) {
+    if (job->correction == NULL || job->given) return;
+    job->latest = 0;
+    ty_ordinates_correct(job, correction(job, true));
+    job->shares[0] = 1;
+    job->count = 1;
+    job->given = true;
+}
+
+/* Where the next iterate goes: over a start, or over the one that changed the most. */
+static void make_room(const iteration* it) {
+    ty_ordinates_job* job = it->job;
+    if (job->given) job->count = 0;
+    job->given = false;
+    if (job->count < job->depth) {
+        job->latest = job->count++;
         return;
     }
-    if (job->count < job->depth) ++job->count;
-    job->latest = (job->latest + 1) % job->depth;
+    job->latest = 0;
+    for (int32_t i = 1; i < job->count; ++i)
+        if (it->products[i][i] > it->products[job->latest][job->latest]) job->latest = i;
 }
 
-static const float* correction(ty_ordinates_job* job) {
-    if (job->correction == NULL) return NULL;
-    const double squares = ty_ordinates_excess(job);
-    return ty_correction_solve(job->correction, squares, REDUCTION, CYCLES);
-}
-
-static ty_result sweep(iteration* it) {
+static ty_result sweep(const iteration* it) {
     ty_ordinates_job* job = it->job;
     ty_ordinates_emit(job);
-    make_room(job);
+    make_room(it);
     const double begun = ty_wall_seconds();
     const ty_result result =
-        ty_sweep_run(job->sweep, job->emission, job->iterates[job->latest], &job->stats->leaving, NULL);
+        ty_sweep_run(job->sweep, job->emission, job->moments[job->latest], &job->leaving[job->latest], NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
+    ty_ordinates_take_low(job);
     return result;
 }
 
@@ -120,27 +140,46 @@ static ty_result report(ty_ordinates_job* job) {
 static void judge(iteration* it, const ty_ordinates_sums* sums) {
     ty_ordinates_job* job = it->job;
     ty_ordinates_stats* stats = job->stats;
-    const double change = sums->fluence > 0 ? sqrt(sums->change / sums->fluence) : 0;
-    const double rate = it->change > 0 ? fmin(change / it->change, SLOWEST) : SLOWEST;
+    const double change = sums->change > 0 ? sqrt(sums->change / sums->fluence) : 0;
+    double rate = it->change > 0 ? fmin(change / it->change, SLOWEST) : SLOWEST;
+    if (job->correction != NULL && stats->sweeps > 1) rate = fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST);
     stats->change = change * rate / (1 - rate);
     stats->converged = stats->change <= job->def->tolerance;
+    it->futile = change < it->least ? 0 : it->futile + 1;
+    it->least = fmin(it->least, change);
     it->change = change;
     if (stats->sweeps <= job->history_capacity) job->history[stats->sweeps - 1] = stats->change;
 }
 
+/* Of iterations that found no end: what changed the least. */
+static void take_best(const iteration* it) {
+    ty_ordinates_job* job = it->job;
+    for (int32_t i = 0; i < job->count; ++i)
+        if (it->products[i][i] < it->products[job->latest][job->latest]) job->latest = i;
+    for (int32_t i = 0; i < job->count; ++i) job->shares[i] = i == job->latest ? 1 : 0;
+}
+
+static bool goes_on(const iteration* it) {
+    const ty_ordinates_def* def = it->job->def;
+    const int32_t limit = def->sweeps > 0 ? def->sweeps : it->job->correction != NULL ? 100 : 10000;
+    const bool hopeless = it->job->correction != NULL && it->futile >= PATIENCE;
+    return !it->job->stats->converged && it->job->stats->sweeps < limit && !hopeless;
+}
+
 ty_result ty_ordinates_iterate(ty_ordinates_job* job) {
-    iteration it = {.job = job};
-    const int32_t limit = job->def->sweeps > 0 ? job->def->sweeps : job->correction != NULL ? 100 : 10000;
+    iteration it = {.job = job, .least = INFINITY};
     ty_result result = TY_OK;
-    while (result == TY_OK && !job->stats->converged && job->stats->sweeps < limit) {
+    guess(job);
+    while (result == TY_OK && goes_on(&it)) {
         result = sweep(&it);
         if (result != TY_OK) return result;
-        const ty_ordinates_sums sums = ty_ordinates_correct(job, correction(job));
+        const ty_ordinates_sums sums = ty_ordinates_correct(job, correction(job, false));
         for (int32_t i = 0; i < job->count; ++i)
             it.products[job->latest][i] = it.products[i][job->latest] = sums.products[i];
         judge(&it, &sums);
         mix(&it);
         result = report(job);
     }
+    if (!job->stats->converged && !job->given) take_best(&it);
     return result;
 }

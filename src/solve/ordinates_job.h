@@ -5,8 +5,8 @@
 #include "solve/correction.h"
 #include "solve/sweep.h"
 
-/* Iterates that the next one is mixed from. */
-enum { TY_ORDINATES_DEPTH = 5 };
+/* Iterates that the next one is mixed from; cells along an axis. */
+enum { TY_ORDINATES_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 512 };
 
 /* Sums over a plane of cells: of a change and of what changed, squared; of the change times that of each iterate; W/m
  * of light absorbed. */
@@ -24,6 +24,7 @@ typedef struct ty_ordinates_job {
 
     int64_t cells;
     int32_t terms; /* bands^2 */
+    int32_t lows;  /* of them, those that corrections change: band 0, and 1 if there is one */
     ty_sweep* sweep;
     ty_correction* correction; /* NULL: source iteration */
 
@@ -31,9 +32,11 @@ typedef struct ty_ordinates_job {
     float* extinction; /* sigma* */
     float* fixed;      /* q, where it has more than one term; NULL: the def's plane */
     float* emission;
-    float* iterates[TY_ORDINATES_DEPTH]; /* moments: what sweeps, with their corrections, made of mixtures of others */
-    float* changes[TY_ORDINATES_DEPTH];  /* of phi_00, from the mixture to the iterate */
-    float* before;                       /* phi_00 of the mixture */
+    float* moments[TY_ORDINATES_DEPTH];  /* of the iterates, as sweeps of mixtures left them */
+    float* low[TY_ORDINATES_DEPTH];      /* the low terms alone, corrected: those of `moments` are not */
+    float* changes[TY_ORDINATES_DEPTH];  /* of low terms, from the mixture to the iterate */
+    double leaving[TY_ORDINATES_DEPTH];  /* W, in the sweep that made it */
+    float* before;                       /* low terms of the mixture */
     ty_ordinates_sums* sums;             /* one for each plane */
 
     double shares[TY_ORDINATES_DEPTH]; /* of the iterates in the next mixture; they add up to 1, or all are 0: dark */
@@ -43,7 +46,9 @@ typedef struct ty_ordinates_job {
     bool given;                        /* the only iterate is a start: it is not known what a sweep changes it by */
 } ty_ordinates_job;
 
-/* Loops over all cells, in parallel. */
+/* A loop over planes of cells, in parallel if they are many, and the sum of their sums, in order. */
+void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user);
+ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job);
 
 /* sigma*; and for diffusion, sigma* - s_1 and sigma_a. Returns whether coefficients and sources are what they must be.
  */
@@ -53,11 +58,15 @@ void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int3
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes);
 /* The job's terms of cells, with zeros behind them. */
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
-/* Mixes iterates by their shares: phi_00 to `before`, and to emission what the mixture emits. */
+/* Mixes iterates by their shares: low terms to `before`, and to emission what the mixture emits. */
 void ty_ordinates_emit(ty_ordinates_job* job);
-/* The source of the correction: what the latest iterate scatters more than the mixture. Returns its sum of squares. */
-double ty_ordinates_excess(ty_ordinates_job* job);
-/* Adds the correction e to the latest iterate (NULL: none), and notes what it changed. */
+/* The low terms of the latest iterate, from its moments; and back, when there are no more corrections. */
+void ty_ordinates_take_low(ty_ordinates_job* job);
+void ty_ordinates_give_low(ty_ordinates_job* job);
+/* The source of the correction: what the latest iterate scatters more than the mixture; first: all that the def emits,
+ * from a dark iterate. Returns its sum of squares. */
+double ty_ordinates_excess(ty_ordinates_job* job, bool first);
+/* Adds the correction e to the latest iterate (NULL: none), and notes what the iterate changes. */
 ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e);
 /* Emitted and absorbed, W. */
 ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms);

@@ -22,12 +22,11 @@ typedef struct loop {
     int32_t count, terms;
 } loop;
 
-static void run(loop* l, ty_parallel_fn body) {
-    const ty_ordinates_job* job = l->job;
-    ty_parallel_flushed(job->cells >= CELLS_FOR_THREADS ? job->context : NULL, job->def->size[2], body, l);
+void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user) {
+    ty_parallel_flushed(job->cells >= CELLS_FOR_THREADS ? job->context : NULL, job->def->size[2], body, user);
 }
 
-static ty_ordinates_sums add_up(const ty_ordinates_job* job) {
+ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job) {
     ty_ordinates_sums total = {0};
     for (int32_t z = 0; z < job->def->size[2]; ++z) {
         const ty_ordinates_sums* s = &job->sums[z];
@@ -81,8 +80,8 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
 
 bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption) {
     loop l = {.job = job, .reduced = reduced, .absorption = absorption};
-    run(&l, scale_plane);
-    return add_up(job).change <= 0;
+    ty_ordinates_planes(job, scale_plane, &l);
+    return ty_ordinates_total(job).change <= 0;
 }
 
 /* ---- planes and cells ---- */
@@ -98,7 +97,7 @@ static void gather_plane(void* user, int64_t z, int32_t worker) {
 void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t count, int32_t terms,
                          float* cells) {
     loop l = {.job = job, .planes = planes, .count = count, .terms = terms, .to = cells};
-    run(&l, gather_plane);
+    ty_ordinates_planes(job, gather_plane, &l);
 }
 
 static void scatter_plane(void* user, int64_t z, int32_t worker) {
@@ -111,7 +110,7 @@ static void scatter_plane(void* user, int64_t z, int32_t worker) {
 
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes) {
     loop l = {.job = job, .places = planes, .terms = terms, .from = cells};
-    run(&l, scatter_plane);
+    ty_ordinates_planes(job, scatter_plane, &l);
 }
 
 static void widen_plane(void* user, int64_t z, int32_t worker) {
@@ -126,14 +125,14 @@ static void widen_plane(void* user, int64_t z, int32_t worker) {
 
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to) {
     loop l = {.job = job, .from = from, .to = to, .count = job->terms, .terms = terms};
-    run(&l, widen_plane);
+    ty_ordinates_planes(job, widen_plane, &l);
 }
 
 /* ---- emission ---- */
 
 /* Iterates that the mixture has a share of. */
 typedef struct mixture {
-    const float* iterates[TY_ORDINATES_DEPTH];
+    const float *moments[TY_ORDINATES_DEPTH], *low[TY_ORDINATES_DEPTH];
     float shares[TY_ORDINATES_DEPTH];
     int32_t count;
 } mixture;
@@ -142,37 +141,42 @@ static mixture mixture_of(const ty_ordinates_job* job) {
     mixture m = {0};
     for (int32_t i = 0; i < job->count; ++i) {
         if (job->shares[i] == 0) continue;
-        m.iterates[m.count] = job->iterates[i];
+        m.moments[m.count] = job->moments[i];
+        m.low[m.count] = job->low[i];
         m.shares[m.count++] = (float)job->shares[i];
     }
     return m;
 }
 
+INLINE void mix_cell(const mixture* m, size_t i, size_t low, size_t terms, float* mixed) {
+    for (size_t t = 0; t < terms; ++t) mixed[t] = 0;
+    for (int32_t k = 0; k < m->count; ++k) {
+        const float share = m->shares[k], *moments = m->moments[k] + i * terms, *corrected = m->low[k] + i * low;
+        for (size_t t = 0; t < low; ++t) mixed[t] += share * corrected[t];
+        for (size_t t = low; t < terms; ++t) mixed[t] += share * moments[t];
+    }
+}
+
 INLINE void emit_cells(const ty_ordinates_job* job, const mixture* m, size_t begin, size_t end, const int32_t bands) {
     const ty_ordinates_def* def = job->def;
-    const size_t terms = (size_t)(bands * bands);
-    const float* source = def->source[0];
+    const size_t terms = (size_t)(bands * bands), low = bands > 1 ? 4 : 1;
     for (size_t i = begin; i < end; ++i) {
-        float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX];
-        for (size_t t = 0; t < terms; ++t) mixed[t] = 0;
-        for (int32_t k = 0; k < m->count; ++k) {
-            const float *iterate = m->iterates[k] + i * terms, share = m->shares[k];
-            for (size_t t = 0; t < terms; ++t) mixed[t] += share * iterate[t];
-        }
-        job->before[i] = mixed[0];
+        float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX], *emission = job->emission + i * terms;
+        mix_cell(m, i, low, terms, mixed);
+        memcpy(job->before + i * low, mixed, sizeof(float) * low);
         const float scattering = def->scattering[i], g = def->g[i];
         float forward = 1, power_of_g = 1;
         for (int32_t l = 0; l < bands; ++l) forward *= g;
-        float* emission = job->emission + i * terms;
         for (int32_t l = 0; l < bands; ++l) {
             const float s = scattering * (power_of_g - forward);
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) emission[t] = s * mixed[t];
             power_of_g *= g;
         }
-        if (job->fixed == NULL)
-            emission[0] += source[i];
-        else
-            for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
+        if (job->fixed == NULL) {
+            emission[0] += def->source[0][i];
+            continue;
+        }
+        for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
     }
 }
 
@@ -195,84 +199,10 @@ static void emit_plane(void* user, int64_t z, int32_t worker) {
 
 void ty_ordinates_emit(ty_ordinates_job* job) {
     loop l = {.job = job};
-    run(&l, emit_plane);
+    ty_ordinates_planes(job, emit_plane, &l);
 }
 
-/* ---- corrections ---- */
-
-static double scattering_of(const ty_ordinates_def* def, size_t i) {
-    return (double)def->scattering[i] * (1 - power((double)def->g[i], def->bands));
-}
-
-static void excess_plane(void* user, int64_t z, int32_t worker) {
-    (void)worker;
-    const loop* l = user;
-    const ty_ordinates_job* job = l->job;
-    const ty_box* box = ty_correction_box(job->correction);
-    const float* latest = job->iterates[job->latest];
-    double sum = 0;
-    for (int32_t y = 0; y < box->size[1]; ++y) {
-        float* f = ty_correction_source(job->correction) + ty_box_at(box, y, (int32_t)z);
-        const size_t begin = (size_t)ty_box_dense(box, y, (int32_t)z);
-        for (size_t x = 0; x < (size_t)box->size[0]; ++x) {
-            const size_t i = begin + x;
-            const double excess = (double)latest[i * (size_t)job->terms] - (double)job->before[i];
-            f[x] = (float)(scattering_of(job->def, i) * excess);
-            sum += (double)f[x] * (double)f[x];
-        }
-    }
-    job->sums[z] = (ty_ordinates_sums){.change = sum};
-}
-
-double ty_ordinates_excess(ty_ordinates_job* job) {
-    loop l = {.job = job};
-    run(&l, excess_plane);
-    return add_up(job).change;
-}
-
-/* Of a row: adds e, and notes the change. */
-static void correct_row(const ty_ordinates_job* job, const float* e, size_t begin, ty_ordinates_sums* sums) {
-    const size_t terms = (size_t)job->terms;
-    float* latest = job->iterates[job->latest];
-    float* change = job->changes[job->latest];
-    double squares = 0, fluence = 0;
-    for (size_t x = 0; x < (size_t)job->def->size[0]; ++x) {
-        const size_t i = begin + x;
-        if (e != NULL) latest[i * terms] += e[x];
-        const float now = latest[i * terms];
-        change[i] = now - job->before[i];
-        squares += (double)change[i] * (double)change[i];
-        fluence += (double)now * (double)now;
-    }
-    sums->change += squares;
-    sums->fluence += fluence;
-    for (int32_t k = 0; k < job->count; ++k) {
-        const float* other = job->changes[k];
-        double product = 0;
-#pragma omp simd reduction(+ : product)
-        for (size_t i = begin; i < begin + (size_t)job->def->size[0]; ++i)
-            product += (double)change[i] * (double)other[i];
-        sums->products[k] += product;
-    }
-}
-
-static void correct_plane(void* user, int64_t z, int32_t worker) {
-    (void)worker;
-    const loop* l = user;
-    const ty_ordinates_job* job = l->job;
-    const ty_box box = ty_box_make(job->def->size[0], job->def->size[1], job->def->size[2]);
-    ty_ordinates_sums sums = {0};
-    for (int32_t y = 0; y < box.size[1]; ++y)
-        correct_row(job, l->from != NULL ? l->from + ty_box_at(&box, y, (int32_t)z) : NULL,
-                    (size_t)ty_box_dense(&box, y, (int32_t)z), &sums);
-    job->sums[z] = sums;
-}
-
-ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e) {
-    loop l = {.job = job, .from = e};
-    run(&l, correct_plane);
-    return add_up(job);
-}
+/* ---- energy ---- */
 
 static void balance_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
@@ -290,8 +220,8 @@ static void balance_plane(void* user, int64_t z, int32_t worker) {
 
 ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms) {
     loop l = {.job = job, .from = moments, .terms = terms};
-    run(&l, balance_plane);
-    ty_ordinates_sums sums = add_up(job);
+    ty_ordinates_planes(job, balance_plane, &l);
+    ty_ordinates_sums sums = ty_ordinates_total(job);
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
     sums.emitted *= volume;
     sums.absorbed *= volume;

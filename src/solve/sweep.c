@@ -17,6 +17,7 @@ struct ty_sweep {
     ty_context* context;
     const ty_sweep_kernels* kernels;
     ty_sweep_box box;
+    float* inflow[8];        /* as the box has it */
     const float* through[3]; /* W that leaves a face for each unit of radiance */
     int32_t blocks[2];       /* along y, z */
     size_t scratch_floats;   /* of a thread */
@@ -54,6 +55,7 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
         box->harmonics[i] = t.harmonics[i] = ty_arena_take(arena, sizeof(float) * (size_t)box->terms * lanes);
     for (int o = 0; o < 8; ++o) {
         box->weighted[o] = t.weighted[o] = ty_arena_take(arena, sizeof(float) * padded * lanes);
+        box->inflow[o] = sweep->inflow[o] = ty_arena_take(arena, sizeof(float) * lanes);
         box->faces_y[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[2] * lanes);
         box->faces_z[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[1] * lanes);
     }
@@ -155,6 +157,13 @@ ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const doub
     return ty_sweep_create_with(context, best_kernels(), size, cell, set, bands, extinction, out);
 }
 
+void ty_sweep_let_in(ty_sweep* sweep, const float* radiance) {
+    const int32_t directions = sweep->box.directions;
+    for (int32_t o = 0; o < 8; ++o)
+        for (int32_t i = 0; i < directions; ++i)
+            sweep->inflow[o][i] = radiance != NULL ? radiance[o * directions + i] : 0;
+}
+
 void ty_sweep_destroy(ty_sweep* sweep) {
     if (sweep == NULL) return;
     if (sweep->memory != NULL) ty_free_array(sweep->context, sweep->memory, sweep->bytes, 1);
@@ -174,17 +183,22 @@ typedef struct sweep_job {
     int32_t stage;
 } sweep_job;
 
-/* Nothing comes in where a block is the first along an axis. */
-static void darken(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
+/* A row of faces that light comes in through. */
+static void open_row(const ty_sweep_box* box, const float* inflow, float* faces) {
+    for (ptrdiff_t x = 0; x < box->size[0]; ++x)
+        memcpy(faces + x * box->lanes, inflow, sizeof(float) * (size_t)box->lanes);
+}
+
+/* What comes in where a block is the first along an axis. */
+static void open_faces(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
     const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
     for (int32_t o = 2 * block->pair; o < 2 * block->pair + 2; ++o)
         for (ptrdiff_t g = 0; g < box->groups; ++g) {
-            if (first[0])
-                memset(box->faces_y[o] + (g * box->size[2] + block->begin[1]) * row, 0,
-                       sizeof(float) * (size_t)(row * (block->end[1] - block->begin[1])));
-            if (first[1])
-                memset(box->faces_z[o] + (g * box->size[1] + block->begin[0]) * row, 0,
-                       sizeof(float) * (size_t)(row * (block->end[0] - block->begin[0])));
+            const float* inflow = box->inflow[o] + g * box->lanes;
+            for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
+                open_row(box, inflow, box->faces_y[o] + (g * box->size[2] + z) * row);
+            for (int32_t y = block->begin[0]; y < block->end[0] && first[1]; ++y)
+                open_row(box, inflow, box->faces_z[o] + (g * box->size[1] + y) * row);
         }
 }
 
@@ -205,7 +219,7 @@ static void cross_block(void* user, int64_t index, int32_t worker) {
         int32_t way[2];
         for (int a = 0; a < 2; ++a) way[a] = (block.pair >> a & 1) != 0 ? blocks[a] - 1 - at[a] : at[a];
         if (way[0] + way[1] != job->stage) continue;
-        darken(&sweep->box, &block, (const bool[2]){way[0] == 0, way[1] == 0});
+        open_faces(&sweep->box, &block, (const bool[2]){way[0] == 0, way[1] == 0});
         sweep->kernels->cross(&sweep->box, &block, job->emission, job->moments,
                               sweep->scratch + sweep->scratch_floats * (size_t)worker, &sweep->sums[index]);
     }

@@ -11,6 +11,9 @@ typedef struct ty_sweep ty_sweep;
  * TY_ERROR_MEMORY. */
 ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3], const ty_ordinate_set* set,
                           int32_t bands, const float* extinction, ty_sweep** out);
+/* Lets light in through the box's faces: radiance of each direction of the set, the same all over them. NULL (as
+ * created): none comes in. */
+void ty_sweep_let_in(ty_sweep* sweep, const float* radiance);
 void ty_sweep_destroy(ty_sweep* sweep);
 /* Bytes it holds. */
 size_t ty_sweep_bytes(const ty_sweep* sweep);

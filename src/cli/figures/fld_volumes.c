@@ -1,15 +1,17 @@
 /* Figs. 8 and 9 of the paper, with volumes that are free: a CT scan seen through a transfer function, and a plume of
  * smoke that glows where it is hot. */
+#include "cli/figures/fld_volumes.h"
 #include "cli/figures/fld_view.h"
 
 #include <string.h>
 
 enum { CT_WIDTH = 256, FIRE_WIDTH = 216, FIRE_HEIGHT = 288 };
 
-static const char ct_file[] = "volumes/headsq_ct_64x64x93_i16.nrrd", fire_file[] = "volumes/plume/plume_0042.vdb";
+const char fld_ct_file[] = "volumes/headsq_ct_64x64x93_i16.nrrd";
+static const char fire_file[] = "volumes/plume/plume_0042.vdb";
 
 /* Tissue and bone have albedos of their own, and one light, as in the paper. */
-static const char ct_scene[] =
+const char fld_ct_scene[] =
     "{\"tyndall\": 1, \"meters_per_unit\": 0.001, \"up_axis\": \"z\","
     " \"camera\": {\"position\": [-250, -360, 120], \"target\": [101, 108, 66], \"fov_y\": 23,"
     "  \"resolution\": [256, 256], \"exposure\": 3},"
@@ -49,7 +51,7 @@ static ty_result show(figure_run* run, const char* file, const char* text, const
 }
 
 ty_result figure_fld_ct(figure_run* run) {
-    const ty_result result = show(run, ct_file, ct_scene, "CT head", CT_WIDTH, CT_WIDTH);
+    const ty_result result = show(run, fld_ct_file, fld_ct_scene, "CT head", CT_WIDTH, CT_WIDTH);
     snprintf(
         run->caption, sizeof run->caption,
         "A head of 64 × 64 × 93 voxels (the paper's is not free), extinction and albedo by transfer functions, lit "

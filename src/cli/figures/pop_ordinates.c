@@ -110,8 +110,9 @@ ty_result figure_pop_importance(figure_run* run) {
         settings[0] = settings[1] = ty_scene_render_settings(scene).pop;
         settings[0].ordinates = settings[1].ordinates = FEW;
         settings[0].importance = false;
-        const pop_variant variants[2] = {{choices[0], &settings[0], false}, {choices[1], &settings[1], false}};
-        result = pop_show_variants(run, "g 0.98, 27 ordinates", scene, variants, 2, size, FEW_PICTURE_WIDTH, errors);
+        const figure_variant variants[2] = {{choices[0], pop_render_variant, &settings[0]},
+                                            {choices[1], pop_render_variant, &settings[1]}};
+        result = figure_show_variants(run, "g 0.98, 27 ordinates", scene, variants, 2, size, FEW_PICTURE_WIDTH, errors);
     }
     if (result == TY_OK)
         result = figure_expect(run, "importance over none", "relative RMSE", "1",

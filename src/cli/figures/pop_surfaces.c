@@ -31,8 +31,9 @@ ty_result figure_pop_surfaces(figure_run* run) {
         ty_pop_settings settings[VARIANTS];
         settings[0] = settings[1] = ty_scene_render_settings(scene).pop;
         settings[0].vpls = 0;
-        const pop_variant variants[VARIANTS] = {{titles[0], &settings[0], false}, {titles[1], &settings[1], false}};
-        result = pop_show_variants(run, "mist", scene, variants, VARIANTS, size, PICTURE_WIDTH, errors);
+        const figure_variant variants[VARIANTS] = {{titles[0], pop_render_variant, &settings[0]},
+                                                   {titles[1], pop_render_variant, &settings[1]}};
+        result = figure_show_variants(run, "mist", scene, variants, VARIANTS, size, PICTURE_WIDTH, errors);
     }
     if (result == TY_OK)
         result = figure_expect(run, "VPLs over none", "relative RMSE", "1",

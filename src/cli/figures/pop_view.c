@@ -23,43 +23,9 @@ ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const t
     return result;
 }
 
-/* One column: variant -1 is the truth. */
-static ty_result show_variant(figure_run* run, const char* item, ty_scene* scene, const pop_variant* variant,
-                              int column, const int32_t size[2], const figure_picture* truth, plot_sheet* sheet,
-                              figure_picture* picture, figure_errors* errors) {
-    char own[FIGURE_NAME_SIZE];
-    snprintf(own, sizeof own, "%s, %s", item, variant->title);
-    snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", variant->title);
-    ty_result result = pop_render(run, own, scene, variant->settings, size, picture, NULL);
-    if (result == TY_OK)
-        result =
-            figure_show(run, own, scene, picture, truth, variant->level, plot_sheet_cell(sheet, 0, column), errors);
-    if (result != TY_OK || truth == NULL) return result;
-    return figure_error_map(run, picture->image, truth->image, figure_block(truth->image),
-                            &plot_sheet_cell(sheet, 1, column)->picture);
-}
-
-ty_result pop_show_variants(figure_run* run, const char* item, ty_scene* scene, const pop_variant* variants, int count,
-                            const int32_t size[2], double picture_width, figure_errors* errors) {
-    static const pop_variant path = {"path tracing", NULL, false};
-    plot_sheet sheet;
-    figure_picture truth = {0};
-    ty_result result = plot_create_sheet(2, 1 + count, picture_width, &sheet);
-    if (result != TY_OK) return result;
-    snprintf(sheet.row_titles[1], PLOT_LABEL_SIZE, "errors");
-    result = show_variant(run, item, scene, &path, 0, size, NULL, &sheet, &truth, NULL);
-    for (int i = 0; i < count && result == TY_OK; ++i) {
-        figure_picture picture = {0};
-        result = show_variant(run, item, scene, &variants[i], 1 + i, size, &truth, &sheet, &picture, &errors[i]);
-        figure_free_picture(&picture);
-    }
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
-    figure_free_picture(&truth);
-    plot_free_sheet(&sheet);
-    return result;
+ty_result pop_render_variant(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],
+                             const void* user, figure_picture* out) {
+    return pop_render(run, item, scene, user, size, out, NULL);
 }
 
 /* ---- a room's light ---- */
@@ -138,18 +104,14 @@ static void take_uncollided(size_t count, const double* uncollided, double* tota
 
 ty_result pop_path_fluence(figure_run* run, const ty_scene* scene, const pop_box* box, int32_t samples,
                            pop_truth* out) {
-    const size_t count = 3 * pop_box_cells(box);
-    double* uncollided = calloc(count, sizeof *uncollided);
-    if (uncollided == NULL) return TY_ERROR_MEMORY;
     ty_path_def def = ty_default_path_def();
     def.spp = figure_samples(run, run->options->quick ? samples / 16 : samples);
     def.seed = run->session->common.seed;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     const ty_result result = ty_path_fluence(scene, &def, box->lower, box->upper, box->size, out->scattered[0],
-                                             uncollided, out->variance[0]);
-    if (result == TY_OK) take_uncollided(count, uncollided, out->scattered[0]);
-    free(uncollided);
+                                             out->uncollided[0], out->variance[0]);
+    if (result == TY_OK) take_uncollided(3 * pop_box_cells(box), out->uncollided[0], out->scattered[0]);
     return result;
 }
 

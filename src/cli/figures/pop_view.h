@@ -4,21 +4,14 @@
 
 #include "cli/figures/view.h"
 
-/* A way to render; settings NULL: path tracing. */
-typedef struct pop_variant {
-    const char* title;
-    const ty_pop_settings* settings;
-    bool level; /* shown as bright as the truth */
-} pop_variant;
-
-/* Notes the time, and of pop that before the march. stats may be NULL. */
+/* Renders by pop, or with settings NULL by path tracing. Notes the time, and of pop that before the march. stats may be
+ * NULL. */
 ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const ty_pop_settings* settings,
                      const int32_t size[2], figure_picture* out, ty_pop_stats* stats);
 
-/* A sheet of one scene: path tracing and variants beside one another, and below them their errors; put on the page with
- * the colour bar. errors: one for each variant. */
-ty_result pop_show_variants(figure_run* run, const char* item, ty_scene* scene, const pop_variant* variants, int count,
-                            const int32_t size[2], double picture_width, figure_errors* errors);
+/* A figure_variant's render with settings, which user is. */
+ty_result pop_render_variant(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],
+                             const void* user, figure_picture* out);
 
 /* A scene from text with an environment that we draw: a dim room with windows and a lamp. */
 ty_result pop_make_scene(figure_run* run, const char* text, const char* const* overrides, int32_t override_count,
@@ -36,9 +29,9 @@ typedef struct pop_box {
 
 enum { POP_CELLS_MAX = 16 * 16 * 16 };
 
-/* Fluence of light that has scattered at least once, by path tracing, W m^-2. */
+/* Fluence of light that has scattered at least once, and of the rest, by path tracing, W m^-2. */
 typedef struct pop_truth {
-    double scattered[POP_CELLS_MAX][3], variance[POP_CELLS_MAX][3];
+    double scattered[POP_CELLS_MAX][3], variance[POP_CELLS_MAX][3], uncollided[POP_CELLS_MAX][3];
 } pop_truth;
 
 size_t pop_box_cells(const pop_box* box);

@@ -85,3 +85,49 @@ ty_result figure_show(figure_run* run, const char* item, const ty_scene* scene, 
     if (errors != NULL) *errors = own;
     return TY_OK;
 }
+
+/* ---- sheets ---- */
+
+ty_result figure_render_by_method(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],
+                                  const void* user, figure_picture* out) {
+    cli_report report;
+    return figure_render(run, item, scene, user, size, out, &report);
+}
+
+/* One column. truth NULL: that is what it is. */
+static ty_result show_variant(figure_run* run, const char* item, ty_scene* scene, const figure_variant* variant,
+                              int column, const int32_t size[2], const figure_picture* truth, plot_sheet* sheet,
+                              figure_picture* picture, figure_errors* errors) {
+    char own[FIGURE_NAME_SIZE];
+    snprintf(own, sizeof own, "%s, %s", item, variant->title);
+    snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", variant->title);
+    ty_result result = variant->render(run, own, scene, size, variant->user, picture);
+    if (result == TY_OK)
+        result = figure_show(run, own, scene, picture, truth, false, plot_sheet_cell(sheet, 0, column), errors);
+    if (result != TY_OK || truth == NULL) return result;
+    return figure_error_map(run, picture->image, truth->image, figure_block(truth->image),
+                            &plot_sheet_cell(sheet, 1, column)->picture);
+}
+
+ty_result figure_show_variants(figure_run* run, const char* item, ty_scene* scene, const figure_variant* variants,
+                               int count, const int32_t size[2], double picture_width, figure_errors* errors) {
+    static const figure_variant path = {"path tracing", figure_render_by_method, &cli_method_path};
+    plot_sheet sheet;
+    figure_picture truth = {0};
+    ty_result result = plot_create_sheet(2, 1 + count, picture_width, &sheet);
+    if (result != TY_OK) return result;
+    snprintf(sheet.row_titles[1], PLOT_LABEL_SIZE, "errors");
+    result = show_variant(run, item, scene, &path, 0, size, NULL, &sheet, &truth, NULL);
+    for (int i = 0; i < count && result == TY_OK; ++i) {
+        figure_picture picture = {0};
+        result = show_variant(run, item, scene, &variants[i], 1 + i, size, &truth, &sheet, &picture, &errors[i]);
+        figure_free_picture(&picture);
+    }
+    if (result == TY_OK) {
+        plot_page_sheet(&run->page, &sheet);
+        plot_page_color_bar(&run->page, &figure_error_scale);
+    }
+    figure_free_picture(&truth);
+    plot_free_sheet(&sheet);
+    return result;
+}

@@ -42,6 +42,24 @@ double figure_paper_seconds(const figure_picture* truth);
 ty_result figure_show(figure_run* run, const char* item, const ty_scene* scene, const figure_picture* picture,
                       const figure_picture* truth, bool level, plot_cell* cell, figure_errors* errors);
 
+/* A way to render a scene. */
+typedef struct figure_variant {
+    const char* title;
+    /* Renders, and notes the time and what else there is to note. */
+    ty_result (*render)(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2], const void* user,
+                        figure_picture* out);
+    const void* user;
+} figure_variant;
+
+/* A figure_variant's render by a method, which user is (a cli_method), as the scene has its settings. */
+ty_result figure_render_by_method(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],
+                                  const void* user, figure_picture* out);
+
+/* A sheet of one scene: path tracing and variants beside one another, and below them their errors; put on the page with
+ * the colour bar. errors: one for each variant. */
+ty_result figure_show_variants(figure_run* run, const char* item, ty_scene* scene, const figure_variant* variants,
+                               int count, const int32_t size[2], double picture_width, figure_errors* errors);
+
 /* "0.123", or "< noise" for NaN. */
 void figure_format_error(double error, char out[16]);
 

@@ -129,6 +129,20 @@ static void read_lpv(const json_t* lpv, ty_lpv_settings* settings) {
     ty_read_int(lpv, "spp", &settings->spp);
 }
 
+static void read_dom(const json_t* dom, ty_dom_settings* settings) {
+    read_word(dom, "acceleration", settings->acceleration);
+    ty_read_int(dom, "resolution", &settings->resolution);
+    ty_read_int(dom, "direct", &settings->direct);
+    ty_read_int(dom, "directions", &settings->directions);
+    ty_read_int(dom, "bands", &settings->bands);
+    ty_read_number(dom, "tolerance", &settings->tolerance);
+    ty_read_int(dom, "iterations", &settings->iterations);
+    ty_read_int(dom, "environment_beams", &settings->environment_beams);
+    ty_read_int(dom, "surface_points", &settings->surface_points);
+    ty_read_int(dom, "spp", &settings->spp);
+    ty_read_number(dom, "step", &settings->step);
+}
+
 static void read_screen(const json_t* screen, ty_screen_settings* settings) {
     read_word(screen, "variant", settings->variant);
     read_word(screen, "spread", settings->spread);
@@ -151,6 +165,7 @@ static void read_render(const ty_scene_reader* reader) {
     read_fld(json_object_get(render, "fld"), &settings.fld);
     read_pop(json_object_get(render, "pop"), &settings.pop);
     read_lpv(json_object_get(render, "lpv"), &settings.lpv);
+    read_dom(json_object_get(render, "dom"), &settings.dom);
     ty_scene_set_render_settings(reader->scene, &settings);
 }
 
