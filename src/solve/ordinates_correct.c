@@ -52,8 +52,12 @@ static void take_plane(void* user, int64_t z, int32_t worker) {
     const size_t end = begin + (size_t)l->box.size[0] * (size_t)l->box.size[1];
     const float* moments = job->moments[job->latest];
     float* low = job->low[job->latest];
-    for (size_t i = begin; i < end; ++i)
+    double sum = 0;
+    for (size_t i = begin; i < end; ++i) {
         for (size_t t = 0; t < lows; ++t) low[i * lows + t] = moments[i * terms + t];
+        sum += (double)job->extinction[i] * (double)low[i * lows];
+    }
+    job->sums[z] = (ty_ordinates_sums){.absorbed = sum};
 }
 
 static void give_plane(void* user, int64_t z, int32_t worker) {
@@ -69,9 +73,10 @@ static void give_plane(void* user, int64_t z, int32_t worker) {
         for (size_t t = 0; t < lows; ++t) moments[i * terms + t] = low[i * lows + t];
 }
 
-void ty_ordinates_take_low(ty_ordinates_job* job) {
+double ty_ordinates_take_low(ty_ordinates_job* job) {
     loop l = loop_over(job, NULL);
     ty_ordinates_planes(job, take_plane, &l);
+    return ty_ordinates_total(job).absorbed;
 }
 
 void ty_ordinates_give_low(ty_ordinates_job* job) {
@@ -79,12 +84,13 @@ void ty_ordinates_give_low(ty_ordinates_job* job) {
     ty_ordinates_planes(job, give_plane, &l);
 }
 
-/* T - x, of the flux times sqrt(3) D s_1: that of e. */
+/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. */
 static void excess_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
     const size_t lows = (size_t)job->lows;
+    const float missing = (float)job->missing;
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
         const size_t begin = (size_t)ty_box_dense(&l->box, y, (int32_t)z);
         const float* d = l->diffusivity + ty_box_at(&l->box, y, (int32_t)z);
@@ -93,7 +99,7 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
         for (size_t x = 0; x < (size_t)l->box.size[0]; ++x) {
             float s[2];
             scattering_of(job->def, begin + x, s);
-            change[x * lows] = s[0] * (low[x * lows] - before[x * lows]);
+            change[x * lows] = s[0] * (low[x * lows] - before[x * lows] + missing * low[x * lows]);
             for (size_t t = x * lows + 1; t < (x + 1) * lows; ++t)
                 change[t] = SQRT_3 * d[x] * s[1] * (low[t] - before[t]);
         }

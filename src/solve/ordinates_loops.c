@@ -157,8 +157,10 @@ INLINE void mix_cell(const mixture* m, size_t i, size_t low, size_t terms, float
     }
 }
 
-INLINE void emit_cells(const ty_ordinates_job* job, const mixture* m, size_t begin, size_t end, const int32_t bands) {
+/* Returns the sum of what leaves in all directions alike. */
+INLINE double emit_cells(const ty_ordinates_job* job, const mixture* m, size_t begin, size_t end, const int32_t bands) {
     const ty_ordinates_def* def = job->def;
+    double sum = 0;
     const size_t terms = (size_t)(bands * bands), low = bands > 1 ? 4 : 1;
     for (size_t i = begin; i < end; ++i) {
         float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX], *emission = job->emission + i * terms;
@@ -172,12 +174,13 @@ INLINE void emit_cells(const ty_ordinates_job* job, const mixture* m, size_t beg
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) emission[t] = s * mixed[t];
             power_of_g *= g;
         }
-        if (job->fixed == NULL) {
+        if (job->fixed == NULL)
             emission[0] += def->source[0][i];
-            continue;
-        }
-        for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
+        else
+            for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
+        sum += (double)emission[0];
     }
+    return sum;
 }
 
 static void emit_plane(void* user, int64_t z, int32_t worker) {
@@ -186,20 +189,23 @@ static void emit_plane(void* user, int64_t z, int32_t worker) {
     const ty_ordinates_job* job = l->job;
     const mixture m = mixture_of(job);
     const size_t begin = (size_t)z * plane_cells(job), end = begin + plane_cells(job);
+    double sum = 0;
     switch (job->def->bands) {
-    case 1: emit_cells(job, &m, begin, end, 1); break;
-    case 2: emit_cells(job, &m, begin, end, 2); break;
-    case 3: emit_cells(job, &m, begin, end, 3); break;
-    case 4: emit_cells(job, &m, begin, end, 4); break;
-    case 5: emit_cells(job, &m, begin, end, 5); break;
-    case 6: emit_cells(job, &m, begin, end, 6); break;
-    default: emit_cells(job, &m, begin, end, job->def->bands); break;
+    case 1: sum = emit_cells(job, &m, begin, end, 1); break;
+    case 2: sum = emit_cells(job, &m, begin, end, 2); break;
+    case 3: sum = emit_cells(job, &m, begin, end, 3); break;
+    case 4: sum = emit_cells(job, &m, begin, end, 4); break;
+    case 5: sum = emit_cells(job, &m, begin, end, 5); break;
+    case 6: sum = emit_cells(job, &m, begin, end, 6); break;
+    default: sum = emit_cells(job, &m, begin, end, job->def->bands); break;
     }
+    job->sums[z] = (ty_ordinates_sums){.emitted = sum};
 }
 
-void ty_ordinates_emit(ty_ordinates_job* job) {
+double ty_ordinates_emit(ty_ordinates_job* job) {
     loop l = {.job = job};
     ty_ordinates_planes(job, emit_plane, &l);
+    return ty_ordinates_total(job).emitted;
 }
 
 /* ---- energy ---- */

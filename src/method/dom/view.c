@@ -7,7 +7,6 @@
 #include "solve/harmonics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
@@ -74,7 +73,7 @@ static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) 
     memcpy(f->seen.color, light->color, sizeof f->seen.color);
     send_job job = {light, eye, f->sent};
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
-    if (light->lobes && !getenv("TY_NOMEND")) ty_dom_mend_lobes(light, eye, f->sent);
+    if (light->lobes) ty_dom_mend_lobes(light, eye, f->sent);
     return TY_OK;
 }
 
