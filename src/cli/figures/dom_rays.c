@@ -9,6 +9,9 @@ enum { SCENES = 3, COUNTS = 3, WIDTH = 192, PICTURE_WIDTH = 280, SLICE = 32, SLI
 
 static const int32_t counts[COUNTS] = {24, 96, 400};
 
+/* So fine that what is left to see is what directions do. */
+enum { RESOLUTION = 48, DIRECT = 144 };
+
 /* 4 m across, seen from the front; what is thin scatters 0.05/m. */
 static const struct {
     const char *name, *text;
@@ -99,7 +102,7 @@ static ty_result fill_cell(figure_run* run, const char* item, const ty_scene* sc
     ty_dom_stats stats;
     plot_cell* cell = plot_sheet_cell(sheet, 0, 1 + column);
     snprintf(own, sizeof own, "%s, slice, %d directions", item, (int)counts[column]);
-    ty_result result = dom_solve(run, scene, counts[column], 0, &light, &stats);
+    ty_result result = dom_solve(run, scene, counts[column], run->options->quick ? 0 : RESOLUTION, &light, &stats);
     if (result == TY_OK) result = dom_scattered_fluence(light, &s->box, NULL, s->fluence);
     ty_dom_destroy(light);
     if (result == TY_OK) result = make_image(run, &s->box, (const double(*)[3])s->fluence, &s->found);
@@ -162,6 +165,8 @@ static ty_result show_scene(figure_run* run, int index) {
     for (int i = 0; i < COUNTS && result == TY_OK; ++i) {
         settings[i] = ty_scene_render_settings(scene).dom;
         settings[i].directions = counts[i];
+        settings[i].resolution = run->options->quick ? 0 : RESOLUTION;
+        settings[i].direct = run->options->quick ? 0 : DIRECT;
         snprintf(titles[i], sizeof titles[i], "%d directions", (int)counts[i]);
         variants[i] = (figure_variant){titles[i], dom_render_variant, &settings[i]};
     }
