@@ -181,10 +181,10 @@ ty_result figure_dom_rays(figure_run* run) {
     for (int i = 0; i < SCENES && result == TY_OK; ++i) result = show_scene(run, i);
     snprintf(
         run->caption, sizeof run->caption,
-        "Boxes of 4 m: a lamp in thin air (σs = 0.05/m) beside a blob of 20/m; a beam 6° wide in fog of 0.7/m, g = "
-        "0.6; a spot light through smoke of noise, g = 0.5. By path tracing and by 24, 96 and 400 directions: "
-        "pictures, and the fluence of light that has scattered in a slice through the middle. Errors of pictures "
-        "are of means over %d × %d pixels, relative RMSEs without the truth's own noise.",
-        FIGURE_BLOCK, FIGURE_BLOCK);
+        "Boxes of 4 m, all isotropic: a lamp in thin air (σs = 0.05/m) beside a blob of 20/m; a beam 6° wide in fog "
+        "of 0.7/m; a spot light through smoke of noise. By path tracing and by 24, 96 and 400 directions through "
+        "%d³ cells: pictures, and the fluence of light that has scattered in a slice through the middle. Errors "
+        "of pictures are of means over %d × %d pixels, relative RMSEs without the truth's own noise.",
+        RESOLUTION, FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }
