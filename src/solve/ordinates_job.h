@@ -33,7 +33,8 @@ typedef struct ty_ordinates_job {
     float* fixed;      /* q, where it has more than one term; NULL: the def's plane */
     float* emission;
     float* moments[TY_ORDINATES_DEPTH]; /* of the iterates, as sweeps of mixtures left them */
-    float* low[TY_ORDINATES_DEPTH];     /* the low terms alone, corrected: those of `moments` are not */
+    float* low[TY_ORDINATES_DEPTH];     /* the low terms alone, corrected (those of `moments` are not): of
+ each row of cells, term by term */
     float* changes[TY_ORDINATES_DEPTH]; /* of low terms, from the mixture to the iterate */
     double leaving[TY_ORDINATES_DEPTH]; /* W, in the sweep that made it */
     float* before;                      /* low terms of the mixture */
