@@ -89,6 +89,7 @@ static const float* correction(ty_ordinates_job* job, bool first) {
     if (job->correction == NULL) return NULL;
     const double squares = ty_ordinates_excess(job, first);
     ty_correction_solve(job->correction, squares, 0, first ? FIRST_CYCLES : CYCLES);
+    job->leaving[job->latest] += SQRT_4PI * ty_correction_leaving(job->correction);
     return ty_correction_fluence(job->correction);
 }
 
