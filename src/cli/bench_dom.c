@@ -4,6 +4,7 @@
 #include "cli/dom_scenes.h"
 #include "cli/figures/figure.h"
 #include "cli/ordinates_box.h"
+#include "solve/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,12 +31,6 @@ static ty_result measure_machine(const bench_session* bench, machine* out) {
     out->gflops = bench_fma_gflops(context);
     out->bandwidth = opened ? bench_median(bandwidth, 3) : 0;
     return opened && out->gflops > 0 ? TY_OK : TY_ERROR_MEMORY;
-}
-
-/* Floating-point operations of one cell and direction in a sweep (solve/sweep): the source out of harmonics and the
- * moments into them, a multiply-add each; the cell between, with its division and what keeps radiance above 0, 24. */
-static double operations(int32_t bands) {
-    return 4.0 * bands * bands + 24;
 }
 
 /* Bytes of one cell that an octant's directions read and write together: sources, moments twice, extinction. */
@@ -118,7 +113,7 @@ static void print_solve_json(const bench_session* bench, const solved* s, double
 
 static void print_solve(const bench_session* bench, int index, const solved* s, const machine* peak) {
     const double rate = swept(&s->stats) / s->seconds[SWEEP];
-    const double flops = 1e-9 * rate * operations(s->stats.bands);
+    const double flops = 1e-9 * rate * ty_sweep_operations(s->stats.bands);
     const double bytes = 1e-9 * rate * octant_bytes(s->stats.bands) * 8 / s->stats.directions;
     if (bench->json != NULL) {
         print_solve_json(bench, s, rate, flops, bytes, peak);
