@@ -10,6 +10,7 @@ test_list() {
   said out.txt '^fld-point +Flux-limited diffusion'
   said out.txt '^pop-lobes +Principal-ordinates propagation'
   said out.txt '^lpv-parts +Light propagation volumes'
+  said out.txt '^dom-cube +Discrete ordinates'
   expect 0 figure --help
   said out.txt '^  screen-photo '
   said out.txt '--quick'
@@ -72,6 +73,7 @@ test_ordinates() {
   said made/pop-residuum.csv '^full propagation,iterations,1,1000,,$'
   said made/pop-iterations.csv '^1024 iterations,light not yet propagated,1,[0-9.e-]+,,$'
   said made/pop-ordinates.csv '^"216 ordinates, with importance",mean ratio,1,[0-9.]+,,$'
+  said made/pop-smoke.csv '^"smoke, classical, 5 bands, 20³",iterations,1,[0-9]+,,$'
 }
 
 # Light propagation volumes: without Sponza the atrium stands for it.
@@ -83,6 +85,18 @@ test_propagation() {
   unsaid made/lpv-truth.csv Sponza
   said made/lpv-energy.csv '^printed gamma,in-scattered over out-scattered,1,0\.69[0-9]*,0\.696,0\.005$'
   said made/lpv-energy.csv '^"published, σt d = 10",energy accounted for after 8 iterations,1,(0\.9[789]|1\.0[0-2]|1,)'
+}
+
+# Discrete ordinates: whatever needs no data is made without.
+test_discrete() {
+  expect 0 figure dom -o made --quick --size 24x20 --spp 2
+  for name in cube convergence rays images; do figure_files "dom-$name"; done
+  said made/dom-cube.csv '^"g 0.7, 96 directions, 32\^3",converged,1,1,1,0$'
+  said made/dom-convergence.csv '^"cloud, thickness 10, diffusion",converged,1,1,1,0$'
+  said made/dom-convergence.csv '^"even, thickness 1, source iteration",sweeps,1,[0-9]+,,$'
+  said made/dom-rays.csv '^"narrow beam, slice, 96 directions",mean ratio,1,[0-9.]+,,$'
+  said made/dom-images.csv '^nebulae,mean ratio of DOM,1,[0-9.]+,1,0\.03$'
+  unsaid made/dom-images.csv Disney
 }
 
 test_refusals() {
@@ -111,7 +125,8 @@ test_prefix
 test_diffusion
 test_ordinates
 test_propagation
+test_discrete
 test_refusals
 test_interrupt
 no_temporary_files
-finish 230
+finish 255

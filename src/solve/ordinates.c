@@ -76,16 +76,17 @@ static void give_back(ty_ordinates_job* job, float** array, int32_t items) {
 
 static ty_result allocate(ty_ordinates_job* job) {
     job->depth = job->def->accelerated ? TY_ORDINATES_DEPTH : 1;
-    const double floats = ((double)job->terms + job->low) * (job->depth + 2);
+    const double floats = ((double)job->terms + 2.0 * job->lows) * (job->depth + 2);
     const ty_result result =
         ty_check_memory(job->context, floats * sizeof(float) * (double)job->cells, "discrete ordinates");
     if (result != TY_OK) return result;
     bool there = (job->extinction = take(job, 1)) != NULL;
     there = there && (job->emission = take(job, job->terms)) != NULL;
-    there = there && (job->before = take(job, job->low)) != NULL;
+    there = there && (job->before = take(job, job->lows)) != NULL;
     for (int32_t i = 0; i < job->depth; ++i) {
-        there = there && (job->iterates[i] = take(job, job->terms)) != NULL;
-        there = there && (job->changes[i] = take(job, job->low)) != NULL;
+        there = there && (job->moments[i] = take(job, job->terms)) != NULL;
+        there = there && (job->low[i] = take(job, job->lows)) != NULL;
+        there = there && (job->changes[i] = take(job, job->lows)) != NULL;
     }
     if (job->def->source_terms > 1) there = there && (job->fixed = take(job, job->terms)) != NULL;
     job->sums = ty_alloc_array(job->context, (size_t)job->def->size[2], sizeof *job->sums, true);
@@ -95,10 +96,11 @@ static ty_result allocate(ty_ordinates_job* job) {
 /* All but one of the iterates. */
 static void free_but(ty_ordinates_job* job, int32_t kept) {
     for (int32_t i = 0; i < TY_ORDINATES_DEPTH; ++i) {
-        if (i != kept) give_back(job, &job->iterates[i], job->terms);
-        give_back(job, &job->changes[i], job->low);
+        if (i != kept) give_back(job, &job->moments[i], job->terms);
+        give_back(job, &job->low[i], job->lows);
+        give_back(job, &job->changes[i], job->lows);
     }
-    give_back(job, &job->before, job->low);
+    give_back(job, &job->before, job->lows);
     give_back(job, &job->fixed, job->terms);
 }
 
@@ -149,7 +151,8 @@ static ty_result prepare(ty_ordinates_job* job) {
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
     if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->terms, job->fixed);
     if (def->start == NULL) return TY_OK;
-    ty_ordinates_gather(job, def->start, job->terms, job->terms, job->iterates[0]);
+    ty_ordinates_gather(job, def->start, job->terms, job->terms, job->moments[0]);
+    ty_ordinates_take_low(job);
     job->count = 1;
     job->given = true;
     job->shares[0] = 1;
@@ -195,7 +198,8 @@ static void set_dark(const ty_ordinates_job* job, float* const* moments, int32_t
 static void store(ty_ordinates_job* job, float* const* moments) {
     set_dark(job, moments, job->count > 0 ? job->terms : 0);
     if (job->count == 0) return;
-    const float* latest = job->iterates[job->latest];
+    const float* latest = job->moments[job->latest];
+    ty_ordinates_give_low(job);
     ty_ordinates_scatter(job, latest, job->terms, moments);
     job->stats->leaving = job->leaving[job->latest];
     const ty_ordinates_sums sums = ty_ordinates_balance(job, latest, job->terms);
@@ -225,7 +229,7 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
                             .history_capacity = history != NULL ? history_capacity : 0,
                             .cells = (int64_t)def->size[0] * def->size[1] * def->size[2],
                             .terms = def->bands * def->bands,
-                            .low = def->bands > 1 ? 4 : 1};
+                            .lows = def->bands > 1 ? 4 : 1};
     *job.stats = (ty_ordinates_stats){0};
     job.start = job.reported = ty_wall_seconds();
     result = solve(&job, moments);

@@ -34,17 +34,29 @@ TY_INLINE void store(float* to, lanes value) {
     *(lanes*)to = value;
 }
 
-TY_INLINE bool any_sign(whole_lanes value) {
+/* A bit for each lane that is below 0. */
+TY_INLINE uint32_t signs(whole_lanes value) {
 #if defined(__AVX512F__)
-    return _mm512_movepi32_mask((__m512i)value) != 0;
+    return _mm512_movepi32_mask((__m512i)value);
 #elif defined(__AVX__)
-    return _mm256_movemask_ps((__m256)value) != 0;
+    return (uint32_t)_mm256_movemask_ps((__m256)value);
 #elif defined(__SSE2__)
-    return _mm_movemask_ps((__m128)value) != 0;
+    return (uint32_t)_mm_movemask_ps((__m128)value);
 #else
-    int32_t all = 0;
-    for (int i = 0; i < LANES; ++i) all |= value[i];
-    return all < 0;
+    uint32_t bits = 0;
+    for (int i = 0; i < LANES; ++i) bits |= (uint32_t)(value[i] < 0) << i;
+    return bits;
+#endif
+}
+
+/* 1 / value to 2 ulp. */
+TY_INLINE lanes invert(lanes value) {
+#if defined(__AVX512F__)
+    /* A division keeps the whole unit busy for as long as everything else of a cell takes. */
+    const lanes guess = (lanes)_mm512_rcp14_ps((__m512)value);
+    return guess * (2.0f - value * guess);
+#else
+    return 1.0f / value;
 #endif
 }
 
@@ -113,24 +125,29 @@ typedef struct stream {
     float *light, *face_y, *face_z;
 } stream;
 
-/* The cell balances again without the faces that would fall below 0: face holds what comes in, then what goes out. */
+/* The cell balances again without the faces that would fall below 0, until there are none: face holds what comes in,
+ * then what goes out. */
 static __attribute__((noinline)) lanes hold_faces(const lanes twice[3], float extinction, lanes source, lanes middle,
                                                   lanes face[3], double* fixed) {
     const lanes none = {0};
-    whole_lanes open[3];
+    whole_lanes open[3], closed = {0};
     for (int a = 0; a < 3; ++a) open[a] = none == none;
-    for (int pass = 0; pass < 3; ++pass) {
+    for (;;) {
+        whole_lanes closing = {0};
         lanes above = source, below = none + extinction;
         for (int a = 0; a < 3; ++a) {
-            open[a] &= middle + middle >= face[a];
+            const whole_lanes low = open[a] & (middle + middle < face[a]);
+            open[a] &= ~low;
+            closing |= low;
             const lanes decided = (lanes)((whole_lanes)twice[a] & open[a]);
             above += 0.5f * (twice[a] + decided) * face[a];
             below += decided;
         }
+        if (signs(closing) == 0) break;
+        closed |= closing;
         middle = (lanes)((whole_lanes)(above / below) & (below > none));
     }
-    const whole_lanes all = open[0] & open[1] & open[2];
-    for (int i = 0; i < LANES; ++i) *fixed += all[i] == 0;
+    *fixed += __builtin_popcount(signs(closed));
     for (int a = 0; a < 3; ++a) face[a] = (lanes)((whole_lanes)(middle + middle - face[a]) & open[a]);
     return middle;
 }
@@ -140,7 +157,7 @@ TY_INLINE void cross_cell(stream* s, const lanes twice[3], float extinction, lan
     const lanes source = load(s->light + x * LANES), y = load(s->face_y + x * LANES), z = load(s->face_z + x * LANES);
     lanes middle = (source + twice[1] * y + twice[2] * z) * inverse + twice[0] * inverse * s->along;
     lanes out[3] = {middle + middle - s->along, middle + middle - y, middle + middle - z};
-    if (__builtin_expect(any_sign((whole_lanes)out[0] | (whole_lanes)out[1] | (whole_lanes)out[2]), 0)) {
+    if (__builtin_expect(signs((whole_lanes)out[0] | (whole_lanes)out[1] | (whole_lanes)out[2]) != 0, 0)) {
         out[0] = s->along;
         out[1] = y;
         out[2] = z;
@@ -158,7 +175,7 @@ static void advance(const ty_sweep_box* box, int32_t group, const float* extinct
     lanes twice[3];
     for (int a = 0; a < 3; ++a) twice[a] = load(box->twice[a] + group * LANES);
     const lanes faces = twice[0] + twice[1] + twice[2];
-    for (int32_t x = 0; x < nx; ++x) store(scratch->inverse + x * LANES, 1.0f / (extinction[x] + faces));
+    for (int32_t x = 0; x < nx; ++x) store(scratch->inverse + x * LANES, invert(extinction[x] + faces));
     stream up = streams[0], down = streams[1];
     for (int32_t x = 0; x < nx; ++x) {
         const int32_t back = nx - 1 - x;
