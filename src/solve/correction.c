@@ -15,6 +15,7 @@ struct ty_correction {
     char* memory;
     size_t bytes;
     float *e, *smooth[2]; /* as the job's arrays lie */
+    double leaving;       /* W, of e */
 };
 
 /* ---- the problem ---- */
@@ -115,19 +116,24 @@ float* ty_correction_source(ty_correction* correction) {
 
 /* ---- solves ---- */
 
-/* Ghosts at both ends of an axis, of the cells inside. */
-static void close_axis(const ty_correction* correction, int axis, float* e) {
+/* Ghosts at both ends of an axis, of the cells inside. Returns what leaves there, W. */
+static double close_axis(const ty_correction* correction, int axis, float* e) {
     const ty_box* box = &correction->job.cells.box;
     const ptrdiff_t steps[3] = {1, box->row, box->plane}, step = steps[axis];
     const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    const float edge = (float)correction->def.cell[axis];
+    const double* cell = correction->def.cell;
+    const float edge = (float)cell[axis];
+    double leaving = 0;
     for (int32_t j = 0; j < box->size[v]; ++j)
         for (int32_t i = 0; i < box->size[u]; ++i)
             for (int end = 0; end < 2; ++end) {
                 const ptrdiff_t at = steps[u] * i + steps[v] * j + (end != 0 ? step * (box->size[axis] - 1) : 0);
-                const float thick = edge / (4 * correction->job.diffusivity[at]);
-                e[end != 0 ? at + step : at - step] = e[at] * (1 - thick) / (1 + thick);
+                const float d = correction->job.diffusivity[at], thick = edge / (4 * d);
+                const float ghost = e[at] * (1 - thick) / (1 + thick);
+                e[end != 0 ? at + step : at - step] = ghost;
+                leaving += (double)(d * (e[at] - ghost));
             }
+    return leaving * cell[u] * cell[v] / cell[axis];
 }
 
 typedef struct smoothing {
@@ -168,7 +174,8 @@ static void smooth(ty_correction* correction) {
 void ty_correction_solve(ty_correction* correction, double squares, double reduction, int32_t cycles) {
     ty_diffusion_job* job = &correction->job;
     correction->e = (float*)ty_multigrid_solve(job, 0, squares, squares * reduction * reduction, cycles);
-    for (int axis = 0; axis < 3; ++axis) close_axis(correction, axis, correction->e);
+    correction->leaving = 0;
+    for (int axis = 0; axis < 3; ++axis) correction->leaving += close_axis(correction, axis, correction->e);
     smooth(correction);
 }
 
@@ -178,6 +185,10 @@ const float* ty_correction_fluence(const ty_correction* correction) {
 
 const float* ty_correction_smooth(const ty_correction* correction) {
     return correction->smooth[0];
+}
+
+double ty_correction_leaving(const ty_correction* correction) {
+    return correction->leaving;
 }
 
 int32_t ty_correction_cycles(const ty_correction* correction) {

@@ -25,6 +25,8 @@ void ty_correction_solve(ty_correction* correction, double squares, double reduc
  * their neighbours along each axis, with weights 1/4, 1/2, 1/4: where D changes, of what D's means make of the face. */
 const float* ty_correction_fluence(const ty_correction* correction);
 const float* ty_correction_smooth(const ty_correction* correction);
+/* Of it, what leaves through the box's faces, W. */
+double ty_correction_leaving(const ty_correction* correction);
 /* Cycles so far. */
 int32_t ty_correction_cycles(const ty_correction* correction);
 

@@ -32,46 +32,58 @@ static size_t along(int axis) {
     return axis == 0 ? 3 : (size_t)axis;
 }
 
-/* s_0 and s_1. */
-static void scattering_of(const ty_ordinates_def* def, size_t i, float s[2]) {
-    const float g = def->g[i];
-    float forward = 1;
-    for (int32_t l = 0; l < def->bands; ++l) forward *= g;
-    s[0] = def->scattering[i] * (1 - forward);
-    s[1] = def->scattering[i] * (g - forward);
+/* A row of cells: of each low term, its cells after one another. */
+typedef struct row {
+    size_t cells, first; /* in it, and before it */
+    ptrdiff_t low, box;  /* where it begins in arrays of low terms, and in the correction's */
+} row;
+
+static row row_of(const loop* l, int32_t y, int64_t z) {
+    const ptrdiff_t dense = ty_box_dense(&l->box, y, (int32_t)z);
+    return (row){.cells = (size_t)l->box.size[0],
+                 .first = (size_t)dense,
+                 .low = dense * l->job->lows,
+                 .box = ty_box_at(&l->box, y, (int32_t)z)};
 }
 
-/* ---- the source of the correction ---- */
+/* ---- low terms ---- */
 
 static void take_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const size_t terms = (size_t)job->terms, lows = (size_t)job->lows,
-                 begin = (size_t)ty_box_dense(&l->box, 0, (int32_t)z);
-    const size_t end = begin + (size_t)l->box.size[0] * (size_t)l->box.size[1];
-    const float* moments = job->moments[job->latest];
-    float* low = job->low[job->latest];
-    for (size_t i = begin; i < end; ++i)
-        for (size_t t = 0; t < lows; ++t) low[i * lows + t] = moments[i * terms + t];
+    const size_t terms = (size_t)job->terms;
+    double sum = 0;
+    for (int32_t y = 0; y < l->box.size[1]; ++y) {
+        const row r = row_of(l, y, z);
+        const float *moments = job->moments[job->latest] + r.first * terms, *extinction = job->extinction + r.first;
+        float* low = job->low[job->latest] + r.low;
+        for (size_t x = 0; x < r.cells; ++x) {
+            for (size_t t = 0; t < (size_t)job->lows; ++t) low[t * r.cells + x] = moments[x * terms + t];
+            sum += (double)extinction[x] * (double)low[x];
+        }
+    }
+    job->sums[z] = (ty_ordinates_sums){.absorbed = sum};
 }
 
 static void give_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const size_t terms = (size_t)job->terms, lows = (size_t)job->lows,
-                 begin = (size_t)ty_box_dense(&l->box, 0, (int32_t)z);
-    const size_t end = begin + (size_t)l->box.size[0] * (size_t)l->box.size[1];
-    float* moments = job->moments[job->latest];
-    const float* low = job->low[job->latest];
-    for (size_t i = begin; i < end; ++i)
-        for (size_t t = 0; t < lows; ++t) moments[i * terms + t] = low[i * lows + t];
+    const size_t terms = (size_t)job->terms;
+    for (int32_t y = 0; y < l->box.size[1]; ++y) {
+        const row r = row_of(l, y, z);
+        float* moments = job->moments[job->latest] + r.first * terms;
+        const float* low = job->low[job->latest] + r.low;
+        for (size_t x = 0; x < r.cells; ++x)
+            for (size_t t = 0; t < (size_t)job->lows; ++t) moments[x * terms + t] = low[t * r.cells + x];
+    }
 }
 
-void ty_ordinates_take_low(ty_ordinates_job* job) {
+double ty_ordinates_take_low(ty_ordinates_job* job) {
     loop l = loop_over(job, NULL);
     ty_ordinates_planes(job, take_plane, &l);
+    return ty_ordinates_total(job).absorbed;
 }
 
 void ty_ordinates_give_low(ty_ordinates_job* job) {
@@ -79,23 +91,33 @@ void ty_ordinates_give_low(ty_ordinates_job* job) {
     ty_ordinates_planes(job, give_plane, &l);
 }
 
-/* T - x, of the flux times sqrt(3) D s_1: that of e. */
+/* ---- the source of the correction ---- */
+
+/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. */
 static void excess_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const size_t lows = (size_t)job->lows;
+    const int32_t bands = job->def->bands;
+    const float missing = (float)job->missing;
+    float s[2][TY_ORDINATES_SIDE_MAX];
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
-        const size_t begin = (size_t)ty_box_dense(&l->box, y, (int32_t)z);
-        const float* d = l->diffusivity + ty_box_at(&l->box, y, (int32_t)z);
-        const float *low = job->low[job->latest] + begin * lows, *before = job->before + begin * lows;
-        float* change = job->changes[job->latest] + begin * lows;
-        for (size_t x = 0; x < (size_t)l->box.size[0]; ++x) {
-            float s[2];
-            scattering_of(job->def, begin + x, s);
-            change[x * lows] = s[0] * (low[x * lows] - before[x * lows]);
-            for (size_t t = x * lows + 1; t < (x + 1) * lows; ++t)
-                change[t] = SQRT_3 * d[x] * s[1] * (low[t] - before[t]);
+        const row r = row_of(l, y, z);
+        const float *scattering = job->def->scattering + r.first, *g = job->def->g + r.first;
+        const float *d = l->diffusivity + r.box, *low = job->low[job->latest] + r.low, *before = job->before + r.low;
+        float* change = job->changes[job->latest] + r.low;
+#pragma omp simd
+        for (size_t x = 0; x < r.cells; ++x) {
+            float forward = 1;
+            for (int32_t b = 0; b < bands; ++b) forward *= g[x];
+            s[0][x] = scattering[x] * (1 - forward);
+            s[1][x] = scattering[x] * (g[x] - forward) * d[x] * SQRT_3;
+        }
+#pragma omp simd
+        for (size_t x = 0; x < r.cells; ++x) change[x] = s[0][x] * (low[x] - before[x] + missing * low[x]);
+        for (size_t t = r.cells; t < r.cells * (size_t)job->lows; t += r.cells) {
+#pragma omp simd
+            for (size_t x = 0; x < r.cells; ++x) change[t + x] = s[1][x] * (low[t + x] - before[t + x]);
         }
     }
 }
@@ -107,50 +129,78 @@ static void begin_plane(void* user, int64_t z, int32_t worker) {
     const ty_ordinates_job* job = l->job;
     const size_t terms = (size_t)job->terms, lows = (size_t)job->lows;
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
-        const size_t begin = (size_t)ty_box_dense(&l->box, y, (int32_t)z), count = (size_t)l->box.size[0];
-        const float* d = l->diffusivity + ty_box_at(&l->box, y, (int32_t)z);
-        float* change = job->changes[job->latest] + begin * lows;
-        memset(job->moments[job->latest] + begin * terms, 0, sizeof(float) * terms * count);
-        memset(job->low[job->latest] + begin * lows, 0, sizeof(float) * lows * count);
-        for (size_t x = 0; x < count; ++x) {
-            change[x * lows] = job->def->source[0][begin + x];
-            for (size_t t = 1; t < lows; ++t)
-                change[x * lows + t] = job->fixed != NULL ? SQRT_3 * d[x] * job->fixed[(begin + x) * terms + t] : 0;
-        }
+        const row r = row_of(l, y, z);
+        const float* d = l->diffusivity + r.box;
+        float* change = job->changes[job->latest] + r.low;
+        memset(job->moments[job->latest] + r.first * terms, 0, sizeof(float) * terms * r.cells);
+        memset(job->low[job->latest] + r.low, 0, sizeof(float) * lows * r.cells);
+        memcpy(change, job->def->source[0] + r.first, sizeof(float) * r.cells);
+        for (size_t t = 1; t < lows; ++t)
+            for (size_t x = 0; x < r.cells; ++x)
+                change[t * r.cells + x] =
+                    job->fixed != NULL ? SQRT_3 * d[x] * job->fixed[(r.first + x) * terms + t] : 0;
     }
 }
 
-/* What leaves a cell of the flux `at` along an axis, per volume. Through the box's face it is what the boundary, in
- * series with the cell's half, lets out. */
-static float outflow(const loop* l, const float* at, ptrdiff_t step, int32_t place, int axis, float diffusivity) {
-    const float edge = (float)l->job->def->cell[axis], here = at[0];
-    const float share = 1 / (1 + 4 * diffusivity / edge);
-    const float above = place + 1 < l->box.size[axis] ? 0.5f * (here + at[step]) : share * here;
-    const float below = place > 0 ? 0.5f * (here + at[-step]) : share * here;
-    return (above - below) / edge;
+/* Faces of a row's cells across an axis: whether they are the box's. */
+typedef struct faces {
+    bool below, above;
+    float edge;
+} faces;
+
+/* Takes what flux lets out of cells from f. Through the box's faces it is what the boundary, in series with the cell's
+ * half, lets out. */
+static void subtract_outflow(faces at, const float* flux, const float* d, ptrdiff_t step, ptrdiff_t begin,
+                             ptrdiff_t end, float* f) {
+    const float inverse_edge = 1 / at.edge;
+    if (!at.below && !at.above) {
+#pragma omp simd
+        for (ptrdiff_t x = begin; x < end; ++x) f[x] -= 0.5f * inverse_edge * (flux[x + step] - flux[x - step]);
+        return;
+    }
+    for (ptrdiff_t x = begin; x < end; ++x) {
+        const float here = flux[x], outside = here / (1 + 4 * d[x] * inverse_edge);
+        const float above = at.above ? outside : 0.5f * (here + flux[x + step]);
+        const float below = at.below ? outside : 0.5f * (here + flux[x - step]);
+        f[x] -= inverse_edge * (above - below);
+    }
+}
+
+static void source_row(const loop* l, const row* r, int32_t y, int32_t z, float* f) {
+    const ty_ordinates_job* job = l->job;
+    const ptrdiff_t nx = l->box.size[0], low_row = nx * job->lows;
+    const float *change = job->changes[job->latest] + r->low, *d = l->diffusivity + r->box;
+    const double* cell = job->def->cell;
+    memcpy(f, change, sizeof(float) * r->cells);
+    if (job->lows == 1) return;
+    const float* along_x = change + (ptrdiff_t)along(0) * nx;
+    subtract_outflow((faces){true, nx == 1, (float)cell[0]}, along_x, d, 1, 0, 1, f);
+    subtract_outflow((faces){false, false, (float)cell[0]}, along_x, d, 1, 1, nx - 1, f);
+    if (nx > 1) subtract_outflow((faces){false, true, (float)cell[0]}, along_x, d, 1, nx - 1, nx, f);
+    subtract_outflow((faces){y == 0, y == l->box.size[1] - 1, (float)cell[1]}, change + (ptrdiff_t)along(1) * nx, d,
+                     low_row, 0, nx, f);
+    subtract_outflow((faces){z == 0, z == l->box.size[2] - 1, (float)cell[2]}, change + (ptrdiff_t)along(2) * nx, d,
+                     low_row * l->box.size[1], 0, nx, f);
+}
+
+static double product_of(const float* a, const float* b, size_t count) {
+    float sum = 0;
+#pragma omp simd reduction(+ : sum)
+    for (size_t i = 0; i < count; ++i) sum += a[i] * b[i];
+    return (double)sum;
 }
 
 static void source_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
-    const ty_ordinates_job* job = l->job;
-    const ptrdiff_t lows = job->lows, nx = l->box.size[0];
-    const ptrdiff_t steps[3] = {lows, lows * nx, lows * nx * l->box.size[1]};
     double sum = 0;
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
-        const ptrdiff_t row = ty_box_at(&l->box, y, (int32_t)z);
-        const float* change = job->changes[job->latest] + ty_box_dense(&l->box, y, (int32_t)z) * lows;
-        float* f = ty_correction_source(job->correction) + row;
-        for (int32_t x = 0; x < nx; ++x) {
-            const int32_t place[3] = {x, y, (int32_t)z};
-            f[x] = change[x * lows];
-            for (int axis = 0; lows > 1 && axis < 3; ++axis)
-                f[x] -= outflow(l, change + x * lows + (ptrdiff_t)along(axis), steps[axis], place[axis], axis,
-                                l->diffusivity[row + x]);
-            sum += (double)f[x] * (double)f[x];
-        }
+        const row r = row_of(l, y, z);
+        float* f = ty_correction_source(l->job->correction) + r.box;
+        source_row(l, &r, y, (int32_t)z, f);
+        sum += product_of(f, f, r.cells);
     }
-    job->sums[z] = (ty_ordinates_sums){.change = sum};
+    l->job->sums[z] = (ty_ordinates_sums){.change = sum};
 }
 
 double ty_ordinates_excess(ty_ordinates_job* job, bool first) {
@@ -162,54 +212,44 @@ double ty_ordinates_excess(ty_ordinates_job* job, bool first) {
 
 /* ---- the correction ---- */
 
-/* -D grad e along an axis, the mean of what the cell's faces have. */
-static float flux(const float* d, const float* e, ptrdiff_t step, float inverse_edge) {
-    const float here = fabsf(d[0]), below = fabsf(d[-step]), above = fabsf(d[step]);
-    return here * inverse_edge *
-           (below / (here + below) * (e[-step] - e[0]) + above / (here + above) * (e[0] - e[step]));
-}
-
-/* Adds e to fluence and flux of a row; `change` holds the flux that a sweep adds to that of e. */
-static void add_row(const loop* l, int32_t y, int32_t z) {
-    const ty_ordinates_job* job = l->job;
-    const size_t lows = (size_t)job->lows, count = (size_t)l->box.size[0];
-    const ptrdiff_t dense = ty_box_dense(&l->box, y, z) * job->lows, row = ty_box_at(&l->box, y, z);
-    const ptrdiff_t steps[3] = {1, l->box.row, l->box.plane};
-    const float *e = l->e + row, *d = l->diffusivity + row, *smooth = ty_correction_smooth(job->correction) + row;
-    const float* change = job->changes[job->latest] + dense;
-    float* low = job->low[job->latest] + dense;
-    for (size_t x = 0; x < count; ++x) low[x * lows] += smooth[x];
-    for (int axis = 0; lows > 1 && axis < 3; ++axis) {
-        const float inverse_edge = (float)(1 / job->def->cell[axis]);
-        const size_t t = along(axis);
-        for (size_t x = 0; x < count; ++x)
-            low[x * lows + t] += SQRT_3 * (flux(d + x, e + x, steps[axis], inverse_edge) + change[x * lows + t]);
+/* Adds -D grad e along an axis, the mean of what cells' faces have, and the flux that a sweep adds to it, to a row's.
+ */
+static void add_flux(const float* d, const float* e, ptrdiff_t step, float factor, const float* change, size_t cells,
+                     float* low) {
+#pragma omp simd
+    for (ptrdiff_t x = 0; x < (ptrdiff_t)cells; ++x) {
+        const float here = fabsf(d[x]), below = fabsf(d[x - step]), above = fabsf(d[x + step]);
+        const float down = below / (here + below) * (e[x - step] - e[x]);
+        const float up = above / (here + above) * (e[x] - e[x + step]);
+        low[x] += factor * here * (down + up) + SQRT_3 * change[x];
     }
 }
 
-static double product_of(const float* a, const float* b, size_t count) {
-    float sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t i = 0; i < count; ++i) sum += a[i] * b[i];
-    return (double)sum;
+static void add_row(const loop* l, const row* r) {
+    const ty_ordinates_job* job = l->job;
+    const ptrdiff_t steps[3] = {1, l->box.row, l->box.plane};
+    const float *e = l->e + r->box, *d = l->diffusivity + r->box;
+    const float* smooth = ty_correction_smooth(job->correction) + r->box;
+    const float* change = job->changes[job->latest] + r->low;
+    float* low = job->low[job->latest] + r->low;
+#pragma omp simd
+    for (size_t x = 0; x < r->cells; ++x) low[x] += smooth[x];
+    for (int axis = 0; job->lows > 1 && axis < 3; ++axis) {
+        const size_t t = along(axis) * r->cells;
+        add_flux(d, e, steps[axis], SQRT_3 / (float)job->def->cell[axis], change + t, r->cells, low + t);
+    }
 }
 
 /* What the latest iterate is more than its mixture, and its products with those of others. */
-static void compare_row(const ty_ordinates_job* job, ptrdiff_t dense, size_t cells, ty_ordinates_sums* sums) {
-    const size_t lows = (size_t)job->lows, count = cells * lows;
-    const float *low = job->low[job->latest] + dense * job->lows, *before = job->before + dense * job->lows;
-    float* change = job->changes[job->latest] + dense * job->lows;
-    double squares = 0, fluence = 0;
+static void compare_row(const ty_ordinates_job* job, const row* r, ty_ordinates_sums* sums) {
+    const size_t count = r->cells * (size_t)job->lows;
+    const float *low = job->low[job->latest] + r->low, *before = job->before + r->low;
+    float* change = job->changes[job->latest] + r->low;
 #pragma omp simd
     for (size_t i = 0; i < count; ++i) change[i] = low[i] - before[i];
-    for (size_t i = 0; i < count; i += lows) {
-        squares += (double)change[i] * (double)change[i];
-        fluence += (double)low[i] * (double)low[i];
-    }
-    sums->change += squares;
-    sums->fluence += fluence;
-    for (int32_t k = 0; k < job->count; ++k)
-        sums->products[k] += product_of(change, job->changes[k] + dense * job->lows, count);
+    sums->change += product_of(change, change, r->cells);
+    sums->fluence += product_of(low, low, r->cells);
+    for (int32_t k = 0; k < job->count; ++k) sums->products[k] += product_of(change, job->changes[k] + r->low, count);
 }
 
 static void correct_plane(void* user, int64_t z, int32_t worker) {
@@ -217,8 +257,9 @@ static void correct_plane(void* user, int64_t z, int32_t worker) {
     const loop* l = user;
     ty_ordinates_sums sums = {0};
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
-        if (l->e != NULL) add_row(l, y, (int32_t)z);
-        compare_row(l->job, ty_box_dense(&l->box, y, (int32_t)z), (size_t)l->box.size[0], &sums);
+        const row r = row_of(l, y, z);
+        if (l->e != NULL) add_row(l, &r);
+        compare_row(l->job, &r, &sums);
     }
     l->job->sums[z] = sums;
 }

@@ -11,22 +11,28 @@
 static const double REPORT_SECONDS = 0.1;
 /* Cycles of multigrid in a correction, whose solve sweeps and mixtures go on with; and to start from. */
 enum { CYCLES = 1, FIRST_CYCLES = 3 };
-/* What iterations are expected to leave of a change. With corrections changes do not fall evenly: of those, bounds. */
-static const double SLOWEST = 0.999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
+/* Bounds of what sweeps are expected to leave of a change. */
+static const double SLOWEST = 0.9999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
 /* Changes whose part across others is less than this share of them tell nothing. */
 static const double LEAST_PART = 1e-10;
 /* Sweeps in a row that find no smaller change before it is clear that there will be none: where cells are very thick,
  * what rounding does, and keeping radiance from falling below 0, are corrected as if they were changes. */
-enum { PATIENCE = 25 };
+enum { PATIENCE = 12 };
+
+#define SQRT_4PI 3.5449077018110318
 
 typedef double matrix[TY_ORDINATES_DEPTH][TY_ORDINATES_DEPTH];
 
+/* Sweeps that a rate is measured over: with corrections changes do not fall evenly, without they may be next to
+ * nothing, and rounding theirs. */
+enum { SPAN = 8, CORRECTED_SPAN = 2 };
+
 typedef struct iteration {
     ty_ordinates_job* job;
-    matrix products; /* of changes */
-    double change;   /* rms, relative; of the sweep before */
-    double least;    /* so far */
-    int32_t futile;  /* sweeps since then */
+    matrix products;      /* of changes */
+    double changes[SPAN]; /* rms, relative; of the last sweeps */
+    double least;         /* of all so far */
+    int32_t futile;       /* sweeps since then */
 } iteration;
 
 /* ---- mixing ---- */
@@ -83,6 +89,7 @@ static const float* correction(ty_ordinates_job* job, bool first) {
     if (job->correction == NULL) return NULL;
     const double squares = ty_ordinates_excess(job, first);
     ty_correction_solve(job->correction, squares, 0, first ? FIRST_CYCLES : CYCLES);
+    job->leaving[job->latest] += SQRT_4PI * ty_correction_leaving(job->correction);
     return ty_correction_fluence(job->correction);
 }
 
@@ -110,16 +117,24 @@ static void make_room(const iteration* it) {
         if (it->products[i][i] > it->products[job->latest][job->latest]) job->latest = i;
 }
 
+/* What rounding took from the light or gave it, alike in most cells: next to nothing, but light that scatters ten
+ * thousand times meets it as often. emitted, taken: sums over cells, W/m^3 / sqrt(4 pi). */
+static void account(ty_ordinates_job* job, double emitted, double taken) {
+    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
+    const double left = job->leaving[job->latest] / (volume * SQRT_4PI);
+    job->missing = taken > 0 ? (emitted - left) / taken - 1 : 0;
+}
+
 static ty_result sweep(const iteration* it) {
     ty_ordinates_job* job = it->job;
-    ty_ordinates_emit(job);
+    const double emitted = ty_ordinates_emit(job);
     make_room(it);
     const double begun = ty_wall_seconds();
     const ty_result result =
         ty_sweep_run(job->sweep, job->emission, job->moments[job->latest], &job->leaving[job->latest], NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
-    ty_ordinates_take_low(job);
+    account(job, emitted, ty_ordinates_take_low(job));
     return result;
 }
 
@@ -136,19 +151,27 @@ static ty_result report(ty_ordinates_job* job) {
     return job->def->progress(job->def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
 }
 
+/* What a sweep leaves of a change. */
+static double rate_of(const iteration* it, double change) {
+    const ty_ordinates_job* job = it->job;
+    const int32_t before = job->stats->sweeps - 1, longest = job->correction != NULL ? CORRECTED_SPAN : SPAN;
+    const int32_t span = before < longest ? before : longest;
+    if (span == 0) return SLOWEST;
+    const double first = it->changes[(before - span) % SPAN];
+    const double rate = first > 0 ? fmin(pow(change / first, 1.0 / span), SLOWEST) : SLOWEST;
+    return job->correction != NULL ? fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST) : rate;
+}
+
 /* Estimates what is still to come: what changes so shrink to, added up. */
 static void judge(iteration* it, const ty_ordinates_sums* sums) {
-    ty_ordinates_job* job = it->job;
-    ty_ordinates_stats* stats = job->stats;
-    const double change = sums->change > 0 ? sqrt(sums->change / sums->fluence) : 0;
-    double rate = it->change > 0 ? fmin(change / it->change, SLOWEST) : SLOWEST;
-    if (job->correction != NULL && stats->sweeps > 1) rate = fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST);
+    ty_ordinates_stats* stats = it->job->stats;
+    const double change = sums->change > 0 ? sqrt(sums->change / sums->fluence) : 0, rate = rate_of(it, change);
     stats->change = change * rate / (1 - rate);
-    stats->converged = stats->change <= job->def->tolerance;
+    stats->converged = stats->change <= it->job->def->tolerance;
     it->futile = change < it->least ? 0 : it->futile + 1;
     it->least = fmin(it->least, change);
-    it->change = change;
-    if (stats->sweeps <= job->history_capacity) job->history[stats->sweeps - 1] = stats->change;
+    it->changes[(stats->sweeps - 1) % SPAN] = change;
+    if (stats->sweeps <= it->job->history_capacity) it->job->history[stats->sweeps - 1] = stats->change;
 }
 
 /* Of iterations that found no end: what changed the least. */

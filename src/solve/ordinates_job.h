@@ -32,18 +32,20 @@ typedef struct ty_ordinates_job {
     float* extinction; /* sigma* */
     float* fixed;      /* q, where it has more than one term; NULL: the def's plane */
     float* emission;
-    float* moments[TY_ORDINATES_DEPTH];  /* of the iterates, as sweeps of mixtures left them */
-    float* low[TY_ORDINATES_DEPTH];      /* the low terms alone, corrected: those of `moments` are not */
-    float* changes[TY_ORDINATES_DEPTH];  /* of low terms, from the mixture to the iterate */
-    double leaving[TY_ORDINATES_DEPTH];  /* W, in the sweep that made it */
-    float* before;                       /* low terms of the mixture */
-    ty_ordinates_sums* sums;             /* one for each plane */
+    float* moments[TY_ORDINATES_DEPTH]; /* of the iterates, as sweeps of mixtures left them */
+    float* low[TY_ORDINATES_DEPTH];     /* the low terms alone, corrected (those of `moments` are not): of
+ each row of cells, term by term */
+    float* changes[TY_ORDINATES_DEPTH]; /* of low terms, from the mixture to the iterate */
+    double leaving[TY_ORDINATES_DEPTH]; /* W, in the sweep that made it and of its correction */
+    float* before;                      /* low terms of the mixture */
+    ty_ordinates_sums* sums;            /* one for each plane */
 
     double shares[TY_ORDINATES_DEPTH]; /* of the iterates in the next mixture; they add up to 1, or all are 0: dark */
     int32_t depth;                     /* iterates there is room for */
     int32_t count;                     /* iterates there are */
     int32_t latest;                    /* of them */
-    bool given;                        /* the only iterate is a start: it is not known what a sweep changes it by */
+    double missing; /* of the last sweep's fluence, relative, for light to be as much as was emitted */
+    bool given;     /* the only iterate is a start: it is not known what a sweep changes it by */
 } ty_ordinates_job;
 
 /* A loop over planes of cells, in parallel if they are many, and the sum of their sums, in order. */
@@ -58,10 +60,12 @@ void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int3
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes);
 /* The job's terms of cells, with zeros behind them. */
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
-/* Mixes iterates by their shares: low terms to `before`, and to emission what the mixture emits. */
-void ty_ordinates_emit(ty_ordinates_job* job);
-/* The low terms of the latest iterate, from its moments; and back, when there are no more corrections. */
-void ty_ordinates_take_low(ty_ordinates_job* job);
+/* Mixes iterates by their shares: low terms to `before`, and to emission what the mixture emits. Returns the sum of its
+ * first term. */
+double ty_ordinates_emit(ty_ordinates_job* job);
+/* The low terms of the latest iterate, from its moments, of which it returns the sum of what cells take; and back, when
+ * there are no more corrections. */
+double ty_ordinates_take_low(ty_ordinates_job* job);
 void ty_ordinates_give_low(ty_ordinates_job* job);
 /* The source of the correction: what the latest iterate scatters more than the mixture; first: all that the def emits,
  * from a dark iterate. Returns its sum of squares. */

@@ -148,22 +148,36 @@ static mixture mixture_of(const ty_ordinates_job* job) {
     return m;
 }
 
-INLINE void mix_cell(const mixture* m, size_t i, size_t low, size_t terms, float* mixed) {
-    for (size_t t = 0; t < terms; ++t) mixed[t] = 0;
+/* Low terms of a row, of which it has `count`. */
+static void mix_low(const mixture* m, size_t begin, size_t count, float* mixed) {
+    memset(mixed, 0, sizeof(float) * count);
     for (int32_t k = 0; k < m->count; ++k) {
-        const float share = m->shares[k], *moments = m->moments[k] + i * terms, *corrected = m->low[k] + i * low;
-        for (size_t t = 0; t < low; ++t) mixed[t] += share * corrected[t];
-        for (size_t t = low; t < terms; ++t) mixed[t] += share * moments[t];
+        const float share = m->shares[k], *low = m->low[k] + begin;
+#pragma omp simd
+        for (size_t i = 0; i < count; ++i) mixed[i] += share * low[i];
     }
 }
 
-INLINE void emit_cells(const ty_ordinates_job* job, const mixture* m, size_t begin, size_t end, const int32_t bands) {
+INLINE void mix_cell(const mixture* m, size_t i, const size_t lows, const size_t terms, float* mixed) {
+    for (size_t t = lows; t < terms; ++t) mixed[t] = 0;
+    for (int32_t k = 0; k < m->count; ++k) {
+        const float share = m->shares[k], *moments = m->moments[k] + i * terms;
+        for (size_t t = lows; t < terms; ++t) mixed[t] += share * moments[t];
+    }
+}
+
+/* Of a row from cell `begin` on; returns the sum of what leaves in all directions alike. */
+INLINE double emit_row(const ty_ordinates_job* job, const mixture* m, size_t begin, const int32_t bands) {
     const ty_ordinates_def* def = job->def;
-    const size_t terms = (size_t)(bands * bands), low = bands > 1 ? 4 : 1;
-    for (size_t i = begin; i < end; ++i) {
+    const size_t cells = (size_t)def->size[0], terms = (size_t)(bands * bands), lows = bands > 1 ? 4 : 1;
+    float* low = job->before + begin * lows;
+    double sum = 0;
+    mix_low(m, begin * lows, cells * lows, low);
+    for (size_t x = 0; x < cells; ++x) {
+        const size_t i = begin + x;
         float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX], *emission = job->emission + i * terms;
-        mix_cell(m, i, low, terms, mixed);
-        memcpy(job->before + i * low, mixed, sizeof(float) * low);
+        mix_cell(m, i, lows, terms, mixed);
+        for (size_t t = 0; t < lows; ++t) mixed[t] = low[t * cells + x];
         const float scattering = def->scattering[i], g = def->g[i];
         float forward = 1, power_of_g = 1;
         for (int32_t l = 0; l < bands; ++l) forward *= g;
@@ -172,11 +186,24 @@ INLINE void emit_cells(const ty_ordinates_job* job, const mixture* m, size_t beg
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) emission[t] = s * mixed[t];
             power_of_g *= g;
         }
-        if (job->fixed == NULL) {
+        if (job->fixed == NULL)
             emission[0] += def->source[0][i];
-            continue;
-        }
-        for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
+        else
+            for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
+        sum += (double)emission[0];
+    }
+    return sum;
+}
+
+static double emit_any(const ty_ordinates_job* job, const mixture* m, size_t begin) {
+    switch (job->def->bands) {
+    case 1: return emit_row(job, m, begin, 1);
+    case 2: return emit_row(job, m, begin, 2);
+    case 3: return emit_row(job, m, begin, 3);
+    case 4: return emit_row(job, m, begin, 4);
+    case 5: return emit_row(job, m, begin, 5);
+    case 6: return emit_row(job, m, begin, 6);
+    default: return emit_row(job, m, begin, job->def->bands);
     }
 }
 
@@ -185,21 +212,16 @@ static void emit_plane(void* user, int64_t z, int32_t worker) {
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
     const mixture m = mixture_of(job);
-    const size_t begin = (size_t)z * plane_cells(job), end = begin + plane_cells(job);
-    switch (job->def->bands) {
-    case 1: emit_cells(job, &m, begin, end, 1); break;
-    case 2: emit_cells(job, &m, begin, end, 2); break;
-    case 3: emit_cells(job, &m, begin, end, 3); break;
-    case 4: emit_cells(job, &m, begin, end, 4); break;
-    case 5: emit_cells(job, &m, begin, end, 5); break;
-    case 6: emit_cells(job, &m, begin, end, 6); break;
-    default: emit_cells(job, &m, begin, end, job->def->bands); break;
-    }
+    const size_t begin = (size_t)z * plane_cells(job), cells = (size_t)job->def->size[0];
+    double sum = 0;
+    for (size_t i = begin; i < begin + plane_cells(job); i += cells) sum += emit_any(job, &m, i);
+    job->sums[z] = (ty_ordinates_sums){.emitted = sum};
 }
 
-void ty_ordinates_emit(ty_ordinates_job* job) {
+double ty_ordinates_emit(ty_ordinates_job* job) {
     loop l = {.job = job};
     ty_ordinates_planes(job, emit_plane, &l);
+    return ty_ordinates_total(job).emitted;
 }
 
 /* ---- energy ---- */
