@@ -30,7 +30,7 @@ static void the_unit_cube(void** state) {
     bool right = true;
     for (int i = 0; i < 4; ++i) {
         ty_scene* scene = cube_in_light(*state, anisotropies[i]);
-        trace(scene, &expected);
+        trace(scene, anisotropies[i], &expected);
         for (int r = 0; r < 3; ++r) {
             ty_dom_def def = ty_default_dom_def();
             def.resolution = resolutions[r];
@@ -49,7 +49,7 @@ static void the_unit_cube(void** state) {
 static void bands_agree(void** state) {
     static truth expected;
     ty_scene* scene = cube_in_light(*state, 0.7);
-    trace(scene, &expected);
+    trace(scene, 0.7, &expected);
     for (int32_t bands = 3; bands <= 6; ++bands) {
         ty_dom_def def = ty_default_dom_def();
         def.resolution = 16;
