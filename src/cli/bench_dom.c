@@ -4,6 +4,7 @@
 #include "cli/dom_scenes.h"
 #include "cli/figures/figure.h"
 #include "cli/ordinates_box.h"
+#include "solve/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,12 +31,6 @@ static ty_result measure_machine(const bench_session* bench, machine* out) {
     out->gflops = bench_fma_gflops(context);
     out->bandwidth = opened ? bench_median(bandwidth, 3) : 0;
     return opened && out->gflops > 0 ? TY_OK : TY_ERROR_MEMORY;
-}
-
-/* Floating-point operations of one cell and direction in a sweep (solve/sweep): the source out of harmonics and the
- * moments into them, a multiply-add each; the cell between, with its division and what keeps radiance above 0, 24. */
-static double operations(int32_t bands) {
-    return 4.0 * bands * bands + 24;
 }
 
 /* Bytes of one cell that an octant's directions read and write together: sources, moments twice, extinction. */
@@ -118,7 +113,7 @@ static void print_solve_json(const bench_session* bench, const solved* s, double
 
 static void print_solve(const bench_session* bench, int index, const solved* s, const machine* peak) {
     const double rate = swept(&s->stats) / s->seconds[SWEEP];
-    const double flops = 1e-9 * rate * operations(s->stats.bands);
+    const double flops = 1e-9 * rate * ty_sweep_operations(s->stats.bands);
     const double bytes = 1e-9 * rate * octant_bytes(s->stats.bands) * 8 / s->stats.directions;
     if (bench->json != NULL) {
         print_solve_json(bench, s, rate, flops, bytes, peak);
@@ -171,7 +166,7 @@ static void print_sweeps(const bench_session* bench, const char* key, const ty_o
         json_number(bench->json, "seconds", stats->seconds);
         json_close_object(bench->json);
     } else {
-        printf(" %12s%4d %9.1f", stats->converged ? "" : "more than", (int)stats->sweeps, 1e3 * stats->seconds);
+        printf(" %12s%4d %9.1f", stats->converged ? "" : "not after", (int)stats->sweeps, 1e3 * stats->seconds);
     }
 }
 
@@ -226,11 +221,14 @@ static ty_result bench_thickness(const bench_session* bench) {
 enum { WIDTH = 384, HEIGHT = 216, BLOCKS = 2 };
 
 static const int32_t blocks[BLOCKS] = {1, 4};
-/* Images of one scene, and how long they took. */
+/* Images of one scene, small enough for path tracing, and how long they took; the same by dom as large as the scene's
+ * camera has it. */
 typedef struct pair {
     ty_image *truth, *image;
     ty_path_stats path;
-    ty_dom_stats dom;
+    ty_dom_stats dom, whole;
+    double path_cpu, whole_cpu; /* s of all processors */
+    double larger;              /* pixels of the whole image over those of the small one */
 } pair;
 
 static void free_pair(pair* p) {
@@ -252,24 +250,35 @@ static ty_result load_cloud(const bench_session* bench, const char** name, ty_sc
 
 static ty_result render_pair(const bench_session* bench, const ty_scene* scene, pair* out) {
     const bool given = bench->options->size_given;
+    const ty_camera_def camera = ty_scene_camera(scene);
+    ty_image* large = NULL;
     ty_path_def path = ty_default_path_def();
     ty_dom_def dom = ty_default_dom_def();
+    double cpu = cli_cpu_seconds();
+    ty_result result = ty_dom_render(scene, &dom, &large, &out->whole);
+    ty_image_destroy(large);
+    out->whole_cpu = cli_cpu_seconds() - cpu;
     path.spp = bench->options->spp;
     path.width = dom.width = given ? bench->options->size[0] : WIDTH;
     path.height = dom.height = given ? bench->options->size[1] : HEIGHT;
     path.aovs = TY_AOV_VARIANCE;
     path.progress = cli_progress_report;
     path.progress_user = &bench->session->progress;
-    ty_result result = ty_dom_render(scene, &dom, &out->image, &out->dom);
+    out->larger = (double)camera.resolution[0] * camera.resolution[1] / ((double)path.width * path.height);
+    if (result == TY_OK) result = ty_dom_render(scene, &dom, &out->image, &out->dom);
+    cpu = cli_cpu_seconds();
     if (result == TY_OK) result = ty_path_render(scene, &path, &out->truth, &out->path);
+    out->path_cpu = cli_cpu_seconds() - cpu;
     cli_progress_clear(&bench->session->progress);
     return result;
 }
 
 /* What path tracing would take for the error that the image has, of means over blocks of pixels: its noise falls with
- * the root of its time. The truth's own noise is taken out of the error. */
+ * the root of its time. The truth's own noise is taken out of the error; NaN: that is all there is. */
 typedef struct equal_error {
-    double mean_ratio, error, noise, path_seconds;
+    double mean_ratio, error, noise;
+    double more;      /* samples per pixel, times those that were taken */
+    double faster[2]; /* path's time over dom's, of the whole image: on the clock, of all processors */
 } equal_error;
 
 static ty_result find_equal(const bench_session* bench, const pair* p, int32_t block, equal_error* out) {
@@ -282,40 +291,55 @@ static ty_result find_equal(const bench_session* bench, const pair* p, int32_t b
     out->mean_ratio = difference.mean_ratio[3];
     out->error = figure_without_noise(difference.rmse[3], noise[3]) / mean;
     out->noise = noise[3] / mean;
-    out->path_seconds = p->path.seconds * pow(out->noise / out->error, 2);
+    out->more = pow(out->noise / out->error, 2);
+    out->faster[0] = out->more * p->larger * p->path.seconds / p->whole.seconds;
+    out->faster[1] = out->more * p->larger * p->path_cpu / p->whole_cpu;
     return TY_OK;
 }
 
 static void print_equal(const bench_session* bench, const pair* p, int32_t block, const equal_error* e) {
-    const double faster = e->path_seconds / p->dom.seconds;
     if (bench->json != NULL) {
         json_open_object(bench->json, NULL);
         json_integer(bench->json, "block", block);
         json_number(bench->json, "mean_ratio", e->mean_ratio);
-        json_number(bench->json, "relative_rmse", e->error);
         json_number(bench->json, "path_noise", e->noise);
-        json_number(bench->json, "path_seconds_at_equal_error", e->path_seconds);
-        json_number(bench->json, "path_over_dom", faster);
+        if (!isnan(e->error)) {
+            json_number(bench->json, "relative_rmse", e->error);
+            json_number(bench->json, "path_spp_at_equal_error", e->more * p->path.spp);
+            json_number(bench->json, "path_over_dom", e->faster[0]);
+            json_number(bench->json, "path_over_dom_cpu", e->faster[1]);
+        }
         json_close_object(bench->json);
         return;
     }
-    printf("  means over %d x %d pixels: mean ratio %.3f, relative RMSE %.4f; path has %.4f, and would take %.1f s for "
-           "as much: %.0f times dom\n",
-           (int)block, (int)block, e->mean_ratio, e->error, e->noise, e->path_seconds, faster);
+    printf("  means over %d x %d pixels: mean ratio %.3f, path's noise %.4f; ", (int)block, (int)block, e->mean_ratio,
+           e->noise);
+    if (isnan(e->error))
+        printf("dom's error is less than can be told from it\n");
+    else
+        printf("relative RMSE %.4f, for which path takes %.0f spp and %.0f times as long (at least 100; %.0f times the "
+               "processors' time)\n",
+               e->error, e->more * p->path.spp, e->faster[0], e->faster[1]);
 }
 
-static void print_pair(const bench_session* bench, const char* name, const pair* p) {
+static void print_pair(const bench_session* bench, const char* name, const ty_scene* scene, const pair* p) {
+    const ty_dom_stats* dom = &p->whole;
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const int32_t* whole = camera.resolution;
     if (bench->json != NULL) {
         json_text(bench->json, "scene", name);
-        json_number(bench->json, "dom_seconds", p->dom.seconds);
-        json_number(bench->json, "dom_before_march_seconds", p->dom.seconds - p->dom.march_seconds);
-        json_number(bench->json, "path_seconds", p->path.seconds);
+        json_numbers(bench->json, "size", (const double[]){whole[0], whole[1]}, 2);
+        json_number(bench->json, "dom_seconds", dom->seconds);
+        json_number(bench->json, "dom_before_march_seconds", dom->seconds - dom->march_seconds);
+        json_number(bench->json, "path_seconds", p->larger * p->path.seconds);
         json_number(bench->json, "path_spp", p->path.spp);
         return;
     }
-    printf("%s, %dx%d: dom %.3f s (before the march %.3f), path at %g spp %.1f s\n", name,
-           (int)ty_image_width(p->image), (int)ty_image_height(p->image), p->dom.seconds,
-           p->dom.seconds - p->dom.march_seconds, p->path.spp, p->path.seconds);
+    printf("%s, %dx%d: dom %.3f s (medium %.3f, direct %.3f, sources %.3f, solve %.3f, march %.3f), path at %g spp, "
+           "from %dx%d, %.1f s\n",
+           name, (int)whole[0], (int)whole[1], dom->seconds, dom->medium_seconds, dom->direct_seconds,
+           dom->source_seconds, dom->solve_seconds, dom->march_seconds, p->path.spp, (int)ty_image_width(p->image),
+           (int)ty_image_height(p->image), p->larger * p->path.seconds);
 }
 
 static ty_result bench_images(const bench_session* bench) {
@@ -325,7 +349,7 @@ static ty_result bench_images(const bench_session* bench) {
     if (bench->json != NULL) json_open_object(bench->json, "image");
     ty_result result = load_cloud(bench, &name, &scene);
     if (result == TY_OK) result = render_pair(bench, scene, &p);
-    if (result == TY_OK) print_pair(bench, name, &p);
+    if (result == TY_OK) print_pair(bench, name, scene, &p);
     if (bench->json != NULL) json_open_array(bench->json, "equal_error");
     for (int i = 0; i < BLOCKS && result == TY_OK; ++i) {
         equal_error equal;

@@ -5,7 +5,7 @@ const char dom_disney_file[] = "volumes/wdas_cloud_sixteenth.vdb";
 
 const char dom_disney_scene[] =
     "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [-560, 60, 420], \"target\": [0, 45, -40], \"fov_y\": 28, \"resolution\": [256, 144],"
+    " \"camera\": {\"position\": [-560, 60, 420], \"target\": [0, 45, -40], \"fov_y\": 28, \"resolution\": [960, 540],"
     "  \"exposure\": 1.6},"
     " \"media\": [{\"name\": \"cloud\", \"density\": {\"file\": \"volumes/wdas_cloud_sixteenth.vdb\", \"grid\": "
     "\"density\"},"

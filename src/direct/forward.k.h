@@ -47,19 +47,17 @@ TY_FN float ty_forward_scattered(ty_forward light, float mu, float g) {
 enum { TY_FORWARD_TERMS = 16 };
 #define TY_FORWARD_CLOSED 1e-2f
 
-/* The same of a line of light where others know not one moment but those of l < L, to which R, of sigma_t - g^L
- * sigma_s, is given in full (delta-M); S is that of L + 1. Light that has scattered and kept its direction then has the
- * moments (R - U) up to l = L and, as it has b = (S - U) / (R - U) at the next, (R - U) b^(l - L) from there on. L =
- * order >= 1.
- */
-TY_FN float ty_forward_beyond(ty_forward light, float mu, float g, int32_t order) {
-    const float b = ty_forward_cosine(light.straight, light.kept, light.bent), x = g * b;
-    float before = 0.0f, now = 1.0f, of_g = 1.0f, of_x = 1.0f, of_b = 1.0f, known = 0.0f, low = 0.0f, tail = 0.0f;
+/* Moments of 1 up to l = L and b^(l - L) from there on, scattered once by a mean cosine g at cosine mu, times 4 pi;
+ * below: the part of l < L. L = order >= 1. */
+TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* below) {
+    const float x = g * b;
+    float before = 0.0f, now = 1.0f, of_g = 1.0f, of_x = 1.0f, of_b = 1.0f, low = 0.0f, tail = 0.0f;
     int32_t l = 0;
+    *below = 0.0f;
     for (; l < order; ++l) {
         const float weight = (float)(2 * l + 1) * now;
         const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
-        known += weight * of_g;
+        *below += weight * of_g;
         low += weight * of_x;
         before = now;
         now = next;
@@ -67,18 +65,25 @@ TY_FN float ty_forward_beyond(ty_forward light, float mu, float g, int32_t order
         of_x *= x;
         of_b *= b;
     }
-    if (of_b > TY_FORWARD_CLOSED) {
-        tail = (4.0f * TY_PI * ty_hg(mu, x) - low) / of_b;
-    } else {
-        for (; l < order + TY_FORWARD_TERMS; ++l) {
-            const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
-            tail += (float)(2 * l + 1) * now * of_g;
-            before = now;
-            now = next;
-            of_g *= x;
-        }
+    if (of_b > TY_FORWARD_CLOSED) return (4.0f * TY_PI * ty_hg(mu, x) - low) / of_b;
+    for (; l < order + TY_FORWARD_TERMS; ++l) {
+        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        tail += (float)(2 * l + 1) * now * of_g;
+        before = now;
+        now = next;
+        of_g *= x;
     }
-    return ty_maxf(0.0f, light.kept - light.straight) * TY_INV_4PI * (known + tail);
+    return tail;
+}
+
+/* As ty_forward_scattered, of a line of light where others know not one moment but those of l < L, to which R, of
+ * sigma_t - g^L sigma_s, is given in full (delta-M); S is that of L + 1. Light that has scattered and kept its
+ * direction then has the moments R - U up to l = L and, as it has b = (S - U) / (R - U) of that at the next, (R - U)
+ * b^(l - L) from there on. */
+TY_FN float ty_forward_beyond(ty_forward light, float mu, float g, int32_t order) {
+    float below;
+    const float tail = ty_forward_tail(ty_forward_cosine(light.straight, light.kept, light.bent), mu, g, order, &below);
+    return ty_maxf(0.0f, light.kept - light.straight) * TY_INV_4PI * (below + tail);
 }
 
 /* What of the light that has not scattered does so, the same. */

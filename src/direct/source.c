@@ -35,7 +35,7 @@ static double triangle_power(const ty_light_view* light) {
 
 static ty_source* append(source_list* list, ty_source_kind kind, int32_t light) {
     ty_source* source = &list->items[list->count++];
-    *source = (ty_source){.kind = kind, .light = light};
+    *source = (ty_source){.kind = kind, .light = light, .cosine = 1};
     return source;
 }
 
@@ -69,6 +69,7 @@ static void add_environment(source_list* list, int32_t index) {
         if (!(brightness(radiance) > 0)) continue;
         ty_source* source = append(list, TY_SOURCE_BEAM, index);
         source->direction = ty_scale(look, -1);
+        source->cosine = ty_maxf(0, 1 - 0.25f / (TY_PI * pdf * (float)list->def.environment));
         for (int c = 0; c < 3; ++c) source->color[c] = radiance[c] / (pdf * (float)list->def.environment);
     }
 }

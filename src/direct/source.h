@@ -17,6 +17,7 @@ typedef struct ty_source {
     ty_vec position;  /* lamps, m */
     int32_t alone;    /* lamps: whether the light is this one point, not one of many on a surface */
     float area;       /* lamps: of the surface that the point stands for, m^2; 0: none */
+    float cosine;     /* beams: mean cosine of the light that they stand for about the direction; 1: it is a line */
 } ty_source;
 
 typedef struct ty_source_def {

@@ -174,6 +174,10 @@ size_t ty_sweep_bytes(const ty_sweep* sweep) {
     return sizeof *sweep + sweep->bytes;
 }
 
+double ty_sweep_operations(int32_t bands) {
+    return 4.0 * bands * bands + 16;
+}
+
 /* ---- a sweep ---- */
 
 typedef struct sweep_job {

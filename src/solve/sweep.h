@@ -1,4 +1,12 @@
-/* One sweep: light along all directions of a set through a box of cells, for sources that are known. */
+/* One sweep: light along all directions of a set through a box of cells, for sources that are known.
+ *
+ * Diamond differences: a cell's radiance is the mean of that of opposite faces. Where a face would fall below 0 it is
+ * 0, and the cell balances without it; nowhere else does this change anything. What is emitted is absorbed or leaves,
+ * to rounding, whatever the cells' thickness; where light changes little from cell to cell, as deep in thick media,
+ * that holds for cells of any thickness, and elsewhere the error falls with the square of the cells' edges.
+ *
+ * Rows along y and z lie in blocks; those that wait for no others are gone through at once, the rest later. What is in
+ * a block when does not depend on the number of threads, nor does any sum. */
 #ifndef TY_SOLVE_SWEEP_H
 #define TY_SOLVE_SWEEP_H
 
@@ -17,6 +25,9 @@ void ty_sweep_let_in(ty_sweep* sweep, const float* radiance);
 void ty_sweep_destroy(ty_sweep* sweep);
 /* Bytes it holds. */
 size_t ty_sweep_bytes(const ty_sweep* sweep);
+/* Floating-point operations that a cell takes for each direction, at least: emission out of the harmonics and moments
+ * into them, and what is between. */
+double ty_sweep_operations(int32_t bands);
 
 /* emission and moments: interleaved, bands^2 of each cell after one another, cells x fastest (what one cell needs lies
  * together). moments are replaced by the integrals of psi Y_lm that emission (of psi per metre) leaves; psi is that of

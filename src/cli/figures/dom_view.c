@@ -1,6 +1,8 @@
 /* Scenes by discrete ordinates with settings of their own, and their fluence. */
 #include "cli/figures/dom_view.h"
 
+#include <stdlib.h>
+
 static int32_t all_sweeps(const ty_dom_stats* stats) {
     int32_t sum = 0;
     for (int32_t plane = 0; plane < stats->planes; ++plane) sum += stats->sweeps[plane];
@@ -39,8 +41,12 @@ ty_result dom_solve(figure_run* run, const ty_scene* scene, int32_t directions, 
 }
 
 ty_result dom_scattered_fluence(const ty_dom* light, const pop_box* box, const pop_truth* truth, double (*out)[3]) {
-    const ty_result result = ty_dom_fluence(light, box->lower, box->upper, box->size, out[0], NULL);
-    for (size_t i = 0; i < pop_box_cells(box) && result == TY_OK; ++i)
-        for (int c = 0; c < 3; ++c) out[i][c] -= truth->uncollided[i][c];
+    const size_t cells = pop_box_cells(box);
+    double(*own)[3] = calloc(cells, sizeof *own);
+    if (own == NULL) return TY_ERROR_MEMORY;
+    const ty_result result = ty_dom_fluence(light, box->lower, box->upper, box->size, out[0], own[0]);
+    for (size_t i = 0; i < cells && result == TY_OK; ++i)
+        for (int c = 0; c < 3; ++c) out[i][c] -= truth != NULL ? truth->uncollided[i][c] : own[i][c];
+    free(own);
     return result;
 }

@@ -16,7 +16,8 @@ ty_result dom_render_variant(figure_run* run, const char* item, ty_scene* scene,
 ty_result dom_solve(figure_run* run, const ty_scene* scene, int32_t directions, int32_t resolution, ty_dom** out,
                     ty_dom_stats* stats);
 /* Fluence of what has scattered: all but the truth's uncollided light, since the method counts light that is sent
- * nearly straight on as uncollided. */
+ * nearly straight on as uncollided; in isotropic media, which have none of that, truth may be NULL, and edges of
+ * shadows do not count. */
 ty_result dom_scattered_fluence(const ty_dom* light, const pop_box* box, const pop_truth* truth, double (*out)[3]);
 
 #endif

@@ -72,12 +72,15 @@ void ty_dom_destroy(ty_dom* light) {
     ty_context* context = light->context;
     const size_t bytes = (size_t)light->kept * (size_t)light->kept * sizeof(float);
     for (int i = 0; i < TY_DOM_OWN_MAX; ++i)
-        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) ty_light_field_destroy(light->fields[i][f]);
+        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) {
+            ty_light_field_destroy(light->fields[i][f]);
+            ty_light_field_destroy(light->coarse[i][f]);
+        }
     ty_light_field_destroy(light->many);
+    ty_dom_parts_destroy(light);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
-        ty_free_array(context, light->once[c], light->cells, bytes);
     }
     ty_free_array(context, light, 1, sizeof *light);
 }

@@ -3,14 +3,27 @@
 #define TY_METHOD_DOM_JOB_H
 
 #include "base/progress.h"
-#include "direct/single.k.h"
-#include "direct/uncollided.h"
+#include "direct/group.h"
 #include "solve/ordinates.h"
 
 #include <tyndall/dom.h>
 
 /* Lights that keep a field of their own, so that their phase function stays sharp, beside all others together. */
 enum { TY_DOM_OWN_MAX = 8 };
+
+/* Beams or lamps of one light, or a share of them, that have about the same direction or place. Their fluence is
+ * color times that of a plane: one for all channels, or one each. */
+typedef struct ty_dom_part {
+    int32_t kind;      /* TY_SINGLE_BEAM, TY_SINGLE_LAMP */
+    int32_t light;     /* as in ty_source */
+    ty_vec toward;     /* as in ty_single_light */
+    float cosine;      /* beams: mean cosine about it */
+    float area;        /* lamps: m^2 */
+    float color[3];    /* without media, and 1 m from lamps */
+    ty_vec middle;     /* while it is made: sum of the sources' directions or places, times their mean colors */
+    float brightness;  /* sum of these mean colors */
+    float* fluence[3]; /* of the cells of ordinates */
+} ty_dom_part;
 
 struct ty_dom {
     ty_context* context;
@@ -19,7 +32,8 @@ struct ty_dom {
     ty_grid_box fine_box;
     bool lobes; /* whether what scatters nearly straight on is told from what has not scattered */
     ty_light_field* fields[TY_DOM_OWN_MAX][TY_SINGLE_FLUENCES];
-    ty_light_field* many; /* of all lights that have no field of their own */
+    ty_light_field* coarse[TY_DOM_OWN_MAX][TY_SINGLE_FLUENCES]; /* their means on the cells of ordinates */
+    ty_light_field* many;                                       /* of all lights that have no field of their own */
     ty_single_light lights[TY_DOM_OWN_MAX + 1];
     int32_t light_count;
     /* What ordinates go through. */
@@ -32,8 +46,11 @@ struct ty_dom {
     bool shared; /* whether all channels are the first one's, times color */
     float color[3];
     float* moments[3]; /* of what has scattered, W m^-2 */
-    float* once[3];    /* of what lights without fields of their own scatter: sigma_s g^l times their moments, W m^-3;
-                          NULL: there are none, or all g are 0 */
+    /* Directions of light that is in `many`. */
+    ty_dom_part* parts;
+    int32_t part_capacity, part_count, part_planes;
+    float straight[3], bent[3]; /* per plane of the medium, over all cells: how much deeper media are for U and S of
+                                   forward.k.h than for R */
 };
 
 typedef struct ty_dom_job {
@@ -87,10 +104,19 @@ typedef struct ty_dom_scratch {
 
 ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch);
 void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch);
-/* Adds what scatters of a field's light, which is that of `single` (TY_SINGLE_BEAM or _LAMP), to q_lm, or (once) to
- * light->once: ty_dom_add_once then completes q_lm. */
-void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
-                       ty_dom_scratch* scratch, bool once);
-void ty_dom_add_once(ty_dom_job* job, const ty_dom_scratch* scratch);
+/* Adds what scatters of a field's light, which is that of `single` (TY_SINGLE_BEAM or _LAMP), to q_lm. cosine: mean
+ * cosine of beams about their direction. */
+void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single, float cosine,
+                       ty_dom_scratch* scratch);
+
+/* ---- lights that have no field of their own ---- */
+
+/* Parts for `count` groups of lights, of which those that are own have none. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_parts_create(ty_dom_job* job, const ty_source_group* groups, int32_t count);
+/* Adds one source's fluence, that of a group without a field of its own, to its part. */
+ty_result ty_dom_parts_add(ty_dom_job* job, const ty_source* source, const ty_light_field* one);
+/* Once all were added. */
+void ty_dom_parts_end(ty_dom_job* job);
+void ty_dom_parts_destroy(ty_dom* light);
 
 #endif

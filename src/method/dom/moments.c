@@ -50,15 +50,14 @@ typedef struct add_job {
     ty_dom_job* job;
     ty_dom_scratch* scratch;
     const ty_single_light* single;
+    float cosine;              /* of beams, about their direction */
     const float* fluence;      /* of fine cells */
     const float* scattering;   /* of the medium there */
     const float* g;            /* and its mean cosines */
     bool uniform;              /* whether all that scatters has the same */
     float power[TY_DOM_MEANS]; /* where uniform: g^l; else 1 */
-    int32_t terms;             /* bands of what is added: of q or, if more, of `once` */
     int32_t channel_count, channels[3];
-    float factor[3];   /* of the fluence, for each */
-    bool once, source; /* what is added to */
+    float factor[3]; /* of the fluence, for each */
 } add_job;
 
 /* sigma_s times the fluence. */
@@ -81,13 +80,11 @@ static void turn_chunk(void* user, int64_t index, int32_t worker) {
     for (size_t i = begin; i < end; ++i) turned[i] *= add->g[i];
 }
 
-/* means[l]: of sigma_s g^l times the fluence, l up to L and up to the last band kept; if g is the same everywhere, of
- * l = 0 alone. */
+/* means[l]: of sigma_s g^l times the fluence, l up to L; if g is the same everywhere, of l = 0 alone. */
 static void find_means(const add_job* add) {
     const ty_dom_job* job = add->job;
     const int64_t chunks = (int64_t)((job->fine->cells + CHUNK - 1) / CHUNK);
-    const int32_t last = add->terms - 1 > job->light->bands ? add->terms - 1 : job->light->bands;
-    for (int32_t l = 0; l <= (add->uniform ? 0 : last); ++l) {
+    for (int32_t l = 0; l <= (add->uniform ? 0 : job->light->bands); ++l) {
         ty_parallel_for(job->context, chunks, l == 0 ? scatter_chunk : turn_chunk, (void*)add);
         ty_grid_average(job->context, add->scratch->turned, job->fine->box.size, job->coarse->box.size,
                         add->scratch->means + job->coarse->cells * (size_t)l);
@@ -100,11 +97,6 @@ static const float* means_of(const add_job* add, int32_t l) {
 }
 
 /* ---- moments of lamps ---- */
-
-/* Of a cell: sum of sigma_s g^l F Y_lm, and of sigma_s g^L F Y_lm. */
-typedef struct cell_moments {
-    double sent[TERMS_MAX], straight[TERMS_MAX];
-} cell_moments;
 
 static void find_middle(const ty_grid_medium* medium, const int32_t cell[3], double at[3]) {
     for (int a = 0; a < 3; ++a) at[a] = medium->box.lower[a] + (cell[a] + 0.5) * medium->cell[a];
@@ -142,8 +134,9 @@ static void near_harmonics(const double lamp[3], const double middle[3], const d
 
 /* One fine cell's part of a coarse one's moments. */
 static void add_fine_cell(const add_job* add, const double lamp[3], const int32_t index[3], double share,
-                          cell_moments* moments) {
+                          double* moments) {
     const ty_grid_medium* fine = add->job->fine;
+    const int32_t bands = add->job->light->bands;
     const int32_t* size = fine->box.size;
     const size_t i = (size_t)index[0] + (size_t)size[0] * ((size_t)index[1] + (size_t)size[1] * (size_t)index[2]);
     const double sent = share * (double)add->scattering[i] * (double)add->fluence[i], g = (double)add->g[i];
@@ -152,24 +145,21 @@ static void add_fine_cell(const add_job* add, const double lamp[3], const int32_
     find_middle(fine, index, middle);
     const double distance = unit_from(lamp, middle, way);
     if (distance < near_sides * fmax(fine->cell[0], fmax(fine->cell[1], fine->cell[2])))
-        near_harmonics(lamp, middle, fine->cell, add->terms, y);
+        near_harmonics(lamp, middle, fine->cell, bands, y);
     else
-        ty_harmonics_at(way, add->terms, y);
-    const double straight = sent * pow(g, add->job->light->bands);
-    double factor = sent;
-    for (int32_t l = 0; l < add->terms; ++l, factor *= g)
-        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
-            moments->sent[t] += factor * y[t];
-            moments->straight[t] += straight * y[t];
-        }
+        ty_harmonics_at(way, bands, y);
+    const double straight = pow(g, bands);
+    double power = 1;
+    for (int32_t l = 0; l < bands; ++l, power *= g)
+        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] += sent * (power - straight) * y[t];
 }
 
 /* A coarse cell about a lamp, fine cell by fine cell. */
-static void add_near(const add_job* add, const double lamp[3], const int32_t cell[3], cell_moments* moments) {
+static void add_near(const add_job* add, const double lamp[3], const int32_t cell[3], double* moments) {
     const ty_grid_box* box = &add->job->coarse->box;
     const ty_cover_box cells = {box->lower, box->upper, box->size};
     ty_cover axes[3];
-    memset(moments, 0, sizeof *moments);
+    memset(moments, 0, TERMS_MAX * sizeof *moments);
     ty_cover_cell(&add->job->fine->box, &cells, cell, axes);
     for (int32_t k = axes[2].first; k < axes[2].first + axes[2].count; ++k)
         for (int32_t j = axes[1].first; j < axes[1].first + axes[1].count; ++j)
@@ -182,29 +172,21 @@ static void add_near(const add_job* add, const double lamp[3], const int32_t cel
 }
 
 /* A cell that light crosses one way. */
-static void add_far(const add_job* add, const double* y, size_t cell, cell_moments* moments) {
+static void add_far(const add_job* add, const double* y, size_t cell, double* moments) {
     const int32_t bands = add->job->light->bands;
     const double straight = (double)(add->power[bands] * means_of(add, bands)[cell]);
-    for (int32_t l = 0; l < add->terms; ++l) {
-        const double sent = (double)(add->power[l] * means_of(add, l)[cell]);
-        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
-            moments->sent[t] = sent * y[t];
-            moments->straight[t] = straight * y[t];
-        }
+    for (int32_t l = 0; l < bands; ++l) {
+        const double turned = (double)(add->power[l] * means_of(add, l)[cell]) - straight;
+        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] = turned * y[t];
     }
 }
 
-static void keep_moments(const add_job* add, size_t cell, const cell_moments* moments) {
-    ty_dom* light = add->job->light;
-    const int32_t bands = light->bands, kept = light->kept;
+static void keep_moments(const add_job* add, size_t cell, const double* moments) {
+    const ty_dom* light = add->job->light;
     for (int32_t n = 0; n < add->channel_count; ++n) {
-        const int32_t c = add->channels[n];
-        const double factor = (double)add->factor[n];
-        float* source = add->job->source[c] + cell;
-        for (int32_t t = 0; t < bands * bands && add->source; ++t)
-            source[light->cells * (size_t)t] += (float)(factor * (moments->sent[t] - moments->straight[t]));
-        for (int32_t t = 0; t < kept * kept && add->once; ++t)
-            light->once[c][light->cells * (size_t)t + cell] += (float)(factor * moments->sent[t]);
+        float* source = add->job->source[add->channels[n]] + cell;
+        for (int32_t t = 0; t < light->bands * light->bands; ++t)
+            source[light->cells * (size_t)t] += (float)((double)add->factor[n] * moments[t]);
     }
 }
 
@@ -217,7 +199,7 @@ static void add_lamp_row(void* user, int64_t row, int32_t worker) {
                             (double)add->single->toward.z};
     const double* side = coarse->cell;
     const double diagonal = sqrt(side[0] * side[0] + side[1] * side[1] + side[2] * side[2]);
-    cell_moments moments;
+    double moments[TERMS_MAX];
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
@@ -225,25 +207,16 @@ static void add_lamp_row(void* user, int64_t row, int32_t worker) {
         if (!(add->scratch->means[at] > 0)) continue;
         find_middle(coarse, cell, middle);
         if (diagonal > one_way * unit_from(lamp, middle, way)) {
-            add_near(add, lamp, cell, &moments);
+            add_near(add, lamp, cell, moments);
         } else {
-            ty_harmonics_at(way, add->terms, y);
-            add_far(add, y, at, &moments);
+            ty_harmonics_at(way, add->job->light->bands, y);
+            add_far(add, y, at, moments);
         }
-        keep_moments(add, at, &moments);
+        keep_moments(add, at, moments);
     }
 }
 
 /* ---- moments of beams ---- */
-
-/* out += factor a - less b along a row; b is not looked at if less is 0. */
-static void add_scaled(float* out, int32_t count, float factor, const float* a, float less, const float* b) {
-    if (less == 0) {
-        for (int32_t i = 0; i < count; ++i) out[i] += factor * a[i];
-        return;
-    }
-    for (int32_t i = 0; i < count; ++i) out[i] += factor * a[i] - less * b[i];
-}
 
 static void add_beam_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
@@ -253,19 +226,17 @@ static void add_beam_row(void* user, int64_t row, int32_t worker) {
     const double way[3] = {(double)add->single->toward.x, (double)add->single->toward.y, (double)add->single->toward.z};
     const size_t at = (size_t)row * (size_t)width;
     const float* straight = means_of(add, bands) + at;
+    float spread = 1;
     double y[TERMS_MAX];
-    ty_harmonics_at(way, add->terms, y);
-    for (int32_t n = 0; n < add->channel_count; ++n)
-        for (int32_t l = 0; l < add->terms; ++l) {
+    ty_harmonics_at(way, add->job->light->bands, y);
+    for (int32_t n = 0; n < add->channel_count; ++n, spread = 1)
+        for (int32_t l = 0; l < bands; ++l, spread *= add->cosine) {
             const float* sent = means_of(add, l) + at;
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
-                const float factor = add->factor[n] * (float)y[t], of_sent = factor * add->power[l];
-                const size_t plane = light->cells * (size_t)t + at;
-                if (add->source && l < bands)
-                    add_scaled(add->job->source[add->channels[n]] + plane, width, of_sent, sent,
-                               factor * add->power[bands], straight);
-                if (add->once && l < light->kept)
-                    add_scaled(light->once[add->channels[n]] + plane, width, of_sent, sent, 0, NULL);
+                const float factor = add->factor[n] * spread * (float)y[t];
+                const float more = factor * add->power[l], less = factor * add->power[bands];
+                float* out = add->job->source[add->channels[n]] + light->cells * (size_t)t + at;
+                for (int32_t i = 0; i < width; ++i) out[i] += more * sent[i] - less * straight[i];
             }
         }
 }
@@ -287,41 +258,23 @@ static void choose_channels(add_job* add, const ty_light_field* field, int32_t p
     }
 }
 
-void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
-                       ty_dom_scratch* scratch, bool once) {
+void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single, float cosine,
+                       ty_dom_scratch* scratch) {
     const ty_grid_medium* fine = job->fine;
     const ty_dom* light = job->light;
     const int64_t rows = (int64_t)light->box.size[1] * light->box.size[2];
-    add_job add = {.job = job, .scratch = scratch, .single = single, .once = once};
-    add.terms = once ? light->kept : light->bands;
+    add_job add = {.job = job, .scratch = scratch, .single = single, .cosine = cosine};
     for (int32_t p = 0; p < field->planes; ++p) {
         const int32_t plane = fine->planes == 3 ? p : 0;
         add.fluence = field->fluence[p];
         add.scattering = fine->scattering[plane];
         add.g = fine->g[plane];
         add.uniform = scratch->uniform[plane];
-        add.source = !once || !add.uniform;
         add.power[0] = 1;
         for (int32_t l = 1; l < TY_DOM_MEANS; ++l)
             add.power[l] = add.uniform ? add.power[l - 1] * scratch->g[plane] : 1;
         choose_channels(&add, field, p);
         find_means(&add);
         ty_parallel_for(job->context, rows, single->kind == TY_SINGLE_LAMP ? add_lamp_row : add_beam_row, &add);
-    }
-}
-
-void ty_dom_add_once(ty_dom_job* job, const ty_dom_scratch* scratch) {
-    const ty_dom* light = job->light;
-    for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        const int32_t plane = light->planes == 3 ? c : 0;
-        if (!scratch->uniform[plane]) continue;
-        const double g = (double)scratch->g[plane];
-        for (int32_t l = 0; l < light->bands; ++l) {
-            /* What scatters straight on goes as g^L, and of what was added there is g^l. */
-            const float share = (float)(1 - pow(g, light->bands - l));
-            for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                add_scaled(ty_dom_plane(light, job->source[c], t), (int32_t)light->cells, share,
-                           ty_dom_plane(light, light->once[c], t), 0, NULL);
-        }
     }
 }

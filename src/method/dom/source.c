@@ -1,67 +1,9 @@
 /* Uncollided light: lights that can be met from one direction, or one point, on fields of their own, and all others
  * together, one beam or lamp after the other, because each has its own direction. */
 #include "base/context.h"
-#include "direct/group.h"
 #include "method/dom/job.h"
 
-#include <math.h>
 #include <string.h>
-
-/* Relative difference up to which colors are multiples of each other. */
-static const float alike = 1e-6f;
-
-/* ---- colors ---- */
-
-static bool is_black(const float color[3]) {
-    return !(color[0] + color[1] + color[2] > 0);
-}
-
-/* A color that all emission may be a multiple of; black where nothing glows. */
-static void emission_color(const ty_grid_medium* medium, float color[3]) {
-    for (int c = 0; c < 3; ++c) color[c] = 0;
-    for (size_t i = 0; i < medium->cells && is_black(color); ++i)
-        for (int c = 0; c < 3; ++c) color[c] = medium->emission[c] != NULL ? medium->emission[c][i] : 0;
-}
-
-static bool emission_shares(const ty_grid_medium* medium, const float color[3]) {
-    for (int c = 0; c < 3 && medium->emission[0] != NULL; ++c) {
-        const int d = (c + 1) % 3;
-        for (size_t i = 0; i < medium->cells; ++i) {
-            const float a = medium->emission[c][i] * color[d], b = medium->emission[d][i] * color[c];
-            if (fabsf(a - b) > alike * ty_maxf(a, b)) return false;
-        }
-    }
-    return true;
-}
-
-/* Sources without black ones. */
-static void drop_black(ty_dom_job* job) {
-    int32_t count = 0;
-    for (int32_t i = 0; i < job->source_count; ++i)
-        if (!is_black(job->sources[i].color)) job->sources[count++] = job->sources[i];
-    job->source_count = count;
-}
-
-/* What the sources' array was taken with stays what it is freed with. */
-ty_result ty_dom_take_sources(ty_dom_job* job) {
-    const ty_source_def def = {
-        .environment = job->def->environment_beams, .surface = job->def->surface_points, .seed = job->def->seed};
-    ty_dom* light = job->light;
-    const ty_result result = ty_sources_create(job->scene, &def, &job->sources, &job->source_capacity);
-    if (result != TY_OK) return result;
-    job->source_count = job->source_capacity;
-    drop_black(job);
-    float color[3] = {0};
-    if (job->source_count > 0)
-        memcpy(color, job->sources[0].color, sizeof color);
-    else
-        emission_color(job->coarse, color);
-    light->shared = !is_black(color) && light->planes == 1 && emission_shares(job->coarse, color) &&
-                    ty_sources_share(job->sources, job->source_count, color);
-    for (int c = 0; c < 3; ++c) light->color[c] = light->shared ? color[c] : 1;
-    job->stats.planes = ty_dom_channels(light);
-    return TY_OK;
-}
 
 /* ---- fields ---- */
 
@@ -92,6 +34,20 @@ static void describe_lobes(const ty_dom* light, ty_light_field* const fields[TY_
     }
 }
 
+/* A light's fluences on the cells of ordinates. */
+static ty_result average_own(direct_job* direct, const ty_source_group* group, ty_light_field* const* fields,
+                             ty_light_field** out) {
+    const ty_dom_job* job = direct->job;
+    for (int32_t f = 0; f < TY_SINGLE_FLUENCES; ++f) {
+        if (ty_source_groups_field(job->sources, group, 1, true, job->coarse, false, &out[f]) != TY_OK)
+            return TY_ERROR_MEMORY;
+        for (int32_t p = 0; p < fields[f]->planes; ++p)
+            ty_grid_average(job->context, fields[f]->fluence[p], job->fine->box.size, job->coarse->box.size,
+                            out[f]->fluence[p]);
+    }
+    return TY_OK;
+}
+
 static ty_result light_own(direct_job* direct, const ty_source_group* group) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
@@ -102,11 +58,12 @@ static ty_result light_own(direct_job* direct, const ty_source_group* group) {
         result = ty_source_groups_field(job->sources, group, 1, true, job->fine, false, &fields[f]);
         if (result == TY_OK) result = light_field(direct, f, &job->sources[group->first], group->count, fields[f]);
     }
+    if (result == TY_OK && light->lobes) result = average_own(direct, group, fields, light->coarse[light->light_count]);
     if (result != TY_OK) return result;
     *single = ty_source_group_light(job->sources, group, fields[TY_SINGLE_KEPT]);
     describe_lobes(light, fields, single);
     ++light->light_count;
-    ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, &direct->scratch, false);
+    ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, 1, &direct->scratch);
     return TY_OK;
 }
 
@@ -149,8 +106,8 @@ static ty_result light_one(direct_job* direct, const ty_source* source, ty_light
     sum_job sum = {one, all};
     ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
     const ty_single_light single = ty_source_group_light(source, &group, one);
-    ty_dom_add_source(job, one, &single, &direct->scratch, job->light->once[0] != NULL);
-    return TY_OK;
+    ty_dom_add_source(job, one, &single, source->cosine, &direct->scratch);
+    return job->light->even ? TY_OK : ty_dom_parts_add(job, source, one);
 }
 
 /* Memory of lights that have no field of their own. */
@@ -163,11 +120,7 @@ static ty_result take_many(direct_job* direct) {
     if (result == TY_OK)
         result = ty_source_groups_field(job->sources, direct->groups, direct->group_count, false, job->fine, false,
                                         &light->many);
-    for (int32_t c = 0; c < ty_dom_channels(light) && result == TY_OK && !light->even; ++c) {
-        light->once[c] =
-            ty_alloc_array(job->context, light->cells, (size_t)(light->kept * light->kept) * sizeof(float), true);
-        if (light->once[c] == NULL) result = TY_ERROR_MEMORY;
-    }
+    if (result == TY_OK && !light->even) result = ty_dom_parts_create(job, direct->groups, direct->group_count);
     return result;
 }
 
@@ -194,7 +147,7 @@ static ty_result light_groups(direct_job* direct) {
     job->progress.from = from;
     job->progress.share = share;
     if (result != TY_OK || light->many == NULL) return result;
-    if (!light->even) ty_dom_add_once(job, &direct->scratch);
+    if (!light->even) ty_dom_parts_end(job);
     light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->many);
     return TY_OK;
 }

@@ -11,7 +11,6 @@
 
 enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 
-static const double four_pi = 12.566370614359172;
 static const double harmonic_0 = 0.28209479177387814, harmonic_1 = 0.4886025119029199;
 
 /* Fields that are made for one image. */
@@ -29,12 +28,10 @@ typedef struct fields {
 typedef struct send_job {
     const ty_dom* light;
     const double* eye;
-    const float* const* planes; /* per channel, kept^2 harmonics of cells */
-    bool turned;                /* whether those are times g^l already */
     float* const* out;
 } send_job;
 
-static void way_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double way[3]) {
+void ty_dom_way(const ty_dom* light, const int32_t cell[3], const double eye[3], double way[3]) {
     double square = 0;
     for (int a = 0; a < 3; ++a) {
         const double side = (light->box.upper[a] - light->box.lower[a]) / light->box.size[a];
@@ -53,23 +50,17 @@ static void send_row(void* user, int64_t row, int32_t worker) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
         double way[3], y[TERMS_MAX];
-        way_to_eye(light, cell, job->eye, way);
+        ty_dom_way(light, cell, job->eye, way);
         ty_harmonics_at(way, light->kept, y);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-            const double g = job->turned ? 1 : (double)light->g[light->planes == 3 ? c : 0][at];
+            const double g = (double)light->g[light->planes == 3 ? c : 0][at];
             double sum = 0, power = 1;
             for (int32_t l = 0; l < light->kept; ++l, power *= g)
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                    sum += power * y[t] * (double)job->planes[c][light->cells * (size_t)t + at];
+                    sum += power * y[t] * (double)ty_dom_plane(light, light->moments[c], t)[at];
             job->out[c][at] = (float)sum;
         }
     }
-}
-
-static void send_all(const ty_dom* light, const double eye[3], float* const planes[3], bool turned,
-                     float* const out[3]) {
-    send_job job = {light, eye, (const float* const*)planes, turned, out};
-    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
 }
 
 static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) {
@@ -80,7 +71,9 @@ static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) 
         f->seen.terms[c][0] = f->sent[c];
     }
     memcpy(f->seen.color, light->color, sizeof f->seen.color);
-    send_all(light, eye, light->moments, false, f->sent);
+    send_job job = {light, eye, f->sent};
+    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
+    if (light->lobes) ty_dom_mend_lobes(light, eye, f->sent);
     return TY_OK;
 }
 
@@ -110,12 +103,12 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
 typedef struct many_job {
     const ty_dom* light;
     const ty_single_light* single;
-    float* const* sent; /* of the light's cells: what is scattered to the eye, W m^-3 sr^-1 */
+    float* const* sent; /* of the cells of ordinates: what such light is turned into for the eye */
+    float* const* all;  /* and how much of it there is */
     float* const* out;  /* of fine cells */
-    int32_t channels;   /* of single */
 } many_job;
 
-/* Their fluence on fine cells, times what of such light is sent to the eye on the cells of ordinates. */
+/* Their fluence on fine cells, times what becomes of it on the cells of ordinates. */
 static void many_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const many_job* job = user;
@@ -127,37 +120,41 @@ static void many_row(void* user, int64_t row, int32_t worker) {
         float cells[3];
         for (int a = 0; a < 3; ++a) cells[a] = (float)((cell[a] + 0.5) * coarse[a] / size[a]);
         const ty_cell_point place = ty_cell_locate(coarse, ty_vec_load(cells));
-        for (int32_t c = 0; c < job->channels; ++c) {
-            const float sent = ty_cell_value(job->sent[c], &place), all = ty_cell_value(light->once[c], &place);
-            const float* fluence = job->single->fluence[c];
-            const float share = all > 0 ? ty_maxf(0, sent / all) : 0;
-            job->out[c][at] = (float)(four_pi * harmonic_0) * share * fluence[at];
+        for (int32_t c = 0; c < (job->single->shared != 0 ? 1 : 3); ++c) {
+            const float sent = ty_cell_value(job->sent[c], &place), all = ty_cell_value(job->all[c], &place);
+            job->out[c][at] = all > 0 ? ty_maxf(0, sent / all) * job->single->fluence[c][at] : 0;
         }
     }
+}
+
+static ty_result take_planes(const ty_dom* light, int32_t count, size_t cells, float* planes[3]) {
+    for (int32_t c = 0; c < count; ++c) {
+        planes[c] = ty_alloc_array(light->context, cells, sizeof(float), false);
+        if (planes[c] == NULL) return TY_ERROR_MEMORY;
+    }
+    return TY_OK;
+}
+
+static void free_planes(const ty_dom* light, size_t cells, float* const planes[3]) {
+    for (int c = 0; c < 3; ++c) ty_free_array(light->context, planes[c], cells, sizeof(float));
 }
 
 /* Fields of fine cells in place of those of TY_SINGLE_MANY, which know no direction. */
 static ty_result make_many(const ty_dom* light, const double eye[3], fields* f) {
     ty_single_light* single = &f->lights[light->light_count - 1];
     const int32_t channels = single->shared != 0 ? 1 : 3;
-    float* sent[3] = {NULL, NULL, NULL};
-    ty_result result = TY_OK;
-    for (int32_t c = 0; c < channels && result == TY_OK; ++c) {
-        f->many[c] = ty_alloc_array(light->context, f->fine_cells, sizeof(float), false);
-        if (f->many[c] == NULL) result = TY_ERROR_MEMORY;
-    }
-    for (int32_t c = 0; c < ty_dom_channels(light) && result == TY_OK; ++c) {
-        sent[c] = ty_alloc_array(light->context, light->cells, sizeof(float), false);
-        if (sent[c] == NULL) result = TY_ERROR_MEMORY;
-    }
+    float *sent[3] = {NULL}, *all[3] = {NULL};
+    ty_result result = take_planes(light, channels, f->fine_cells, f->many);
+    if (result == TY_OK) result = take_planes(light, channels, light->cells, sent);
+    if (result == TY_OK) result = take_planes(light, channels, light->cells, all);
     if (result == TY_OK) {
-        send_all(light, eye, light->once, true, sent);
-        many_job job = {light, single, sent, f->many, channels};
+        ty_dom_send_parts(light, eye, channels, sent, all);
+        many_job job = {light, single, sent, all, f->many};
         ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], many_row, &job);
         for (int32_t c = 0; c < channels; ++c) single->fluence[c] = f->many[c];
     }
-    for (int32_t c = 0; c < 3; ++c)
-        ty_free_array(light->context, sent[c], sent[c] != NULL ? light->cells : 0, sizeof(float));
+    free_planes(light, light->cells, sent);
+    free_planes(light, light->cells, all);
     return result;
 }
 
@@ -165,7 +162,7 @@ static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f
     memcpy(f->lights, light->lights, sizeof f->lights);
     if (light->many == NULL) return TY_OK;
     f->lights[light->light_count - 1].kind = TY_SINGLE_EVEN;
-    return light->once[0] != NULL ? make_many(light, eye, f) : TY_OK;
+    return light->even ? TY_OK : make_many(light, eye, f);
 }
 
 /* ---- images ---- */
