@@ -2,12 +2,13 @@
  *
  * A set is mirrored along the three axes and the same along each of them: with a direction it has all 48 (or 24, or 8)
  * that swapping and mirroring axes makes of it. Whatever the weights, sums of harmonics then vanish but for the few
- * that look the same themselves, (L / 4 + 1)^2 / 3 or so up to order L; directions and weights are such that these
- * vanish too, as far as there are unknowns. That takes about (L + 1)^2 / 2.7 directions, where a product of
- * Gauss-Legendre and even azimuths takes (L + 1)^2 / 2 and golden angles of the same weight are not exact for any order
- * (but nearly). All weights are positive, no direction lies in a plane of the axes, and an octant's are swept together.
- * A set that is exact to order 2 L - 2 keeps the L bands of a phase function apart: what scatters is neither lost nor
- * turned. */
+ * that look the same themselves, about (L + 1)^2 / 48 up to order L; directions and weights are such that these vanish
+ * too, as far as there are unknowns. From 24 directions on they are also such that as much of even light flows through
+ * planes across the axes as should: what leaves a box is light of half of the directions, of which sums over all know
+ * nothing, and its fluence would be some 0.5% too small with 96 directions, 2% with 24. All weights are positive, no
+ * direction lies in a plane of the axes, and an octant's are swept together.
+ *
+ * A set that is exact to order 2 L - 2 keeps L bands of harmonics apart: what scatters is neither lost nor turned. */
 #include "base/context.h"
 #include "solve/ordinate_table.h"
 #include "solve/ordinates.h"

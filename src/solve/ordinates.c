@@ -9,6 +9,11 @@
 /* Optical thickness of the box of which diffusion takes vacuum to be: light streams there, and with the D of thinner
  * media, or none, corrections carry too much of it. The fewest sweeps are between 3 and 12, whatever the cells. */
 static const double THINNEST = 6;
+/* Optical thickness of cells up to which corrections are what they should be. Where cells are thicker, what they make
+ * of errors that they cannot know (of rounding; of radiance held above 0; of faces where media change), the square of
+ * the thickness, would be more than they mend: there D is larger, and what varies slowly remains what diffusion made of
+ * it to start from, which in media so thick is the solution. */
+static const double THICKEST = 25;
 
 ty_ordinates_def ty_default_ordinates_def(void) {
     return (ty_ordinates_def){.bands = 4, .kept = 4, .source_terms = 1, .accelerated = true, .tolerance = 1e-3};
@@ -115,13 +120,18 @@ static void free_all(ty_ordinates_job* job) {
 
 /* ---- work ---- */
 
-/* sigma*, and the diffusion problem that corrects. Light without a medium streams; diffusion there is what crosses a
- * box of about its own mean free path. */
-static ty_result scale(ty_ordinates_job* job) {
+static double longest_edge(const ty_ordinates_def* def) {
+    return fmax(fmax(def->cell[0], def->cell[1]), def->cell[2]);
+}
+
+/* sigma*, and the diffusion problem that corrects, of cells up to a thickness. */
+static ty_result scale(ty_ordinates_job* job, double thickest) {
     const ty_ordinates_def* def = job->def;
+    /* Planes that other things are in later. */
     float* reduced = def->accelerated ? job->changes[0] : NULL;
     float* absorption = def->accelerated ? job->before : NULL;
-    if (!ty_ordinates_scale(job, reduced, absorption))
+    const double limit = thickest / longest_edge(def);
+    if (!ty_ordinates_scale(job, reduced, absorption, limit * limit))
         return ty_fail(job->context, TY_ERROR_ARGUMENT,
                        "ordinates: extinction, scattering, g or source of a cell is outside its range or not finite");
     if (!def->accelerated) return TY_OK;
@@ -135,28 +145,54 @@ static ty_result scale(ty_ordinates_job* job) {
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
     diffusion.least_extinction = THINNEST / longest;
-    const ty_result result = ty_correction_create(job->context, &diffusion, &job->correction);
-    if (result == TY_OK) job->stats->bytes += (double)ty_correction_bytes(job->correction);
-    return result;
+    return ty_correction_create(job->context, &diffusion, &job->correction);
+}
+
+static void end_correction(ty_ordinates_job* job) {
+    if (job->correction == NULL) return;
+    job->stats->cycles += ty_correction_cycles(job->correction);
+    ty_correction_destroy(job->correction);
+    job->correction = NULL;
+}
+
+static bool is_thick(const ty_ordinates_job* job) {
+    const double edge = longest_edge(job->def);
+    for (int64_t i = 0; i < job->cells; ++i)
+        if ((double)job->extinction[i] * edge > THICKEST) return true;
+    return false;
+}
+
+/* Where iterations begin: at what the caller has, or at what diffusion makes of the source. */
+static ty_result begin(ty_ordinates_job* job) {
+    const ty_ordinates_def* def = job->def;
+    if (def->start != NULL) {
+        ty_ordinates_gather(job, def->start, job->terms, job->terms, job->moments[0]);
+        ty_ordinates_take_low(job);
+        job->count = 1;
+        job->given = true;
+        job->shares[0] = 1;
+    } else if (job->correction != NULL) {
+        ty_ordinates_guess(job);
+    }
+    if (job->correction == NULL || !is_thick(job)) return TY_OK;
+    end_correction(job);
+    job->limited = true;
+    job->emitted = ty_ordinates_balance(job, job->moments[0], job->terms).emitted;
+    return scale(job, THICKEST);
 }
 
 static ty_result prepare(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
     ty_result result = allocate(job);
-    if (result == TY_OK) result = scale(job);
+    if (result == TY_OK) result = scale(job, INFINITY);
     if (result == TY_OK)
         result =
             ty_sweep_create(job->context, def->size, def->cell, def->set, def->bands, job->extinction, &job->sweep);
     if (result != TY_OK) return result;
-    job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
     if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->terms, job->fixed);
-    if (def->start == NULL) return TY_OK;
-    ty_ordinates_gather(job, def->start, job->terms, job->terms, job->moments[0]);
-    ty_ordinates_take_low(job);
-    job->count = 1;
-    job->given = true;
-    job->shares[0] = 1;
-    return TY_OK;
+    job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
+    if (job->correction != NULL) job->stats->bytes += (double)ty_correction_bytes(job->correction);
+    return begin(job);
 }
 
 /* One more sweep, for more moments than iterations need. */
@@ -211,7 +247,7 @@ static ty_result solve(ty_ordinates_job* job, float* const* moments) {
     ty_result result = prepare(job);
     if (result != TY_OK) return result;
     result = ty_ordinates_iterate(job);
-    if (job->correction != NULL) job->stats->cycles = ty_correction_cycles(job->correction);
+    end_correction(job);
     if (result == TY_OK && job->def->kept > job->def->bands) return sweep_kept(job, moments);
     if (result == TY_OK || result == TY_CANCELLED) store(job, moments);
     return result;

@@ -7,6 +7,7 @@
  * 2 tan(k / 2), and 2 sin(k / 2) in the correction: the quotient, cos(k / 2) squared, is the mean of a cell and its
  * neighbours with weights 1/4, 1/2, 1/4. Without it corrections of thick cells are too large by the square of their
  * optical thickness. Where light moves along several axes at once e becomes a little less than it should. */
+#include "base/kernel.h"
 #include "solve/ordinates_job.h"
 
 #include <math.h>
@@ -63,7 +64,7 @@ static void take_plane(void* user, int64_t z, int32_t worker) {
             sum += (double)extinction[x] * (double)low[x];
         }
     }
-    job->sums[z] = (ty_ordinates_sums){.absorbed = sum};
+    job->sums[z] = (ty_ordinates_sums){.taken = sum};
 }
 
 static void give_plane(void* user, int64_t z, int32_t worker) {
@@ -83,7 +84,7 @@ static void give_plane(void* user, int64_t z, int32_t worker) {
 double ty_ordinates_take_low(ty_ordinates_job* job) {
     loop l = loop_over(job, NULL);
     ty_ordinates_planes(job, take_plane, &l);
-    return ty_ordinates_total(job).absorbed;
+    return ty_ordinates_total(job).taken;
 }
 
 void ty_ordinates_give_low(ty_ordinates_job* job) {
@@ -93,7 +94,7 @@ void ty_ordinates_give_low(ty_ordinates_job* job) {
 
 /* ---- the source of the correction ---- */
 
-/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. */
+/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. D may be larger than the media's. */
 static void excess_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
@@ -104,6 +105,7 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
         const row r = row_of(l, y, z);
         const float *scattering = job->def->scattering + r.first, *g = job->def->g + r.first;
+        const float* extinction = job->extinction + r.first;
         const float *d = l->diffusivity + r.box, *low = job->low[job->latest] + r.low, *before = job->before + r.low;
         float* change = job->changes[job->latest] + r.low;
 #pragma omp simd
@@ -111,7 +113,8 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
             float forward = 1;
             for (int32_t b = 0; b < bands; ++b) forward *= g[x];
             s[0][x] = scattering[x] * (1 - forward);
-            s[1][x] = scattering[x] * (g[x] - forward) * d[x] * SQRT_3;
+            const float s_1 = scattering[x] * (g[x] - forward);
+            s[1][x] = SQRT_3 * s_1 * ty_minf(d[x], 1 / (3 * (extinction[x] - s_1)));
         }
 #pragma omp simd
         for (size_t x = 0; x < r.cells; ++x) change[x] = s[0][x] * (low[x] - before[x] + missing * low[x]);
@@ -249,6 +252,11 @@ static void compare_row(const ty_ordinates_job* job, const row* r, ty_ordinates_
     for (size_t i = 0; i < count; ++i) change[i] = low[i] - before[i];
     sums->change += product_of(change, change, r->cells);
     sums->fluence += product_of(low, low, r->cells);
+    if (job->limited) {
+        const float *extinction = job->def->extinction + r->first, *scattering = job->def->scattering + r->first;
+        for (size_t x = 0; x < r->cells; ++x)
+            sums->absorbed += (double)(extinction[x] - scattering[x]) * (double)low[x];
+    }
     for (int32_t k = 0; k < job->count; ++k) sums->products[k] += product_of(change, job->changes[k] + r->low, count);
 }
 

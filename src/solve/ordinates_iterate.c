@@ -9,8 +9,10 @@
 
 /* Between two reports, s. */
 static const double REPORT_SECONDS = 0.1;
-/* Cycles of multigrid in a correction, whose solve sweeps and mixtures go on with; and to start from. */
-enum { CYCLES = 1, FIRST_CYCLES = 3 };
+/* Cycles of multigrid in a correction, whose solve sweeps and mixtures go on with. What iterations start from is solved
+ * until this share of the residual is left, or for so many. */
+enum { CYCLES = 1, FIRST_CYCLES = 12 };
+static const double FIRST_REDUCTION = 3e-3;
 /* Bounds of what sweeps are expected to leave of a change. */
 static const double SLOWEST = 0.9999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
 /* Changes whose part across others is less than this share of them tell nothing. */
@@ -88,14 +90,12 @@ static void mix(const iteration* it) {
 static const float* correction(ty_ordinates_job* job, bool first) {
     if (job->correction == NULL) return NULL;
     const double squares = ty_ordinates_excess(job, first);
-    ty_correction_solve(job->correction, squares, 0, first ? FIRST_CYCLES : CYCLES);
+    ty_correction_solve(job->correction, squares, first ? FIRST_REDUCTION : 0, first ? FIRST_CYCLES : CYCLES);
     job->leaving[job->latest] += SQRT_4PI * ty_correction_leaving(job->correction);
     return ty_correction_fluence(job->correction);
 }
 
-/* What diffusion alone makes of the source, to start from. */
-static void guess(ty_ordinates_job* job) {
-    if (job->correction == NULL || job->given) return;
+void ty_ordinates_guess(ty_ordinates_job* job) {
     job->latest = 0;
     ty_ordinates_correct(job, correction(job, true));
     job->shares[0] = 1;
@@ -162,11 +162,18 @@ static double rate_of(const iteration* it, double change) {
     return job->correction != NULL ? fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST) : rate;
 }
 
+/* Of the energy, what is amiss: the sign of what varies slowly and limited corrections hardly change. */
+static double imbalance(const ty_ordinates_job* job, const ty_ordinates_sums* sums) {
+    if (!job->limited || !(job->emitted > 0)) return 0;
+    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
+    return fabs((job->leaving[job->latest] + volume * sums->absorbed) / job->emitted - 1);
+}
+
 /* Estimates what is still to come: what changes so shrink to, added up. */
 static void judge(iteration* it, const ty_ordinates_sums* sums) {
     ty_ordinates_stats* stats = it->job->stats;
     const double change = sums->change > 0 ? sqrt(sums->change / sums->fluence) : 0, rate = rate_of(it, change);
-    stats->change = change * rate / (1 - rate);
+    stats->change = fmax(change * rate / (1 - rate), imbalance(it->job, sums));
     stats->converged = stats->change <= it->job->def->tolerance;
     it->futile = change < it->least ? 0 : it->futile + 1;
     it->least = fmin(it->least, change);
@@ -192,7 +199,6 @@ static bool goes_on(const iteration* it) {
 ty_result ty_ordinates_iterate(ty_ordinates_job* job) {
     iteration it = {.job = job, .least = INFINITY};
     ty_result result = TY_OK;
-    guess(job);
     while (result == TY_OK && goes_on(&it)) {
         result = sweep(&it);
         if (result != TY_OK) return result;

@@ -8,10 +8,10 @@
 /* Iterates that the next one is mixed from; cells along an axis. */
 enum { TY_ORDINATES_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 512 };
 
-/* Sums over a plane of cells: of a change and of what changed, squared; of the change times that of each iterate; W/m
- * of light absorbed. */
+/* Sums over a plane of cells: of a change and of what changed, squared; of the change times that of each iterate; of
+ * what is emitted, absorbed, and taken by scattering as well. */
 typedef struct ty_ordinates_sums {
-    double change, fluence, products[TY_ORDINATES_DEPTH], emitted, absorbed;
+    double change, fluence, products[TY_ORDINATES_DEPTH], emitted, absorbed, taken;
 } ty_ordinates_sums;
 
 typedef struct ty_ordinates_job {
@@ -45,6 +45,8 @@ typedef struct ty_ordinates_job {
     int32_t count;                     /* iterates there are */
     int32_t latest;                    /* of them */
     double missing; /* of the last sweep's fluence, relative, for light to be as much as was emitted */
+    bool limited;   /* cells are so thick that corrections are less than they should be */
+    double emitted; /* by the source, W, if limited */
     bool given;     /* the only iterate is a start: it is not known what a sweep changes it by */
 } ty_ordinates_job;
 
@@ -52,9 +54,9 @@ typedef struct ty_ordinates_job {
 void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user);
 ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job);
 
-/* sigma*; and for diffusion, sigma* - s_1 and sigma_a. Returns whether coefficients and sources are what they must be.
- */
-bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption);
+/* sigma*; and for diffusion, sigma* - s_1 and sigma_a (NULL: not), the former not above limit / s_0. Returns whether
+ * coefficients and sources are what they must be. */
+bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption, double limit);
 /* `count` planes, as the caller has them, to terms of cells after one another, zeros behind them, and back. */
 void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t count, int32_t terms, float* cells);
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes);
@@ -75,6 +77,8 @@ ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e);
 /* Emitted and absorbed, W. */
 ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms);
 
+/* What diffusion alone makes of the source, to start from. */
+void ty_ordinates_guess(ty_ordinates_job* job);
 /* Iterates until the def says to end: TY_OK or TY_CANCELLED. The result is the latest iterate. */
 ty_result ty_ordinates_iterate(ty_ordinates_job* job);
 

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "solve/ordinates_job.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -20,6 +21,7 @@ typedef struct loop {
     const float* from;
     float *to, *reduced, *absorption;
     int32_t count, terms;
+    double limit;
 } loop;
 
 void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user) {
@@ -34,6 +36,7 @@ ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job) {
         total.fluence += s->fluence;
         total.emitted += s->emitted;
         total.absorbed += s->absorbed;
+        total.taken += s->taken;
         for (int i = 0; i < TY_ORDINATES_DEPTH; ++i) total.products[i] += s->products[i];
     }
     return total;
@@ -73,13 +76,14 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
         const double sigma = (double)def->extinction[i], scattering = (double)def->scattering[i];
         job->extinction[i] = (float)(sigma - forward * scattering);
         if (l->reduced == NULL) continue;
-        l->reduced[i] = (float)(sigma - (def->bands > 1 ? g : forward) * scattering);
+        l->reduced[i] = (float)fmin(sigma - (def->bands > 1 ? g : forward) * scattering,
+                                    l->limit / fmax((1 - forward) * scattering, DBL_MIN));
         l->absorption[i] = (float)(sigma - scattering);
     }
 }
 
-bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption) {
-    loop l = {.job = job, .reduced = reduced, .absorption = absorption};
+bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption, double limit) {
+    loop l = {.job = job, .reduced = reduced, .absorption = absorption, .limit = limit};
     ty_ordinates_planes(job, scale_plane, &l);
     return ty_ordinates_total(job).change <= 0;
 }

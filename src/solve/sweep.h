@@ -1,9 +1,9 @@
 /* One sweep: light along all directions of a set through a box of cells, for sources that are known.
  *
- * Diamond differences: a cell's radiance is the mean of that of opposite faces. Where a face would fall below 0 it is 0,
- * and the cell balances without it; nowhere else does this change anything. What is emitted is absorbed or leaves, to
- * rounding, whatever the cells' thickness; where light changes little from cell to cell, as deep in thick media, that
- * holds for cells of any thickness, and elsewhere the error falls with the square of the cells' edges.
+ * Diamond differences: a cell's radiance is the mean of that of opposite faces. Where a face would fall below 0 it is
+ * 0, and the cell balances without it; nowhere else does this change anything. What is emitted is absorbed or leaves,
+ * to rounding, whatever the cells' thickness; where light changes little from cell to cell, as deep in thick media,
+ * that holds for cells of any thickness, and elsewhere the error falls with the square of the cells' edges.
  *
  * Rows along y and z lie in blocks; those that wait for no others are gone through at once, the rest later. What is in
  * a block when does not depend on the number of threads, nor does any sum. */
