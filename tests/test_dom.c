@@ -1,0 +1,481 @@
+/* Discrete ordinates' calls: arguments, cancelling, memory, progress, threads, views, and what holds of any light; not
+ * whether the light is right. */
+#include "files.h"
+#include "fld_maker.h"
+
+#include <tyndall/dom.h>
+
+#include <stddef.h>
+
+static ty_dom_def small_dom(void) {
+    ty_dom_def def = ty_default_dom_def();
+    def.resolution = 8;
+    def.direct = 16;
+    def.directions = 24;
+    def.width = WIDTH;
+    def.height = HEIGHT;
+    def.environment_beams = 4;
+    return def;
+}
+
+static ty_dom* solve_dom(const ty_scene* scene, const ty_dom_def* def, ty_dom_stats* stats) {
+    ty_dom* light = NULL;
+    check_result(ty_scene_context(scene), ty_dom_solve(scene, def, &light, stats));
+    return light;
+}
+
+/* ---- arguments ---- */
+
+#define DOM(field, type, value, words)                                                                                 \
+    { offsetof(ty_dom_def, field), type, value, words }
+
+static const bad_field bad_fields[] = {
+    DOM(cookie, FIELD_INT, 0, "ty_default_dom_def"),
+    DOM(resolution, FIELD_INT, 3, "dom.resolution: 3 is outside [4, 512]"),
+    DOM(resolution, FIELD_INT, 513, "dom.resolution"),
+    DOM(resolution, FIELD_INT, -1, "dom.resolution"),
+    DOM(direct, FIELD_INT, 3, "dom.direct: 3 is outside [4, 1024]"),
+    DOM(direct, FIELD_INT, 1025, "dom.direct"),
+    DOM(directions, FIELD_INT, 7, "dom.directions: 7 is outside [8, 1024]"),
+    DOM(directions, FIELD_INT, 1025, "dom.directions"),
+    DOM(bands, FIELD_INT, -1, "dom.bands: -1 is outside [1, 12]"),
+    DOM(bands, FIELD_INT, 13, "dom.bands"),
+    DOM(acceleration, FIELD_INT, 2, "dom.acceleration"),
+    DOM(tolerance, FIELD_DOUBLE, 0, "dom.tolerance: 0 is outside (0, 1)"),
+    DOM(tolerance, FIELD_DOUBLE, 1, "dom.tolerance"),
+    DOM(tolerance, FIELD_DOUBLE, NAN, "dom.tolerance"),
+    DOM(iterations, FIELD_INT, -1, "dom.iterations: -1"),
+    DOM(environment_beams, FIELD_INT, 0, "dom.environment_beams: 0 is outside [1, 65536]"),
+    DOM(environment_beams, FIELD_INT, 65537, "dom.environment_beams"),
+    DOM(surface_points, FIELD_INT, 0, "dom.surface_points: 0 is outside [1, 65536]"),
+    DOM(surface_points, FIELD_INT, 65537, "dom.surface_points"),
+    DOM(width, FIELD_INT, 0, "dom: 0 x 11"),
+    DOM(height, FIELD_INT, 65537, "dom: 19 x 65537"),
+    DOM(spp, FIELD_INT, 0, "dom.spp: 0 is outside [1, 64]"),
+    DOM(spp, FIELD_INT, 65, "dom.spp"),
+    DOM(step, FIELD_DOUBLE, 0.01, "dom.step: 0.01 is outside [0.05, 8]"),
+    DOM(step, FIELD_DOUBLE, 9, "dom.step"),
+    DOM(aovs, FIELD_INT, TY_AOV_NORMAL, "dom.aovs: "),
+};
+
+/* Every call says the same of a def, and hands nothing out. */
+static void refuse(const ty_scene* scene, const ty_dom* light, const ty_dom_def* def, const char* words) {
+    ty_context* context = ty_scene_context(scene);
+    ty_dom* other = NULL;
+    ty_image* image = (ty_image*)(uintptr_t)1;
+    assert_int_equal(ty_dom_solve(scene, def, &other, NULL), TY_ERROR_ARGUMENT);
+    assert_null(other);
+    assert_error(context, words);
+    assert_int_equal(ty_dom_render(scene, def, &image, NULL), TY_ERROR_ARGUMENT);
+    assert_null(image);
+    assert_error(context, words);
+    image = (ty_image*)(uintptr_t)1;
+    assert_int_equal(ty_dom_view(light, scene, def, &image, NULL), TY_ERROR_ARGUMENT);
+    assert_null(image);
+    assert_error(context, words);
+}
+
+static void wrong_defs_are_refused(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_dom_def def = small_dom();
+    ty_dom* light = solve_dom(scene, &def, NULL);
+    for (size_t i = 0; i < sizeof bad_fields / sizeof *bad_fields; ++i) {
+        def = small_dom();
+        set_field(&def, &bad_fields[i]);
+        refuse(scene, light, &def, bad_fields[i].words);
+    }
+    refuse(scene, light, NULL, "ty_default_dom_def");
+    ty_dom_destroy(light);
+    ty_dom_destroy(NULL);
+    ty_scene_destroy(scene);
+}
+
+static void scenes_need_media(void** state) {
+    ty_scene* scene = make_scene(*state);
+    const ty_dom_def def = small_dom();
+    ty_dom* light = NULL;
+    ty_image* image = NULL;
+    assert_int_equal(ty_dom_solve(scene, &def, &light, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "not committed");
+    commit(scene);
+    assert_int_equal(ty_dom_solve(scene, &def, &light, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "dom: the scene has no media");
+    assert_int_equal(ty_dom_render(scene, &def, &image, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "dom: the scene has no media");
+    assert_null(light);
+    assert_null(image);
+    ty_scene_destroy(scene);
+}
+
+static void cuts_of_boxes_are_checked(void** state) {
+    static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, odd[3] = {0, NAN, 0};
+    static const int32_t size[3] = {1, 1, 1}, none[3] = {1, 0, 1}, many[3] = {1, 1, 65537};
+    ty_scene* scene = foggy_scene(*state);
+    const ty_dom_def def = small_dom();
+    ty_dom* light = solve_dom(scene, &def, NULL);
+    double out[3];
+    assert_int_equal(ty_dom_fluence(light, one, zero, size, out, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "fluence: 1 cells from 1 to 0 m");
+    assert_int_equal(ty_dom_fluence(light, zero, one, none, out, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "fluence: 0 cells");
+    assert_int_equal(ty_dom_fluence(light, zero, one, many, out, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "fluence: 65537 cells");
+    assert_int_equal(ty_dom_fluence(light, odd, one, size, out, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "fluence: lower");
+    float radiance[3];
+    const float way[3] = {0, 0, 1};
+    assert_int_equal(ty_dom_radiance(light, odd, way, 1, radiance), TY_ERROR_ARGUMENT);
+    assert_error(*state, "dom: point");
+    ty_dom_destroy(light);
+    ty_scene_destroy(scene);
+}
+
+static void defaults_are_as_documented(void** state) {
+    (void)state;
+    const ty_dom_def def = ty_default_dom_def();
+    assert_int_equal(def.resolution | def.direct | def.bands | def.iterations, 0);
+    assert_int_equal(def.directions, 96);
+    assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
+    assert_true(def.tolerance == 1e-3 && def.step == 1 && def.start == NULL);
+    assert_int_equal(def.environment_beams, 64);
+    assert_int_equal(def.surface_points, 16);
+    assert_int_equal(def.spp, 1);
+    assert_int_equal(def.width | def.height | (int32_t)def.aovs, 0);
+    assert_true(def.seed == 0 && def.unscattered == NULL && def.progress == NULL);
+}
+
+/* ---- what is told ---- */
+
+static void statistics_tell_what_was_done(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_dom_def def = small_dom();
+    ty_dom_stats stats;
+    ty_dom* light = solve_dom(scene, &def, &stats);
+    for (int a = 0; a < 3; ++a) {
+        assert_int_equal(stats.direct_size[a], 16);
+        assert_int_equal(stats.size[a], 8);
+    }
+    assert_int_equal(stats.planes, 3);
+    assert_int_equal(stats.directions, 24);
+    assert_true(stats.bands >= 2 && stats.converged && stats.bytes > 0);
+    for (int c = 0; c < 3; ++c) {
+        assert_true(stats.sweeps[c] > 0 && stats.change[c] <= def.tolerance);
+        assert_true(stats.emitted[c] > 0);
+        assert_close((stats.absorbed[c] + stats.leaving[c]) / stats.emitted[c], 1, 1e-3);
+    }
+    ty_dom_destroy(light);
+    def.acceleration = TY_DOM_ACCELERATION_NONE;
+    def.iterations = 1;
+    light = solve_dom(scene, &def, &stats);
+    assert_false(stats.converged);
+    ty_dom_destroy(light);
+    ty_scene_destroy(scene);
+}
+
+typedef struct watch {
+    int calls, stop_at; /* 0: never */
+    double fraction;
+    bool strange;
+} watch;
+
+static bool look(void* user, const ty_progress* progress) {
+    watch* w = user;
+    w->strange = w->strange || !(progress->fraction >= w->fraction - 1e-12 && progress->fraction <= 1 + 1e-12) ||
+                 !(progress->seconds >= 0) || progress->stage == NULL;
+    w->fraction = progress->fraction;
+    return ++w->calls != w->stop_at;
+}
+
+static void progress_runs_to_the_end(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    watch w = {.calls = 0};
+    ty_dom_def def = small_dom();
+    def.progress = look;
+    def.progress_user = &w;
+    ty_image* image = NULL;
+    check_result(*state, ty_dom_render(scene, &def, &image, NULL));
+    assert_true(w.calls >= 3 && !w.strange);
+    assert_close(w.fraction, 1, 1e-9);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+}
+
+/* Whoever says no at any time gets nothing, and all memory back. */
+static void callers_can_cancel_at_any_time(void** state) {
+    (void)state;
+    strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
+    ty_context* context = strict_context(&memory);
+    ty_scene* scene = foggy_scene(context);
+    ty_dom_def def = small_dom();
+    def.progress = look;
+    ty_result result = TY_CANCELLED;
+    int stop = 0;
+    for (stop = 1; result == TY_CANCELLED; ++stop) {
+        watch w = {.stop_at = stop};
+        ty_image* image = (ty_image*)(uintptr_t)1;
+        const size_t before = memory.used;
+        def.progress_user = &w;
+        result = ty_dom_render(scene, &def, &image, NULL);
+        if (result != TY_CANCELLED) {
+            check_result(context, result);
+            ty_image_destroy(image);
+            break;
+        }
+        assert_int_equal(w.calls, stop);
+        assert_null(image);
+        assert_int_equal(memory.used, before);
+        assert_string_equal(ty_last_error(context), "");
+    }
+    assert_true(stop >= 4);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+    assert_int_equal(memory.used, 0);
+}
+
+static void refused_memory_leaves_nothing(void** state) {
+    (void)state;
+    strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
+    ty_context* context = strict_context(&memory);
+    ty_scene* scene = foggy_scene(context);
+    const ty_dom_def def = small_dom();
+    ty_image* image = NULL;
+    check_result(context, ty_dom_render(scene, &def, &image, NULL)); /* starts the context's threads */
+    ty_image_destroy(image);
+    ty_result result = TY_ERROR_MEMORY;
+    int count = 0;
+    for (; result == TY_ERROR_MEMORY; ++count) {
+        const size_t before = memory.used;
+        memory.until_refusal = count;
+        image = NULL;
+        result = ty_dom_render(scene, &def, &image, NULL);
+        memory.until_refusal = -1;
+        if (result == TY_OK) break;
+        assert_int_equal(result, TY_ERROR_MEMORY);
+        assert_null(image);
+        assert_int_equal(memory.used, before);
+        assert_error(context, "memory");
+    }
+    check_result(context, result);
+    assert_true(count > 30);
+    ty_image_destroy(image);
+    ty_scene_destroy(scene);
+    ty_context_destroy(context);
+    assert_int_equal(memory.used, 0);
+}
+
+/* ---- results ---- */
+
+/* Light on cells of a box a little larger than the fog's. */
+typedef struct cells {
+    double fluence[3 * CELLS], uncollided[3 * CELLS];
+} cells;
+
+static void look_at(const ty_dom* light, cells* out) {
+    static const double lower[3] = {-1.1, -1, -1.2}, upper[3] = {1.1, 1.1, 0.9};
+    static const int32_t size[3] = {SIDE, SIDE, SIDE};
+    assert_int_equal(ty_dom_fluence(light, lower, upper, size, out->fluence, out->uncollided), TY_OK);
+}
+
+static double mean_of(const double* values) {
+    double sum = 0;
+    for (int i = 0; i < 3 * CELLS; ++i) sum += values[i] / (3 * CELLS);
+    return sum;
+}
+
+static void threads_do_not_change_bits(void** state) {
+    (void)state;
+    static const int32_t threads[] = {1, 2, 3};
+    static cells light[2];
+    ty_image* first = NULL;
+    ty_context* contexts[3];
+    for (int i = 0; i < 3; ++i) {
+        contexts[i] = make_context(threads[i]);
+        ty_scene* scene = foggy_scene(contexts[i]);
+        ty_dom_def def = small_dom();
+        def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
+        ty_image* image = NULL;
+        check_result(contexts[i], ty_dom_render(scene, &def, &image, NULL));
+        ty_dom* solved = solve_dom(scene, &def, NULL);
+        look_at(solved, &light[i > 0]);
+        ty_dom_destroy(solved);
+        if (i == 0) first = image;
+        if (i > 0) {
+            assert_true(same_images(image, first));
+            assert_memory_equal(&light[1], &light[0], sizeof light[0]);
+            ty_image_destroy(image);
+        }
+        ty_scene_destroy(scene);
+    }
+    ty_image_destroy(first);
+    for (int i = 0; i < 3; ++i) ty_context_destroy(contexts[i]);
+}
+
+/* Light that was solved once is seen from where the camera is moved to, as if it had been solved there. */
+static void cameras_move_without_solving_again(void** state) {
+    ty_scene* scene = foggy_scene(*state);
+    ty_dom_def def = small_dom();
+    ty_dom* light = solve_dom(scene, &def, NULL);
+    ty_image* images[3] = {NULL};
+    ty_camera_def camera = ty_scene_camera(scene);
+    check_result(*state, ty_dom_view(light, scene, &def, &images[0], NULL));
+    set3(camera.position, 1, 3, -4);
+    check_result(*state, ty_scene_set_camera(scene, &camera));
+    check_result(*state, ty_dom_view(light, scene, &def, &images[1], NULL));
+    check_result(*state, ty_dom_render(scene, &def, &images[2], NULL));
+    assert_true(same_images(images[1], images[2]));
+    assert_false(same_images(images[0], images[1]));
+    for (int i = 0; i < 3; ++i) ty_image_destroy(images[i]);
+    ty_dom_destroy(light);
+    ty_scene_destroy(scene);
+}
+
+/* All directions' radiance together is the fluence of what has scattered. */
+static void radiance_adds_up_to_fluence(void** state) {
+    enum { WAYS = 2000 };
+    static const double point[3] = {0.375, 0.625, -0.625}; /* the middle of a cell */
+    static const int32_t one[3] = {1, 1, 1};
+    static float ways[3 * WAYS], radiance[3 * WAYS];
+    ty_scene* scene = foggy_scene(*state);
+    const ty_dom_def def = small_dom();
+    ty_dom* light = solve_dom(scene, &def, NULL);
+    double fluence[3], uncollided[3];
+    for (int i = 0; i < WAYS; ++i) {
+        const double z = 1 - (2 * i + 1.0) / WAYS, angle = 2.399963229728653 * i, radius = sqrt(1 - z * z);
+        set3f(ways + 3 * i, (float)(radius * cos(angle)), (float)(radius * sin(angle)), (float)z);
+    }
+    check_result(*state, ty_dom_radiance(light, point, ways, WAYS, radiance));
+    check_result(*state, ty_dom_fluence(light, point, point, one, fluence, uncollided));
+    for (int c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (int i = 0; i < WAYS; ++i) sum += (double)radiance[3 * i + c] * 4 * 3.141592653589793 / WAYS;
+        assert_close(sum / (fluence[c] - uncollided[c]), 1, 0.01);
+    }
+    ty_dom_destroy(light);
+    ty_scene_destroy(scene);
+}
+
+/* Starting where a solve ended takes less work and changes the result within the tolerance. */
+static void starts_save_sweeps(void** state) {
+    static cells light[2];
+    ty_scene* scene = foggy_scene(*state);
+    ty_dom_def def = small_dom();
+    ty_dom_stats stats[2];
+    def.acceleration = TY_DOM_ACCELERATION_NONE;
+    ty_dom* first = solve_dom(scene, &def, &stats[0]);
+    look_at(first, &light[0]);
+    def.start = first;
+    ty_dom* second = solve_dom(scene, &def, &stats[1]);
+    look_at(second, &light[1]);
+    for (int c = 0; c < 3; ++c) assert_true(stats[1].sweeps[c] < stats[0].sweeps[c]);
+    assert_close(mean_of(light[1].fluence) / mean_of(light[0].fluence), 1, def.tolerance);
+    def.resolution = 9;
+    ty_dom* third = NULL;
+    assert_int_equal(ty_dom_solve(scene, &def, &third, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "dom.start: of 8 x 8 x 8 cells, and these are 9 x 9 x 9");
+    assert_null(third);
+    ty_dom_destroy(first);
+    ty_dom_destroy(second);
+    ty_scene_destroy(scene);
+}
+
+/* A scene whose channels are alike is solved once; a little color makes it three times the same. */
+static void gray_scenes_are_solved_once(void** state) {
+    static cells light[2];
+    const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
+    ty_image* images[2] = {NULL};
+    for (int i = 0; i < 2; ++i) {
+        ty_scene* scene = make_scene(*state);
+        ty_medium_def fog = box_medium(lower, upper, 2, 0.1f);
+        const ty_light_def sun = sun_light(2, 1, 0.5f), lamp = point_light(0.3, 0.2, 1.5, 4, i == 0 ? 2 : 2.00002f, 1);
+        ty_dom_def def = small_dom();
+        ty_dom_stats stats;
+        set3f(fog.g, 0.6f, 0.6f, 0.6f);
+        add_medium(scene, &fog);
+        add_light(scene, &sun);
+        add_light(scene, &lamp);
+        commit(scene);
+        ty_dom* solved = solve_dom(scene, &def, &stats);
+        assert_int_equal(stats.planes, i == 0 ? 1 : 3);
+        look_at(solved, &light[i]);
+        check_result(*state, ty_dom_view(solved, scene, &def, &images[i], NULL));
+        ty_dom_destroy(solved);
+        ty_scene_destroy(scene);
+    }
+    for (int i = 0; i < 3 * CELLS; ++i)
+        assert_true(fabs(light[1].fluence[i] - light[0].fluence[i]) <= 2e-3 * light[0].fluence[i]);
+    for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < PIXELS; ++i) {
+            const double a = (double)ty_image_plane_const(images[0], c)[i],
+                         b = (double)ty_image_plane_const(images[1], c)[i];
+            assert_true(fabs(a - b) <= 5e-3 * a + 1e-6);
+        }
+    ty_image_destroy(images[0]);
+    ty_image_destroy(images[1]);
+}
+
+/* Twelve lamps, of which eight have fields of their own, are as bright as the same ones one by one. */
+static void many_lamps_add_up(void** state) {
+    static cells all, one;
+    static double sum[3 * CELLS];
+    const ty_medium_def block = colored_block();
+    ty_dom_def def = small_dom();
+    def.tolerance = 1e-5;
+    for (int lamp = -1; lamp < 12; ++lamp) {
+        ty_scene* scene = make_scene(*state);
+        add_medium(scene, &block);
+        for (int i = 0; i < 12; ++i) {
+            const ty_light_def light = point_light(0.17 * (i % 4) - 1.3, 0.4 * (i / 4), 0.9, 1, (float)i, 2);
+            if (lamp < 0 || lamp == i) add_light(scene, &light);
+        }
+        commit(scene);
+        ty_dom* light = solve_dom(scene, &def, NULL);
+        look_at(light, lamp < 0 ? &all : &one);
+        for (int i = 0; i < 3 * CELLS && lamp >= 0; ++i) sum[i] += one.fluence[i];
+        ty_dom_destroy(light);
+        ty_scene_destroy(scene);
+    }
+    const double mean = mean_of(sum);
+    /* Cell by cell sweeps that hold radiance above 0 are not linear. */
+    assert_close(mean_of(all.fluence) / mean, 1, 1e-3);
+    for (int i = 0; i < 3 * CELLS; ++i) assert_true(fabs(all.fluence[i] - sum[i]) <= 0.02 * mean);
+}
+
+/* What is not there sends nothing: no light, no colour, nothing that scatters. */
+static void nothing_comes_from_nothing(void** state) {
+    static cells cell;
+    for (int lights = 0; lights < 3; ++lights) {
+        ty_medium_def block = colored_block();
+        const ty_light_def sun = sun_light(lights == 2 ? 1 : 0, 0, 0);
+        ty_scene* scene = make_scene(*state);
+        const ty_dom_def def = small_dom();
+        ty_dom_stats stats;
+        if (lights == 2) set3f(block.sigma_s, 0, 0, 0);
+        add_medium(scene, &block);
+        if (lights > 0) add_light(scene, &sun);
+        commit(scene);
+        ty_dom* light = solve_dom(scene, &def, &stats);
+        assert_true(stats.converged);
+        look_at(light, &cell);
+        for (int i = 0; i < 3 * CELLS; ++i) assert_true(cell.fluence[i] == cell.uncollided[i]);
+        ty_image* image = NULL;
+        check_result(*state, ty_dom_view(light, scene, &def, &image, NULL));
+        for (int i = 0; i < PIXELS; ++i) assert_true(ty_image_plane_const(image, 0)[i] == 0);
+        ty_image_destroy(image);
+        ty_dom_destroy(light);
+        ty_scene_destroy(scene);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wrong_defs_are_refused),         cmocka_unit_test(scenes_need_media),
+        cmocka_unit_test(cuts_of_boxes_are_checked),      cmocka_unit_test(defaults_are_as_documented),
+        cmocka_unit_test(statistics_tell_what_was_done),  cmocka_unit_test(progress_runs_to_the_end),
+        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing),
+        cmocka_unit_test(threads_do_not_change_bits),     cmocka_unit_test(cameras_move_without_solving_again),
+        cmocka_unit_test(radiance_adds_up_to_fluence),    cmocka_unit_test(starts_save_sweeps),
+        cmocka_unit_test(gray_scenes_are_solved_once),    cmocka_unit_test(many_lamps_add_up),
+        cmocka_unit_test(nothing_comes_from_nothing),
+    };
+    return cmocka_run_group_tests(tests, start_context, stop_context);
+}

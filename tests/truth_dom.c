@@ -1,0 +1,192 @@
+/* Discrete ordinates against path tracing, and against what is known exactly: the unit cube in parallel light, a slab,
+ * a point source. */
+#include "transport.h"
+#include "truth_cube.h"
+
+#include <tyndall/dom.h>
+
+/* ---- the unit cube ---- */
+
+static error measure(const ty_scene* scene, const ty_dom_def* def, const truth* expected) {
+    ty_context* context = ty_scene_context(scene);
+    double* fluence = new_numbers(3 * CELLS);
+    ty_dom* light = NULL;
+    ty_dom_stats stats;
+    must(context, ty_dom_solve(scene, def, &light, &stats));
+    must(context, ty_dom_fluence(light, low, high, coarse, fluence, NULL));
+    assert_true(stats.converged);
+    if (!(fabs(stats.absorbed[0] + stats.leaving[0] - stats.emitted[0]) <= 1e-3 * stats.emitted[0]))
+        fail_msg("emitted %g, absorbed %g, leaving %g", stats.emitted[0], stats.absorbed[0], stats.leaving[0]);
+    const error result = error_of(fluence, expected);
+    ty_dom_destroy(light);
+    free(fluence);
+    return result;
+}
+
+static void the_unit_cube(void** state) {
+    static const double anisotropies[] = {0, 0.5, 0.7, 0.96};
+    static const int32_t resolutions[] = {16, 32, 64};
+    static truth expected;
+    bool right = true;
+    for (int i = 0; i < 4; ++i) {
+        ty_scene* scene = cube_in_light(*state, anisotropies[i]);
+        trace(scene, &expected);
+        for (int r = 0; r < 3; ++r) {
+            ty_dom_def def = ty_default_dom_def();
+            def.resolution = resolutions[r];
+            const error off = measure(scene, &def, &expected);
+            const bool peaked = anisotropies[i] > 0.9;
+            printf("g %.2f, %2d^3: %.4f / %.4f (mean ratio / relative RMSE; noise %.4f)\n", anisotropies[i],
+                   (int)resolutions[r], off.mean_ratio, off.rmse, expected.noise);
+            right = right && fabs(off.mean_ratio - 1) <= (peaked ? 0.03 : 0.015) && off.rmse <= (peaked ? 0.06 : 0.03);
+        }
+        ty_scene_destroy(scene);
+    }
+    assert_true(right);
+}
+
+/* Whatever L is, the light is the same: the less of it is in the peak, the more ordinates carry. */
+static void bands_agree(void** state) {
+    static truth expected;
+    ty_scene* scene = cube_in_light(*state, 0.7);
+    trace(scene, &expected);
+    for (int32_t bands = 3; bands <= 6; ++bands) {
+        ty_dom_def def = ty_default_dom_def();
+        def.resolution = 16;
+        def.bands = bands;
+        const error off = measure(scene, &def, &expected);
+        printf("g 0.7, L = %d: %.4f / %.4f\n", (int)bands, off.mean_ratio, off.rmse);
+        assert_true(fabs(off.mean_ratio - 1) <= 0.03 && off.rmse <= 0.05);
+    }
+    ty_scene_destroy(scene);
+}
+
+/* ---- a slab ---- */
+
+/* Light of 1 W m^-2 comes down on a slab 1 m thick; of it R comes back and T goes through (with what does not scatter).
+ */
+typedef struct slab_case {
+    double sigma_s, sigma_a, g, reflected, transmitted;
+} slab_case;
+
+enum { SLAB_WIDTH = 8, SLAB_CELLS = 96, SLAB_LAYERS = SLAB_CELLS / SLAB_WIDTH, WAYS = 4096 };
+
+/* The net flux downwards at a point, of light that has scattered. */
+static double flux_down(ty_context* context, const ty_dom* light, const double point[3]) {
+    static float ways[3 * WAYS], radiance[3 * WAYS];
+    double sum = 0;
+    for (int i = 0; i < WAYS; ++i) {
+        const double y = 1 - (2 * i + 1.0) / WAYS, angle = 2.399963229728653 * i, radius = sqrt(1 - y * y);
+        rgb(ways + 3 * i, radius * cos(angle), y, radius * sin(angle));
+    }
+    must(context, ty_dom_radiance(light, point, ways, WAYS, radiance));
+    for (int i = 0; i < WAYS; ++i) sum -= (double)(radiance[3 * i] * ways[3 * i + 1]) * 4 * pi / WAYS;
+    return sum;
+}
+
+/* In the slab's middle: the flux through the middle of the first and the last layer, and what the halves of these that
+ * are outside of it absorb. */
+static void check_slab(ty_context* context, const slab_case* c) {
+    static const int32_t layers[3] = {1, SLAB_LAYERS, 1}, one[3] = {1, 1, 1};
+    const double half = 0.5 * SLAB_WIDTH / SLAB_CELLS;
+    const double lower[3] = {half, 0, half}, upper[3] = {half, 1, half};
+    ty_scene* scene = new_scene(context);
+    ty_medium_def slab = medium_of(c->sigma_s, c->sigma_a, c->g);
+    slab.bounds = TY_BOUNDS_BOX;
+    set3(slab.box_min, -SLAB_WIDTH / 2, 0, -SLAB_WIDTH / 2);
+    set3(slab.box_max, SLAB_WIDTH / 2, 1, SLAB_WIDTH / 2);
+    add_medium(scene, &slab);
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 1);
+    set3(sun.direction, 0, -1, 0);
+    add_light(scene, &sun);
+    commit(scene);
+    ty_dom_def def = ty_default_dom_def();
+    def.resolution = def.direct = SLAB_CELLS;
+    ty_dom* light = NULL;
+    must(context, ty_dom_solve(scene, &def, &light, NULL));
+    double fluence[3 * SLAB_LAYERS], net[2];
+    must(context, ty_dom_fluence(light, lower, upper, layers, fluence, NULL));
+    for (int end = 0; end < 2; ++end) {
+        const int layer = end == 0 ? SLAB_LAYERS - 1 : 0;
+        const double y = (layer + 0.5) / SLAB_LAYERS, point[3] = {half, y, half};
+        double at[3], beam[3];
+        must(context, ty_dom_fluence(light, point, point, one, at, beam));
+        const double absorbed = c->sigma_a * fluence[3 * layer] * 0.5 / SLAB_LAYERS;
+        net[end] = flux_down(context, light, point) + beam[0] + (end == 0 ? absorbed : -absorbed);
+    }
+    printf("slab, sigma_s %g, sigma_a %g, g %g: R %.5f (%.5f), T %.5f (%.5f)\n", c->sigma_s, c->sigma_a, c->g,
+           1 - net[0], c->reflected, net[1], c->transmitted);
+    assert_true(fabs((1 - net[0]) / c->reflected - 1) <= 0.01 && fabs(net[1] / c->transmitted - 1) <= 0.01);
+    ty_dom_destroy(light);
+    ty_scene_destroy(scene);
+}
+
+/* van de Hulst 1980, Multiple Light Scattering, vol. 2, Table 35: a slab of optical thickness 2. */
+static void slabs(void** state) {
+    check_slab(*state, &(slab_case){1.8, 0.2, 0.75, 0.09739, 0.66096});
+}
+
+/* ---- a point source ---- */
+
+enum { SOURCE_CELLS = 64 };
+
+/* The mean of the exact fluence over a cell, times sigma_t^-2. */
+static double exact_in_cell(double albedo, const double middle[3], double cell) {
+    enum { POINTS = 4 };
+    double sum = 0;
+    for (int p = 0; p < POINTS * POINTS * POINTS; ++p) {
+        const int at[3] = {p % POINTS, p / POINTS % POINTS, p / (POINTS * POINTS)};
+        double square = 0;
+        for (int a = 0; a < 3; ++a) square += pow(middle[a] + cell * ((at[a] + 0.5) / POINTS - 0.5), 2);
+        sum += transport_in_ball(albedo, sqrt(square));
+    }
+    return sum / (POINTS * POINTS * POINTS);
+}
+
+/* Cells along three lines from the source, which is in a cell's corner, in mean free paths. */
+static void check_source(ty_context* context, double albedo) {
+    static const int32_t lines[3][3] = {{1, 0, 0}, {1, 1, 0}, {1, 1, 1}}, one[3] = {1, 1, 1};
+    const double cell = 2.0 * SOURCE_RADIUS / SOURCE_CELLS;
+    ty_scene* scene = new_scene(context);
+    const ty_medium_def ball = medium_sphere(SOURCE_RADIUS, albedo, 1 - albedo, 0);
+    add_medium(scene, &ball);
+    const ty_light_def lamp = light_of(TY_LIGHT_POINT, 1);
+    add_light(scene, &lamp);
+    commit(scene);
+    ty_dom_def def = ty_default_dom_def();
+    def.resolution = def.direct = SOURCE_CELLS;
+    ty_dom* light = NULL;
+    must(context, ty_dom_solve(scene, &def, &light, NULL));
+    double worst = 0, worst_tau = 0;
+    for (int line = 0; line < 3; ++line)
+        for (int i = 0; i < SOURCE_CELLS / 2; ++i) {
+            double middle[3], fluence[3], tau = 0;
+            for (int a = 0; a < 3; ++a) {
+                middle[a] = cell * (lines[line][a] * i + 0.5);
+                tau += middle[a] * middle[a];
+            }
+            tau = sqrt(tau);
+            if (tau < 0.3 || tau > 6) continue;
+            must(context, ty_dom_fluence(light, middle, middle, one, fluence, NULL));
+            const double off = fluence[0] / exact_in_cell(albedo, middle, cell) - 1;
+            if (fabs(off) <= fabs(worst)) continue;
+            worst = off;
+            worst_tau = tau;
+        }
+    printf("point source, albedo %g: off by %.4f at most, at tau %.2f\n", albedo, worst, worst_tau);
+    ty_dom_destroy(light);
+    ty_scene_destroy(scene);
+    assert_true(fabs(worst) <= 0.03);
+}
+
+static void point_sources(void** state) {
+    check_source(*state, 0.5);
+    check_source(*state, 0.9);
+    check_source(*state, 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_unit_cube), cmocka_unit_test(bands_agree),
+                                       cmocka_unit_test(slabs), cmocka_unit_test(point_sources)};
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}
