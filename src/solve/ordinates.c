@@ -1,6 +1,6 @@
 /* Entry points of discrete ordinates: checks, memory, what an iteration begins and ends with. */
+#include "base/arena.h"
 #include "base/context.h"
-#include "base/float_mode.h"
 #include "solve/ordinates_job.h"
 
 #include <math.h>
@@ -67,53 +67,40 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
 
 /* ---- memory ---- */
 
-/* Floats of an array of the job: a number of each cell. */
-static float* take(ty_ordinates_job* job, int32_t items) {
-    const size_t count = (size_t)job->cells * (size_t)items;
-    job->stats->bytes += (double)(count * sizeof(float));
-    return ty_alloc_array(job->context, count, sizeof(float), false);
+/* Floats of an array: a number of each cell. */
+static float* take(const ty_ordinates_job* job, ty_arena* arena, int32_t items) {
+    return ty_arena_take(arena, sizeof(float) * (size_t)job->cells * (size_t)items);
 }
 
-static void give_back(ty_ordinates_job* job, float** array, int32_t items) {
-    if (*array != NULL) ty_free_array(job->context, *array, (size_t)job->cells * (size_t)items, sizeof(float));
-    *array = NULL;
+static void lay_out(ty_ordinates_job* job, ty_arena* arena) {
+    job->sums = ty_arena_take(arena, sizeof *job->sums * (size_t)job->def->size[2]);
+    job->extinction = take(job, arena, 1);
+    job->emission = take(job, arena, job->terms);
+    job->before = take(job, arena, job->lows);
+    for (int32_t i = 0; i < job->depth; ++i) {
+        job->moments[i] = take(job, arena, job->terms);
+        job->low[i] = take(job, arena, job->lows);
+        job->changes[i] = take(job, arena, job->lows);
+    }
+    if (job->def->source_terms > 1) job->fixed = take(job, arena, job->terms);
 }
 
+/* One block: several would be given back to the system after each solve, and its pages made anew for the next. */
 static ty_result allocate(ty_ordinates_job* job) {
     job->depth = job->def->accelerated ? TY_ORDINATES_DEPTH : 1;
-    const double floats = ((double)job->terms + 2.0 * job->lows) * (job->depth + 2);
-    const ty_result result =
-        ty_check_memory(job->context, floats * sizeof(float) * (double)job->cells, "discrete ordinates");
-    if (result != TY_OK) return result;
-    bool there = (job->extinction = take(job, 1)) != NULL;
-    there = there && (job->emission = take(job, job->terms)) != NULL;
-    there = there && (job->before = take(job, job->lows)) != NULL;
-    for (int32_t i = 0; i < job->depth; ++i) {
-        there = there && (job->moments[i] = take(job, job->terms)) != NULL;
-        there = there && (job->low[i] = take(job, job->lows)) != NULL;
-        there = there && (job->changes[i] = take(job, job->lows)) != NULL;
-    }
-    if (job->def->source_terms > 1) there = there && (job->fixed = take(job, job->terms)) != NULL;
-    job->sums = ty_alloc_array(job->context, (size_t)job->def->size[2], sizeof *job->sums, true);
-    return there && job->sums != NULL ? TY_OK : TY_ERROR_MEMORY;
-}
-
-/* All but one of the iterates. */
-static void free_but(ty_ordinates_job* job, int32_t kept) {
-    for (int32_t i = 0; i < TY_ORDINATES_DEPTH; ++i) {
-        if (i != kept) give_back(job, &job->moments[i], job->terms);
-        give_back(job, &job->low[i], job->lows);
-        give_back(job, &job->changes[i], job->lows);
-    }
-    give_back(job, &job->before, job->lows);
-    give_back(job, &job->fixed, job->terms);
+    ty_arena arena = {0};
+    lay_out(job, &arena);
+    job->bytes = arena.used;
+    job->stats->bytes = (double)arena.used;
+    job->memory = ty_alloc_array(job->context, job->bytes, 1, false);
+    if (job->memory == NULL) return TY_ERROR_MEMORY;
+    arena = (ty_arena){.base = job->memory};
+    lay_out(job, &arena);
+    return TY_OK;
 }
 
 static void free_all(ty_ordinates_job* job) {
-    free_but(job, -1);
-    give_back(job, &job->extinction, 1);
-    give_back(job, &job->emission, job->terms);
-    if (job->sums != NULL) ty_free_array(job->context, job->sums, (size_t)job->def->size[2], sizeof *job->sums);
+    if (job->memory != NULL) ty_free_array(job->context, job->memory, job->bytes, 1);
     ty_sweep_destroy(job->sweep);
     ty_correction_destroy(job->correction);
 }
@@ -195,33 +182,40 @@ static ty_result prepare(ty_ordinates_job* job) {
     return begin(job);
 }
 
-/* One more sweep, for more moments than iterations need. */
+static void note_balance(ty_ordinates_job* job, const float* moments, int32_t terms) {
+    const ty_ordinates_sums sums = ty_ordinates_balance(job, moments, terms);
+    job->stats->emitted = sums.emitted;
+    job->stats->absorbed = sums.absorbed;
+}
+
+/* One more sweep, for more moments than iterations need: `terms` of them, emission and moments of each cell. */
+static ty_result sweep_more(ty_ordinates_job* job, ty_sweep* sweep, float* emission, float* kept,
+                            float* const* moments) {
+    const int32_t terms = job->def->kept * job->def->kept;
+    ty_ordinates_emit(job);
+    ty_ordinates_widen(job, job->emission, terms, emission);
+    const double begun = ty_wall_seconds();
+    const ty_result result = ty_sweep_run(sweep, emission, kept, &job->stats->leaving, NULL);
+    job->stats->sweep_seconds += ty_wall_seconds() - begun;
+    ++job->stats->sweeps;
+    if (result != TY_OK) return result;
+    ty_ordinates_scatter(job, kept, terms, moments);
+    note_balance(job, kept, terms);
+    return TY_OK;
+}
+
 static ty_result sweep_kept(ty_ordinates_job* job, float* const* moments) {
     const ty_ordinates_def* def = job->def;
-    const int32_t terms = def->kept * def->kept;
+    const size_t count = (size_t)job->cells * (size_t)(def->kept * def->kept);
     ty_sweep* sweep = NULL;
-    ty_ordinates_emit(job);
-    free_but(job, -1);
-    float *emission = take(job, terms), *kept = take(job, terms);
-    ty_result result = emission != NULL && kept != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK)
-        result = ty_sweep_create(job->context, def->size, def->cell, def->set, def->kept, job->extinction, &sweep);
-    if (result == TY_OK) {
-        ty_ordinates_widen(job, job->emission, terms, emission);
-        const double begun = ty_wall_seconds();
-        result = ty_sweep_run(sweep, emission, kept, &job->stats->leaving, NULL);
-        job->stats->sweep_seconds += ty_wall_seconds() - begun;
-        ++job->stats->sweeps;
-    }
-    if (result == TY_OK) {
-        ty_ordinates_scatter(job, kept, terms, moments);
-        const ty_ordinates_sums sums = ty_ordinates_balance(job, kept, terms);
-        job->stats->emitted = sums.emitted;
-        job->stats->absorbed = sums.absorbed;
-    }
+    ty_result result =
+        ty_sweep_create(job->context, def->size, def->cell, def->set, def->kept, job->extinction, &sweep);
+    if (result != TY_OK) return result;
+    float* both = ty_alloc_array(job->context, 2 * count, sizeof(float), false);
+    job->stats->bytes += (double)ty_sweep_bytes(sweep) + 2 * sizeof(float) * (double)count;
+    result = both != NULL ? sweep_more(job, sweep, both, both + count, moments) : TY_ERROR_MEMORY;
+    if (both != NULL) ty_free_array(job->context, both, 2 * count, sizeof(float));
     ty_sweep_destroy(sweep);
-    give_back(job, &emission, terms);
-    give_back(job, &kept, terms);
     return result;
 }
 
@@ -238,9 +232,7 @@ static void store(ty_ordinates_job* job, float* const* moments) {
     ty_ordinates_give_low(job);
     ty_ordinates_scatter(job, latest, job->terms, moments);
     job->stats->leaving = job->leaving[job->latest];
-    const ty_ordinates_sums sums = ty_ordinates_balance(job, latest, job->terms);
-    job->stats->emitted = sums.emitted;
-    job->stats->absorbed = sums.absorbed;
+    note_balance(job, latest, job->terms);
 }
 
 static ty_result solve(ty_ordinates_job* job, float* const* moments) {

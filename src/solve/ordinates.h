@@ -39,11 +39,12 @@ typedef struct ty_ordinates_def {
     const float* g;             /* mean cosine, (-1, 1) */
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
-    bool accelerated;           /* diffusion synthetic acceleration; false: source iteration */
-    double tolerance;           /* of what is still to come, rms of fluences; default 1e-3 */
-    int32_t sweeps;             /* at most; 0 (default): 100 accelerated, else 10000 */
-    const float* const* start;  /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's) */
-    ty_progress_fn progress;    /* default NULL */
+    bool accelerated; /* diffusion synthetic acceleration: 3 to 12 sweeps where cells are thinner than 25 free paths;
+                         false: source iteration, as many as light scatters */
+    double tolerance; /* of what is still to come, rms of fluences; default 1e-3 */
+    int32_t sweeps;   /* at most; 0 (default): 100 accelerated, else 10000 */
+    const float* const* start; /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's) */
+    ty_progress_fn progress;   /* default NULL */
     void* progress_user;
 } ty_ordinates_def;
 
@@ -52,7 +53,8 @@ ty_ordinates_def ty_default_ordinates_def(void);
 typedef struct ty_ordinates_stats {
     bool converged;
     int32_t sweeps, cycles;
-    double change;                     /* what is still to come, of the rms fluence, estimated */
+    double change; /* what is still to come, of the rms fluence, estimated; where cells are thicker than 25 free paths
+                      and acceleration leaves what varies slowly to diffusion, what is missing of the energy if more */
     double emitted, absorbed, leaving; /* W: by the source, by the medium, out of the box's faces */
     double seconds, sweep_seconds;
     double bytes;

@@ -22,6 +22,8 @@ typedef struct ty_ordinates_job {
     int32_t history_capacity;
     double start, reported; /* s */
 
+    char* memory; /* of all arrays */
+    size_t bytes;
     int64_t cells;
     int32_t terms; /* bands^2 */
     int32_t lows;  /* of them, those that corrections change: band 0, and 1 if there is one */
