@@ -102,7 +102,8 @@ TY_API ty_result ty_dom_fluence(const ty_dom* light, const double lower[3], cons
                                 const int32_t size[3], double* fluence, double* uncollided);
 
 /* Radiance at a point, W m^-2 sr^-1, of light that travels along each of `count` unit vectors (x, y, z after one
- * another) and has scattered at least once: 3 a direction, as the stored moments say. Errors: TY_ERROR_ARGUMENT. */
+ * another) and has scattered at least once: 3 a direction, as the stored moments say, which may be below 0 where light
+ * comes from few directions. Errors: TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const float* directions, int32_t count,
                                  float* radiance);
 

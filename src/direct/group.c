@@ -37,7 +37,8 @@ static ty_source_group next_group(const ty_scene* scene, const ty_grid_box* box,
         g.own = g.count == 1 && lights->lights[light].kind == TY_KIND_DIRECTIONAL;
         return g;
     }
-    if (sources[first].alone != 0) return g;
+    if (sources[first].stand_in != NULL) g.own = false;
+    if (sources[first].alone != 0 || !g.own) return g;
     float radius = 0;
     for (int32_t i = first; i < first + g.count; ++i) {
         const ty_vec off = ty_sub(sources[i].position, g.middle);

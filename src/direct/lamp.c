@@ -261,7 +261,7 @@ ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, 
                       const ty_source* source, const ty_lamp_out* out, ty_watch* watch) {
     ty_lamp_job lamp = {.scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
     const size_t threads = (size_t)ty_context_threads(medium->context);
-    lamp.light = &scene->lights.lights[source->light];
+    lamp.light = source->stand_in != NULL ? source->stand_in : &scene->lights.lights[source->light];
     lamp.kernels = ty_direct_kernels_best();
     lamp.watch = watch;
     place_lamp(&lamp);

@@ -16,8 +16,9 @@ typedef struct ty_source {
     ty_vec direction; /* beams: the way light travels; points on surfaces: the unit normal, else as the light has it */
     ty_vec position;  /* lamps, m */
     int32_t alone;    /* lamps: whether the light is this one point, not one of many on a surface */
-    float area;       /* lamps: of the surface that the point stands for, m^2; 0: none */
-    float cosine;     /* beams: mean cosine of the light that they stand for about the direction; 1: it is a line */
+    const ty_light_view* stand_in; /* lamps that are no light of the scene: whose profile they have; NULL: are one */
+    float area;                    /* lamps: of the surface that the point stands for, m^2; 0: none */
+    float cosine; /* beams: mean cosine of the light that they stand for about the direction; 1: it is a line */
 } ty_source;
 
 typedef struct ty_source_def {

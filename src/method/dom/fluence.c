@@ -97,7 +97,7 @@ ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const floa
             const float* of = moments[light->shared ? 0 : c];
             double sum = 0;
             for (int32_t t = 0; t < terms; ++t) sum += (double)of[t] * y[t];
-            radiance[3 * d + c] = ty_maxf(0, (float)sum * light->color[c]);
+            radiance[3 * d + c] = (float)sum * light->color[c];
         }
     }
     return TY_OK;

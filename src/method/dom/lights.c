@@ -67,6 +67,33 @@ static ty_result add_environments(ty_dom_job* job) {
     return result;
 }
 
+/* What surfaces send back of directional, point and spot lights: so many lamps at most. */
+enum { REFLECTIONS = 32 };
+
+static const ty_light_view reflection = {.kind = TY_KIND_AREA};
+
+static ty_result find_reflections(const ty_dom_job* job, ty_pop_ordinate** out, int32_t* count) {
+    ty_pop_def def = ty_default_pop_def();
+    def.vpls = REFLECTIONS;
+    def.seed = job->def->seed;
+    return ty_pop_vpls_create(job->scene, &def, job->coarse, out, count);
+}
+
+static void add_reflections(ty_dom_job* job, const ty_pop_ordinate* lamps, int32_t count) {
+    for (int32_t i = 0; i < count; ++i) {
+        ty_source* source = &job->sources[job->source_count];
+        *source = (ty_source){.kind = TY_SOURCE_LAMP,
+                              .light = lamps[i].light,
+                              .direction = lamps[i].direction,
+                              .position = lamps[i].position,
+                              .stand_in = &reflection,
+                              .area = lamps[i].least * lamps[i].least,
+                              .cosine = 1};
+        memcpy(source->color, lamps[i].color, sizeof source->color);
+        if (!is_black(source->color)) ++job->source_count;
+    }
+}
+
 /* What is not black of all lights but environments. */
 static void add_others(ty_dom_job* job, const ty_source* sources, int32_t count) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
@@ -75,26 +102,35 @@ static void add_others(ty_dom_job* job, const ty_source* sources, int32_t count)
             job->sources[job->source_count++] = sources[i];
 }
 
-static ty_result make_sources(ty_dom_job* job) {
-    const ty_source_def def = {.environment = 1, .surface = job->def->surface_points, .seed = job->def->seed};
+static ty_result take_sources(ty_dom_job* job, int32_t others) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
-    ty_source* sources = NULL;
-    int32_t count = 0;
-    ty_result result = ty_sources_create(job->scene, &def, &sources, &count);
-    if (result != TY_OK) return result;
-    int64_t capacity = count;
+    int64_t capacity = others;
     for (int32_t i = 0; i < lights->count; ++i)
         if (is_environment(lights, i)) capacity += job->def->environment_beams;
     if (capacity > INT32_MAX)
-        result = ty_fail(job->context, TY_ERROR_ARGUMENT, "dom: %lld beams and lamps", (long long)capacity);
+        return ty_fail(job->context, TY_ERROR_ARGUMENT, "dom: %lld beams and lamps", (long long)capacity);
+    job->sources = ty_alloc_array(job->context, (size_t)capacity, sizeof *job->sources, false);
+    job->source_capacity = (int32_t)capacity;
+    return job->sources != NULL ? TY_OK : TY_ERROR_MEMORY;
+}
+
+static ty_result make_sources(ty_dom_job* job) {
+    const ty_source_def def = {.environment = 1, .surface = job->def->surface_points, .seed = job->def->seed};
+    ty_source* sources = NULL;
+    ty_pop_ordinate* reflected = NULL;
+    int32_t count = 0, reflected_count = 0;
+    ty_result result = ty_sources_create(job->scene, &def, &sources, &count);
+    if (result != TY_OK) return result;
+    if (ty_scene_get_view(job->scene)->mesh != NULL) result = find_reflections(job, &reflected, &reflected_count);
+    if (result == TY_OK) result = take_sources(job, count + reflected_count);
     if (result == TY_OK) {
-        job->sources = ty_alloc_array(job->context, (size_t)capacity, sizeof *job->sources, false);
-        job->source_capacity = (int32_t)capacity;
-        result = job->sources != NULL ? TY_OK : TY_ERROR_MEMORY;
+        add_others(job, sources, count);
+        add_reflections(job, reflected, reflected_count);
+        result = add_environments(job);
     }
-    if (result == TY_OK) add_others(job, sources, count);
     ty_sources_destroy(job->context, sources, count);
-    return result == TY_OK ? add_environments(job) : result;
+    ty_pop_ordinates_destroy(job->context, reflected, reflected_count);
+    return result;
 }
 
 ty_result ty_dom_take_sources(ty_dom_job* job) {

@@ -91,7 +91,8 @@ static ty_dom_part* find_part(const ty_dom* light, const ty_source* source) {
     float least = INFINITY;
     for (int32_t i = 0; i < light->part_count; ++i) {
         ty_dom_part* part = &light->parts[i];
-        if (part->light != source->light) continue;
+        if (part->light != source->light || (part->kind == TY_SINGLE_BEAM) != (source->kind == TY_SOURCE_BEAM))
+            continue;
         const float distance = distance_to(part, source);
         if (distance >= least) continue;
         least = distance;

@@ -1,0 +1,152 @@
+/* Images by discrete ordinates against path tracing, in absolute units, and against flux-limited diffusion and
+ * principal ordinates as they are by default, over blocks of pixels. */
+#include "truth_scene.h"
+
+#include <tyndall/dom.h>
+
+static const double most_off = 0.03, most_rmse = 0.06;
+
+static ty_dom_def dom_def(const scene_case* c, const ty_image* surfaces) {
+    ty_dom_def def = ty_default_dom_def();
+    def.width = c->width;
+    def.height = c->height;
+    def.spp = 4;
+    def.unscattered = surfaces;
+    return def;
+}
+
+static ty_image* dom_image(const ty_scene* scene, const ty_dom_def* def) {
+    ty_image* image = NULL;
+    ty_dom_stats stats;
+    must(ty_scene_context(scene), ty_dom_render(scene, def, &image, &stats));
+    assert_true(stats.converged);
+    assert_finite(image);
+    for (int c = 0; c < 3; ++c)
+        if (!(fabs(stats.absorbed[c] + stats.leaving[c] - stats.emitted[c]) <= 1e-3 * stats.emitted[c]))
+            fail_msg("emitted %g, absorbed %g, leaving %g", stats.emitted[c], stats.absorbed[c], stats.leaving[c]);
+    return image;
+}
+
+static ty_image* fld_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces) {
+    ty_fld_def def = ty_default_fld_def();
+    ty_image* image = NULL;
+    def.width = c->width;
+    def.height = c->height;
+    def.spp = 4;
+    def.unscattered = surfaces;
+    must(ty_scene_context(scene), ty_fld_render(scene, &def, &image, NULL));
+    return image;
+}
+
+static ty_image* pop_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces) {
+    ty_pop_def def = ty_default_pop_def();
+    ty_image* image = NULL;
+    def.width = c->width;
+    def.height = c->height;
+    def.spp = 4;
+    def.unscattered = surfaces;
+    must(ty_scene_context(scene), ty_pop_render(scene, &def, &image, NULL));
+    return image;
+}
+
+/* Frees the image. */
+static ty_difference compare(ty_context* context, const char* name, ty_image* image, const ty_image* truth) {
+    ty_difference d;
+    must(context, ty_image_compare(context, image, truth, BLOCK, &d));
+    printf("  %-5s %.4f / %.4f (R %.4f, G %.4f, B %.4f)\n", name, d.mean_ratio[3], d.relative_rmse[3], d.mean_ratio[0],
+           d.mean_ratio[1], d.mean_ratio[2]);
+    ty_image_destroy(image);
+    return d;
+}
+
+/* Whether an image is near path tracing's, and nearer than both others'. */
+static bool is_near(ty_context* context, const scene_case* c, const char* what) {
+    ty_scene* scene = read_case(context, c);
+    ty_image* truth = path_image(scene, c, 0);
+    ty_image* surfaces = surfaces_of(scene, c);
+    const ty_dom_def def = dom_def(c, surfaces);
+    printf("%s, %s, mean ratio / relative RMSE:\n", c->path, what);
+    const ty_difference dom = compare(context, "dom", dom_image(scene, &def), truth);
+    const ty_difference fld = compare(context, "fld", fld_image(scene, c, surfaces), truth);
+    const ty_difference pop = compare(context, "pop", pop_image(scene, c, surfaces), truth);
+    ty_image_destroy(truth);
+    ty_image_destroy(surfaces);
+    ty_scene_destroy(scene);
+    return fabs(dom.mean_ratio[3] - 1) <= most_off && dom.relative_rmse[3] <= most_rmse &&
+           dom.relative_rmse[3] < fld.relative_rmse[3] && dom.relative_rmse[3] < pop.relative_rmse[3];
+}
+
+static void cubes(void** state) {
+    const scene_case even = {"builtin:cube_g0", NULL, {NULL}, 48, 48, 256, 0, 0};
+    const scene_case forward = {"builtin:cube_g0.7", NULL, {NULL}, 48, 48, 512, 0, 0};
+    const bool near = is_near(*state, &even, "g 0");
+    assert_true(is_near(*state, &forward, "g 0.7") && near);
+}
+
+static void nebulae(void** state) {
+    assert_true(is_near(*state, &(scene_case){"builtin:nebulae", NULL, {NULL}, 48, 48, 256, 0, 0}, "as it is"));
+}
+
+static const char cloud[] = "volumes/wdas_cloud_sixteenth.vdb", plume[] = "volumes/plume/plume_0042.vdb";
+static const char dawn[] = "hdri/kiara_1_dawn_1k.hdr";
+
+/* A scene whose first light is an environment in the sun alone, which path tracing takes more samples for, or under a
+ * photographed sky; surfaces would be in the light of both. */
+static bool is_near_in_lights(ty_context* context, const char* path, const char* data, int32_t width, int32_t height) {
+    static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.75,-0.5,-0.1],\"irradiance\":3}";
+    static const char bare[] = "geometry=[]";
+    char file[1024], sky[1200];
+    snprintf(sky, sizeof sky, "lights[0]={\"type\":\"environment\",\"file\":\"%s\"}", data_path(dawn, file));
+    const scene_case in_sun = {path, data, {DENSITY, sun, bare}, width, height, 1024, 0, 0};
+    const scene_case in_sky = {path, data, {DENSITY, sky, bare}, width, height, 128, 0, 0};
+    const bool near = is_near(context, &in_sun, "sun");
+    return is_near(context, &in_sky, "photographed sky") && near;
+}
+
+static void measured_cloud(void** state) {
+    assert_true(is_near_in_lights(*state, "scenes/disney_cloud_sun.json", cloud, 48, 36));
+}
+
+static void smoke(void** state) {
+    assert_true(is_near_in_lights(*state, "scenes/plume.json", plume, 36, 48));
+}
+
+/* In the same light from everywhere nothing that absorbs nothing is to be seen. */
+static void white_furnace(void** state) {
+    static const double anisotropies[] = {0, 0.7, 0.9}, depths[] = {3, 20};
+    const scene_case size = {.width = 48, .height = 48};
+    bool white = true;
+    for (int i = 0; i < 6; ++i) {
+        const double g = anisotropies[i / 2], depth = depths[i % 2];
+        ty_scene* scene = new_scene(*state);
+        const ty_light_def light = light_of(TY_LIGHT_ENVIRONMENT, 1);
+        const ty_medium_def cube = medium_cube(1, depth, 0, g);
+        const ty_dom_def def = dom_def(&size, NULL);
+        double least = INFINITY, most = 0;
+        add_medium(scene, &cube);
+        add_light(scene, &light);
+        set_camera(scene, 0, 0, 6, 30);
+        commit(scene);
+        ty_image* image = dom_image(scene, &def);
+        for (int y = 0; y < 48; y += BLOCK)
+            for (int x = 0; x < 48; x += BLOCK) {
+                double sum = 0;
+                for (int p = 0; p < BLOCK * BLOCK; ++p)
+                    sum += (double)ty_image_plane_const(image, 1)[48 * (y + p / BLOCK) + x + p % BLOCK];
+                least = fmin(least, sum / (BLOCK * BLOCK));
+                most = fmax(most, sum / (BLOCK * BLOCK));
+            }
+        printf("white furnace, cube of %g/m, g %.1f: %.4f to %.4f\n", depth, g, least, most);
+        white = white && least >= 0.9 && most <= 1.1;
+        ty_image_destroy(image);
+        ty_scene_destroy(scene);
+    }
+    assert_true(white);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(cubes), cmocka_unit_test(nebulae),
+                                       cmocka_unit_test(measured_cloud), cmocka_unit_test(smoke),
+                                       cmocka_unit_test(white_furnace)};
+    return cmocka_run_group_tests(tests, truth_start, truth_stop);
+}
