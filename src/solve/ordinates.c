@@ -149,10 +149,12 @@ static bool is_thick(const ty_ordinates_job* job) {
     return false;
 }
 
-/* Where iterations begin: at what the caller has, or at what diffusion makes of the source. */
+/* Where iterations begin: at what the caller has, or at what diffusion makes of the source; always at the latter where
+ * they would not mend what of the former varies slowly. */
 static ty_result begin(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
-    if (def->start != NULL) {
+    job->limited = job->correction != NULL && is_thick(job);
+    if (def->start != NULL && !job->limited) {
         ty_ordinates_gather(job, def->start, job->terms, job->terms, job->moments[0]);
         ty_ordinates_take_low(job);
         job->count = 1;
@@ -161,9 +163,8 @@ static ty_result begin(ty_ordinates_job* job) {
     } else if (job->correction != NULL) {
         ty_ordinates_guess(job);
     }
-    if (job->correction == NULL || !is_thick(job)) return TY_OK;
+    if (!job->limited) return TY_OK;
     end_correction(job);
-    job->limited = true;
     job->emitted = ty_ordinates_balance(job, job->moments[0], job->terms).emitted;
     return scale(job, THICKEST);
 }

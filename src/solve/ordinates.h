@@ -43,7 +43,8 @@ typedef struct ty_ordinates_def {
                          false: source iteration, as many as light scatters */
     double tolerance; /* of what is still to come, rms of fluences; default 1e-3 */
     int32_t sweeps;   /* at most; 0 (default): 100 accelerated, else 10000 */
-    const float* const* start; /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's) */
+    const float* const* start; /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's,
+                                   which acceleration takes anyway where cells are thicker than 25 free paths) */
     ty_progress_fn progress;   /* default NULL */
     void* progress_user;
 } ty_ordinates_def;
