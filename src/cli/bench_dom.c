@@ -58,12 +58,12 @@ enum { ALL, MEDIUM, DIRECT, SOURCE, SOLVE, SWEEP, PARTS };
 static const char* const part_names[PARTS] = {"all", "medium", "direct", "source", "solve", "sweeps"};
 
 typedef struct solved {
-    double seconds[PARTS];
-    ty_dom_stats stats; /* of the last run */
+    double seconds[PARTS], cpu; /* cpu: of all processors */
+    ty_dom_stats stats;         /* of the last run */
 } solved;
 
 static ty_result time_solve(const bench_session* bench, const ty_scene* scene, int32_t side, solved* out) {
-    static double seconds[PARTS][RUNS_MAX];
+    static double seconds[PARTS][RUNS_MAX], cpu[RUNS_MAX];
     const int runs = bench->options->runs;
     ty_dom_def def = ty_default_dom_def();
     def.directions = DIRECTIONS;
@@ -71,14 +71,18 @@ static ty_result time_solve(const bench_session* bench, const ty_scene* scene, i
     ty_result result = TY_OK;
     for (int run = -1; run < runs && result == TY_OK; ++run) {
         ty_dom* light = NULL;
+        const double begun = cli_cpu_seconds();
         result = ty_dom_solve(scene, &def, &light, &out->stats);
+        cpu[run < 0 ? 0 : run] = cli_cpu_seconds() - begun;
         ty_dom_destroy(light);
         const ty_dom_stats* s = &out->stats;
         const double parts[PARTS] = {s->seconds,        s->medium_seconds, s->direct_seconds,
                                      s->source_seconds, s->solve_seconds,  s->sweep_seconds};
         for (int part = 0; part < PARTS; ++part) seconds[part][run < 0 ? 0 : run] = parts[part];
     }
-    for (int part = 0; part < PARTS && result == TY_OK; ++part) out->seconds[part] = bench_median(seconds[part], runs);
+    if (result != TY_OK) return result;
+    for (int part = 0; part < PARTS; ++part) out->seconds[part] = bench_median(seconds[part], runs);
+    out->cpu = bench_median(cpu, runs);
     return result;
 }
 
@@ -103,6 +107,7 @@ static void print_solve_json(const bench_session* bench, const solved* s, double
         snprintf(key, sizeof key, "%s_seconds", part_names[part]);
         json_number(json, key, s->seconds[part]);
     }
+    json_number(json, "cpu_seconds", s->cpu);
     json_number(json, "bytes", s->stats.bytes);
     json_number(json, "cells_directions_sweeps_per_second", rate);
     json_number(json, "gflops", flops);
@@ -120,9 +125,10 @@ static void print_solve(const bench_session* bench, int index, const solved* s, 
         return;
     }
     const ty_dom_stats* t = &s->stats;
-    printf("  %d^3: %.1f ms (at most %.0f)%s; sweeps %d, %d, %d of %d directions, %d bands\n   ", (int)sides[index],
-           1e3 * s->seconds[ALL], most_ms[index], t->converged ? "" : ", not converged", (int)t->sweeps[0],
-           (int)t->sweeps[1], (int)t->sweeps[2], (int)t->directions, (int)t->bands);
+    printf(
+        "  %d^3: %.1f ms (at most %.0f; %.1f of all processors)%s; sweeps %d, %d, %d of %d directions, %d bands\n   ",
+        (int)sides[index], 1e3 * s->seconds[ALL], most_ms[index], 1e3 * s->cpu, t->converged ? "" : ", not converged",
+        (int)t->sweeps[0], (int)t->sweeps[1], (int)t->sweeps[2], (int)t->directions, (int)t->bands);
     for (int part = MEDIUM; part < PARTS; ++part) printf(" %s %.1f", part_names[part], 1e3 * s->seconds[part]);
     printf(
         "\n    %.3g cells x directions x sweeps a second: %.1f GFLOP/s, %.0f %% of the %.1f that multiply-adds reach; "
