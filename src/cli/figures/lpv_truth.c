@@ -3,12 +3,13 @@
 
 #include <math.h>
 
-enum { SCENES = 3, VARIANTS = 6, TRUTH = 0, FULL = 1, BOTH = 2, MARCHED = 3, PICTURE_WIDTH = 250 };
+enum { SCENES = 3, VARIANTS = 8, TRUTH = 0, FULL = 1, BOTH = 2, MARCHED = 3, PICTURE_WIDTH = 200 };
 
 static const lpv_variant variants[VARIANTS] = {
-    {"path tracing", NULL, NULL, 0},        {"full", "links", "all", 0},
-    {"both added (f)", "links", "both", 0}, {"plain, marched (e)", "links", "plain_march", 0},
-    {"plain (c)", "links", "plain", 0},     {"full, published", "published", "all", 0},
+    {"path tracing", NULL, NULL, 0, 0, 0},        {"full", "links", "all", 0, 0, 0},
+    {"both added (f)", "links", "both", 0, 0, 0}, {"plain, marched (e)", "links", "plain_march", 0, 0, 0},
+    {"plain (c)", "links", "plain", 0, 0, 0},     {"full, published", "published", "all", 0, 0, 0},
+    {"three bands", "links", "all", 0, 3, 0},     {"two cascades", "links", "all", 0, 0, 2},
 };
 
 static const struct {

@@ -89,7 +89,9 @@ TY_FN void ty_air_mean(const ty_air_lanes* lanes, TY_GLOBAL const ty_lpv_air* co
             const float rise = change[i][j] * (lanes->rises[j] - lanes->fades[j] * seen[i][j]);
             sum += share[i] * (seen[i][j] + farther[i] * (1.0f - half) * rise);
         }
-        mean[j] = lanes->rises[j] > 0.0f ? ty_maxf(sum, 0.0f) : sum;
+        const float least = lanes->rises[j] > 0.0f ? 0.0f : -TY_FLOAT_MAX;
+        const float most = lanes->fades[j] > 0.0f ? 1.0f : TY_FLOAT_MAX;
+        mean[j] = ty_clampf(sum, least, most);
     }
 }
 
