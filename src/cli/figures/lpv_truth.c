@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { SCENES = 3, VARIANTS = 8, TRUTH = 0, FULL = 1, BOTH = 2, MARCHED = 3, PICTURE_WIDTH = 200 };
+enum { SCENES = 3, VARIANTS = 8, TRUTH = 0, FULL = 1, BOTH = 2, MARCHED = 3, PICTURE_WIDTH = 250 };
 
 static const lpv_variant variants[VARIANTS] = {
     {"path tracing", NULL, NULL, 0, 0, 0},        {"full", "links", "all", 0, 0, 0},
