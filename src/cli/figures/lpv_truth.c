@@ -100,7 +100,8 @@ ty_result figure_lpv_truth(figure_run* run) {
     snprintf(run->caption, sizeof run->caption,
              "Scenes in fog%s: the method against path tracing, and combinations of the paper's Fig. 5 by the same "
              "lattice: light propagation volumes on surfaces alone (c), these marched (e), and single scattering added "
-             "(f). In shadow: blocks of pixels whose surfaces no light reaches directly. Errors are of means over "
+             "(f); the full method with three bands, and with a finer lattice about the camera. In shadow: blocks of "
+             "pixels whose surfaces no light reaches directly. Errors are of means over "
              "%d × %d pixels, the relative RMSE without the truth's own noise.",
              lpv_has_sponza(run->options->data) ? "" : " (Sponza's data are not there)", FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
