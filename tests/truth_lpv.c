@@ -66,7 +66,8 @@ static void check_scene(ty_context* context, const scene_case* c) {
         def.parts = parts[i];
         images[i] = lpv_image(scene, &def);
     }
-    printf("%s, mean ratio / relative RMSE, of what is in shadow:\n", c->path);
+    printf("%s%s, mean ratio / relative RMSE, of what is in shadow:\n", c->path,
+           c->overrides[1] != NULL ? ", smoke" : "");
     for (int i = 0; i < PARTS; ++i) {
         near[i] = compare(images[i], truth, images[PARTS - 1]);
         printf("  %-20s %.4f / %.4f, %.4f / %.4f\n", part_names[i], near[i].ratio, near[i].rmse, near[i].shadowed_ratio,
@@ -87,6 +88,21 @@ static void atrium(void** state) {
 
 static void box_in_fog(void** state) {
     const scene_case c = {"builtin:fog_cornell", NULL, {NULL}, 60, 60, fewer(256, 2), 0.5, 0};
+    check_scene(*state, &c);
+}
+
+/* A medium that is not the same everywhere, among surfaces. */
+static void smoke_in_a_box(void** state) {
+    static const scene_case c = {
+        "builtin:fog_cornell",
+        NULL,
+        {NULL, "media=[{\"bounds\": [[-1, -1, -1], [1, 1, 1]], \"sigma_t\": 2, \"albedo\": 0.9, \"g\": 0.3, "
+               "\"density\": {\"noise\": {\"kind\": \"fbm\", \"resolution\": 48, \"frequency\": 3}}}]"},
+        60,
+        60,
+        256,
+        0.5,
+        0};
     check_scene(*state, &c);
 }
 
@@ -197,11 +213,8 @@ static void fog_is_as_bright(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sealed_rooms_stay_dark),
-        cmocka_unit_test(fog_is_as_bright),
-        cmocka_unit_test(box_in_fog),
-        cmocka_unit_test(atrium),
-        cmocka_unit_test(sponza),
+        cmocka_unit_test(sealed_rooms_stay_dark), cmocka_unit_test(fog_is_as_bright), cmocka_unit_test(box_in_fog),
+        cmocka_unit_test(smoke_in_a_box),         cmocka_unit_test(atrium),           cmocka_unit_test(sponza),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -31,8 +31,9 @@ static const struct {
     {"(b) a small bright spot", {to_lit_side, "lights[0].cone=6", "camera.exposure=0"}, 3, 0},
     {"(c) a single iteration", {to_lit_side, "lights[0].cone=6", "camera.exposure=0"}, 3, 1},
 };
-static const lpv_variant rows[ROWS] = {
-    {"path tracing", NULL, NULL, 0}, {"links", "links", "all", 0}, {"published", "published", "all", 0}};
+static const lpv_variant rows[ROWS] = {{.title = "path tracing"},
+                                       {.title = "links", .mode = "links", .parts = "all"},
+                                       {.title = "published", .mode = "published", .parts = "all"}};
 
 /* Links must let through less than a hundredth of what the lit side sends. */
 static ty_result note_leak(figure_run* run, const char* item, int row, double leaked) {

@@ -16,7 +16,7 @@ static const struct {
 static ty_result show(figure_run* run, ty_scene* scene, int mode, int part, const int32_t size[2], plot_sheet* sheet) {
     char item[FIGURE_NAME_SIZE];
     figure_picture picture = {0};
-    const lpv_variant variant = {parts[part].title, modes[mode], parts[part].parts, 0};
+    const lpv_variant variant = {parts[part].title, modes[mode], parts[part].parts, 0, 0, 0};
     plot_cell* cell = plot_sheet_cell(sheet, mode, part);
     snprintf(item, sizeof item, "%s, %s", modes[mode], parts[part].parts);
     ty_result result = lpv_render(run, item, scene, &variant, size, &picture, NULL);

@@ -9,6 +9,8 @@ ty_lpv_settings lpv_variant_settings(const ty_scene* scene, const lpv_variant* v
     snprintf(settings.mode, sizeof settings.mode, "%s", variant->mode);
     snprintf(settings.parts, sizeof settings.parts, "%s", variant->parts);
     settings.iterations = variant->iterations;
+    if (variant->bands > 0) settings.bands = variant->bands;
+    if (variant->cascades > 0) settings.cascades = variant->cascades;
     return settings;
 }
 

@@ -8,7 +8,8 @@
 /* A way to render: words of ty_lpv_settings; mode NULL: path tracing. */
 typedef struct lpv_variant {
     const char *title, *mode, *parts;
-    int32_t iterations; /* 0: the mode's own */
+    int32_t iterations;      /* 0: the mode's own */
+    int32_t bands, cascades; /* 0: the scene's */
 } lpv_variant;
 
 /* The scene's settings with those of a variant. */

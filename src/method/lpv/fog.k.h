@@ -411,7 +411,14 @@ TY_FN void ty_fog_end(ty_fog_ray* ray, float far) {
     ty_fog_media media = ray->media;
     if (ray->varies != 0) {
         if (ray->cells.leave < far) return;
-        ty_fog_load(ray->request->medium, ray->cells.cell, &media);
+        /* Where the box's side is what the ray ends at, the cell behind it may have been the next. */
+        const int32_t* size = ray->request->medium->box.size;
+        int32_t cell[3];
+        for (int a = 0; a < 3; ++a) {
+            const int32_t at = ray->cells.cell[a];
+            cell[a] = at < 0 ? 0 : at < size[a] ? at : size[a] - 1;
+        }
+        ty_fog_load(ray->request->medium, cell, &media);
     }
     ty_sh_at(ty_scale(ray->direction, -1.0f), 2, y);
     for (int c = 0; c < 3; ++c) {

@@ -20,7 +20,9 @@ static void upsample(const ty_upsample* from, int32_t x, int32_t y, int32_t coun
                      ty_lpv_seen* out, float* contrast) {
     const ty_air_lanes lanes = ty_air_lanes_make();
     const unsigned state = ty_flush_denormals();
-    for (int32_t i = 0; i < count; ++i) contrast[i] = ty_air_upsample(&lanes, from, x + i, y, distance[i], &out[i]);
+    for (int32_t i = 0; i < count; i += TY_AIR_ROW)
+        ty_air_upsample_row(&lanes, from, x + i, y, count - i < TY_AIR_ROW ? count - i : TY_AIR_ROW, distance + i,
+                            out + i, contrast + i);
     ty_restore_denormals(state);
 }
 

@@ -20,8 +20,8 @@ typedef struct ty_look_place {
 
 typedef struct ty_pixels_kernels {
     void (*fog)(const ty_fog_request* request, const ty_fog_way* ways, int32_t count, ty_fog* out);
-    /* What pixels of a row from (x, y) on, at such distances, see of the media; contrast: as
-     * ty_air_upsample returns it. */
+    /* What pixels of a row from (x, y) on, at such distances, see of the media; contrast: as ty_air_upsample_row has
+     * it. */
     void (*upsample)(const ty_upsample* from, int32_t x, int32_t y, int32_t count, const float* distance,
                      ty_lpv_seen* out, float* contrast);
     void (*irradiance)(const ty_look* look, ty_look_place* places, int32_t count);

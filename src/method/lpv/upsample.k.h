@@ -89,7 +89,9 @@ TY_FN void ty_air_mean(const ty_air_lanes* lanes, TY_GLOBAL const ty_lpv_air* co
             const float rise = change[i][j] * (lanes->rises[j] - lanes->fades[j] * seen[i][j]);
             sum += share[i] * (seen[i][j] + farther[i] * (1.0f - half) * rise);
         }
-        mean[j] = lanes->rises[j] > 0.0f ? ty_maxf(sum, 0.0f) : sum;
+        const float least = lanes->rises[j] > 0.0f ? 0.0f : -TY_FLOAT_MAX;
+        const float most = lanes->fades[j] > 0.0f ? 1.0f : TY_FLOAT_MAX;
+        mean[j] = ty_clampf(sum, least, most);
     }
 }
 
@@ -105,38 +107,93 @@ TY_FN float ty_air_contrast(TY_GLOBAL const ty_lpv_air* const air[4], const floa
     return most - least;
 }
 
-/* What a pixel sees; returns how much once scattered light differs between the rays around it, or below 0: none of them
- * went about as far. */
-TY_FN float ty_air_upsample(const ty_air_lanes* lanes, const ty_upsample* from, int32_t x, int32_t y, float distance,
-                            ty_lpv_seen* out) {
+/* Pixels of a row that are taken together. */
+enum { TY_AIR_ROW = 16 };
+
+/* The four rays around each of some pixels of a row. */
+typedef struct ty_air_row {
+    TY_GLOBAL const ty_lpv_air* air[TY_AIR_ROW][4];
+    float far[TY_AIR_ROW];
+    float reached[4][TY_AIR_ROW], weight[4][TY_AIR_ROW], farther[4][TY_AIR_ROW];
+    float sum[TY_AIR_ROW]; /* of weights */
+} ty_air_row;
+
+TY_FN void ty_air_find_row(const ty_upsample* from, int32_t x, int32_t y, int32_t count, const float* distance,
+                           ty_air_row* row) {
     int32_t columns[2], rows[2];
-    float weight[4], like[4], reached[4], farther[4], mean[TY_AIR_FLOATS];
-    const float along = ty_air_pair(x, from->width, columns), down = ty_air_pair(y, from->height, rows);
-    const float far = ty_minf(distance, TY_FLOAT_MAX);
-    TY_GLOBAL const ty_lpv_air* air[4];
+    ty_air_pair(y, from->height, rows);
+    TY_GLOBAL const ty_lpv_air* lines[2];
+    for (int j = 0; j < 2; ++j) lines[j] = from->air + (size_t)(rows[j] & from->mask) * (size_t)from->width;
+    for (int32_t k = 0; k < TY_AIR_ROW; ++k) {
+        ty_air_pair(x + (k < count ? k : 0), from->width, columns);
+        row->far[k] = ty_minf(distance[k < count ? k : 0], TY_FLOAT_MAX);
+        for (int i = 0; i < 4; ++i) {
+            row->air[k][i] = lines[i / 2] + columns[i % 2];
+            row->reached[i][k] = row->air[k][i]->seen.distance;
+        }
+    }
+}
+
+/* Weights by place, where rays around are alike so that their mean lies on the pixel, and by likeness. */
+TY_FN void ty_air_weigh_row(const ty_upsample* from, int32_t x, int32_t y, int32_t count, ty_air_row* row) {
+    float like[4][TY_AIR_ROW], least[TY_AIR_ROW];
+    int32_t columns[2], rows[2];
+    const float down = ty_air_pair(y, from->height, rows);
     for (int i = 0; i < 4; ++i) {
-        air[i] = from->air + (size_t)(rows[i / 2] & from->mask) * (size_t)from->width + (size_t)columns[i % 2];
-        reached[i] = ty_minf(air[i]->seen.distance, TY_FLOAT_MAX);
+#pragma omp simd
+        for (int32_t k = 0; k < TY_AIR_ROW; ++k) {
+            row->reached[i][k] = ty_minf(row->reached[i][k], TY_FLOAT_MAX);
+            like[i][k] = ty_air_likeness(row->far[k], row->reached[i][k]);
+        }
     }
 #pragma omp simd
-    for (int i = 0; i < 4; ++i) like[i] = ty_air_likeness(far, reached[i]);
-    const float least = ty_minf(ty_minf(like[0], like[1]), ty_minf(like[2], like[3]));
-    if (least > 0.5f && columns[0] < columns[1] && rows[0] < rows[1])
-        memcpy(weight, from->weights[y % TY_AIR_PERIOD][x % TY_AIR_PERIOD], sizeof weight);
-    else
+    for (int32_t k = 0; k < TY_AIR_ROW; ++k)
+        least[k] = ty_minf(ty_minf(like[0][k], like[1][k]), ty_minf(like[2][k], like[3][k]));
+    for (int32_t k = 0; k < TY_AIR_ROW; ++k) {
+        float weight[4];
+        const int32_t at = x + (k < count ? k : 0);
+        const float along = ty_air_pair(at, from->width, columns);
+        const bool centred = least[k] > 0.5f && columns[0] < columns[1] && rows[0] < rows[1];
         ty_air_bilinear(along, down, weight);
-    for (int i = 0; i < 4; ++i) weight[i] *= like[i];
-    const float sum = (weight[0] + weight[1]) + (weight[2] + weight[3]);
-    if (!(sum >= TY_AIR_ENOUGH)) return -1.0f;
-    const float scale = 1.0f / sum;
-    for (int i = 0; i < 4; ++i) {
-        weight[i] *= scale;
-        farther[i] = weight[i] != 0.0f ? far - reached[i] : 0.0f;
+        TY_GLOBAL const float* table = from->weights[y % TY_AIR_PERIOD][at % TY_AIR_PERIOD];
+        for (int i = 0; i < 4; ++i) row->weight[i][k] = centred ? table[i] : weight[i];
     }
-    ty_air_mean(lanes, air, weight, farther, mean);
-    memcpy(out, mean, sizeof *out);
-    out->distance = distance;
-    return ty_air_contrast(air, weight);
+#pragma omp simd
+    for (int32_t k = 0; k < TY_AIR_ROW; ++k) {
+        float sum = 0.0f;
+        for (int i = 0; i < 4; ++i) {
+            row->weight[i][k] *= like[i][k];
+            sum += row->weight[i][k];
+        }
+        const float scale = 1.0f / sum;
+        for (int i = 0; i < 4; ++i) {
+            row->weight[i][k] *= scale;
+            row->farther[i][k] = row->weight[i][k] != 0.0f ? row->far[k] - row->reached[i][k] : 0.0f;
+        }
+        row->sum[k] = sum;
+    }
+}
+
+/* What up to TY_AIR_ROW pixels of a row see; contrast: how much once scattered light differs between the rays around
+ * each, or below 0: none of them went about as far. */
+TY_FN void ty_air_upsample_row(const ty_air_lanes* lanes, const ty_upsample* from, int32_t x, int32_t y, int32_t count,
+                               const float* distance, ty_lpv_seen* out, float* contrast) {
+    ty_air_row row;
+    ty_air_find_row(from, x, y, count, distance, &row);
+    ty_air_weigh_row(from, x, y, count, &row);
+    for (int32_t k = 0; k < count; ++k) {
+        float weight[4], farther[4], mean[TY_AIR_FLOATS];
+        contrast[k] = -1.0f;
+        if (!(row.sum[k] >= TY_AIR_ENOUGH)) continue;
+        for (int i = 0; i < 4; ++i) {
+            weight[i] = row.weight[i][k];
+            farther[i] = row.farther[i][k];
+        }
+        ty_air_mean(lanes, row.air[k], weight, farther, mean);
+        memcpy(&out[k], mean, sizeof *out);
+        out[k].distance = distance[k];
+        contrast[k] = ty_air_contrast(row.air[k], weight);
+    }
 }
 
 #endif
