@@ -54,12 +54,18 @@ static bool turns(const ty_scene_view* view) {
     return false;
 }
 
+static bool is_colored(const ty_scene_view* view) {
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (!ty_bake_is_gray(&view->media[m])) return true;
+    return false;
+}
+
 /* media: those with any matter. */
 static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_view* media, ty_cache_view* view,
                   ty_bake_cache_info* info) {
     double lower[3], upper[3], side = 0;
     const int32_t longest = def->cells > 0 ? def->cells : CELLS_DEFAULT;
-    view->floats = turns(media) ? 8 : 4;
+    view->floats = !turns(media) ? TY_CACHE_EVEN : is_colored(media) ? TY_CACHE_COLORED : TY_CACHE_GRAY;
     info->bytes = (double)(TY_CACHE_SIDES * (TY_CACHE_KINDS * view->floats + 3)) * sizeof(float) + 2;
     find_box(scene, lower, upper);
     for (int a = 0; a < 3; ++a) side = fmax(side, upper[a] - lower[a]);
