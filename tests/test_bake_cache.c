@@ -148,6 +148,31 @@ static void threads_change_nothing(void** state) {
     assert_memory_equal(probes[0], probes[1], sizeof probes[0]);
 }
 
+/* Smoke in a corner of its grid: cells elsewhere are left empty, and no light is missed for it. */
+static void empty_cells_are_not_filled(void** state) {
+    static const char text[] =
+        "{\"tyndall\": 1, \"lights\": [{\"type\": \"environment\", \"radiance\": 1}],"
+        " \"media\": [{\"bounds\": [[-2, -2, -2], [2, 2, 2]], \"sigma_s\": 2, \"sigma_a\": 0,"
+        "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 96, \"frequency\": 2, \"coverage\": 0.15,"
+        "   \"sharpness\": 8, \"seed\": 4}}}]}";
+    ty_scene* scene = NULL;
+    ty_bake_cache* cache = NULL;
+    ty_bake_probe probes[PROBES];
+    ty_bake_def def = ty_default_bake_def();
+    must(*state, ty_scene_parse(*state, text, strlen(text), "smoke", ".", NULL, 0, &scene));
+    def.cells = 24;
+    def.cell_paths = 16;
+    def.scatterings = TY_IMPULSE_BOUNCES_MAX;
+    must(*state, ty_bake_cache_create(scene, &def, &cache));
+    const ty_bake_cache_info info = ty_bake_cache_get_info(cache);
+    assert_true(info.filled > 0 && info.filled < 24 * 24 * 24 * 9 / 10);
+    def.cache = cache;
+    bake_probes(*state, scene, &def, places, probes);
+    for (int i = 0; i < PROBES; ++i) assert_true(fabs(sum_of(&probes[i], 1) - 1) < 0.02);
+    ty_bake_cache_destroy(cache);
+    ty_scene_destroy(scene);
+}
+
 /* ---- options ---- */
 
 static bool stop(void* user, const ty_progress* progress) {
@@ -184,7 +209,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_is_as_bright_as_the_sky),     cmocka_unit_test(walls_let_nothing_through),
         cmocka_unit_test(a_cache_of_ones_own_is_the_same), cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(filling_can_be_cancelled),        cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(empty_cells_are_not_filled),      cmocka_unit_test(filling_can_be_cancelled),
+        cmocka_unit_test(wrong_options_are_refused),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
