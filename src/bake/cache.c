@@ -176,8 +176,6 @@ static bool tell(const ty_bake_def* def, double seconds, int64_t done, int64_t a
         .fraction = fraction,
         .seconds = seconds,
         .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
-        .done = (uint64_t)done,
-        .total = (uint64_t)all,
     };
     return def->progress == NULL || def->progress(def->progress_user, &progress);
 }

@@ -41,9 +41,10 @@ TY_FN const float* ty_cache_look(const ty_cache_view* view, const ty_mesh* mesh,
                                       (float)(uint32_t)(bits & 0x1fffffu) * 0x1p-21f - half);
     const int32_t cell = ty_cache_cell(view, ty_mad(at, jitter, metres)), own = ty_cache_cell(view, at);
     const size_t each = (size_t)(TY_CACHE_KINDS * view->floats);
-    if ((view->known[own] & TY_CACHE_CUT) == 0) return view->light + (size_t)cell * each;
+    const bool single = (view->known[own] & ~TY_CACHE_CUT) == 1; /* side: there is no other to be on */
+    if ((view->known[own] & TY_CACHE_CUT) == 0 || (cell == own && single)) return view->light + (size_t)cell * each;
     const float* light = ty_cache_side(view, mesh, cell, at);
-    if (light == NULL && cell != own) light = ty_cache_side(view, mesh, own, at);
+    if (light == NULL && cell != own && !single) light = ty_cache_side(view, mesh, own, at);
     return light != NULL ? light : view->light + (size_t)own * each;
 }
 
