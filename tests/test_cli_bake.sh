@@ -62,7 +62,7 @@ test_wrong_usage() {
   usage_error 'where to' bake level.json
   usage_error 'expected: tyndall bake' bake -o out
   usage_error 'nowhere.json' bake nowhere.json -o out
-  usage_error 'is none of impulse' bake level.json -o out --method magic
+  usage_error 'is none of cache' bake level.json -o out --method magic
   usage_error 'three numbers of probes' bake level.json -o out --grid 3,4
   usage_error 'three numbers of probes' bake level.json -o out --grid 3,4,0
   usage_error 'give one' bake level.json -o out --grid 3,4,5 --grid-spacing 1
@@ -188,7 +188,7 @@ test_threads_and_seeds() {
 
 test_methods() {
   bake level.json -o surfaces --size 32x32 --method surfaces
-  for method in impulse attenuation; do
+  for method in cache impulse attenuation; do
     bake level.json -o $method --size 32x32 --method $method
     same surfaces/the_room_1.exr $method/the_room_1.exr
   done

@@ -54,13 +54,19 @@ static bool turns(const ty_scene_view* view) {
     return false;
 }
 
+static bool is_colored(const ty_scene_view* view) {
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (!ty_bake_is_gray(&view->media[m])) return true;
+    return false;
+}
+
 /* media: those with any matter. */
 static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_view* media, ty_cache_view* view,
                   ty_bake_cache_info* info) {
     double lower[3], upper[3], side = 0;
     const int32_t longest = def->cells > 0 ? def->cells : CELLS_DEFAULT;
-    view->floats = turns(media) ? 8 : 4;
-    info->bytes = (double)(TY_CACHE_SIDES * (TY_CACHE_KINDS * view->floats + 3)) * sizeof(float) + 2;
+    view->floats = !turns(media) ? TY_CACHE_EVEN : is_colored(media) ? TY_CACHE_COLORED : TY_CACHE_GRAY;
+    info->bytes = (double)(TY_CACHE_SIDES * (TY_CACHE_KINDS * view->floats + 3)) * sizeof(float) + 1;
     find_box(scene, lower, upper);
     for (int a = 0; a < 3; ++a) side = fmax(side, upper[a] - lower[a]);
     const double cell = side / longest;
@@ -72,6 +78,78 @@ static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_
         info->bytes *= count;
         view->lower[a] = (float)(0.5 * (lower[a] + upper[a] - cell * count));
     }
+}
+
+/* ---- where anything scatters ---- */
+
+static bool scatters(const ty_medium_view* medium) {
+    return medium->albedo_fields > 0 || medium->transfer_albedo != 0 || medium->sigma_s[0] > 0 ||
+           medium->sigma_s[1] > 0 || medium->sigma_s[2] > 0;
+}
+
+/* The bricks of a medium's grid that a box of the world may touch; false: none. */
+static bool find_bricks(const ty_medium_view* medium, ty_vec low, ty_vec high, int32_t first[3], int32_t last[3]) {
+    float from[3] = {INFINITY, INFINITY, INFINITY}, to[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (int corner = 0; corner < 8; ++corner) {
+        const ty_vec p = ty_map_point(medium->to_index, ty_vec_make((corner & 1) != 0 ? high.x : low.x,
+                                                                    (corner & 2) != 0 ? high.y : low.y,
+                                                                    (corner & 4) != 0 ? high.z : low.z));
+        const float at[3] = {p.x, p.y, p.z};
+        for (int a = 0; a < 3; ++a) {
+            from[a] = fminf(from[a], at[a]);
+            to[a] = fmaxf(to[a], at[a]);
+        }
+    }
+    for (int a = 0; a < 3; ++a) {
+        const int32_t count = medium->grid.bricks[a];
+        if (to[a] < -1 || from[a] > (float)medium->grid.size[a]) return false;
+        first[a] = (int32_t)fmaxf(0, floorf((from[a] + 1) / (float)TY_BRICK));
+        last[a] = (int32_t)fminf((float)(count - 1), floorf((to[a] + 1) / (float)TY_BRICK));
+    }
+    return true;
+}
+
+/* Whether points that look at a cell's light may be in what scatters: those in it and in the cells around. */
+static bool may_scatter(const ty_medium_view* medium, ty_vec low, ty_vec high) {
+    int32_t first[3], last[3];
+    if (!scatters(medium)) return false;
+    if (medium->has_grid == 0) return true;
+    if (!find_bricks(medium, low, high, first, last)) return false;
+    const int32_t* bricks = medium->grid.bricks;
+    for (int32_t k = first[2]; k <= last[2]; ++k)
+        for (int32_t j = first[1]; j <= last[1]; ++j)
+            for (int32_t i = first[0]; i <= last[0]; ++i) {
+                const size_t at = (size_t)i + (size_t)bricks[0] * ((size_t)j + (size_t)bricks[1] * (size_t)k);
+                if (medium->extremes[2 * at + 1] > 0) return true;
+            }
+    return false;
+}
+
+/* Lists the cells to be filled; the others are dark, and in nobody's way. */
+static int64_t list_cells(ty_bake_cache* cache, const ty_scene_view* scene, int32_t* cells) {
+    const ty_cache_view* view = &cache->view;
+    const float metres = 1 / view->per_metre;
+    int64_t count = 0;
+    for (size_t i = 0; i < cache->cells; ++i) {
+        const size_t x = i % (size_t)view->size[0], y = i / (size_t)view->size[0] % (size_t)view->size[1],
+                     z = i / ((size_t)view->size[0] * (size_t)view->size[1]);
+        const ty_vec low =
+            ty_vec_make(view->lower[0] + metres * ((float)x - 1), view->lower[1] + metres * ((float)y - 1),
+                        view->lower[2] + metres * ((float)z - 1));
+        const ty_vec high = ty_vec_make(low.x + 3 * metres, low.y + 3 * metres, low.z + 3 * metres);
+        bool fills = false;
+        for (int32_t m = 0; m < scene->medium_count && !fills; ++m) fills = may_scatter(&scene->media[m], low, high);
+        if (fills) {
+            cells[count++] = (int32_t)i;
+            continue;
+        }
+        float* anchor = view->anchor + i * (3 * TY_CACHE_SIDES);
+        anchor[0] = low.x + 1.5f * metres;
+        anchor[1] = low.y + 1.5f * metres;
+        anchor[2] = low.z + 1.5f * metres;
+        cache->known[i] = 1;
+    }
+    return count;
 }
 
 /* ---- filling ---- */
@@ -98,8 +176,6 @@ static bool tell(const ty_bake_def* def, double seconds, int64_t done, int64_t a
         .fraction = fraction,
         .seconds = seconds,
         .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
-        .done = (uint64_t)done,
-        .total = (uint64_t)all,
     };
     return def->progress == NULL || def->progress(def->progress_user, &progress);
 }
@@ -149,8 +225,8 @@ static ty_result take_cells(ty_bake_cache* cache) {
 static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
     int32_t* cells = ty_alloc_array(cache->context, cache->cells, sizeof *cells, false);
     if (cells == NULL) return TY_ERROR_MEMORY;
-    for (size_t i = 0; i < cache->cells; ++i) cells[i] = (int32_t)i;
-    const ty_result result = fill_cells(cache, run, cells, (int64_t)cache->cells);
+    const int64_t count = list_cells(cache, &run->path.view, cells);
+    const ty_result result = fill_cells(cache, run, cells, count);
     ty_free_array(cache->context, cells, cache->cells, sizeof *cells);
     return result == TY_OK ? ty_cache_part(cache, run->path.view.mesh) : result;
 }

@@ -9,8 +9,10 @@
 
 enum { TY_CACHE_CELLS_MAX = 512 };
 
-/* Light that arrives in a cell: straight from lights, and the rest. Mean radiance over all directions, red, green and
- * blue; then, with room for 8 floats, how far all of it comes from one direction, 0..1, and which, a unit vector. */
+/* Light that arrives in a cell: straight from lights, and the rest. Floats of each: the mean radiance over all
+ * directions, red, green and blue. Where media do not scatter evenly, the unit vector to where most comes from, and how
+ * far all of it comes from there, 0..1; by channel, where media are not gray. */
+enum { TY_CACHE_EVEN = 3, TY_CACHE_GRAY = 7, TY_CACHE_COLORED = 9 };
 enum { TY_CACHE_ONCE = 0, TY_CACHE_REST = 1, TY_CACHE_KINDS = 2 };
 
 /* A cell that surfaces cut has two sides: what its middle sees, and the rest, of which one point is the anchor. What is
@@ -20,7 +22,7 @@ enum { TY_CACHE_SIDES = 2, TY_CACHE_CUT = 1 << TY_CACHE_SIDES };
 typedef struct ty_cache_view {
     float lower[3], per_metre;
     int32_t size[3];
-    int32_t floats;       /* per kind of light: 4 where media scatter evenly, or 8 */
+    int32_t floats;       /* per kind of light: TY_CACHE_... */
     float* light;         /* of the first side, cell by cell, both kinds */
     float* other;         /* of the other */
     float* anchor;        /* per cell the anchors of both sides, 3 floats each */

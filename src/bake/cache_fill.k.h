@@ -8,17 +8,18 @@
 /* Sums over paths of a cell. */
 typedef struct ty_cache_sums {
     double radiance[TY_CACHE_KINDS][3];
-    double toward[TY_CACHE_KINDS][3]; /* of the channels' sum, times the unit vector to where it comes from */
+    double toward[TY_CACHE_KINDS][3][3]; /* [channel]: times the unit vector to where it comes from */
     double paths;
 } ty_cache_sums;
 
 TY_FN void ty_cache_add(ty_cache_sums* sums, int32_t kind, const float radiance[3], ty_vec from) {
-    const float all = ty_sum3(radiance);
-    double* toward = sums->toward[kind];
-    for (int c = 0; c < 3; ++c) sums->radiance[kind][c] += (double)radiance[c];
-    toward[0] += (double)(all * from.x);
-    toward[1] += (double)(all * from.y);
-    toward[2] += (double)(all * from.z);
+    for (int c = 0; c < 3; ++c) {
+        double* toward = sums->toward[kind][c];
+        sums->radiance[kind][c] += (double)radiance[c];
+        toward[0] += (double)(radiance[c] * from.x);
+        toward[1] += (double)(radiance[c] * from.y);
+        toward[2] += (double)(radiance[c] * from.z);
+    }
 }
 
 TY_FN double ty_cache_sum(const ty_cache_sums* sums, int32_t kind) {
@@ -95,12 +96,22 @@ TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, ui
 /* What a cell keeps of one kind of light. */
 TY_FN void ty_cache_keep(const ty_cache_view* view, const ty_cache_sums* sums, int32_t kind, float* out) {
     const double all = ty_cache_sum(sums, kind);
-    const double* toward = sums->toward[kind];
-    const double length = sqrt(toward[0] * toward[0] + toward[1] * toward[1] + toward[2] * toward[2]);
+    double axis[3], length = 0;
     for (int c = 0; c < 3; ++c) out[c] = (float)(sums->radiance[kind][c] / sums->paths);
-    if (view->floats < 8 || !(length > 0)) return;
-    out[3] = (float)(length < all ? length / all : 1);
-    for (int a = 0; a < 3; ++a) out[4 + a] = (float)(toward[a] / length);
+    for (int a = 0; a < 3; ++a) {
+        axis[a] = sums->toward[kind][0][a] + sums->toward[kind][1][a] + sums->toward[kind][2][a];
+        length += axis[a] * axis[a];
+    }
+    length = sqrt(length);
+    if (view->floats == TY_CACHE_EVEN || !(length > 0)) return;
+    for (int a = 0; a < 3; ++a) out[3 + a] = (float)(axis[a] / length);
+    out[6] = (float)fmin(length / all, 1);
+    for (int c = 0; c < view->floats - 6 && view->floats == TY_CACHE_COLORED; ++c) {
+        const double* toward = sums->toward[kind][c];
+        const double along = (toward[0] * axis[0] + toward[1] * axis[1] + toward[2] * axis[2]) / length;
+        const double most = sums->radiance[kind][c];
+        out[6 + c] = most > 0 ? (float)fmax(-1, fmin(along / most, 1)) : 0.0f;
+    }
 }
 
 /* Where rays meet backs of surfaces and no light at all, they begin within walls: of sides that are partly there, the
@@ -110,9 +121,9 @@ TY_FN bool ty_cache_keep_side(const ty_cache_view* view, ty_cache_side_sums* sid
     if (ty_cache_sum(&side->backs, TY_CACHE_ONCE) + ty_cache_sum(&side->backs, TY_CACHE_REST) > 0) {
         all->paths += side->backs.paths;
         for (int32_t k = 0; k < TY_CACHE_KINDS; ++k)
-            for (int a = 0; a < 3; ++a) {
-                all->radiance[k][a] += side->backs.radiance[k][a];
-                all->toward[k][a] += side->backs.toward[k][a];
+            for (int c = 0; c < 3; ++c) {
+                all->radiance[k][c] += side->backs.radiance[k][c];
+                for (int a = 0; a < 3; ++a) all->toward[k][c][a] += side->backs.toward[k][c][a];
             }
     }
     if (!(all->paths > 0)) return false;

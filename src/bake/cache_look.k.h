@@ -41,22 +41,27 @@ TY_FN const float* ty_cache_look(const ty_cache_view* view, const ty_mesh* mesh,
                                       (float)(uint32_t)(bits & 0x1fffffu) * 0x1p-21f - half);
     const int32_t cell = ty_cache_cell(view, ty_mad(at, jitter, metres)), own = ty_cache_cell(view, at);
     const size_t each = (size_t)(TY_CACHE_KINDS * view->floats);
-    if ((view->known[own] & TY_CACHE_CUT) == 0) return view->light + (size_t)cell * each;
+    const bool single = (view->known[own] & ~TY_CACHE_CUT) == 1; /* side: there is no other to be on */
+    if ((view->known[own] & TY_CACHE_CUT) == 0 || (cell == own && single)) return view->light + (size_t)cell * each;
     const float* light = ty_cache_side(view, mesh, cell, at);
-    if (light == NULL && cell != own) light = ty_cache_side(view, mesh, own, at);
+    if (light == NULL && cell != own && !single) light = ty_cache_side(view, mesh, own, at);
     return light != NULL ? light : view->light + (size_t)own * each;
 }
 
 /* Radiance scattered against a ray's direction, per scattering coefficient, of one kind of light. Light whose mean
  * direction has length R is taken for a Henyey-Greenstein lobe about it, of that mean cosine: light from one direction
  * alone, even light and all zonal light up to its first harmonic are scattered as they should be, and nothing becomes
- * negative. gray: g is alike in all channels. */
-TY_FN void ty_cache_scatter(const float* part, ty_vec direction, const float g[3], int32_t gray, float out[3]) {
-    const float mu = ty_clampf(ty_dot(ty_vec_load(part + 4), direction), -1.0f, 1.0f), lobe = part[3];
-    const float first = ty_hg(mu, g[0] * lobe) * (1.0f / TY_INV_4PI);
-    out[0] = part[0] * first;
-    out[1] = part[1] * (gray != 0 ? first : ty_hg(mu, g[1] * lobe) * (1.0f / TY_INV_4PI));
-    out[2] = part[2] * (gray != 0 ? first : ty_hg(mu, g[2] * lobe) * (1.0f / TY_INV_4PI));
+ * negative. */
+TY_FN void ty_cache_scatter(const ty_cache_view* view, const float* light, ty_vec direction, const float g[3],
+                            float out[3]) {
+    for (int c = 0; c < 3; ++c) out[c] = light[c];
+    if (view->floats == TY_CACHE_EVEN) return;
+    const float mu = ty_clampf(ty_dot(ty_vec_load(light + 3), direction), -1.0f, 1.0f);
+    float lobe = ty_hg(mu, g[0] * light[6]) * (1.0f / TY_INV_4PI);
+    for (int c = 0; c < 3; ++c) {
+        if (c > 0 && view->floats == TY_CACHE_COLORED) lobe = ty_hg(mu, g[c] * light[6 + c]) * (1.0f / TY_INV_4PI);
+        out[c] *= lobe;
+    }
 }
 
 #endif

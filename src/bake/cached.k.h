@@ -32,23 +32,16 @@ TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, ty_cached_f
     }
     if (request->cache.light == NULL) return;
     const float* light = ty_cache_look(&request->cache, scene->mesh, at, &g->path.random);
-    if (request->cache.floats < 8) {
-        for (int c = 0; c < 3; ++c) {
-            fog->once[c] = weight[c] * albedo[c] * light[c];
-            fog->rest[c] = weight[c] * albedo[c] * light[4 + c];
-        }
-        return;
-    }
     ty_medium_g(point->medium, at, turn);
-    ty_cache_scatter(light, path->direction, turn, point->medium->gray_g, once);
-    ty_cache_scatter(light + 8, path->direction, turn, point->medium->gray_g, rest);
+    ty_cache_scatter(&request->cache, light, path->direction, turn, once);
+    ty_cache_scatter(&request->cache, light + request->cache.floats, path->direction, turn, rest);
     for (int c = 0; c < 3; ++c) {
         fog->once[c] = weight[c] * albedo[c] * once[c];
         fog->rest[c] = weight[c] * albedo[c] * rest[c];
     }
 }
 
-/* The path's ray to its end (false where it meets no surface), and the media on it, at a random place. */
+/* The path's ray to its end (false where it meets no surface), and the media on it, at the place that u picks. */
 TY_FN bool ty_cached_trace(ty_gather* g, float u, ty_encounter* end, ty_segment* segment, ty_cached_fog* fog) {
     const ty_scene_view* scene = g->request->path.scene;
     ty_path* path = &g->path;

@@ -39,7 +39,7 @@ static bool same(const float v[3]) {
     return v[0] == v[1] && v[0] == v[2];
 }
 
-static bool is_gray(const ty_medium_view* medium) {
+bool ty_bake_is_gray(const ty_medium_view* medium) {
     return medium->gray != 0 && medium->gray_g != 0 && same(medium->sigma_s) && medium->albedo_fields < 3 &&
            medium->transfer_albedo == 0;
 }
@@ -55,7 +55,7 @@ static ty_result take_media(ty_bake_run* run, const ty_scene_view* scene) {
     for (int32_t i = 0; i < scene->medium_count; ++i) {
         if (!has_matter(&scene->media[i])) continue;
         run->media[count++] = scene->media[i];
-        if (!is_gray(&scene->media[i])) run->request.gray = 0;
+        if (!ty_bake_is_gray(&scene->media[i])) run->request.gray = 0;
     }
     run->path.view.media = run->media;
     run->path.view.medium_count = count;

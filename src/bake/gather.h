@@ -28,6 +28,8 @@ typedef struct ty_bake_run {
 ty_result ty_bake_check(ty_context* context, const ty_bake_def* def);
 /* Checks def and looks at the scene: what comes before a cache. Whatever it returns, ty_bake_run_end is to follow. */
 ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def);
+/* Whether a medium does the same to all channels. */
+bool ty_bake_is_gray(const ty_medium_view* medium);
 /* The light in the media of a prepared run. */
 ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out);
 /* Once all cells are filled: which of them see each other, and what is known where nothing was found. Errors:

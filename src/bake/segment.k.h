@@ -93,7 +93,9 @@ TY_FN void ty_segment_find(ty_segment* segment, TY_GLOBAL const ty_medium_view* 
         for (int32_t i = 0; i < spans.count; ++i)
             ty_segment_stretch(segment, &media[m], origin, direction, spans.enter[i], spans.leave[i]);
     }
-    for (int c = 0; c < 3; ++c) segment->transmittance[c] = ty_expf(-segment->depth[c]);
+    for (int c = 0; c < 3; ++c)
+        segment->transmittance[c] =
+            c > 0 && segment->depth[c] == segment->depth[0] ? segment->transmittance[0] : ty_expf(-segment->depth[c]);
 }
 
 #endif

@@ -1,7 +1,8 @@
 /* tyndall bench bake: what light from media costs on top of a bake without them, at equal paths per receiver (paper:
- * 4.7 % at low and 14.6 % at high quality); how much sooner impulse responses are as free of noise as paths through the
- * media (the square of the relative error times the time); and how many rays a second of a bake traces, beside a bare
- * loop over Embree on the same triangles. Receivers are where a camera's rays end. Methods take turns, run by run. */
+ * 4.7 % at low and 14.6 % at high quality), by a cache of the media's light, whose filling is told apart, and by
+ * impulse responses; how much sooner both are as free of noise as paths through the media (the square of the relative
+ * error times the time); and how many rays a second of a bake traces, beside a bare loop over Embree on the same
+ * triangles. Receivers are where a camera's rays end. Methods take turns, run by run. */
 #include "cli/bench.h"
 #include "cli/bench_embree.h"
 #include "cli/bench_ray_sets.h"
@@ -12,11 +13,11 @@
 #include <tyndall/bake.h>
 
 enum { SIDE = 48, RUNS_MAX = 99, QUALITIES = 2, BLOCK_RAYS = 4096, EMBREE_PIXELS = 512 };
-enum { SURFACES = 0, IMPULSE = 1, PATH = 2, METHODS = 3 };
+enum { SURFACES = 0, CACHE = 1, IMPULSE = 2, PATH = 3, METHODS = 4 };
 
 static const char scene_name[] = "builtin:cornell_fog";
-static const char* const method_names[METHODS] = {"surfaces", "impulse", "path"};
-static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_IMPULSE, TY_BAKE_PATH};
+static const char* const method_names[METHODS] = {"surfaces", "cache", "impulse", "path"};
+static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_CACHE, TY_BAKE_IMPULSE, TY_BAKE_PATH};
 
 static const struct {
     const char* name;
@@ -94,8 +95,14 @@ static double relative_error(const places* p) {
     return sqrt(variance / values) / (mean / values);
 }
 
-static ty_result time_methods(const bench_session* bench, const ty_scene* scene, const ty_impulse* tables,
-                              const places* p, int32_t spp, int method_count, timed out[METHODS]) {
+/* What media's light is looked up in. */
+typedef struct lookups {
+    ty_impulse* tables;
+    ty_bake_cache* cache;
+} lookups;
+
+static ty_result time_methods(const bench_session* bench, const ty_scene* scene, const lookups* look, const places* p,
+                              int32_t spp, int method_count, timed out[METHODS]) {
     static double seconds[METHODS][RUNS_MAX];
     const int runs = bench->options->runs;
     ty_result result = TY_OK;
@@ -104,7 +111,9 @@ static ty_result time_methods(const bench_session* bench, const ty_scene* scene,
             ty_bake_def def = ty_default_bake_def();
             def.method = methods[m];
             def.spp = spp;
-            def.tables = tables;
+            def.tables = look->tables;
+            def.cache = look->cache;
+            def.scatterings = m == IMPULSE ? def.scatterings : TY_IMPULSE_BOUNCES_MAX;
             result = ty_bake_surfaces(scene, &def, p->at, p->count, p->light, &out[m].stats);
             if (result == TY_OK && cli_interrupted()) result = TY_CANCELLED;
             seconds[m][run < 0 ? 0 : run] = out[m].stats.seconds;
@@ -114,20 +123,25 @@ static ty_result time_methods(const bench_session* bench, const ty_scene* scene,
     return result;
 }
 
-static void print_quality(const bench_session* bench, int q, const timed t[METHODS]) {
-    const double overhead = t[IMPULSE].seconds / t[SURFACES].seconds - 1;
+static void print_quality(const bench_session* bench, int q, double filling, const timed t[METHODS]) {
+    const double surfaces = t[SURFACES].seconds;
     if (bench->json == NULL) {
-        printf("  %-5s %5d paths: surfaces %8.3f s, impulse %8.3f s: %+.1f %% (paper: %.1f %%)\n", qualities[q].name,
-               (int)qualities[q].spp, t[SURFACES].seconds, t[IMPULSE].seconds, 100 * overhead,
-               100 * qualities[q].paper);
+        printf("  %-5s %5d paths: surfaces %8.3f s (paper: %.1f %% more)\n", qualities[q].name, (int)qualities[q].spp,
+               surfaces, 100 * qualities[q].paper);
+        for (int m = CACHE; m < PATH; ++m)
+            printf("    %-8s %8.3f s: %+.1f %%\n", method_names[m], t[m].seconds, 100 * (t[m].seconds / surfaces - 1));
+        printf("    with the cache's filling %+.1f %%\n", 100 * ((t[CACHE].seconds + filling) / surfaces - 1));
         fflush(stdout);
         return;
     }
     json_open_object(bench->json, qualities[q].name);
     json_integer(bench->json, "spp", qualities[q].spp);
-    json_number(bench->json, "surfaces_seconds", t[SURFACES].seconds);
+    json_number(bench->json, "surfaces_seconds", surfaces);
+    json_number(bench->json, "cache_seconds", t[CACHE].seconds);
+    json_number(bench->json, "cache_overhead", t[CACHE].seconds / surfaces - 1);
+    json_number(bench->json, "cache_overhead_with_filling", (t[CACHE].seconds + filling) / surfaces - 1);
     json_number(bench->json, "impulse_seconds", t[IMPULSE].seconds);
-    json_number(bench->json, "overhead", overhead);
+    json_number(bench->json, "overhead", t[IMPULSE].seconds / surfaces - 1);
     json_number(bench->json, "paper_overhead", qualities[q].paper);
     json_close_object(bench->json);
 }
@@ -141,7 +155,8 @@ static void print_paths(const bench_session* bench, const timed t[METHODS]) {
         for (int m = 0; m < METHODS; ++m)
             printf("  %-10s %8.2f s (%.2f %% at %d paths in %.3f s)\n", method_names[m], 1e4 * cost[m],
                    100 * t[m].error, (int)qualities[0].spp, t[m].seconds);
-        printf("  impulse responses are %.1f times as fast as paths through media\n", cost[PATH] / cost[IMPULSE]);
+        for (int m = CACHE; m < PATH; ++m)
+            printf("  %s is %.1f times as fast as paths through media\n", method_names[m], cost[PATH] / cost[m]);
         fflush(stdout);
         return;
     }
@@ -153,11 +168,13 @@ static void print_paths(const bench_session* bench, const timed t[METHODS]) {
         json_number(bench->json, "seconds_to_1_percent", 1e4 * cost[m]);
         json_close_object(bench->json);
     }
+    json_number(bench->json, "cache_over_path", cost[PATH] / cost[CACHE]);
     json_number(bench->json, "impulse_over_path", cost[PATH] / cost[IMPULSE]);
     json_close_object(bench->json);
 }
 
-static ty_result bench_methods(const bench_session* bench, const ty_scene* scene, const ty_impulse* tables) {
+static ty_result bench_methods(const bench_session* bench, const ty_scene* scene, const lookups* look) {
+    const ty_bake_cache_info cache = ty_bake_cache_get_info(look->cache);
     places p;
     ty_result result = find_places(bench, scene, &p);
     if (result != TY_OK) return result;
@@ -166,12 +183,17 @@ static ty_result bench_methods(const bench_session* bench, const ty_scene* scene
                (long long)p.count, (int)bench->options->runs);
     else
         json_integer(bench->json, "receivers", p.count);
+    if (bench->json == NULL)
+        printf("  filling the cache, %d x %d x %d cells, %lld paths: %.3f s\n", (int)cache.size[0], (int)cache.size[1],
+               (int)cache.size[2], (long long)cache.paths, cache.seconds);
+    else
+        json_number(bench->json, "cache_filling_seconds", cache.seconds);
     timed t[METHODS];
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
-        result = time_methods(bench, scene, tables, &p, qualities[q].spp, 2, t);
-        if (result == TY_OK) print_quality(bench, q, t);
+        result = time_methods(bench, scene, look, &p, qualities[q].spp, PATH, t);
+        if (result == TY_OK) print_quality(bench, q, cache.seconds, t);
     }
-    if (result == TY_OK) result = time_methods(bench, scene, tables, &p, qualities[0].spp, METHODS, t);
+    if (result == TY_OK) result = time_methods(bench, scene, look, &p, qualities[0].spp, METHODS, t);
     if (result == TY_OK) print_paths(bench, t);
     free_places(&p);
     return result;
@@ -265,14 +287,18 @@ static ty_result bench_tracing(const bench_session* bench) {
 
 int bench_bake(const bench_session* bench) {
     ty_context* context = bench->session->context;
-    const ty_impulse_def def = ty_default_impulse_def();
+    const ty_impulse_def impulse = ty_default_impulse_def();
+    ty_bake_def def = ty_default_bake_def();
     ty_scene* scene = NULL;
-    ty_impulse* tables = NULL;
+    lookups look = {.tables = NULL};
     ty_result result = ty_scene_load(context, scene_name, NULL, 0, &scene);
-    if (result == TY_OK) result = ty_impulse_create(context, &def, &tables, NULL);
-    if (result == TY_OK) result = bench_methods(bench, scene, tables);
+    def.scatterings = TY_IMPULSE_BOUNCES_MAX;
+    if (result == TY_OK) result = ty_impulse_create(context, &impulse, &look.tables, NULL);
+    if (result == TY_OK) result = ty_bake_cache_create(scene, &def, &look.cache);
+    if (result == TY_OK) result = bench_methods(bench, scene, &look);
     if (result == TY_OK) result = bench_tracing(bench);
-    ty_impulse_destroy(tables);
+    ty_bake_cache_destroy(look.cache);
+    ty_impulse_destroy(look.tables);
     ty_scene_destroy(scene);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
 }

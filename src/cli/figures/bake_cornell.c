@@ -1,12 +1,13 @@
 /* Fig. 9 of the paper: lightmaps of the Cornell box in fog, without and with back-scattering, after 1, 2 and 10
- * scatterings, against path-traced ones. */
+ * scatterings, against path-traced ones; and by light gathered in cells. */
 #include "cli/bake.h"
 #include "cli/figures/bake_view.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS = 3, WITHOUT = 0, WITH = 1, TRUTH = 2, METHODS = 3, SIDE = 96, PICTURE_WIDTH = 230, ROOM = 3, PARTS = 3 };
+enum { ROWS = 3, WITHOUT = 0, WITH = 1, CELLS = 2, TRUTH = 3, METHODS = 4, SIDE = 96, PICTURE_WIDTH = 230 };
+enum { ROOM = 3, PARTS = 3 };
 
 static const char box_file[] = "scenes/cornell_box_lightmap_uv.glb";
 static const char scene_text[] =
@@ -15,7 +16,7 @@ static const char scene_text[] =
     " \"geometry\": [{\"file\": \"scenes/cornell_box_lightmap_uv.glb\"}]}";
 
 static const int32_t scatterings[ROWS] = {1, 2, 10};
-static const char* const titles[METHODS] = {"without back-scattering", "with", "path tracing"};
+static const char* const titles[METHODS] = {"impulse, no back-scattering", "impulse", "cache", "path tracing"};
 
 typedef struct maps {
     ty_scene* scene;
@@ -74,11 +75,15 @@ static ty_result bake(figure_run* run, const maps* m, const char* item, int meth
     ty_bake_def def = ty_default_bake_def();
     ty_result result = TY_OK;
     bool apart = false;
-    def.method = method == TRUTH ? TY_BAKE_PATH : TY_BAKE_IMPULSE;
+    ty_bake_cache* cache = NULL;
+    def.method = method == TRUTH ? TY_BAKE_PATH : method == CELLS ? TY_BAKE_CACHE : TY_BAKE_IMPULSE;
     def.back_scattering = method != WITHOUT;
     def.scatterings = most;
     def.tables = m->tables;
     def.spp = bake_spp(run, method == TRUTH);
+    if (method == CELLS) result = ty_bake_cache_create(m->scene, &def, &cache);
+    if (cache != NULL) out->seconds += ty_bake_cache_get_info(cache).seconds;
+    def.cache = cache;
     for (int i = 0; i < PARTS && result == TY_OK; ++i) {
         int64_t count = 0;
         double seconds = 0;
@@ -88,6 +93,7 @@ static ty_result bake(figure_run* run, const maps* m, const char* item, int meth
         out->seconds += seconds;
         if (result == TY_OK) result = ty_atlas_image(m->atlases[i], out->light[i], &images[i]);
     }
+    ty_bake_cache_destroy(cache);
     if (result == TY_OK) result = bake_merge(images, PARTS, &apart);
     if (result == TY_OK) keep_scattered(images[0]);
     for (int i = 1; i < PARTS; ++i) ty_image_destroy(images[i]);
@@ -121,7 +127,7 @@ static ty_result judge(figure_run* run, const maps* m, const char* item, int met
     snprintf(scattered_item, sizeof scattered_item, "%.40s, scattered", item);
     ty_result result = compare(m, b, truth, BAKE_ALL, &all);
     if (result == TY_OK) result = compare(m, b, truth, BAKE_SCATTERED, &scattered);
-    if (result == TY_OK) result = bake_note_errors(run, item, &all, method == WITH && !run->options->quick);
+    if (result == TY_OK) result = bake_note_errors(run, item, &all, method == CELLS && !run->options->quick);
     if (result == TY_OK) result = bake_note_errors(run, scattered_item, &scattered, false);
     if (result == TY_OK) result = figure_error_map(run, b->image, truth->image, 1, &cell->picture);
     if (result != TY_OK) return result;
@@ -151,12 +157,12 @@ static ty_result fill_row(figure_run* run, const maps* m, int row, plot_sheet* s
 
 static ty_result fill_page(figure_run* run, const maps* m) {
     plot_sheet sheet;
-    ty_result result = plot_create_sheet(ROWS, METHODS + 2, PICTURE_WIDTH, &sheet);
+    ty_result result = plot_create_sheet(ROWS, METHODS + TRUTH, PICTURE_WIDTH, &sheet);
     if (result != TY_OK) return result;
     for (int method = 0; method < METHODS; ++method)
         snprintf(sheet.column_titles[method], PLOT_LABEL_SIZE, "%s", titles[method]);
-    for (int method = 0; method < 2; ++method)
-        snprintf(sheet.column_titles[METHODS + method], PLOT_LABEL_SIZE, "errors %s", titles[method]);
+    for (int method = 0; method < TRUTH; ++method)
+        snprintf(sheet.column_titles[METHODS + method], PLOT_LABEL_SIZE, "errors: %s", titles[method]);
     for (int row = 0; row < ROWS && result == TY_OK; ++row) result = fill_row(run, m, row, &sheet);
     if (result == TY_OK) {
         plot_page_sheet(&run->page, &sheet);
@@ -173,12 +179,12 @@ ty_result figure_bake_cornell(figure_run* run) {
     ty_result result = open_maps(run, &m);
     if (result == TY_OK) result = fill_page(run, &m);
     close_maps(&m);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Lightmaps of the walls of the Cornell box by its author's texture coordinates, 5.6 m across, in fog of "
-        "σs = 0.2/m: what media scattered, alone. Impulse responses at %d paths a texel, path tracing at %d. Below "
-        "the errors: ratio of means and relative RMSE of all light, without the truth's own noise, and of what "
-        "media scattered, with it.",
-        (int)bake_spp(run, false), (int)bake_spp(run, true));
+    snprintf(run->caption, sizeof run->caption,
+             "Lightmaps of the walls of the Cornell box by its author's texture coordinates, 5.6 m across, in fog of "
+             "σs = 0.2/m: what media scattered, alone. Impulse responses and light in cells at %d paths a texel, path "
+             "tracing at %d. Below "
+             "the errors: ratio of means and relative RMSE of all light, without the truth's own noise, and of what "
+             "media scattered, with it.",
+             (int)bake_spp(run, false), (int)bake_spp(run, true));
     return result;
 }

@@ -5,10 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { METHODS = 4, SURFACES = 0, ATTENUATION = 1, IMPULSE = 2, TRUTH = 3 };
+enum { METHODS = 5, SURFACES = 0, ATTENUATION = 1, IMPULSE = 2, CELLS = 3, TRUTH = 4 };
 
-static const char* const titles[METHODS] = {"without media", "attenuation", "impulse responses", "path tracing"};
-static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_IMPULSE, TY_BAKE_PATH};
+static const char* const titles[METHODS] = {"without media", "attenuation", "impulse responses", "cache",
+                                            "path tracing"};
+static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_IMPULSE, TY_BAKE_CACHE,
+                                                TY_BAKE_PATH};
 
 /* A view baked by all methods that count. */
 typedef struct baked_view {
@@ -31,7 +33,7 @@ static ty_result bake_all(figure_run* run, const char* item, const ty_scene* sce
         snprintf(own_item, sizeof own_item, "%.30s, %s", item, titles[m]);
         def.method = methods[m];
         def.tables = tables;
-        def.scatterings = m == TRUTH ? TY_IMPULSE_BOUNCES_MAX : def.scatterings;
+        def.scatterings = m >= CELLS ? TY_IMPULSE_BOUNCES_MAX : def.scatterings;
         def.spp = bake_spp(run, m == TRUTH);
         def.seed = (uint64_t)m;
         result =
@@ -77,7 +79,8 @@ static const char stair_text[] =
     "  \"sigma_s\": 0.8, \"sigma_a\": 0.02, \"g\": 0.3}],"
     " \"geometry\": [{\"file\": \"scenes/wooden_staircase.glb\"}]}";
 
-/* Columns: impulse responses by vertex and by pixel, the truth by pixel, errors by pixel. */
+/* Columns: light in cells by vertex and by pixel, the truth by pixel, errors by pixel. Impulse responses are judged,
+ * too. */
 static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const baked_view* b, plot_sheet* sheet) {
     static const char* const rows[2] = {"all light", "scattered by media"};
     static const double exposures[2] = {-1, 0};
@@ -85,27 +88,29 @@ static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const 
     for (int row = 0; row < 2 && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
         const bake_part part = (bake_part)row;
-        const bake_errors errors = bake_compare(b->light[IMPULSE], b->light[TRUTH], b->view.count, part);
+        const bake_errors errors = bake_compare(b->light[CELLS], b->light[TRUTH], b->view.count, part);
         plot_cell* cell = plot_sheet_cell(sheet, row, 3);
         snprintf(item, sizeof item, "staircase, %s", rows[row]);
         snprintf(sheet->row_titles[row], PLOT_LABEL_SIZE, "%s", rows[row]);
-        result = bake_note_errors(run, item, &errors, false);
-        if (result == TY_OK)
-            result = show(run, vertices, IMPULSE, part, exposures[row], plot_sheet_cell(sheet, row, 0));
-        if (result == TY_OK) result = show(run, b, IMPULSE, part, exposures[row], plot_sheet_cell(sheet, row, 1));
+        const bake_errors others = bake_compare(b->light[IMPULSE], b->light[TRUTH], b->view.count, part);
+        result = bake_note_errors(run, item, &errors, row == 0 && !run->options->quick);
+        snprintf(item, sizeof item, "staircase, %.30s, impulse", rows[row]);
+        if (result == TY_OK) result = bake_note_errors(run, item, &others, false);
+        if (result == TY_OK) result = show(run, vertices, CELLS, part, exposures[row], plot_sheet_cell(sheet, row, 0));
+        if (result == TY_OK) result = show(run, b, CELLS, part, exposures[row], plot_sheet_cell(sheet, row, 1));
         if (result == TY_OK) result = show(run, b, TRUTH, part, exposures[row], plot_sheet_cell(sheet, row, 2));
-        if (result == TY_OK) result = show_errors(run, b, IMPULSE, part, cell);
+        if (result == TY_OK) result = show_errors(run, b, CELLS, part, cell);
         snprintf(cell->lines[0], PLOT_LABEL_SIZE, "means %.3f, RMSE %.1f %%", errors.mean_ratio,
                  100 * errors.relative_rmse);
     }
-    snprintf(plot_sheet_cell(sheet, 0, 0)->lines[0], PLOT_LABEL_SIZE, "%.3g s", vertices->seconds[IMPULSE]);
-    snprintf(plot_sheet_cell(sheet, 0, 1)->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[IMPULSE]);
+    snprintf(plot_sheet_cell(sheet, 0, 0)->lines[0], PLOT_LABEL_SIZE, "%.3g s", vertices->seconds[CELLS]);
+    snprintf(plot_sheet_cell(sheet, 0, 1)->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[CELLS]);
     snprintf(plot_sheet_cell(sheet, 0, 2)->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[TRUTH]);
     return result;
 }
 
 static ty_result show_stairs(figure_run* run, const ty_scene* scene, const ty_impulse* tables) {
-    static const char* const columns[4] = {"by vertex", "impulse responses", "path tracing", "errors"};
+    static const char* const columns[4] = {"by vertex", "cache", "path tracing", "errors"};
     baked_view vertices = {.view = {.count = 0}}, b = {.view = {.count = 0}};
     int32_t size[2];
     plot_sheet sheet;
@@ -115,20 +120,19 @@ static ty_result show_stairs(figure_run* run, const ty_scene* scene, const ty_im
     for (int i = 0; i < 4; ++i) snprintf(sheet.column_titles[i], PLOT_LABEL_SIZE, "%s", columns[i]);
     result = bake_view_create(scene, size, true, &vertices.view);
     if (result == TY_OK) result = bake_view_create(scene, size, false, &b.view);
-    if (result == TY_OK) result = bake_all(run, "staircase by vertex", scene, tables, IMPULSE, TRUTH, &vertices);
+    if (result == TY_OK) result = bake_all(run, "staircase by vertex", scene, tables, CELLS, TRUTH, &vertices);
     if (result == TY_OK) result = bake_all(run, "staircase", scene, tables, IMPULSE, METHODS, &b);
     if (result == TY_OK) result = fill_stairs(run, &vertices, &b, &sheet);
     if (result == TY_OK) {
         plot_page_sheet(&run->page, &sheet);
         plot_page_color_bar(&run->page, &figure_error_scale);
     }
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Irradiance in smoke of noise: the method's extreme case, since it takes a medium for the same all along a "
-        "ray. By the %lld vertices that the camera sees, which suits the fine parts of the model and not its "
-        "walls, whose few vertices lie behind others; and at every pixel. Impulse responses at %d paths, path "
-        "tracing at %d.",
-        (long long)vertices.view.count, (int)bake_spp(run, false), (int)bake_spp(run, true));
+    snprintf(run->caption, sizeof run->caption,
+             "Irradiance in smoke of noise. By the %lld vertices that the camera sees, which suits the fine parts of "
+             "the model and not its "
+             "walls, whose few vertices lie behind others; and at every pixel. Light in cells at %d paths, path "
+             "tracing at %d.",
+             (long long)vertices.view.count, (int)bake_spp(run, false), (int)bake_spp(run, true));
     free_baked(&vertices);
     free_baked(&b);
     plot_free_sheet(&sheet);
@@ -188,13 +192,13 @@ static ty_result fill_light(figure_run* run, int row, const baked_view* b, plot_
         snprintf(item, sizeof item, "%s, %s", lights[row].name, titles[m]);
         result = show(run, b, m, BAKE_ALL, lights[row].exposure, cell);
         if (result == TY_OK && m != TRUTH)
-            result = bake_note_errors(run, item, &errors, m == IMPULSE && !run->options->quick);
+            result = bake_note_errors(run, item, &errors, m == CELLS && !run->options->quick);
         snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[m]);
         if (m != TRUTH)
             snprintf(cell->lines[1], PLOT_LABEL_SIZE, "means %.3f, RMSE %.1f %%", errors.mean_ratio,
                      100 * errors.relative_rmse);
     }
-    if (result == TY_OK) result = show_errors(run, b, IMPULSE, BAKE_ALL, plot_sheet_cell(sheet, row, METHODS));
+    if (result == TY_OK) result = show_errors(run, b, CELLS, BAKE_ALL, plot_sheet_cell(sheet, row, METHODS));
     return result;
 }
 
@@ -220,7 +224,7 @@ ty_result figure_bake_lights(figure_run* run) {
     ty_result result = plot_create_sheet(LIGHTS, METHODS + 1, VIEW_PICTURE, &sheet);
     if (result != TY_OK) return result;
     for (int m = 0; m < METHODS; ++m) snprintf(sheet.column_titles[m], PLOT_LABEL_SIZE, "%s", titles[m]);
-    snprintf(sheet.column_titles[METHODS], PLOT_LABEL_SIZE, "errors of impulse responses");
+    snprintf(sheet.column_titles[METHODS], PLOT_LABEL_SIZE, "errors of the cache");
     result = make_tables(run, &tables);
     for (int row = 0; row < LIGHTS && result == TY_OK; ++row) result = show_light(run, row, tables, &sheet);
     if (result == TY_OK) {
