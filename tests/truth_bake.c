@@ -71,10 +71,9 @@ static void compare_fog(ty_context* context, double sigma_s, double sigma_a, dou
 static void cornell_box_in_fog(void** state) {
     bake_difference found[3][2];
     compare_fog(*state, 0.1, 0, 0, found);
-    /* The aim is 5 % and 8 %, which it misses (docs/bake.md): this only keeps it from getting worse. */
     for (int b = 0; b < 3; ++b) {
-        assert_true(fabs(found[b][1].ratio - 1) < 0.07);
-        assert_true(found[b][1].rmse < 0.13);
+        assert_true(fabs(found[b][1].ratio - 1) < 0.05);
+        assert_true(found[b][1].rmse < 0.08);
     }
 }
 
@@ -127,8 +126,9 @@ static void sponza_probes(void** state) {
     printf("Sponza in fog: constant terms' ratio %.3f, SH relative RMSE %.1f%%, less noise %.1f%%\n",
            ratio[0] / ratio[1], 100 * sqrt(difference / size), 100 * sqrt(taken / size));
     /* The aim is 10%, which is missed: most probes are in the shade, and get their light from shafts of sun in the fog
-     * beside them. Responses are only of lights that a receiver sees itself (Sec. 5.2). */
+     * beside them, of which a thousand points are too few to tell each probe's. */
     assert_true(sqrt(taken / size) < 0.8);
+    assert_true(fabs(ratio[0] / ratio[1] - 1) < 0.25);
     ty_scene_destroy(scene);
 }
 
