@@ -78,10 +78,8 @@ static void cornell_box_in_fog(void** state) {
         assert_true(fabs(found[b][CELLS].ratio - 1) < 0.05);
         assert_true(fabs(found[b][CELLS].scattered_ratio - 1) < 0.05);
         assert_true(found[b][CELLS].rmse < 0.08);
-        /* The aim is 5 % and 8 %, which impulse responses miss (docs/bake.md): this only keeps it from getting worse.
-         */
-        assert_true(fabs(found[b][WITH].ratio - 1) < 0.07);
-        assert_true(found[b][WITH].rmse < 0.13);
+        assert_true(fabs(found[b][WITH].ratio - 1) < 0.05);
+        assert_true(found[b][WITH].rmse < 0.08);
     }
 }
 
@@ -141,8 +139,8 @@ static void sponza_probes(void** state) {
     def.method = TY_BAKE_IMPULSE;
     def.spp = 2048;
     must(*state, ty_bake_probes(scene, &def, positions, PROBES, is, NULL));
-    /* Missed: most probes are in the shade, and get their light from shafts of sun in the fog beside them. Responses
-     * are only of lights that a receiver sees itself (Sec. 5.2). */
+    /* The aim is 10 %, which is missed: most probes are in the shade, and get their light from shafts of sun in the fog
+     * beside them, of which a thousand points are too few to tell each probe's. */
     assert_true(compare_probes("impulse", is, should) < 0.8);
     ty_scene_destroy(scene);
 }

@@ -79,7 +79,8 @@ TY_FN float ty_response_beyond(const ty_emitter* emitter, const ty_impulse_mediu
     }
     /* By the angle under which the emitter sees the ray, with Gauss-Legendre's two nodes. */
     static const float node[2] = {0.2113248654f, 0.7886751346f};
-    const float nearest = d * mu, off = ty_maxf(d * sqrtf(ty_maxf(0.0f, 1.0f - mu * mu)), 1e-3f * d);
+    const float nearest = d * mu, aside2 = d * d * ty_maxf(1e-6f, 1.0f - mu * mu);
+    const float off = sqrtf(aside2 + emitter->area * (0.25f / TY_PI));
     const float begin = atanf((far - nearest) / off), range = 0.5f * TY_PI - begin;
     float sum = 0.0f;
     for (int i = 0; i < 2; ++i) {

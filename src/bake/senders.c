@@ -14,7 +14,7 @@
 
 /* Rounds of light from media to surfaces and back; samples of each. */
 enum { ANCHORS_MAX = 64, SENDERS_MIN = 64, ROUNDS = 3, BLOCK = 4 };
-enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, FOG_SAMPLES_MIN = 8, LAMP_POINTS_MAX = 256, LIT_RAYS = 512 };
+enum { CLEAR_SAMPLES_MIN = 16, CLEAR_SAMPLES_MAX = 256, FOG_SAMPLES_MIN = 8, LAMP_POINTS_MAX = 256, LIT_RAYS = 1024 };
 enum { FOG_EVERY = 4 };
 
 typedef struct search {
@@ -70,7 +70,7 @@ static void find_most(search* s) {
             stopped[c] += (double)ty_stopped(segment.depth[c]);
         }
     }
-    s->reach = s->anchor_count > 0 ? (float)fmax(1e-6, length / (RAYS * s->anchor_count)) : 1;
+    s->reach = s->anchor_count > 0 ? (float)fmax(1e-6, 3 * length / (RAYS * s->anchor_count)) : 1;
     s->free = (float)(length / fmax(1e-12, fmax(depth[0], fmax(depth[1], depth[2]))));
     for (int c = 0; c < 3; ++c) {
         const double p = depth[c] > 0 ? 1 - stopped[c] / depth[c] : 1;
