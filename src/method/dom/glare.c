@@ -53,7 +53,7 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
             add_sent(job, job->fine[n].direction, job->fine[n].cosine, job->fine[n].color, way, fine);
         for (int32_t n = 0; n < light->part_count; ++n) {
             const ty_dom_part* part = &light->parts[n];
-            if (part->kind == TY_SINGLE_BEAM) add_sent(job, part->toward, part->cosine, part->color, way, parts);
+            if (part->sky) add_sent(job, part->toward, part->cosine, part->color, way, parts);
         }
         for (int32_t c = 0; c < 3; ++c)
             light->glare[c][TY_DOM_GLARE * row + i] = parts[c] > 0 ? ty_minf(most_ratio, fine[c] / parts[c]) : 1;

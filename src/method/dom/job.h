@@ -15,6 +15,7 @@ enum { TY_DOM_OWN_MAX = 8 };
  * color times that of a plane: one for all channels, or one each. */
 typedef struct ty_dom_part {
     int32_t kind;      /* TY_SINGLE_BEAM, TY_SINGLE_LAMP */
+    bool sky;          /* whether it is part of an environment */
     int32_t light;     /* as in ty_source */
     ty_vec toward;     /* as in ty_single_light */
     float cosine;      /* beams: mean cosine about it */
@@ -124,7 +125,7 @@ void ty_dom_parts_end(ty_dom_job* job);
 void ty_dom_parts_destroy(ty_dom* light);
 /* What environments send in all, once parts are there. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dom_glare_find(ty_dom_job* job);
-/* Times which beams' parts are to be taken along a way. */
+/* Times which parts of environments are to be taken along a way. */
 float ty_dom_glare_at(const ty_dom* light, int32_t channel, ty_vec way);
 
 #endif

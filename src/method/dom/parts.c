@@ -2,6 +2,7 @@
  * it together hold how much there is on fine cells; parts hold, on the cells of ordinates, from where. */
 #include "base/context.h"
 #include "method/dom/view.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,13 +30,16 @@ static float deeper(const ty_grid_medium* medium, int32_t plane, int32_t bands, 
 
 /* The first sources of a group begin a part each: they are spread as all are. */
 static void begin_parts(const ty_dom_job* job, const ty_source_group* group, int32_t count) {
+    const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     ty_dom* light = job->light;
     for (int32_t i = 0; i < count; ++i) {
         const ty_source* source = &job->sources[group->first + i];
         const bool beam = source->kind == TY_SOURCE_BEAM;
-        light->parts[light->part_count++] = (ty_dom_part){.kind = beam ? TY_SINGLE_BEAM : TY_SINGLE_LAMP,
-                                                          .light = source->light,
-                                                          .toward = beam ? source->direction : source->position};
+        light->parts[light->part_count++] =
+            (ty_dom_part){.kind = beam ? TY_SINGLE_BEAM : TY_SINGLE_LAMP,
+                          .light = source->light,
+                          .sky = lights->lights[source->light].kind == TY_KIND_ENVIRONMENT,
+                          .toward = beam ? source->direction : source->position};
     }
 }
 
@@ -200,7 +204,7 @@ static void send_cell(const send_job* job, const int32_t cell[3], size_t at) {
             if (!(fluence > 0)) continue;
             const float turned = 4 * TY_PI * turn(light, p, fluence, &from, mu, light->g[p][at]);
             for (int32_t c = p; c < (light->part_planes == 1 ? 3 : p + 1); ++c) {
-                sent[c] += part->color[c] * turned * (part->kind == TY_SINGLE_BEAM ? glare[c] : 1);
+                sent[c] += part->color[c] * turned * (part->sky ? glare[c] : 1);
                 all[c] += part->color[c] * fluence;
             }
         }
