@@ -18,14 +18,14 @@ typedef struct pop_case {
     float eye[3];
 } pop_case;
 
-static inline ty_pop_ordinate parallel_light(double x, double y, double z) {
-    ty_pop_ordinate ordinate = {.kind = TY_POP_PARALLEL, .color = {1, 1, 1}, .cosine = 1};
+static inline ty_light_part parallel_light(double x, double y, double z) {
+    ty_light_part ordinate = {.kind = TY_LIGHT_PART_PARALLEL, .color = {1, 1, 1}, .cosine = 1};
     ordinate.direction = ty_normalize(ty_vec_make((float)x, (float)y, (float)z));
     return ordinate;
 }
 
-static inline ty_pop_ordinate point_light(double x, double y, double z) {
-    ty_pop_ordinate ordinate = {.kind = TY_POP_RADIAL, .color = {1, 1, 1}, .cosine = 1};
+static inline ty_light_part point_light(double x, double y, double z) {
+    ty_light_part ordinate = {.kind = TY_LIGHT_PART_RADIAL, .color = {1, 1, 1}, .cosine = 1};
     ordinate.position = ty_vec_make((float)x, (float)y, (float)z);
     ordinate.direction = ty_vec_make(0, 0, 1);
     return ordinate;
@@ -40,7 +40,7 @@ static inline ty_medium_def pop_cube(double sigma_s, double sigma_a, double g) {
 }
 
 /* Takes over the scene, with all in it. */
-static inline pop_case pop_begin(ty_scene* scene, const ty_pop_ordinate* ordinate, ty_pop_mode mode, int32_t resolution,
+static inline pop_case pop_begin(ty_scene* scene, const ty_light_part* ordinate, ty_pop_mode mode, int32_t resolution,
                                  int32_t iterations) {
     pop_case made = {.scene = scene, .iterations = iterations, .eye = {0.3f, 0.4f, 5}};
     ty_context* context = ty_scene_context(scene);

@@ -12,7 +12,7 @@ enum { DIRECTIONS = TY_POP_IMPORTANCE_WIDTH * TY_POP_IMPORTANCE_HEIGHT };
 
 typedef struct found {
     ty_context* context;
-    ty_pop_ordinate* items;
+    ty_light_part* items;
     int32_t count;
 } found;
 
@@ -26,7 +26,7 @@ static found find(ty_scene* scene, const ty_pop_def* def, const float* importanc
 }
 
 static void forget(found* f, ty_scene* scene) {
-    ty_pop_ordinates_destroy(f->context, f->items, f->count);
+    ty_light_parts_destroy(f->context, f->items, f->count);
     ty_scene_destroy(scene);
 }
 
@@ -57,18 +57,18 @@ static void lights_by_kind(void** state) {
     add_light(scene, TY_LIGHT_AREA, 0, -3, 0);
     found f = find(scene, &def, NULL);
     assert_int_equal(f.count, 3 + 16);
-    assert_int_equal(f.items[0].kind, TY_POP_PARALLEL);
+    assert_int_equal(f.items[0].kind, TY_LIGHT_PART_PARALLEL);
     assert_vec_close(f.items[0].direction, ty_vec_make(0, -1, 0), 1e-6);
     assert_close((double)f.items[0].color[1], 3, 1e-6);
     assert_close((double)f.items[0].cosine, 1, 0);
     assert_int_equal(f.items[0].shadowed, 1); /* by the area light */
-    assert_int_equal(f.items[1].profile, TY_POP_EVEN);
-    assert_int_equal(f.items[2].profile, TY_POP_SPOT);
+    assert_int_equal(f.items[1].profile, TY_LIGHT_PART_EVEN);
+    assert_int_equal(f.items[2].profile, TY_LIGHT_PART_SPOT);
     assert_int_equal(f.items[2].light, 2);
     assert_true(f.items[1].least > 0 && f.items[1].least < 0.01f);
     double sum = 0;
     for (int i = 3; i < f.count; ++i) {
-        assert_int_equal(f.items[i].profile, TY_POP_COSINE);
+        assert_int_equal(f.items[i].profile, TY_LIGHT_PART_COSINE);
         assert_vec_close(f.items[i].direction, ty_vec_make(0, 1, 0), 1e-6);
         assert_close((double)f.items[i].least, sqrt(0.5 / 16 / pi), 1e-6);
         assert_true(f.items[i].position.y > -3 && f.items[i].position.y < -2.99f);
@@ -320,7 +320,7 @@ static double scattered_by_sky(const float* pixels, ty_vec way, float g) {
 static double scattered_by(const found* f, ty_vec way, float g) {
     double sum = 0;
     for (int32_t i = 0; i < f->count; ++i) {
-        const ty_pop_ordinate* o = &f->items[i];
+        const ty_light_part* o = &f->items[i];
         sum += (double)(o->color[1] * ty_hg(-ty_dot(o->direction, way), o->cosine * g));
     }
     return sum;
@@ -349,7 +349,7 @@ static double error_of(ty_context* context, const float* pixels, int32_t ordinat
         found f = find(scene, &def, important ? importance : NULL);
         const double error = scattered_by(&f, way, g) / scattered_by_sky(pixels, way, g) - 1;
         square += error * error / WAYS;
-        ty_pop_ordinates_destroy(context, f.items, f.count);
+        ty_light_parts_destroy(context, f.items, f.count);
     }
     ty_scene_destroy(scene);
     return sqrt(square);
@@ -404,7 +404,7 @@ static void no_memory(void** state) {
         ty_scene* scene = pop_fog(context, 1, 0);
         const ty_pop_def def = pop_def(8);
         ty_grid_box box;
-        ty_pop_ordinate* items = NULL;
+        ty_light_part* items = NULL;
         int32_t count = 0;
         pop_add_environment(scene, 0, 0, NULL, 0);
         check_result(context, ty_scene_commit(scene));
@@ -412,7 +412,7 @@ static void no_memory(void** state) {
         const size_t before = memory.used;
         memory.until_refusal = at;
         const ty_result result = ty_pop_ordinates_create(scene, &def, &box, NULL, &items, &count);
-        if (result == TY_OK) ty_pop_ordinates_destroy(context, items, count);
+        if (result == TY_OK) ty_light_parts_destroy(context, items, count);
         assert_int_equal(memory.used, before);
         ty_scene_destroy(scene);
         ty_context_destroy(context);

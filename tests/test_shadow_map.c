@@ -243,7 +243,7 @@ static ty_scene* lit_floor(ty_context* context) {
 
 typedef struct vpls {
     ty_grid_medium* medium;
-    ty_pop_ordinate* items;
+    ty_light_part* items;
     int32_t count;
 } vpls;
 
@@ -253,12 +253,13 @@ static vpls find(ty_scene* scene, const ty_pop_def* def) {
     ty_grid_box box;
     check_result(context, ty_grid_box_fit(scene, 16, &box));
     check_result(context, ty_grid_medium_create(scene, &box, &out.medium));
-    check_result(context, ty_pop_vpls_create(scene, def, out.medium, &out.items, &out.count));
+    const ty_vpl_def vpl_def = ty_pop_vpl_def(def);
+    check_result(context, ty_vpls_create(scene, &vpl_def, out.medium, &out.items, &out.count));
     return out;
 }
 
 static void forget(ty_scene* scene, vpls* found) {
-    ty_pop_ordinates_destroy(ty_scene_context(scene), found->items, found->count);
+    ty_light_parts_destroy(ty_scene_context(scene), found->items, found->count);
     ty_grid_medium_destroy(found->medium);
 }
 
@@ -273,9 +274,9 @@ static void vpls_carry_all_light(void** state) {
         vpls found = find(scene, &def);
         assert_true(found.count <= counts[n] && found.count > counts[n] * 0.9);
         for (int32_t i = 0; i < found.count; ++i) {
-            const ty_pop_ordinate* vpl = &found.items[i];
-            assert_int_equal(vpl->kind, TY_POP_RADIAL);
-            assert_int_equal(vpl->profile, TY_POP_COSINE);
+            const ty_light_part* vpl = &found.items[i];
+            assert_int_equal(vpl->kind, TY_LIGHT_PART_RADIAL);
+            assert_int_equal(vpl->profile, TY_LIGHT_PART_COSINE);
             assert_vec_close(vpl->direction, ty_vec_make(0, 1, 0), 1e-6);
             assert_close((double)vpl->position.y, -1.2, 1e-3);
             assert_close((double)vpl->least, 0.1, 1e-6);
@@ -385,17 +386,18 @@ static void no_memory(void** state) {
         strict_memory memory = {.limit = SIZE_MAX, .until_refusal = -1};
         ty_context* context = strict_context(&memory);
         ty_scene* scene = lit_floor(context);
-        const ty_pop_def def = pop_def(8);
+        const ty_pop_def pop = pop_def(8);
+        const ty_vpl_def def = ty_pop_vpl_def(&pop);
         ty_grid_box box;
         ty_grid_medium* medium = NULL;
-        ty_pop_ordinate* items = NULL;
+        ty_light_part* items = NULL;
         int32_t count = 0;
         check_result(context, ty_grid_box_fit(scene, 16, &box));
         check_result(context, ty_grid_medium_create(scene, &box, &medium));
         const size_t before = memory.used;
         memory.until_refusal = at;
-        const ty_result result = ty_pop_vpls_create(scene, &def, medium, &items, &count);
-        if (result == TY_OK) ty_pop_ordinates_destroy(context, items, count);
+        const ty_result result = ty_vpls_create(scene, &def, medium, &items, &count);
+        if (result == TY_OK) ty_light_parts_destroy(context, items, count);
         assert_int_equal(memory.used, before);
         ty_grid_medium_destroy(medium);
         ty_scene_destroy(scene);

@@ -2,9 +2,9 @@
  * about their directions leave gaps. Where media do not come in between, what all parts send along a way is made what
  * the environment, cut into many more, sends; media then dim that as they dim the parts. */
 #include "base/context.h"
+#include "base/octahedral.k.h"
+#include "direct/environment_parts.h"
 #include "method/dom/job.h"
-#include "method/pop/environment.h"
-#include "method/pop/frame.k.h"
 #include "scene/scene.h"
 
 /* Parts that the environment is cut into for that; ratios are held within bounds where parts send next to nothing. */
@@ -13,7 +13,7 @@ static const float most_ratio = 10;
 
 typedef struct glare_job {
     ty_dom* light;
-    const ty_pop_ordinate* fine;
+    const ty_light_part* fine;
     int32_t fine_count;
     float g[3];
 } glare_job;
@@ -61,16 +61,15 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
 }
 
 /* The same environments in many more parts. */
-static ty_result cut_finely(const ty_dom_job* job, ty_pop_ordinate* parts, int32_t* count) {
+static ty_result cut_finely(const ty_dom_job* job, ty_light_part* parts, int32_t* count) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
-    ty_pop_def def = ty_default_pop_def();
+    const ty_environment_parts_def def = {.parts = FINE_PARTS, .prefilter = 1};
     ty_result result = TY_OK;
-    def.ordinates = FINE_PARTS;
     *count = 0;
     for (int32_t i = 0; i < lights->count && result == TY_OK; ++i) {
         int32_t own = 0;
         if (lights->lights[i].kind != TY_KIND_ENVIRONMENT) continue;
-        result = ty_pop_environment_ordinates(job->scene, &def, i, NULL, parts + *count, &own);
+        result = ty_environment_parts(job->scene, &def, i, parts + *count, &own);
         *count += own;
     }
     return result;
@@ -85,7 +84,7 @@ ty_result ty_dom_glare_find(ty_dom_job* job) {
     for (int c = 0; c < 3; ++c)
         for (int32_t i = 0; i < TY_DOM_GLARE * TY_DOM_GLARE; ++i) job->light->glare[c][i] = 1;
     if (capacity == 0) return TY_OK;
-    ty_pop_ordinate* parts = ty_alloc_array(job->context, capacity, sizeof *parts, false);
+    ty_light_part* parts = ty_alloc_array(job->context, capacity, sizeof *parts, false);
     if (parts == NULL) return TY_ERROR_MEMORY;
     find_mean_g(job->coarse, glare.g);
     const ty_result result = cut_finely(job, parts, &glare.fine_count);

@@ -1,7 +1,8 @@
 /* Beams and lamps of all lights. */
 #include "base/context.h"
+#include "direct/environment_parts.h"
+#include "direct/vpl.h"
 #include "method/dom/job.h"
-#include "method/pop/environment.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -41,12 +42,10 @@ static bool is_environment(const ty_light_set* lights, int32_t light) {
 }
 
 /* Beams of an environment light: parts that it is cut into, so that nothing of it is left out. */
-static ty_result add_environment(ty_dom_job* job, int32_t light, ty_pop_ordinate* parts) {
-    ty_pop_def def = ty_default_pop_def();
+static ty_result add_environment(ty_dom_job* job, int32_t light, ty_light_part* parts) {
+    const ty_environment_parts_def def = {.parts = job->def->environment_beams, .prefilter = 1, .seed = job->def->seed};
     int32_t count = 0;
-    def.ordinates = job->def->environment_beams;
-    def.seed = job->def->seed;
-    const ty_result result = ty_pop_environment_ordinates(job->scene, &def, light, NULL, parts, &count);
+    const ty_result result = ty_environment_parts(job->scene, &def, light, parts, &count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         ty_source* source = &job->sources[job->source_count++];
         *source = (ty_source){
@@ -59,7 +58,7 @@ static ty_result add_environment(ty_dom_job* job, int32_t light, ty_pop_ordinate
 static ty_result add_environments(ty_dom_job* job) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     const size_t beams = (size_t)job->def->environment_beams;
-    ty_pop_ordinate* parts = ty_alloc_array(job->context, beams, sizeof *parts, false);
+    ty_light_part* parts = ty_alloc_array(job->context, beams, sizeof *parts, false);
     ty_result result = parts != NULL ? TY_OK : TY_ERROR_MEMORY;
     for (int32_t i = 0; i < lights->count && result == TY_OK; ++i)
         if (is_environment(lights, i)) result = add_environment(job, i, parts);
@@ -72,14 +71,14 @@ enum { REFLECTIONS = 32 };
 
 static const ty_light_view reflection = {.kind = TY_KIND_AREA};
 
-static ty_result find_reflections(const ty_dom_job* job, ty_pop_ordinate** out, int32_t* count) {
-    ty_pop_def def = ty_default_pop_def();
-    def.vpls = REFLECTIONS;
+static ty_result find_reflections(const ty_dom_job* job, ty_light_part** out, int32_t* count) {
+    ty_vpl_def def = ty_default_vpl_def();
+    def.count = REFLECTIONS;
     def.seed = job->def->seed;
-    return ty_pop_vpls_create(job->scene, &def, job->coarse, out, count);
+    return ty_vpls_create(job->scene, &def, job->coarse, out, count);
 }
 
-static void add_reflections(ty_dom_job* job, const ty_pop_ordinate* lamps, int32_t count) {
+static void add_reflections(ty_dom_job* job, const ty_light_part* lamps, int32_t count) {
     for (int32_t i = 0; i < count; ++i) {
         ty_source* source = &job->sources[job->source_count];
         *source = (ty_source){.kind = TY_SOURCE_LAMP,
@@ -117,7 +116,7 @@ static ty_result take_sources(ty_dom_job* job, int32_t others) {
 static ty_result make_sources(ty_dom_job* job) {
     const ty_source_def def = {.environment = 1, .surface = job->def->surface_points, .seed = job->def->seed};
     ty_source* sources = NULL;
-    ty_pop_ordinate* reflected = NULL;
+    ty_light_part* reflected = NULL;
     int32_t count = 0, reflected_count = 0;
     ty_result result = ty_sources_create(job->scene, &def, &sources, &count);
     if (result != TY_OK) return result;
@@ -129,7 +128,7 @@ static ty_result make_sources(ty_dom_job* job) {
         result = add_environments(job);
     }
     ty_sources_destroy(job->context, sources, count);
-    ty_pop_ordinates_destroy(job->context, reflected, reflected_count);
+    ty_light_parts_destroy(job->context, reflected, reflected_count);
     return result;
 }
 

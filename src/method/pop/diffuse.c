@@ -29,8 +29,8 @@ static double own_streaming(const ty_pop* light) {
             ty_inside_add_lamp(&sum, box, source->position, source->color);
     }
     for (int32_t i = 0; i < light->count; ++i) {
-        const ty_pop_ordinate* ordinate = &light->ordinates[i].ordinate;
-        if (ordinate->kind == TY_POP_PARALLEL)
+        const ty_light_part* ordinate = &light->ordinates[i].ordinate;
+        if (ordinate->kind == TY_LIGHT_PART_PARALLEL)
             ty_inside_add_beam(&sum, box, ordinate->direction, ordinate->color);
         else
             ty_inside_add_lamp(&sum, box, ordinate->position, ordinate->color);

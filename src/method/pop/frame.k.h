@@ -2,13 +2,13 @@
 #ifndef TY_METHOD_POP_FRAME_K_H
 #define TY_METHOD_POP_FRAME_K_H
 
-#include "base/kernel.h"
+#include "base/octahedral.k.h"
 #include "method/pop/ordinate.h"
 
 /* Cells i, j, k: light travels with k. Parallel: boxes along three axes at right angles. Radial: i and j are
  * coordinates of an octahedral map, whose edges are joined to themselves; shells k grow by a constant factor. */
 typedef struct ty_pop_frame {
-    int32_t kind;    /* TY_POP_PARALLEL, TY_POP_RADIAL */
+    int32_t kind;    /* TY_LIGHT_PART_PARALLEL, TY_LIGHT_PART_RADIAL */
     int32_t size[3]; /* radial: size[0] is size[1] */
     ty_vec axis[3];  /* parallel: unit; axis[2] is the ordinate's direction */
     ty_vec origin;   /* parallel: the corner of cell 0, 0, 0; radial: the point; m */
@@ -19,47 +19,13 @@ typedef struct ty_pop_frame {
 
 /* A ring of cells around i and j of radial grids, where whoever keeps them has one. */
 TY_FN int32_t ty_pop_ring(const ty_pop_frame* frame) {
-    return frame->kind == TY_POP_RADIAL ? 1 : 0;
+    return frame->kind == TY_LIGHT_PART_RADIAL ? 1 : 0;
 }
 
 /* Cells of a grid with its ring. */
 TY_FN size_t ty_pop_ringed_cells(const ty_pop_frame* frame) {
     const size_t ring = 2 * (size_t)ty_pop_ring(frame);
     return ((size_t)frame->size[0] + ring) * ((size_t)frame->size[1] + ring) * (size_t)frame->size[2];
-}
-
-/* The octahedral map: from coordinates in [-1, 1] to a unit direction. */
-TY_FN ty_vec ty_octahedral_direction(float u, float v) {
-    const float z = 1.0f - fabsf(u) - fabsf(v);
-    const float fold = ty_maxf(0.0f, -z);
-    const ty_vec d = ty_vec_make(u + (u >= 0.0f ? -fold : fold), v + (v >= 0.0f ? -fold : fold), z);
-    return ty_scale(d, 1.0f / sqrtf(ty_dot(d, d)));
-}
-
-/* The solid angle of a cell about a direction, sr, on a map of n x n cells. */
-TY_FN float ty_octahedral_angle(ty_vec d, int32_t n) {
-    const float sum = fabsf(d.x) + fabsf(d.y) + fabsf(d.z), side = 2.0f / (float)n;
-    return sum * sum * sum * side * side;
-}
-
-/* And back, for any vector but 0. */
-TY_FN void ty_octahedral_map(ty_vec d, float* u, float* v) {
-    const float scale = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z));
-    const float x = d.x * scale, y = d.y * scale;
-    *u = d.z >= 0.0f ? x : (x >= 0.0f ? 1.0f : -1.0f) * (1.0f - fabsf(y));
-    *v = d.z >= 0.0f ? y : (y >= 0.0f ? 1.0f : -1.0f) * (1.0f - fabsf(x));
-}
-
-/* The cell that a cell of the ring (i or j is -1 or n) repeats; cells of the grid are themselves. */
-TY_FN void ty_octahedral_wrap(int32_t n, int32_t* i, int32_t* j) {
-    if (*i < 0 || *i >= n) {
-        *i = *i < 0 ? 0 : n - 1;
-        *j = n - 1 - *j;
-    }
-    if (*j < 0 || *j >= n) {
-        *j = *j < 0 ? 0 : n - 1;
-        *i = n - 1 - *i;
-    }
 }
 
 /* The radius of a shell's place k, in shells, m. */
@@ -69,14 +35,14 @@ TY_FN float ty_pop_radius(const ty_pop_frame* frame, float k) {
 
 /* The way light travels in column i, j. */
 TY_FN ty_vec ty_pop_way(const ty_pop_frame* frame, int32_t i, int32_t j) {
-    if (frame->kind == TY_POP_PARALLEL) return frame->axis[2];
+    if (frame->kind == TY_LIGHT_PART_PARALLEL) return frame->axis[2];
     return ty_octahedral_direction(((float)i + 0.5f) * (2.0f / (float)frame->size[0]) - 1.0f,
                                    ((float)j + 0.5f) * (2.0f / (float)frame->size[1]) - 1.0f);
 }
 
 /* The middle of a cell, m. */
 TY_FN ty_vec ty_pop_middle(const ty_pop_frame* frame, int32_t i, int32_t j, int32_t k) {
-    if (frame->kind == TY_POP_RADIAL)
+    if (frame->kind == TY_LIGHT_PART_RADIAL)
         return ty_mad(frame->origin, ty_pop_way(frame, i, j), ty_pop_radius(frame, (float)k + 0.5f));
     const ty_vec across = ty_mad(frame->origin, frame->axis[0], ((float)i + 0.5f) * frame->step.x);
     return ty_mad(ty_mad(across, frame->axis[1], ((float)j + 0.5f) * frame->step.y), frame->axis[2],
@@ -85,7 +51,7 @@ TY_FN ty_vec ty_pop_middle(const ty_pop_frame* frame, int32_t i, int32_t j, int3
 
 /* A cell's length along the light's way, m. */
 TY_FN float ty_pop_length(const ty_pop_frame* frame, int32_t k) {
-    if (frame->kind == TY_POP_PARALLEL) return frame->step.z;
+    if (frame->kind == TY_LIGHT_PART_PARALLEL) return frame->step.z;
     return ty_pop_radius(frame, (float)k + 1.0f) - ty_pop_radius(frame, (float)k);
 }
 
@@ -112,7 +78,7 @@ TY_FN ty_pop_place ty_pop_locate(const ty_pop_frame* frame, float least, ty_vec 
     const ty_vec off = ty_sub(point, frame->origin);
     place.base = 0;
     place.spread = 1.0f;
-    if (frame->kind == TY_POP_PARALLEL) {
+    if (frame->kind == TY_LIGHT_PART_PARALLEL) {
         const size_t row = (size_t)frame->size[0], slice = row * (size_t)frame->size[1];
         ty_pop_place_along(ty_dot(off, frame->axis[0]) / frame->step.x, frame->size[0], 1, 0, &place);
         ty_pop_place_along(ty_dot(off, frame->axis[1]) / frame->step.y, frame->size[1], row, 1, &place);

@@ -1,5 +1,5 @@
 /* How much the camera sees of light from each direction (Sec. 5.2). */
-#include "method/pop/importance.h"
+#include "scene/environment_map.k.h"
 
 #include "base/context.h"
 #include "base/parallel.h"
@@ -192,8 +192,8 @@ static float depth_outward(const gaze_job* job, ty_vec point, ty_vec way) {
 
 static void refine_ways(const float* coarse, float* out) {
     for (int32_t i = 0; i < DIRECTIONS; ++i)
-        out[i] = ty_pop_map_at(coarse, WAYS_WIDTH, WAYS_HEIGHT, ((float)(i % WIDTH) + 0.5f) / WIDTH,
-                               ((float)(i / WIDTH) + 0.5f) / HEIGHT);
+        out[i] = ty_environment_map_at(coarse, WAYS_WIDTH, WAYS_HEIGHT, ((float)(i % WIDTH) + 0.5f) / WIDTH,
+                                       ((float)(i / WIDTH) + 0.5f) / HEIGHT);
 }
 
 /* Light without a direction gets through a layer as in two-stream diffusion. */

@@ -58,7 +58,7 @@ static void refine_along(ty_pop_frame* frame) {
 }
 
 /* All ordinates in one array, the virtual lights' at the end. */
-static ty_result join(ty_pop_job* job, const ty_pop_ordinate* own, int32_t own_count, const ty_pop_ordinate* vpls,
+static ty_result join(ty_pop_job* job, const ty_light_part* own, int32_t own_count, const ty_light_part* vpls,
                       int32_t vpl_count) {
     ty_pop* light = job->light;
     const int32_t count = own_count + vpl_count;
@@ -79,11 +79,12 @@ static ty_result join(ty_pop_job* job, const ty_pop_ordinate* own, int32_t own_c
 }
 
 static ty_result find_ordinates(ty_pop_job* job) {
-    ty_pop_ordinate* own = NULL;
-    ty_pop_ordinate* vpls = NULL;
+    ty_light_part* own = NULL;
+    ty_light_part* vpls = NULL;
     int32_t own_count = 0, vpl_count = 0;
     double begun = ty_wall_seconds();
     const bool matters = job->def->importance && has_environment(job->scene);
+    const ty_vpl_def vpl_def = ty_pop_vpl_def(job->def);
     ty_result result = ty_part_show(&job->progress, "importance");
     if (result == TY_OK && matters)
         result = ty_pop_importance_find(job->scene, job->def, job->light->medium, job->importance);
@@ -95,11 +96,11 @@ static ty_result find_ordinates(ty_pop_job* job) {
     job->stats.ordinate_seconds = ty_wall_seconds() - begun;
     begun = ty_wall_seconds();
     if (result == TY_OK && job->def->vpls > 0 && ty_scene_get_view(job->scene)->mesh != NULL)
-        result = ty_pop_vpls_create(job->scene, job->def, job->light->medium, &vpls, &vpl_count);
+        result = ty_vpls_create(job->scene, &vpl_def, job->light->medium, &vpls, &vpl_count);
     job->stats.vpl_seconds = ty_wall_seconds() - begun;
     if (result == TY_OK) result = join(job, own, own_count, vpls, vpl_count);
-    ty_pop_ordinates_destroy(job->context, own, own_count);
-    ty_pop_ordinates_destroy(job->context, vpls, vpl_count);
+    ty_light_parts_destroy(job->context, own, own_count);
+    ty_light_parts_destroy(job->context, vpls, vpl_count);
     return result;
 }
 

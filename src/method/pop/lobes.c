@@ -144,7 +144,7 @@ void ty_pop_light_radiance(const ty_grid_medium* medium, const ty_pop_light* lig
     (void)medium;
     const neighbours near = find_neighbours(light, point);
     ty_vec along = light->frame.axis[2];
-    if (light->frame.kind == TY_POP_RADIAL) {
+    if (light->frame.kind == TY_LIGHT_PART_RADIAL) {
         const ty_vec off = ty_sub(point, light->frame.origin);
         along = ty_scale(off, 1 / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f)));
     }

@@ -141,7 +141,7 @@ TY_FN void add_cells(const ty_pop_light* light, int32_t floats, bool weighted, c
 
 static void merge(const ty_pop_light* light, const ty_pop_merge_rows* rows) {
     places p;
-    if (light->frame.kind == TY_POP_RADIAL)
+    if (light->frame.kind == TY_LIGHT_PART_RADIAL)
         place_radial(light, rows, &p);
     else
         place_parallel(&light->frame, rows, &p);

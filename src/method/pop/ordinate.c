@@ -2,8 +2,8 @@
 #include "method/pop/ordinate.h"
 
 #include "base/context.h"
+#include "direct/environment_parts.h"
 #include "direct/source.h"
-#include "method/pop/environment.h"
 #include "scene/scene.h"
 
 typedef struct ordinate_list {
@@ -12,7 +12,7 @@ typedef struct ordinate_list {
     const ty_light_view* lights;
     ty_vec middle; /* of the media */
     float longest; /* side of their box, m */
-    ty_pop_ordinate* items;
+    ty_light_part* items;
     int32_t count;
 } ordinate_list;
 
@@ -33,22 +33,22 @@ bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light
     return before < TY_POP_SHARP_MAX;
 }
 
-static ty_pop_ordinate* append(ordinate_list* list, const ty_source* source) {
-    ty_pop_ordinate* ordinate = &list->items[list->count++];
-    *ordinate = (ty_pop_ordinate){.kind = source->kind == TY_SOURCE_BEAM ? TY_POP_PARALLEL : TY_POP_RADIAL,
-                                  .direction = source->direction,
-                                  .position = source->position,
-                                  .cosine = 1,
-                                  .light = source->light,
-                                  .shadowed = list->scene->view.mesh != NULL};
+static ty_light_part* append(ordinate_list* list, const ty_source* source) {
+    ty_light_part* ordinate = &list->items[list->count++];
+    *ordinate = (ty_light_part){.kind = source->kind == TY_SOURCE_BEAM ? TY_LIGHT_PART_PARALLEL : TY_LIGHT_PART_RADIAL,
+                                .direction = source->direction,
+                                .position = source->position,
+                                .cosine = 1,
+                                .light = source->light,
+                                .shadowed = list->scene->view.mesh != NULL};
     for (int c = 0; c < 3; ++c) ordinate->color[c] = source->color[c];
     return ordinate;
 }
 
 /* Point and spot lights: there is no distance below which they are not points, so media are asked for one. */
 static void add_point(ordinate_list* list, const ty_source* source) {
-    ty_pop_ordinate* ordinate = append(list, source);
-    ordinate->profile = list->lights[source->light].kind == TY_KIND_SPOT ? TY_POP_SPOT : TY_POP_EVEN;
+    ty_light_part* ordinate = append(list, source);
+    ordinate->profile = list->lights[source->light].kind == TY_KIND_SPOT ? TY_LIGHT_PART_SPOT : TY_LIGHT_PART_EVEN;
     ordinate->least = 1e-3f * list->longest;
 }
 
@@ -64,9 +64,9 @@ static float cosine_of_area(const ordinate_list* list, ty_vec position, float ar
 /* A point of a surface; side: 1 in front of it, -1 behind. Its 1 / r^2 is held where the part that it stands for is no
  * point any more: about the radius of a disc of the same area. */
 static void add_surface_point(ordinate_list* list, const ty_source* source, float side) {
-    ty_pop_ordinate* ordinate = append(list, source);
+    ty_light_part* ordinate = append(list, source);
     const float lift = 1e-4f * list->longest;
-    ordinate->profile = TY_POP_COSINE;
+    ordinate->profile = TY_LIGHT_PART_COSINE;
     ordinate->direction = ty_scale(source->direction, side);
     ordinate->position = ty_mad(source->position, ordinate->direction, lift);
     ordinate->least = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest);
@@ -83,11 +83,18 @@ static void add_source(ordinate_list* list, const ty_source* source) {
 }
 
 static ty_result add_environments(ordinate_list* list, const float* importance) {
+    const ty_pop_def* pop = list->def;
+    const ty_environment_parts_def def = {.parts = pop->ordinates,
+                                          .prefilter = pop->prefilter,
+                                          .by_share = pop->mode == TY_POP_MODE_PUBLISHED,
+                                          .seed = pop->seed,
+                                          .importance = importance,
+                                          .width = TY_POP_IMPORTANCE_WIDTH,
+                                          .height = TY_POP_IMPORTANCE_HEIGHT};
     for (int32_t i = 0; i < list->scene->view.lights.count; ++i) {
         if (list->lights[i].kind != TY_KIND_ENVIRONMENT) continue;
         int32_t count = 0;
-        const ty_result result =
-            ty_pop_environment_ordinates(list->scene, list->def, i, importance, list->items + list->count, &count);
+        const ty_result result = ty_environment_parts(list->scene, &def, i, list->items + list->count, &count);
         if (result != TY_OK) return result;
         list->count += count;
     }
@@ -112,19 +119,8 @@ static void measure_box(ordinate_list* list, const ty_grid_box* box) {
     list->longest = (float)longest;
 }
 
-ty_result ty_pop_ordinates_hand_over(ty_context* context, ty_pop_ordinate* items, int64_t capacity, int32_t filled,
-                                     ty_pop_ordinate** out, int32_t* count) {
-    ty_pop_ordinate* exact = ty_alloc_array(context, (size_t)filled, sizeof *exact, false);
-    if (exact != NULL) memcpy(exact, items, (size_t)filled * sizeof *exact);
-    ty_free_array(context, items, (size_t)capacity, sizeof *items);
-    if (exact == NULL) return TY_ERROR_MEMORY;
-    *out = exact;
-    *count = filled;
-    return TY_OK;
-}
-
 ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
-                                  const float* importance, ty_pop_ordinate** out, int32_t* count) {
+                                  const float* importance, ty_light_part** out, int32_t* count) {
     const ty_source_def source_def = {.environment = 1, .surface = def->surface_points, .seed = def->seed};
     ty_source* sources = NULL;
     int32_t source_count = 0;
@@ -143,12 +139,7 @@ ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, 
     ty_sources_destroy(scene->context, sources, source_count);
     if (list.items == NULL) return result;
     if (result == TY_OK) result = add_environments(&list, importance);
-    if (result == TY_OK)
-        return ty_pop_ordinates_hand_over(scene->context, list.items, capacity, list.count, out, count);
+    if (result == TY_OK) return ty_light_parts_trim(scene->context, list.items, capacity, list.count, out, count);
     ty_free_array(scene->context, list.items, (size_t)capacity, sizeof *list.items);
     return result;
-}
-
-void ty_pop_ordinates_destroy(ty_context* context, ty_pop_ordinate* ordinates, int32_t count) {
-    ty_free_array(context, ordinates, (size_t)count, sizeof *ordinates);
 }

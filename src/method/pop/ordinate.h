@@ -1,28 +1,10 @@
-/* Principal ordinates: the directions and points that all light is taken to come from. */
+/* Principal ordinates: the parts that all light is taken to come in. A part's mean cosine is a_n. */
 #ifndef TY_METHOD_POP_ORDINATE_H
 #define TY_METHOD_POP_ORDINATE_H
 
-#include "base/vector.k.h"
-#include "direct/grid_medium.h"
+#include "direct/vpl.h"
 
 #include <tyndall/pop.h>
-
-enum { TY_POP_PARALLEL = 0, TY_POP_RADIAL = 1 };
-
-/* How a radial ordinate's intensity goes with the cosine about its direction. */
-enum { TY_POP_EVEN = 0, TY_POP_SPOT = 1, TY_POP_COSINE = 2 };
-
-typedef struct ty_pop_ordinate {
-    int32_t kind;
-    float color[3];   /* parallel: irradiance, W m^-2; radial: intensity where it is brightest, W sr^-1 */
-    ty_vec direction; /* parallel: the way light travels; radial: the axis of its profile; unit */
-    ty_vec position;  /* radial, m */
-    float cosine;     /* a_n: mean cosine of the light that comes in about its direction, 0..1; 1: it is a line */
-    float least;      /* radial: the distance below which 1 / r^2 is held, m */
-    int32_t profile;  /* radial */
-    int32_t light;    /* which of ty_light_set.lights it is part of; of VPLs: that lights the surface */
-    int32_t shadowed; /* whether surfaces of the scene cast shadows from it */
-} ty_pop_ordinate;
 
 /* Lights that go through fine cells at most. */
 enum { TY_POP_SHARP_MAX = 8 };
@@ -36,23 +18,17 @@ bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light
  * where triangles glow on both sides). Environment lights as importance says: a map as ty_pop_importance's, NULL: all
  * alike. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
-                                  const float* importance, ty_pop_ordinate** out, int32_t* count);
-void ty_pop_ordinates_destroy(ty_context* context, ty_pop_ordinate* ordinates, int32_t count);
-
-/* Ends a list of `capacity` items of which `filled` are: they move to memory of just their size, and the list goes,
- * whatever happens. */
-ty_result ty_pop_ordinates_hand_over(ty_context* context, ty_pop_ordinate* items, int64_t capacity, int32_t filled,
-                                     ty_pop_ordinate** out, int32_t* count);
-
-/* Virtual point lights of the scene's surfaces as seen by its directional, point and spot lights, behind the medium (in
- * split mode by its reduced extinction: what surfaces are lit by is all light that keeps its direction): at most
- * def->vpls. All light that surfaces which face some of the medium's box reflect (of directional lights: within eight
- * of its longest sides) is shared out among them, neighbours together, in equal parts by luminance, cosine and
- * distance; each VPL stands where the surface is nearest to the middle of its part, and its a_n is (1 - w / N)^beta
- * with w / N the part of the sphere that its share of the surfaces takes, seen from the middle of the medium: bright or
- * far, it is small. *out as above. */
-ty_result ty_pop_vpls_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
-                             ty_pop_ordinate** out, int32_t* count);
+                                  const float* importance, ty_light_part** out, int32_t* count);
+/* Virtual point lights as options say, Sec. 6: in split mode behind the medium's reduced extinction, as what surfaces
+ * are lit by is all light that keeps its direction. */
+static inline ty_vpl_def ty_pop_vpl_def(const ty_pop_def* def) {
+    return (ty_vpl_def){.count = def->vpls,
+                        .texels = def->shadow_texels,
+                        .clamp = def->clamp,
+                        .prefilter = def->prefilter,
+                        .reduced = def->mode == TY_POP_MODE_SPLIT,
+                        .seed = def->seed};
+}
 
 /* Sec. 5.2, on a grid of 16^3 cells in the part of the camera's frustum that sees the medium's box. Importance goes
  * from the eye as light goes from an ordinate (U, R and S of ty_pop_sweep), to where surfaces end it; what a cell

@@ -69,7 +69,7 @@ typedef struct walk {
 
 /* How far it is from a cell to the next beside it, as part of how far it is to the one in front. */
 static float across_of(const ty_pop_frame* frame, int32_t k) {
-    if (frame->kind == TY_POP_PARALLEL) return 0.5f * (frame->step.x + frame->step.y) / frame->step.z;
+    if (frame->kind == TY_LIGHT_PART_PARALLEL) return 0.5f * (frame->step.x + frame->step.y) / frame->step.z;
     return ty_pop_radius(frame, (float)k + 0.5f) * sqrtf(4 * TY_PI) / ((float)frame->size[0] * ty_pop_length(frame, k));
 }
 
@@ -179,7 +179,7 @@ static void give_slice(const walk* w, const plane_arrays* plane, int32_t k) {
     const size_t at = w->slice * (size_t)k;
     const ty_pop_give give = {(int32_t)w->slice, half_cells(plane, at), plane->light + at, w->cosine + at, *out};
     w->kernels->give(&give);
-    if (w->light->frame.kind == TY_POP_PARALLEL) return;
+    if (w->light->frame.kind == TY_LIGHT_PART_PARALLEL) return;
     wrap_side(w, out->side);
     wrap_side(w, out->side_turned);
 }
@@ -290,8 +290,9 @@ static double light_in(const walk* w, int32_t p) {
     const ty_pop_frame* frame = &w->light->frame;
     const float* color = w->light->ordinate.color;
     const double colors = w->light->planes == 3 ? (double)color[p] : (double)(color[0] + color[1] + color[2]);
-    const double section = frame->kind == TY_POP_RADIAL ? 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1])
-                                                        : (double)frame->step.x * (double)frame->step.y;
+    const double section = frame->kind == TY_LIGHT_PART_RADIAL
+                               ? 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1])
+                               : (double)frame->step.x * (double)frame->step.y;
     double sum = 0;
     for (int32_t k = 0; k < frame->size[2]; ++k) {
         const float* slice = w->planes[p].light + w->slice * (size_t)k;

@@ -1,13 +1,11 @@
-/* Maps of how much the camera sees of light from each direction. */
-#ifndef TY_METHOD_POP_IMPORTANCE_H
-#define TY_METHOD_POP_IMPORTANCE_H
+/* Equirectangular maps of numbers by direction. */
+#ifndef TY_SCENE_ENVIRONMENT_MAP_K_H
+#define TY_SCENE_ENVIRONMENT_MAP_K_H
 
 #include "base/kernel.h"
 
-#include <tyndall/pop.h>
-
 /* Between the middles of the texels of an equirectangular map; u: any, v in [0, 1] from the top. */
-TY_FN float ty_pop_map_at(const float* map, int32_t width, int32_t height, float u, float v) {
+TY_FN float ty_environment_map_at(const float* map, int32_t width, int32_t height, float u, float v) {
     const float x = (u - floorf(u)) * (float)width - 0.5f;
     const float y = ty_clampf(v * (float)height - 0.5f, 0.0f, (float)(height - 1));
     const int32_t left = (int32_t)floorf(x), top = (int32_t)y, bottom = top + 1 < height ? top + 1 : top;

@@ -1,5 +1,5 @@
 /* Virtual point lights, chosen from reflective shadow maps. */
-#include "method/pop/ordinate.h"
+#include "direct/vpl.h"
 
 #include "base/context.h"
 #include "direct/shadow_map.h"
@@ -32,7 +32,7 @@ typedef struct vpl_share {
 
 typedef struct vpl_list {
     const ty_scene* scene;
-    const ty_pop_def* def;
+    const ty_vpl_def* def;
     const ty_grid_medium* medium;
     ty_shadow_map** maps;
     int32_t map_count;
@@ -40,7 +40,7 @@ typedef struct vpl_list {
     float longest;       /* side of it, m */
     vpl_texel* texels;
     size_t texel_count;
-    ty_pop_ordinate* items;
+    ty_light_part* items;
     int32_t count;
 } vpl_list;
 
@@ -183,15 +183,15 @@ static void add_vpl(vpl_list* list, const vpl_texel* texels, size_t count) {
     vpl_share share = {.bright = 0};
     for (size_t i = 0; i < count; ++i) add_to_share(list, texels[i].texel, &share);
     const vpl_texel* nearest = nearest_of(&share, texels, count);
-    ty_pop_ordinate* vpl = &list->items[list->count++];
-    *vpl = (ty_pop_ordinate){.kind = TY_POP_RADIAL,
-                             .direction = nearest->texel->normal,
-                             .position = nearest->texel->position,
-                             .cosine = cosine_of(list, share.solid_angle),
-                             .least = (float)fmax(list->def->clamp, 1e-3) * list->longest,
-                             .profile = TY_POP_COSINE,
-                             .light = nearest->light,
-                             .shadowed = 1};
+    ty_light_part* vpl = &list->items[list->count++];
+    *vpl = (ty_light_part){.kind = TY_LIGHT_PART_RADIAL,
+                           .direction = nearest->texel->normal,
+                           .position = nearest->texel->position,
+                           .cosine = cosine_of(list, share.solid_angle),
+                           .least = (float)fmax(list->def->clamp, 1e-3) * list->longest,
+                           .profile = TY_LIGHT_PART_COSINE,
+                           .light = nearest->light,
+                           .shadowed = 1};
     for (int c = 0; c < 3; ++c) vpl->color[c] = (float)share.flux[c] / TY_PI;
 }
 
@@ -212,7 +212,7 @@ static void share_out(vpl_list* list, vpl_texel* texels, size_t count, size_t wa
 
 static ty_result choose_vpls(vpl_list* list) {
     ty_context* context = list->scene->context;
-    const size_t wanted = (size_t)list->def->vpls;
+    const size_t wanted = (size_t)list->def->count;
     size_t texels = 0;
     for (int32_t i = 0; i < list->map_count; ++i) texels += ty_shadow_map_count(list->maps[i]);
     list->texels = ty_alloc_array(context, texels, sizeof *list->texels, false);
@@ -238,10 +238,10 @@ static void measure_box(vpl_list* list) {
     list->half = ty_vec_load(half);
 }
 
-static int32_t side_of(const ty_pop_def* def, int32_t lights) {
-    if (lights <= FULL_MAPS) return def->shadow_texels;
+static int32_t side_of(const ty_vpl_def* def, int32_t lights) {
+    if (lights <= FULL_MAPS) return def->texels;
     const double share = sqrt((double)FULL_MAPS / lights);
-    return (int32_t)fmax(LEAST_SIDE, def->shadow_texels * share);
+    return (int32_t)fmax(LEAST_SIDE, def->texels * share);
 }
 
 static ty_result make_maps(vpl_list* list, int32_t lights, float* const* extinction) {
@@ -266,11 +266,11 @@ static ty_result make_maps(vpl_list* list, int32_t lights, float* const* extinct
     return TY_OK;
 }
 
-/* What reaches surfaces in a split is light that keeps its direction: it is attenuated as ordinates are. */
+/* What reaches surfaces is all light that keeps its direction, where media are reduced. */
 static ty_result make_attenuated_maps(vpl_list* list, int32_t lights) {
     const ty_grid_medium* medium = list->medium;
     ty_context* context = medium->context;
-    if (list->def->mode != TY_POP_MODE_SPLIT) return make_maps(list, lights, NULL);
+    if (!list->def->reduced) return make_maps(list, lights, NULL);
     const size_t floats = medium->cells * (size_t)medium->planes;
     float* reduced = ty_alloc_array(context, floats, sizeof *reduced, false);
     if (reduced == NULL) return TY_ERROR_MEMORY;
@@ -294,19 +294,18 @@ static ty_result find_vpls(vpl_list* list, int32_t lights) {
     return result;
 }
 
-ty_result ty_pop_vpls_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
-                             ty_pop_ordinate** out, int32_t* count) {
+ty_result ty_vpls_create(const ty_scene* scene, const ty_vpl_def* def, const ty_grid_medium* medium,
+                         ty_light_part** out, int32_t* count) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     vpl_list list = {.scene = scene, .def = def, .medium = medium};
     int32_t lights = 0;
     for (int32_t i = 0; i < view->lights.count; ++i) lights += casts(&view->lights.lights[i]);
-    list.items = ty_alloc_array(scene->context, (size_t)def->vpls, sizeof *list.items, false);
+    list.items = ty_alloc_array(scene->context, (size_t)def->count, sizeof *list.items, false);
     if (list.items == NULL) return TY_ERROR_MEMORY;
     ty_result result = TY_OK;
-    if (view->mesh != NULL && lights > 0 && def->vpls > 0) result = find_vpls(&list, lights);
-    if (result == TY_OK)
-        return ty_pop_ordinates_hand_over(scene->context, list.items, def->vpls, list.count, out, count);
-    ty_free_array(scene->context, list.items, (size_t)def->vpls, sizeof *list.items);
+    if (view->mesh != NULL && lights > 0 && def->count > 0) result = find_vpls(&list, lights);
+    if (result == TY_OK) return ty_light_parts_trim(scene->context, list.items, def->count, list.count, out, count);
+    ty_free_array(scene->context, list.items, (size_t)def->count, sizeof *list.items);
     return result;
 }

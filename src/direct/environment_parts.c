@@ -1,19 +1,19 @@
 /* Environment light, cut into parts. */
-#include "method/pop/environment.h"
+#include "direct/environment_parts.h"
 
 #include "base/context.h"
 #include "base/parallel.h"
 #include "base/random.k.h"
-#include "method/pop/importance.h"
+#include "scene/environment_map.k.h"
 #include "scene/scene.h"
 
 /* Places along each side of a part where it may be cut. */
 enum { CUTS = 24 };
 
-/* Of a cell's mass, the part that importance does not decide: nothing bright is left to one ordinate. */
+/* Of a cell's mass, the part that importance does not decide: nothing bright is left to one part. */
 static const double FLOOR = 0.03;
 
-/* Importance counts to the power N / (N + 8): a few ordinates must stand for all light, whichever is seen most. */
+/* Importance counts to the power N / (N + 8): a few parts must stand for all light, whichever is seen most. */
 static const double FEW = 8;
 
 static const double pi = 3.14159265358979323846;
@@ -28,12 +28,12 @@ typedef struct light_sum {
 
 typedef struct table_job {
     const ty_environment_view* environment;
-    const float* importance; /* NULL: even */
-    double power;            /* of importance */
-    int32_t size[2];         /* cells */
-    light_sum* sums;         /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
-    int32_t shift;           /* of columns: where the sphere is cut open */
-    double dark;             /* luminance that differences of sums cannot be told from 0 by */
+    const ty_environment_parts_def* def;
+    double power;    /* of importance */
+    int32_t size[2]; /* cells */
+    light_sum* sums; /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
+    int32_t shift;   /* of columns: where the sphere is cut open */
+    double dark;     /* luminance that differences of sums cannot be told from 0 by */
 } table_job;
 
 typedef struct part {
@@ -64,8 +64,10 @@ static double length_of(const double v[3]) {
 
 /* ---- the table ---- */
 
-static double importance_at(const float* map, float u, float v) {
-    return (double)ty_pop_map_at(map, TY_POP_IMPORTANCE_WIDTH, TY_POP_IMPORTANCE_HEIGHT, u, v);
+static double weight_at(const table_job* job, float u, float v) {
+    const ty_environment_parts_def* def = job->def;
+    if (def->importance == NULL) return 1;
+    return pow((double)ty_environment_map_at(def->importance, def->width, def->height, u, v), job->power);
 }
 
 static void sum_row(void* user, int64_t index, int32_t worker) {
@@ -85,8 +87,7 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
                            .flow = {flow[0], z_up ? flow[1] : flow[2], z_up ? flow[2] : -flow[1]},
                            .solid_angle = (double)cell->solid_angle};
         const float u = ((float)column + 0.5f) / (float)width - env->turns;
-        const double weight = job->importance != NULL ? pow(importance_at(job->importance, u, v), job->power) : 1;
-        sum->mass = luminance(sum->color) * (FLOOR + (1 - FLOOR) * weight);
+        sum->mass = luminance(sum->color) * (FLOOR + (1 - FLOOR) * weight_at(job, u, v));
     }
 }
 
@@ -170,12 +171,12 @@ static void find_scale(const table_job* job, const light_sum* all, double scale[
     }
 }
 
-static ty_pop_ordinate ordinate_of(const ty_scene* scene, const ty_pop_def* def, int32_t light, const light_sum* sum,
-                                   const double scale[3]) {
-    ty_pop_ordinate out = {.kind = TY_POP_PARALLEL, .light = light, .shadowed = scene->view.mesh != NULL};
+static ty_light_part part_of(const ty_scene* scene, const ty_environment_parts_def* def, int32_t light,
+                             const light_sum* sum, const double scale[3]) {
+    ty_light_part out = {.kind = TY_LIGHT_PART_PARALLEL, .light = light, .shadowed = scene->view.mesh != NULL};
     const double bright = luminance(sum->color), length = length_of(sum->flow);
     const double even = fmax(0, 1 - sum->solid_angle / (4 * pi)), own = fmin(1, length / bright);
-    out.cosine = (float)pow(def->mode == TY_POP_MODE_PUBLISHED ? even : own, def->prefilter);
+    out.cosine = (float)pow(def->by_share ? even : own, def->prefilter);
     out.direction = scene->up == TY_AXIS_Z ? ty_vec_make(0, 0, -1) : ty_vec_make(0, -1, 0);
     for (int c = 0; c < 3; ++c) out.color[c] = (float)fmax(0, scale[c] * sum->color[c]);
     if (length > 1e-6 * bright)
@@ -184,30 +185,29 @@ static ty_pop_ordinate ordinate_of(const ty_scene* scene, const ty_pop_def* def,
     return out;
 }
 
-static int32_t write_ordinates(const ty_scene* scene, const ty_pop_def* def, int32_t light, table_job* job, part* parts,
-                               ty_pop_ordinate* out) {
+static int32_t write_parts(const ty_scene* scene, int32_t light, table_job* job, part* parts, ty_light_part* out) {
     double scale[3];
     int32_t written = 0;
     accumulate(job);
     const light_sum* all = &job->sums[(size_t)(job->size[0] + 1) * (size_t)(job->size[1] + 1) - 1];
     job->dark = 1e-9 * luminance(all->color);
-    const int32_t count = cut_up(job, parts, def->ordinates);
+    const int32_t count = cut_up(job, parts, job->def->parts);
     find_scale(job, all, scale);
     for (int32_t i = 0; i < count; ++i)
         if (luminance(parts[i].sum.color) > job->dark)
-            out[written++] = ordinate_of(scene, def, light, &parts[i].sum, scale);
+            out[written++] = part_of(scene, job->def, light, &parts[i].sum, scale);
     return written;
 }
 
-ty_result ty_pop_environment_ordinates(const ty_scene* scene, const ty_pop_def* def, int32_t light,
-                                       const float* importance, ty_pop_ordinate* out, int32_t* count) {
+ty_result ty_environment_parts(const ty_scene* scene, const ty_environment_parts_def* def, int32_t light,
+                               ty_light_part* out, int32_t* count) {
     ty_context* context = scene->context;
     const ty_environment_view* environment = &scene->view.lights.lights[light].environment;
     table_job job = {.environment = environment,
-                     .importance = importance,
-                     .power = def->ordinates / (def->ordinates + FEW),
+                     .def = def,
+                     .power = def->parts / (def->parts + FEW),
                      .size = {environment->cells_width, environment->cells_height}};
-    const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->ordinates;
+    const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->parts;
     job.shift = (int32_t)(ty_mix64(def->seed + ty_mix64((uint64_t)light + 1)) % (uint64_t)job.size[0]);
     job.sums = ty_alloc_array(context, corners, sizeof *job.sums, false);
     part* parts = ty_alloc_array(context, wanted, sizeof *parts, false);
@@ -215,7 +215,7 @@ ty_result ty_pop_environment_ordinates(const ty_scene* scene, const ty_pop_def* 
     *count = 0;
     if (enough) {
         ty_parallel_flushed(context, job.size[1], sum_row, &job);
-        *count = write_ordinates(scene, def, light, &job, parts, out);
+        *count = write_parts(scene, light, &job, parts, out);
     }
     ty_free_array(context, job.sums, corners, sizeof *job.sums);
     ty_free_array(context, parts, wanted, sizeof *parts);

@@ -1,0 +1,41 @@
+/* The octahedral map of directions: the square [-1, 1]^2, whose edges are joined to themselves. */
+#ifndef TY_BASE_OCTAHEDRAL_K_H
+#define TY_BASE_OCTAHEDRAL_K_H
+
+#include "base/vector.k.h"
+
+/* From coordinates in [-1, 1] to a unit direction. */
+TY_FN ty_vec ty_octahedral_direction(float u, float v) {
+    const float z = 1.0f - fabsf(u) - fabsf(v);
+    const float fold = ty_maxf(0.0f, -z);
+    const ty_vec d = ty_vec_make(u + (u >= 0.0f ? -fold : fold), v + (v >= 0.0f ? -fold : fold), z);
+    return ty_scale(d, 1.0f / sqrtf(ty_dot(d, d)));
+}
+
+/* The solid angle of a cell about a direction, sr, on a map of n x n cells. */
+TY_FN float ty_octahedral_angle(ty_vec d, int32_t n) {
+    const float sum = fabsf(d.x) + fabsf(d.y) + fabsf(d.z), side = 2.0f / (float)n;
+    return sum * sum * sum * side * side;
+}
+
+/* And back, for any vector but 0. */
+TY_FN void ty_octahedral_map(ty_vec d, float* u, float* v) {
+    const float scale = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z));
+    const float x = d.x * scale, y = d.y * scale;
+    *u = d.z >= 0.0f ? x : (x >= 0.0f ? 1.0f : -1.0f) * (1.0f - fabsf(y));
+    *v = d.z >= 0.0f ? y : (y >= 0.0f ? 1.0f : -1.0f) * (1.0f - fabsf(x));
+}
+
+/* The cell that a cell of the ring (i or j is -1 or n) repeats; cells of the grid are themselves. */
+TY_FN void ty_octahedral_wrap(int32_t n, int32_t* i, int32_t* j) {
+    if (*i < 0 || *i >= n) {
+        *i = *i < 0 ? 0 : n - 1;
+        *j = n - 1 - *j;
+    }
+    if (*j < 0 || *j >= n) {
+        *j = *j < 0 ? 0 : n - 1;
+        *i = n - 1 - *i;
+    }
+}
+
+#endif
