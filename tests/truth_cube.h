@@ -30,6 +30,18 @@ typedef struct truth {
     double scattered[CELLS], uncollided[CELLS], noise; /* noise: relative RMSE of scattered */
 } truth;
 
+/* The mean of a cell and its seven mirror images: light comes down along y. */
+static inline double mirrored(const double* fluence, int cell) {
+    const int x = cell % COARSE, y = cell / COARSE % COARSE, z = cell / (COARSE * COARSE), last = COARSE - 1;
+    double sum = 0;
+    for (int image = 0; image < 8; ++image) {
+        const int a = (image & 1) != 0 ? last - x : x, b = (image & 2) != 0 ? last - z : z;
+        const int u = (image & 4) != 0 ? b : a, w = (image & 4) != 0 ? a : b;
+        sum += fluence[3 * (u + COARSE * (y + COARSE * w))];
+    }
+    return sum / 8;
+}
+
 static inline void trace(const ty_scene* scene, double g, truth* out) {
     const int32_t spp = g > 0.9 ? 512 : fewer(512, 2); /* sharp lobes are noise already */
     double* runs[2] = {new_numbers(3 * CELLS), new_numbers(3 * CELLS)};
@@ -44,9 +56,10 @@ static inline void trace(const ty_scene* scene, double g, truth* out) {
     for (int i = 0; i < CELLS; ++i) {
         const double y = (i / COARSE % COARSE + 0.5) / COARSE;
         out->uncollided[i] = exp(-4 * (1 - y)) * sinh(2.0 / COARSE) / (2.0 / COARSE);
-        out->scattered[i] = 0.5 * (runs[0][3 * i] + runs[1][3 * i]) - out->uncollided[i];
+        const double run[2] = {mirrored(runs[0], i), mirrored(runs[1], i)};
+        out->scattered[i] = 0.5 * (run[0] + run[1]) - out->uncollided[i];
         sum += out->scattered[i];
-        square += 0.25 * pow(runs[0][3 * i] - runs[1][3 * i], 2);
+        square += 0.25 * pow(run[0] - run[1], 2);
     }
     out->noise = sqrt(square / CELLS) / (sum / CELLS);
     free(runs[0]);

@@ -208,7 +208,7 @@ static void check_source(ty_context* context, double albedo, double most_rays) {
 }
 
 static void point_sources(void** state) {
-    check_source(*state, 0.5, 0.16);
+    check_source(*state, 0.5, 0.18);
     check_source(*state, 0.9, 0.05);
     check_source(*state, 1, 0.03);
 }

