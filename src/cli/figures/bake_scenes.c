@@ -79,8 +79,8 @@ static const char stair_text[] =
     "  \"sigma_s\": 0.8, \"sigma_a\": 0.02, \"g\": 0.3}],"
     " \"geometry\": [{\"file\": \"scenes/wooden_staircase.glb\"}]}";
 
-/* Columns: light in cells by vertex and by pixel, the truth by pixel, errors by pixel. Impulse responses are judged,
- * too. */
+/* Columns: light in cells by vertex and by pixel, the truth by pixel, errors by pixel. Impulse responses are
+ * compared, too. */
 static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const baked_view* b, plot_sheet* sheet) {
     static const char* const rows[2] = {"all light", "scattered by media"};
     static const double exposures[2] = {-1, 0};
