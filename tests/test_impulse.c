@@ -194,8 +194,8 @@ static void bins_are_what_lookups_find(void** state) {
             }
     double distance;
     float zonal[TY_IMPULSE_TERMS];
-    static const int32_t bad[][5] = {{3, 1, 0, 0, 0}, {0, 0, 0, 0, 0},   {0, 4, 0, 0, 0},
-                                     {0, 2, 1, 0, 0}, {0, 1, 2, 0, 0},   {0, 1, 0, 1, 0},
+    static const int32_t bad[][5] = {{3, 1, 0, 0, 0},  {0, 0, 0, 0, 0},   {0, 4, 0, 0, 0},
+                                     {0, 2, 1, 0, 0},  {0, 1, 2, 0, 0},   {0, 1, 0, 1, 0},
                                      {2, 1, 0, 16, 0}, {0, 1, 0, 0, 256}, {0, 1, 0, 0, -1}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         const int32_t* b = bad[i];

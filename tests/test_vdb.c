@@ -297,32 +297,48 @@ static void grids_that_cannot_be_read_are_explained(void** state) {
     assert_ptr_equal(grid, untouched);
 }
 
-/* A single active tile of the root: 4096^3 voxels. */
-static void boxes_too_large_are_refused_before_memory_is_taken(void** state) {
-    (void)state;
-    const made d = plain;
+/* Where the places of a grid's parts are to be written, and where its head lies. */
+typedef struct grid_places {
+    size_t offsets;
+    int64_t head;
+} grid_places;
+
+/* A grid as far as what follows its root's numbers of tiles and children, 0; their places come last. */
+static grid_places begin_root(const made* d, int32_t tiles) {
     making.size = 0;
     put_header(&making, 224, 1);
     put_text(&making, "density");
     put_text(&making, "Tree_float_5_4_3");
     put_text(&making, "");
-    const size_t offsets = making.size;
+    grid_places at = {.offsets = making.size};
     put_zeros(&making, 24);
-    const int64_t head = (int64_t)making.size;
+    at.head = (int64_t)making.size;
     put_i32(&making, 2);
-    put_metadata(&making, &d);
+    put_metadata(&making, d);
     put_map(&making, "ScaleMap");
     put_i32(&making, 1);
-    put_value(&making, &d, 0);
-    put_i32(&making, 1);
+    put_value(&making, d, 0);
+    put_i32(&making, tiles);
     put_i32(&making, 0);
+    return at;
+}
+
+static void end_root(const grid_places* at, const char* path) {
+    const int64_t places[3] = {at->head, at->head, (int64_t)making.size};
+    memcpy(making.bytes + at->offsets, places, sizeof places);
+    put_file(path, making.bytes, making.size);
+}
+
+/* A single active tile of the root: 4096^3 voxels. */
+static void boxes_too_large_are_refused_before_memory_is_taken(void** state) {
+    (void)state;
+    const made d = plain;
+    const grid_places at = begin_root(&d, 1);
     static const int32_t origin[3] = {-4096, 0, 4096};
     put_origin(&making, origin);
     put_value(&making, &d, 1);
     put_u8(&making, 1);
-    const int64_t places[3] = {head, head, (int64_t)making.size};
-    memcpy(making.bytes + offsets, places, sizeof places);
-    put_file("large.vdb", making.bytes, making.size);
+    end_root(&at, "large.vdb");
     ty_grid* grid = NULL;
     assert_failed(context, ty_vdb_read(context, "large.vdb", "density", &grid), TY_ERROR_INPUT, "large.vdb",
                   "4096 x 4096 x 4096");
@@ -477,30 +493,14 @@ static void vectors_are_read_by_component(void** state) {
 static void a_place_given_twice_is_refused(void** state) {
     (void)state;
     const made d = plain;
-    making.size = 0;
-    put_header(&making, 224, 1);
-    put_text(&making, "density");
-    put_text(&making, "Tree_float_5_4_3");
-    put_text(&making, "");
-    const size_t offsets = making.size;
-    put_zeros(&making, 24);
-    const int64_t head = (int64_t)making.size;
-    put_i32(&making, 2);
-    put_metadata(&making, &d);
-    put_map(&making, "ScaleMap");
-    put_i32(&making, 1);
-    put_value(&making, &d, 0);
-    put_i32(&making, 2);
-    put_i32(&making, 0);
+    const grid_places at = begin_root(&d, 2);
     static const int32_t origin[3] = {0, 0, 0};
     for (int i = 0; i < 2; ++i) {
         put_origin(&making, origin);
         put_value(&making, &d, 1);
         put_u8(&making, 0);
     }
-    const int64_t places[3] = {head, head, (int64_t)making.size};
-    memcpy(making.bytes + offsets, places, sizeof places);
-    put_file("twice.vdb", making.bytes, making.size);
+    end_root(&at, "twice.vdb");
     ty_grid* grid = NULL;
     assert_failed(context, ty_vdb_read(context, "twice.vdb", "density", &grid), TY_ERROR_INPUT, "twice.vdb", "damaged");
 }

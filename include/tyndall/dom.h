@@ -17,8 +17,8 @@ extern "C" {
 
 /* How sweeps are made to converge. */
 typedef enum ty_dom_acceleration {
-    TY_DOM_ACCELERATION_DIFFUSION = 0, /* diffusion synthetic acceleration within a Krylov or Anderson method: about ten
-                                          sweeps for any thickness */
+    TY_DOM_ACCELERATION_DIFFUSION = 0, /* diffusion synthetic acceleration and mixtures of iterates (Anderson): three to
+                                          five sweeps up to an optical thickness of 100 */
     TY_DOM_ACCELERATION_NONE = 1       /* source iteration: a sweep per order of scattering */
 } ty_dom_acceleration;
 

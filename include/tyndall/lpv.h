@@ -85,7 +85,7 @@ typedef struct ty_lpv_def {
     double step;      /* of the march, in cells, 0.05..8; default 1 */
     int32_t width, height; /* 0 (default): the camera's resolution. Both or neither */
     int32_t spp;           /* rays per pixel, 1..64; default 1, through its middle; a traced view alone */
-    uint32_t aovs;         /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH, _NORMAL, _ALBEDO; default 0 */
+    uint32_t aovs;         /* TY_AOV_TRANSMITTANCE, _SINGLE, _MULTIPLE, _DEPTH, _NORMAL; default 0 */
     uint64_t seed;         /* of where samples lie; default 0 */
 
     ty_progress_fn progress; /* default NULL */

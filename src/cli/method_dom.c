@@ -1,22 +1,12 @@
 /* Discrete ordinates with a first-collision source, over what paths see of the surfaces through the media. */
 #include "cli/methods.h"
 #include "cli/surfaces.h"
+#include "image/march.h"
+#include "method/dom/job.h"
 
 static ty_dom_def make_def(cli_session* session, const ty_scene* scene, const cli_request* request) {
-    static const char* const accelerations[] = {"diffusion", "none"};
     const ty_dom_settings settings = ty_scene_render_settings(scene).dom;
-    ty_dom_def def = ty_default_dom_def();
-    def.resolution = settings.resolution;
-    def.direct = settings.direct;
-    def.directions = settings.directions;
-    def.bands = settings.bands;
-    def.acceleration = (ty_dom_acceleration)cli_word_index(settings.acceleration, accelerations, 2);
-    def.tolerance = settings.tolerance;
-    def.iterations = settings.iterations;
-    def.environment_beams = settings.environment_beams;
-    def.surface_points = settings.surface_points;
-    def.spp = settings.spp;
-    def.step = settings.step;
+    ty_dom_def def = ty_dom_def_of(&settings);
     def.seed = request->seed;
     def.width = request->width;
     def.height = request->height;
@@ -41,7 +31,6 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
 
 const cli_method cli_method_dom = {.name = "dom",
                                    .summary = "discrete ordinates with a first-collision source",
-                                   .aovs = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH |
-                                           TY_AOV_SAMPLES,
+                                   .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                    .crops = false,
                                    .render = render};

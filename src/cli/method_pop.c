@@ -1,30 +1,12 @@
 /* Principal-ordinates propagation, over what paths see of the surfaces through the media. */
 #include "cli/methods.h"
 #include "cli/surfaces.h"
+#include "image/march.h"
+#include "method/pop/job.h"
 
 static ty_pop_def make_def(cli_session* session, const ty_scene* scene, const cli_request* request) {
-    static const char* const modes[] = {"split", "published", "collided"};
     const ty_pop_settings settings = ty_scene_render_settings(scene).pop;
-    ty_pop_def def = ty_default_pop_def();
-    def.mode = (ty_pop_mode)cli_word_index(settings.mode, modes, 3);
-    def.resolution = settings.resolution;
-    def.merged = settings.merged;
-    def.sharp = settings.sharp;
-    def.direct = settings.direct;
-    def.ordinates = settings.ordinates;
-    def.prefilter = settings.prefilter;
-    def.importance = settings.importance;
-    def.surface_points = settings.surface_points;
-    def.vpls = settings.vpls;
-    def.shadow_texels = settings.shadow_texels;
-    def.clamp = settings.clamp;
-    def.iterations = settings.iterations;
-    def.residuum = settings.residuum;
-    def.residuum_iterations = settings.residuum_iterations;
-    def.streaming = settings.streaming;
-    def.tolerance = settings.tolerance;
-    def.spp = settings.spp;
-    def.step = settings.step;
+    ty_pop_def def = ty_pop_def_of(&settings);
     def.seed = request->seed;
     def.width = request->width;
     def.height = request->height;
@@ -49,7 +31,6 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
 
 const cli_method cli_method_pop = {.name = "pop",
                                    .summary = "principal-ordinates propagation",
-                                   .aovs = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH |
-                                           TY_AOV_SAMPLES,
+                                   .aovs = TY_MARCH_AOVS | TY_AOV_SAMPLES,
                                    .crops = false,
                                    .render = render};

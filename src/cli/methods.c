@@ -30,9 +30,3 @@ int cli_check_request(cli_session* session, const ty_scene* scene, const cli_met
     const ty_result result = method->check != NULL ? method->check(scene) : TY_OK;
     return result == TY_OK ? CLI_GO : cli_fail_reading(session, result);
 }
-
-int32_t cli_word_index(const char* word, const char* const* words, int32_t count) {
-    for (int32_t i = 0; i < count; ++i)
-        if (strcmp(word, words[i]) == 0) return i;
-    return 0;
-}

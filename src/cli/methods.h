@@ -39,12 +39,7 @@ const cli_method* cli_find_method(const char* command, const char* name);
 int cli_check_request(cli_session* session, const ty_scene* scene, const cli_method* method,
                       const cli_request* request);
 
-/* A setting's place among the words that the schema lets through. */
-int32_t cli_word_index(const char* word, const char* const* words, int32_t count);
-
 /* What paths are traced with: the request, the scene's settings, the session's progress. */
 ty_path_def cli_path_def(cli_session* session, const ty_scene* scene, const cli_request* request);
-/* Light propagation volumes by settings alone. */
-ty_lpv_def cli_lpv_def(const ty_lpv_settings* settings);
 
 #endif

@@ -33,8 +33,8 @@ typedef struct ty_diffusion_job {
                                   stages */
 } ty_diffusion_job;
 
-/* What a job needs to begin with: kernels, room for its arrays (all zeros), and the def's cells, for sources with an rms
- * of `rms`. */
+/* What a job needs to begin with: kernels, room for its arrays (all zeros), and the def's cells, for sources with an
+ * rms of `rms`. */
 void ty_solve_choose_kernels(ty_diffusion_job* job);
 void ty_solve_lay_out(ty_diffusion_job* job, ty_arena* arena);
 void ty_solve_set_cells(ty_diffusion_job* job, double rms);

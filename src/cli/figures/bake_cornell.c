@@ -131,9 +131,8 @@ static ty_result judge(figure_run* run, const maps* m, const char* item, int met
     if (result == TY_OK) result = bake_note_errors(run, scattered_item, &scattered, false);
     if (result == TY_OK) result = figure_error_map(run, b->image, truth->image, 1, &cell->picture);
     if (result != TY_OK) return result;
-    snprintf(cell->lines[0], PLOT_LABEL_SIZE, "all light: %.3f, RMSE %.1f %%", all.mean_ratio, 100 * all.relative_rmse);
-    snprintf(cell->lines[1], PLOT_LABEL_SIZE, "scattered: %.3f, RMSE %.1f %%", scattered.mean_ratio,
-             100 * scattered.relative_rmse);
+    bake_write_errors("all light:", &all, cell->lines[0]);
+    bake_write_errors("scattered:", &scattered, cell->lines[1]);
     return TY_OK;
 }
 

@@ -79,8 +79,8 @@ static const char stair_text[] =
     "  \"sigma_s\": 0.8, \"sigma_a\": 0.02, \"g\": 0.3}],"
     " \"geometry\": [{\"file\": \"scenes/wooden_staircase.glb\"}]}";
 
-/* Columns: light in cells by vertex and by pixel, the truth by pixel, errors by pixel. Impulse responses are judged,
- * too. */
+/* Columns: light in cells by vertex and by pixel, the truth by pixel, errors by pixel. Impulse responses are
+ * compared, too. */
 static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const baked_view* b, plot_sheet* sheet) {
     static const char* const rows[2] = {"all light", "scattered by media"};
     static const double exposures[2] = {-1, 0};
@@ -100,8 +100,7 @@ static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const 
         if (result == TY_OK) result = show(run, b, CELLS, part, exposures[row], plot_sheet_cell(sheet, row, 1));
         if (result == TY_OK) result = show(run, b, TRUTH, part, exposures[row], plot_sheet_cell(sheet, row, 2));
         if (result == TY_OK) result = show_errors(run, b, CELLS, part, cell);
-        snprintf(cell->lines[0], PLOT_LABEL_SIZE, "means %.3f, RMSE %.1f %%", errors.mean_ratio,
-                 100 * errors.relative_rmse);
+        bake_write_errors("means", &errors, cell->lines[0]);
     }
     snprintf(plot_sheet_cell(sheet, 0, 0)->lines[0], PLOT_LABEL_SIZE, "%.3g s", vertices->seconds[CELLS]);
     snprintf(plot_sheet_cell(sheet, 0, 1)->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[CELLS]);
@@ -194,9 +193,7 @@ static ty_result fill_light(figure_run* run, int row, const baked_view* b, plot_
         if (result == TY_OK && m != TRUTH)
             result = bake_note_errors(run, item, &errors, m == CELLS && !run->options->quick);
         snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[m]);
-        if (m != TRUTH)
-            snprintf(cell->lines[1], PLOT_LABEL_SIZE, "means %.3f, RMSE %.1f %%", errors.mean_ratio,
-                     100 * errors.relative_rmse);
+        if (m != TRUTH) bake_write_errors("means", &errors, cell->lines[1]);
     }
     if (result == TY_OK) result = show_errors(run, b, CELLS, BAKE_ALL, plot_sheet_cell(sheet, row, METHODS));
     return result;

@@ -177,3 +177,9 @@ ty_result bake_note_errors(figure_run* run, const char* item, const bake_errors*
     if (result != TY_OK) return result;
     return figure_expect(run, item, "relative RMSE", "1", errors->relative_rmse, judged ? 0 : NAN, judged ? 0.08 : NAN);
 }
+
+void bake_write_errors(const char* what, const bake_errors* errors, char line[PLOT_LABEL_SIZE]) {
+    char rmse[32] = "< noise";
+    if (!isnan(errors->relative_rmse)) snprintf(rmse, sizeof rmse, "%.1f %%", 100 * errors->relative_rmse);
+    snprintf(line, PLOT_LABEL_SIZE, "%.20s %.3f, RMSE %s", what, errors->mean_ratio, rmse);
+}

@@ -49,7 +49,7 @@ static ty_result render_frame(figure_run* run, int way, int f, frame* out) {
         settings.extent = camera_extent;
         settings.resolution = CAMERA_CELLS;
     }
-    ty_lpv_def def = cli_lpv_def(&settings);
+    ty_lpv_def def = ty_lpv_def_of(&settings);
     def.width = pixels[0];
     def.height = pixels[1];
     def.aovs = TY_AOV_MULTIPLE;

@@ -40,7 +40,7 @@ static ty_result find_fluence(figure_run* run, const ty_scene* scene, const char
     double all[ALONG][3];
     const lpv_variant variant = {.mode = mode, .parts = "all"};
     const ty_lpv_settings settings = lpv_variant_settings(scene, &variant);
-    ty_lpv_def def = cli_lpv_def(&settings);
+    ty_lpv_def def = ty_lpv_def_of(&settings);
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     ty_result result = ty_lpv_solve(scene, &def, &light, NULL);

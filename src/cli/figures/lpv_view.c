@@ -33,7 +33,7 @@ ty_result lpv_render(figure_run* run, const char* item, ty_scene* scene, const l
 ty_result lpv_render_direct(const ty_scene* scene, const int32_t size[2], ty_image** out) {
     const lpv_variant variant = {.mode = "links", .parts = "shadow_map"};
     const ty_lpv_settings settings = lpv_variant_settings(scene, &variant);
-    ty_lpv_def def = cli_lpv_def(&settings);
+    ty_lpv_def def = ty_lpv_def_of(&settings);
     def.width = size[0];
     def.height = size[1];
     return ty_lpv_render(scene, &def, out, NULL);

@@ -4,6 +4,7 @@
 
 #include "cli/figures/view.h"
 #include "cli/lpv_scenes.h"
+#include "method/lpv/job.h"
 
 /* A way to render: words of ty_lpv_settings; mode NULL: path tracing. */
 typedef struct lpv_variant {

@@ -41,10 +41,8 @@ static ty_result run_parts(ty_dom_job* job, double share) {
 static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double share, ty_dom** out, ty_dom_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     ty_result result = ty_dom_check(context, def);
+    if (result == TY_OK) result = ty_scene_check_media(scene, "dom");
     if (result != TY_OK) return result;
-    const ty_scene_view* view = ty_scene_get_view(scene);
-    if (view == NULL) return TY_ERROR_ARGUMENT;
-    if (view->medium_count == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "dom: the scene has no media");
     ty_dom_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);

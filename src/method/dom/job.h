@@ -4,6 +4,7 @@
 
 #include "base/progress.h"
 #include "direct/group.h"
+#include "image/options.h"
 #include "solve/ordinates.h"
 
 #include <tyndall/dom.h>
@@ -73,8 +74,11 @@ typedef struct ty_dom_job {
     ty_dom_stats stats;
 } ty_dom_job;
 
+/* What settings ask for; all else as by default. */
+ty_dom_def ty_dom_def_of(const ty_dom_settings* settings);
 /* Fails with the first field that is out of its range. */
 ty_result ty_dom_check(ty_context* context, const ty_dom_def* def);
+ty_image_options ty_dom_image_options(const ty_dom_def* def);
 
 /* Directions, fine and coarse cells, the media on them, and how many bands they need. */
 ty_result ty_dom_sample_media(ty_dom_job* job);

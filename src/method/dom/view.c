@@ -188,16 +188,11 @@ static ty_result make_fields(const ty_dom* light, const double eye[3], bool surf
 ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_part_progress progress,
                        ty_image** out, ty_dom_stats* stats) {
     const ty_camera_def camera = ty_scene_camera(scene);
+    const ty_image_options options = ty_dom_image_options(def);
     const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
     const double begun = ty_wall_seconds();
     fields f = {.fine_cells = 0};
-    ty_march_def march = ty_default_march_def();
-    march.width = def->width > 0 ? def->width : camera.resolution[0];
-    march.height = def->width > 0 ? def->height : camera.resolution[1];
-    march.spp = def->spp;
-    march.seed = def->seed;
-    march.step = def->step;
-    march.aovs = def->aovs;
+    ty_march_def march = ty_march_def_of(scene, &options);
     march.light_box = light->fine_box;
     march.lights = f.lights;
     march.light_count = light->light_count;

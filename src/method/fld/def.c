@@ -4,17 +4,35 @@
 #include "base/context.h"
 #include "image/march.h"
 #include "scene/check.h"
+#include "scene/settings.h"
+
+ty_fld_def ty_fld_def_of(const ty_fld_settings* settings) {
+    static const char* const limiters[] = {"none", "sum", "max", "kershaw", "larsen", "levermore_pomraning"};
+    static const char* const boundaries[] = {"marshak", "dirichlet"};
+    static const char* const solvers[] = {"multigrid", "sor", "sor_float"};
+    static const char* const beams[] = {"reduced", "published"};
+    ty_fld_def def = {.cookie = TY_DEF_COOKIE};
+    def.limiter = (ty_fld_limiter)ty_setting_index(settings->limiter, limiters, 6);
+    def.boundary = (ty_fld_boundary)ty_setting_index(settings->boundary, boundaries, 2);
+    def.solver = (ty_fld_solver)ty_setting_index(settings->solver, solvers, 3);
+    def.beam = (ty_fld_beam)ty_setting_index(settings->beam, beams, 2);
+    def.larsen_power = settings->larsen_power;
+    def.streaming = settings->streaming;
+    def.relaxation = settings->relaxation;
+    def.tolerance = settings->tolerance;
+    def.sigma_eps = settings->sigma_eps;
+    def.ratio = settings->ratio;
+    def.step = settings->step;
+    def.resolution = settings->resolution;
+    def.iterations = settings->iterations;
+    def.environment_beams = settings->environment_beams;
+    def.surface_points = settings->surface_points;
+    def.spp = settings->spp;
+    return def;
+}
 
 ty_fld_def ty_default_fld_def(void) {
-    return (ty_fld_def){.cookie = TY_DEF_COOKIE,
-                        .limiter = TY_FLD_LIMITER_LEVERMORE_POMRANING,
-                        .larsen_power = 2,
-                        .relaxation = 1.85,
-                        .tolerance = 1e-3,
-                        .environment_beams = 64,
-                        .surface_points = 16,
-                        .spp = 1,
-                        .step = 1};
+    return ty_fld_def_of(&ty_default_settings.fld);
 }
 
 static ty_result check_kind(ty_context* context, const char* field, int32_t value, int32_t count) {

@@ -3,24 +3,39 @@
 #include "image/march.h"
 #include "method/lpv/job.h"
 #include "scene/check.h"
+#include "scene/settings.h"
+
+ty_lpv_def ty_lpv_def_of(const ty_lpv_settings* settings) {
+    static const char* const modes[] = {"links", "published"};
+    static const char* const places[] = {"scene", "camera"};
+    static const char* const parts_words[] = {"all", "shadow_map", "plain", "plain_march", "single", "both"};
+    static const uint32_t parts[] = {TY_LPV_ALL,    0,
+                                     TY_LPV_PLAIN,  TY_LPV_PLAIN | TY_LPV_MARCH,
+                                     TY_LPV_SINGLE, TY_LPV_PLAIN | TY_LPV_MARCH | TY_LPV_SINGLE};
+    ty_lpv_def def = {.cookie = TY_DEF_COOKIE};
+    def.mode = (ty_lpv_mode)ty_setting_index(settings->mode, modes, 2);
+    def.parts = parts[ty_setting_index(settings->parts, parts_words, sizeof parts / sizeof parts[0])];
+    def.place = (ty_lpv_place)ty_setting_index(settings->place, places, 2);
+    def.resolution = settings->resolution;
+    def.extent = settings->extent;
+    def.cascades = settings->cascades;
+    def.bands = settings->bands;
+    def.window = settings->window;
+    def.iterations = settings->iterations;
+    def.tolerance = settings->tolerance;
+    def.map_side = settings->map_side;
+    def.samples = settings->samples;
+    def.block_side = settings->block_side;
+    def.shadow_side = settings->shadow_side;
+    def.shadow_rays = settings->shadow_rays;
+    def.half = settings->half;
+    def.step = settings->step;
+    def.spp = settings->spp;
+    return def;
+}
 
 ty_lpv_def ty_default_lpv_def(void) {
-    return (ty_lpv_def){.cookie = TY_DEF_COOKIE,
-                        .parts = TY_LPV_ALL,
-                        .resolution = 32,
-                        .extent = 32,
-                        .cascades = 1,
-                        .bands = 2,
-                        .window = -1,
-                        .tolerance = 0.01,
-                        .map_side = 256,
-                        .samples = 8,
-                        .block_side = 3,
-                        .shadow_side = 512,
-                        .shadow_rays = true,
-                        .half = true,
-                        .step = 1,
-                        .spp = 1};
+    return ty_lpv_def_of(&ty_default_settings.lpv);
 }
 
 static ty_result check_lattice(ty_context* context, const ty_lpv_def* def) {

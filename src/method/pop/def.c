@@ -3,21 +3,35 @@
 #include "image/march.h"
 #include "method/pop/job.h"
 #include "scene/check.h"
+#include "scene/settings.h"
+
+ty_pop_def ty_pop_def_of(const ty_pop_settings* settings) {
+    static const char* const modes[] = {"split", "published", "collided"};
+    ty_pop_def def = {.cookie = TY_DEF_COOKIE};
+    def.mode = (ty_pop_mode)ty_setting_index(settings->mode, modes, 3);
+    def.resolution = settings->resolution;
+    def.merged = settings->merged;
+    def.sharp = settings->sharp;
+    def.direct = settings->direct;
+    def.ordinates = settings->ordinates;
+    def.prefilter = settings->prefilter;
+    def.importance = settings->importance;
+    def.surface_points = settings->surface_points;
+    def.vpls = settings->vpls;
+    def.shadow_texels = settings->shadow_texels;
+    def.clamp = settings->clamp;
+    def.iterations = settings->iterations;
+    def.residuum = settings->residuum;
+    def.residuum_iterations = settings->residuum_iterations;
+    def.streaming = settings->streaming;
+    def.tolerance = settings->tolerance;
+    def.spp = settings->spp;
+    def.step = settings->step;
+    return def;
+}
 
 ty_pop_def ty_default_pop_def(void) {
-    return (ty_pop_def){.cookie = TY_DEF_COOKIE,
-                        .sharp = true,
-                        .ordinates = 64,
-                        .prefilter = 1,
-                        .importance = true,
-                        .surface_points = 16,
-                        .vpls = 64,
-                        .shadow_texels = 128,
-                        .clamp = 0.05,
-                        .residuum = 0.1,
-                        .tolerance = 1e-2,
-                        .spp = 1,
-                        .step = 1};
+    return ty_pop_def_of(&ty_default_settings.pop);
 }
 
 static ty_result check_cells(ty_context* context, const ty_pop_def* def) {
