@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/parallel.h"
+#include "scene/fetch.h"
 
 ty_result ty_texels_check_light(const ty_scene* scene, const char* what, int32_t light) {
     const ty_light_set* lights = &scene->view.lights;
@@ -37,19 +38,26 @@ typedef struct texel_job {
     ty_ray_counter* counter;
 } texel_job;
 
+static void trace_bare(const ty_texels* texels, const packet* rays, double* seconds) {
+    float distances[TY_PACKET];
+    const double begun = ty_wall_seconds();
+    ty_mesh_distance_packet(texels->scene->view.mesh, rays->rays, rays->count, distances);
+    *seconds += ty_wall_seconds() - begun;
+    for (int32_t i = 0; i < rays->count; ++i) {
+        const ty_hit hit = {.distance = distances[i]};
+        if (isfinite(hit.distance)) texels->meet(texels->user, rays->texels[i], &rays->rays[i], &hit, NULL);
+    }
+}
+
 static void trace(const ty_texels* texels, const packet* rays, double* seconds) {
     ty_hit hits[TY_PACKET];
-    if (rays->count == 0) return;
     const double begun = ty_wall_seconds();
     ty_mesh_intersect_packet(texels->scene->view.mesh, rays->rays, rays->count, hits);
     *seconds += ty_wall_seconds() - begun;
+    ty_surfaces_fetch(texels->scene->view.surfaces, hits, rays->count);
     for (int32_t i = 0; i < rays->count; ++i) {
         ty_surface_point point;
         if (hits[i].surface < 0) continue;
-        if (texels->bare) {
-            texels->meet(texels->user, rays->texels[i], &rays->rays[i], &hits[i], NULL);
-            continue;
-        }
         ty_surface_evaluate(&texels->scene->view.surfaces[hits[i].surface], &hits[i],
                             ty_vec_load(rays->rays[i].direction), &point);
         texels->meet(texels->user, rays->texels[i], &rays->rays[i], &hits[i], &point);
@@ -70,14 +78,18 @@ static void trace_rows(void* user, int64_t index, int32_t worker) {
     const int32_t blocks = blocks_along(texels);
     const size_t side = (size_t)texels->side, face = (size_t)(index / blocks), top = BLOCK * (size_t)(index % blocks);
     for (size_t left = 0; left < side; left += BLOCK) {
-        packet rays = {.count = 0};
+        packet rays;
+        rays.count = 0;
         for (size_t y = top; y < top + BLOCK && y < side; ++y)
             for (size_t x = left; x < left + BLOCK && x < side; ++x) {
-                const size_t texel = (face * side + y) * side + x;
-                if (!texels->ray(texels->user, texel, &rays.rays[rays.count])) continue;
-                rays.texels[rays.count++] = texel;
+                if (!texels->ray(texels->user, (int32_t)face, (int32_t)x, (int32_t)y, &rays.rays[rays.count])) continue;
+                rays.texels[rays.count++] = (face * side + y) * side + x;
             }
-        trace(texels, &rays, &seconds);
+        if (rays.count == 0) continue;
+        if (texels->bare)
+            trace_bare(texels, &rays, &seconds);
+        else
+            trace(texels, &rays, &seconds);
         traced += rays.count;
     }
     ty_ray_counter_add(job->counter, traced, seconds);

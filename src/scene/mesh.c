@@ -362,19 +362,24 @@ static void fetch_corners(const ty_mesh* mesh, unsigned geometry, unsigned trian
     for (int corner = 0; corner < 3; ++corner) __builtin_prefetch(surface->positions + 3 * (size_t)corners[corner]);
 }
 
-void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
+/* The nearest hits; geometry RTC_INVALID_GEOMETRY_ID: none. */
+static void intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, struct RTCRayHit16* packet) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    struct RTCRayHit16 packet;
     _Alignas(64) int32_t valid[TY_PACKET];
     for (int32_t i = 0; i < TY_PACKET; ++i) {
         valid[i] = i < count ? -1 : 0;
-        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-        if (i < count) set_packet_ray(&packet.ray, i, &rays[i]);
+        packet->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        if (i < count) set_packet_ray(&packet->ray, i, &rays[i]);
     }
-    rtcIntersect16(valid, mesh->scene, &context, &packet);
+    rtcIntersect16(valid, mesh->scene, &context, packet);
+}
+
+void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
+    struct RTCRayHit16 packet;
+    intersect_packet(mesh, rays, count, &packet);
     for (int32_t i = 0; i < count; ++i) fetch_triangle(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
     for (int32_t i = 0; i < count; ++i) fetch_corners(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
     for (int32_t i = 0; i < count; ++i) {
@@ -386,6 +391,13 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
         hits[i].position = ty_mad(ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), hits[i].distance);
         describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
     }
+}
+
+void ty_mesh_distance_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, float* distances) {
+    struct RTCRayHit16 packet;
+    intersect_packet(mesh, rays, count, &packet);
+    for (int32_t i = 0; i < count; ++i)
+        distances[i] = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? packet.ray.tfar[i] : INFINITY;
 }
 
 void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded) {

@@ -39,6 +39,8 @@ enum { TY_PACKET = 16 };
 
 /* hits[i].surface is -1 where ray i meets nothing. count: 1..TY_PACKET. */
 void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits);
+/* How far off what they meet is, m; INFINITY: nothing. count: 1..TY_PACKET. */
+void ty_mesh_distance_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, float* distances);
 /* occluded[i]: whether ray i meets anything. count: 1..TY_PACKET. */
 void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded);
 

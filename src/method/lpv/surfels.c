@@ -2,12 +2,16 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/lpv/inject.h"
+#include "scene/fetch.h"
 #include "scene/scene.h"
 
 #include <stdatomic.h>
 
 /* A task is a strip of BLOCK rows of rays; a packet is a block of BLOCK x BLOCK. */
 enum { BLOCK = 4 };
+
+/* Hits whose surfaces are asked about at a time. */
+enum { BATCH = 64 };
 
 /* Where within its part of a cell a ray is. All are at the same place: whatever cube of a cell's side is looked at then
  * has `side` rays each way, wherever it begins. The two differ and are no simple fractions, so that rays do not run
@@ -99,13 +103,27 @@ static bool is_behind(const ty_ray* ray, const ty_hit* last, float distance) {
     return (distance - last->distance) * along > last->margin;
 }
 
+/* Hits that are to become surfels, together. */
+typedef struct hit_batch {
+    ty_hit hits[BATCH];
+    int32_t count;
+} hit_batch;
+
+/* ray: any of the field's. */
+static void add_batch(surfel_job* job, const ray_field* field, const ty_ray* ray, hit_batch* batch, int32_t worker) {
+    ty_surfaces_fetch(job->scene->view.surfaces, batch->hits, batch->count);
+    for (int32_t i = 0; i < batch->count; ++i) add_surfel(job, field, ray, &batch->hits[i], worker);
+    batch->count = 0;
+}
+
 static void add_layers(surfel_job* job, const ray_field* field, const ty_ray* ray, const ty_layer* layers,
-                       int32_t count, int32_t worker) {
+                       int32_t count, hit_batch* batch, int32_t worker) {
     ty_hit last = {.distance = -INFINITY, .normal = ty_vec_load(ray->direction)};
     for (int32_t i = 0; i < count; ++i) {
         if (!is_behind(ray, &last, layers[i].distance)) continue;
+        if (batch->count == BATCH) add_batch(job, field, ray, batch, worker);
         ty_mesh_layer_hit(job->scene->view.mesh, ray, &layers[i], &last);
-        add_surfel(job, field, ray, &last, worker);
+        batch->hits[batch->count++] = last;
     }
 }
 
@@ -120,7 +138,11 @@ static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left
     const double begun = ty_wall_seconds();
     ty_mesh_layers_packet(job->scene->view.mesh, rays, count, &layers);
     *seconds += ty_wall_seconds() - begun;
-    for (int32_t i = 0; i < count; ++i) add_layers(job, field, &rays[i], layers.layer[i], layers.count[i], worker);
+    hit_batch batch;
+    batch.count = 0;
+    for (int32_t i = 0; i < count; ++i)
+        add_layers(job, field, &rays[i], layers.layer[i], layers.count[i], &batch, worker);
+    add_batch(job, field, &rays[0], &batch, worker);
     return count;
 }
 
