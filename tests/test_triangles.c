@@ -227,6 +227,8 @@ static void packets_are_single_rays(void** state) {
         ty_ray rays[TY_PACKET];
         ty_hit hits[TY_PACKET], single;
         bool occluded[TY_PACKET];
+        float distances[TY_PACKET];
+        ty_layers layers;
         for (int32_t k = 0; k < count; ++k) {
             ty_vec origin, direction;
             random_ray(&random, &origin, &direction);
@@ -236,12 +238,16 @@ static void packets_are_single_rays(void** state) {
         }
         ty_mesh_intersect_packet(traced, rays, count, hits);
         ty_mesh_occluded_packet(traced, rays, count, occluded);
+        ty_mesh_distance_packet(traced, rays, count, distances);
+        ty_mesh_layers_packet(traced, rays, count, &layers);
         for (int32_t k = 0; k < count; ++k) {
             const ty_ray* ray = &rays[k];
             const ty_vec origin = ty_vec_load(ray->origin), direction = ty_vec_load(ray->direction);
             const bool met = ty_mesh_intersect(traced, origin, direction, ray->far, &single);
             assert_int_equal(hits[k].surface >= 0, met);
             assert_int_equal(occluded[k], met);
+            assert_int_equal(isfinite(distances[k]), met);
+            assert_int_equal(layers.count[k] > 0, met);
             assert_int_equal(ty_mesh_occluded(traced, origin, direction, ray->far), met);
             meshes += met && single.surface == 1;
             balls += met && single.surface == 0;
@@ -250,6 +256,8 @@ static void packets_are_single_rays(void** state) {
             assert_int_equal(hits[k].surface, single.surface);
             assert_int_equal(hits[k].part, single.part);
             assert_close(hits[k].distance, single.distance, 1e-5);
+            assert_close(distances[k], single.distance, 1e-5);
+            assert_close(layers.layer[k][0].distance, single.distance, 1e-5);
             assert_vec_close(hits[k].position, single.position, 1e-5);
             assert_vec_close(hits[k].normal, single.normal, 1e-4);
             if (single.surface == 1) assert_close(hits[k].b1, single.b1, 1e-3);
@@ -259,6 +267,70 @@ static void packets_are_single_rays(void** state) {
     assert_true(meshes > 100 && balls > 100 && missed > 100);
     ty_scene_destroy(scene);
     made_free(&mesh);
+}
+
+/* A ray's layers are what it meets when it goes on behind each hit. */
+static void layers_are_met_one_by_one(void** state) {
+    static const double low[3] = {-1.5, -0.3, -0.2}, high[3] = {-0.6, 0.4, 0.3};
+    made_mesh mesh = made_nothing();
+    made_add_sphere(&mesh, zero, 0.7, 5);
+    made_add_box(&mesh, low, high);
+    const ty_mesh_def def = made_def(&mesh);
+    ty_scene* scene = make_scene(*state);
+    assert_int_equal(ty_scene_add_mesh(scene, &def), TY_OK);
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    const ty_mesh* traced = ty_scene_get_view(scene)->mesh;
+    uint64_t random = 5;
+    int met = 0, deep = 0;
+    for (int i = 0; i < 1000; ++i) {
+        ty_vec origin, direction;
+        random_ray(&random, &origin, &direction);
+        const ty_ray ray = {.origin = {origin.x, origin.y, origin.z},
+                            .direction = {direction.x, direction.y, direction.z},
+                            .far = TY_FLOAT_MAX};
+        ty_layers layers;
+        ty_hit hit, layer;
+        ty_mesh_layers_packet(traced, &ray, 1, &layers);
+        int32_t count = 0;
+        for (ty_vec from = origin; ty_mesh_intersect(traced, from, direction, TY_FLOAT_MAX, &hit); ++count) {
+            assert_true(count < layers.count[0]);
+            ty_mesh_layer_hit(traced, &ray, &layers.layer[0][count], &layer);
+            assert_int_equal(layer.surface, hit.surface);
+            assert_int_equal(layer.part, hit.part);
+            assert_vec_close(layer.position, hit.position, 1e-3); /* rays that go on begin a margin aside */
+            assert_vec_close(layer.normal, hit.normal, 1e-3);
+            from = ty_hit_leave(&hit, direction);
+        }
+        assert_int_equal(layers.count[0], count);
+        met += count > 0;
+        deep += count > 2;
+    }
+    assert_true(met > 100 && deep > 10);
+    ty_scene_destroy(scene);
+    made_free(&mesh);
+}
+
+/* Of too many layers the nearest are kept, whichever way the ray goes. */
+static void the_nearest_layers_are_kept(void** state) {
+    enum { BOARDS = TY_LAYERS_MAX + 40 };
+    ty_scene* scene = make_scene(*state);
+    for (int i = 0; i < BOARDS; ++i) {
+        ty_shape_def board = ty_default_shape_def();
+        board.origin[0] = board.origin[1] = -1;
+        board.origin[2] = i;
+        board.u[0] = board.v[1] = 2;
+        assert_int_equal(ty_scene_add_shape(scene, &board), TY_OK);
+    }
+    assert_int_equal(ty_scene_commit(scene), TY_OK);
+    for (int way = -1; way <= 1; way += 2) {
+        ty_layers layers;
+        const float begin = way > 0 ? -0.5f : (float)BOARDS - 0.5f;
+        const ty_ray ray = {.origin = {0.1f, 0.2f, begin}, .direction = {0, 0, (float)way}, .far = TY_FLOAT_MAX};
+        ty_mesh_layers_packet(ty_scene_get_view(scene)->mesh, &ray, 1, &layers);
+        assert_int_equal(layers.count[0], TY_LAYERS_MAX);
+        for (int i = 0; i < TY_LAYERS_MAX; ++i) assert_close(layers.layer[0][i].distance, i + 0.5, 1e-4);
+    }
+    ty_scene_destroy(scene);
 }
 
 /* ---- alpha ---- */
@@ -541,6 +613,8 @@ int main(void) {
         cmocka_unit_test(bad_normals_count_as_none),
         cmocka_unit_test(triangles_of_any_size_have_normals),
         cmocka_unit_test(packets_are_single_rays),
+        cmocka_unit_test(layers_are_met_one_by_one),
+        cmocka_unit_test(the_nearest_layers_are_kept),
         cmocka_unit_test(blending_lets_a_fraction_through),
         cmocka_unit_test(layers_decide_apart),
         cmocka_unit_test(masks_cut_where_alpha_is_low),

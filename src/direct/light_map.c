@@ -129,23 +129,40 @@ static void place(const ty_scene* scene, const ty_light_view* light, const ty_li
 
 /* ---- what they meet ---- */
 
+/* A face of a map. */
+typedef struct map_face {
+    ty_vec origin, forward, right, up;
+} map_face;
+
 typedef struct map_job {
     const ty_light_view* light;
     ty_light_map* map;
+    map_face faces[6];
     float *depth, *normal, *albedo; /* the map's */
 } map_job;
 
-static bool ray_of(const void* user, size_t texel, ty_ray* ray) {
+static map_face face_of(const map_job* job, int32_t face) {
+    const ty_light_map* map = job->map;
+    const bool parallel = job->light->kind == TY_KIND_DIRECTIONAL;
+    return (map_face){.origin = parallel ? vec_of(map->origin) : job->light->position,
+                      .forward = vec_of(map->forward[face]),
+                      .right = vec_of(map->right[face]),
+                      .up = vec_of(map->up[face])};
+}
+
+/* ty_light_map_ray of a texel's middle. */
+static bool ray_of(const void* user, int32_t index, int32_t column, int32_t line, ty_ray* ray) {
     const map_job* job = user;
-    const size_t side = (size_t)job->map->side;
-    const float x = (float)(texel % side) + 0.5f, y = (float)(texel / side % side) + 0.5f;
+    const map_face* face = &job->faces[index];
+    const float x = (float)column + 0.5f, y = (float)line + 0.5f;
     if (job->light->kind == TY_KIND_SPOT && job->map->faces == 1) {
-        const float half = 0.5f * (float)side, radius = half + (float)CONE_ROOM;
+        const float half = 0.5f * (float)job->map->side, radius = half + (float)CONE_ROOM;
         if ((x - half) * (x - half) + (y - half) * (y - half) > radius * radius) return false;
     }
-    ty_vec origin, direction;
-    ty_light_map_ray(job->map, job->light, (int32_t)(texel / (side * side)), x, y, &origin, &direction);
-    direction = ty_normalize(direction);
+    const ty_vec across = ty_mad(ty_scale(face->right, place_in(job->map, x)), face->up, place_in(job->map, y));
+    const bool parallel = job->light->kind == TY_KIND_DIRECTIONAL;
+    const ty_vec origin = parallel ? ty_add(face->origin, across) : face->origin;
+    const ty_vec direction = parallel ? face->forward : ty_normalize(ty_add(face->forward, across));
     *ray = (ty_ray){.origin = {origin.x, origin.y, origin.z},
                     .direction = {direction.x, direction.y, direction.z},
                     .far = INFINITY};
@@ -154,8 +171,9 @@ static bool ray_of(const void* user, size_t texel, ty_ray* ray) {
 
 static void meet(const void* user, size_t texel, const ty_ray* ray, const ty_hit* hit, const ty_surface_point* point) {
     const map_job* job = user;
-    const size_t face = texel / ((size_t)job->map->side * (size_t)job->map->side);
-    job->depth[texel] = hit->distance * ty_dot(ty_vec_load(ray->direction), vec_of(job->map->forward[face]));
+    const size_t texels = (size_t)job->map->side * (size_t)job->map->side;
+    const size_t face = job->map->faces == 1 ? 0 : texel / texels;
+    job->depth[texel] = hit->distance * ty_dot(ty_vec_load(ray->direction), job->faces[face].forward);
     if (job->normal == NULL) return;
     job->normal[3 * texel] = point->normal.x;
     job->normal[3 * texel + 1] = point->normal.y;
@@ -193,6 +211,7 @@ ty_result ty_light_map_trace(const ty_scene* scene, const ty_light_map_def* def,
     job.map->side = def->side;
     job.map->faces = has_six_faces(job.light) ? 6 : 1;
     place(scene, job.light, def, job.map);
+    for (int32_t face = 0; face < job.map->faces; ++face) job.faces[face] = face_of(&job, face);
     result = take_texels(scene->context, def->reflective, &job);
     if (result != TY_OK) {
         ty_light_map_destroy(scene->context, job.map);

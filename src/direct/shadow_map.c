@@ -129,9 +129,11 @@ static void describe(const void* user, size_t index, const ty_ray* ray, const ty
     for (int c = 0; c < 3; ++c) texel->flux[c] = light[c] * point->albedo[c];
 }
 
-static bool ray_of(const void* user, size_t texel, ty_ray* ray) {
+static bool ray_of(const void* user, int32_t face, int32_t x, int32_t y, ty_ray* ray) {
+    const ty_shadow_map* map = ((const shadow_job*)user)->map;
+    const size_t side = (size_t)map->side;
     ty_vec origin, direction;
-    ty_shadow_map_ray(((const shadow_job*)user)->map, texel, &origin, &direction);
+    ty_shadow_map_ray(map, ((size_t)face * side + (size_t)y) * side + (size_t)x, &origin, &direction);
     *ray = (ty_ray){.origin = {origin.x, origin.y, origin.z},
                     .direction = {direction.x, direction.y, direction.z},
                     .far = INFINITY};

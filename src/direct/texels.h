@@ -17,8 +17,8 @@ typedef struct ty_texels {
     int32_t side, faces;
     const void* user;
     /* The ray (unit direction) of a texel; false: it needs none. */
-    bool (*ray)(const void* user, size_t texel, ty_ray* out);
-    bool bare; /* whether where surfaces are is all that counts: `point` is NULL */
+    bool (*ray)(const void* user, int32_t face, int32_t x, int32_t y, ty_ray* out);
+    bool bare; /* whether how far surfaces are is all that counts: hits have nothing else, `point` is NULL */
     /* What it meets; any thread, each texel once at most. */
     void (*meet)(const void* user, size_t texel, const ty_ray* ray, const ty_hit* hit, const ty_surface_point* point);
 } ty_texels;

@@ -149,8 +149,8 @@ static float chance_of(const float ray[6], unsigned triangle) {
 }
 
 /* Where Embree keeps the fields of N rays and hits that it hands to filters, in rows of N. */
-enum { RAY_ORIGIN = 0, RAY_DIRECTION = 4 };
-enum { HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5 };
+enum { RAY_ORIGIN = 0, RAY_DIRECTION = 4, RAY_FAR = 8, RAY_ID = 10 };
+enum { HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5, HIT_GEOMETRY = 6 };
 
 static float row(const void* rows, unsigned field, unsigned count, unsigned i) {
     return ((const float*)rows)[field * count + i];
@@ -204,7 +204,8 @@ static ty_result start_mesh(ty_context* context, ty_mesh** out) {
     }
     rtcSetDeviceMemoryMonitorFunction(mesh->device, count_memory, mesh);
     mesh->scene = rtcNewScene(mesh->device);
-    rtcSetSceneFlags(mesh->scene, RTC_SCENE_FLAG_ROBUST);
+    /* Queries of their own filters: ty_mesh_layers_packet. */
+    rtcSetSceneFlags(mesh->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     *out = mesh;
     return TY_OK;
 }
@@ -342,37 +343,45 @@ static void set_packet_ray(struct RTCRay16* packet, int32_t i, const ty_ray* ray
     packet->tfar[i] = ray->far;
     packet->time[i] = 0.0f;
     packet->mask[i] = 0xffffffffu;
-    packet->id[i] = 0;
+    packet->id[i] = (unsigned)i;
     packet->flags[i] = 0;
 }
 
-/* Asks memory for all triangles of a packet before the first is looked at, so that it is waited for once. */
-static void fetch_triangles(const ty_mesh* mesh, const struct RTCHit16* hit, int32_t count) {
-    for (int32_t i = 0; i < count; ++i)
-        if (hit->geomID[i] >= MESHES && hit->geomID[i] != RTC_INVALID_GEOMETRY_ID)
-            __builtin_prefetch(mesh->surfaces[hit->geomID[i] - MESHES].indices + 3 * (size_t)hit->primID[i]);
-    for (int32_t i = 0; i < count; ++i) {
-        if (hit->geomID[i] < MESHES || hit->geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-        const ty_surface* surface = &mesh->surfaces[hit->geomID[i] - MESHES];
-        const uint32_t* corners = surface->indices + 3 * (size_t)hit->primID[i];
-        for (int corner = 0; corner < 3; ++corner) __builtin_prefetch(surface->positions + 3 * (size_t)corners[corner]);
-    }
+/* Ask memory for a triangle before it is looked at: of many that are asked for one after the other it is waited for
+ * once. Other geometries are few. */
+static void fetch_triangle(const ty_mesh* mesh, unsigned geometry, unsigned triangle) {
+    if (geometry >= MESHES && geometry != RTC_INVALID_GEOMETRY_ID)
+        __builtin_prefetch(mesh->surfaces[geometry - MESHES].indices + 3 * (size_t)triangle);
 }
 
-void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
+/* After fetch_triangle. */
+static void fetch_corners(const ty_mesh* mesh, unsigned geometry, unsigned triangle) {
+    if (geometry < MESHES || geometry == RTC_INVALID_GEOMETRY_ID) return;
+    const ty_surface* surface = &mesh->surfaces[geometry - MESHES];
+    const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
+    for (int corner = 0; corner < 3; ++corner) __builtin_prefetch(surface->positions + 3 * (size_t)corners[corner]);
+}
+
+/* The nearest hits; geometry RTC_INVALID_GEOMETRY_ID: none. */
+static void intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, struct RTCRayHit16* packet) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    struct RTCRayHit16 packet;
     _Alignas(64) int32_t valid[TY_PACKET];
     for (int32_t i = 0; i < TY_PACKET; ++i) {
         valid[i] = i < count ? -1 : 0;
-        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-        if (i < count) set_packet_ray(&packet.ray, i, &rays[i]);
+        packet->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        if (i < count) set_packet_ray(&packet->ray, i, &rays[i]);
     }
-    rtcIntersect16(valid, mesh->scene, &context, &packet);
-    fetch_triangles(mesh, &packet.hit, count);
+    rtcIntersect16(valid, mesh->scene, &context, packet);
+}
+
+void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
+    struct RTCRayHit16 packet;
+    intersect_packet(mesh, rays, count, &packet);
+    for (int32_t i = 0; i < count; ++i) fetch_triangle(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
+    for (int32_t i = 0; i < count; ++i) fetch_corners(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
     for (int32_t i = 0; i < count; ++i) {
         if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
             hits[i] = (ty_hit){.distance = packet.ray.tfar[i], .surface = -1};
@@ -382,6 +391,13 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
         hits[i].position = ty_mad(ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), hits[i].distance);
         describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
     }
+}
+
+void ty_mesh_distance_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, float* distances) {
+    struct RTCRayHit16 packet;
+    intersect_packet(mesh, rays, count, &packet);
+    for (int32_t i = 0; i < count; ++i)
+        distances[i] = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? packet.ray.tfar[i] : INFINITY;
 }
 
 void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded) {
@@ -396,6 +412,72 @@ void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t co
     }
     rtcOccluded16(valid, mesh->scene, &context, &packet);
     for (int32_t i = 0; i < count; ++i) occluded[i] = packet.tfar[i] < 0.0f;
+}
+
+/* ---- all layers ---- */
+
+/* The queries of ty_mesh_layers_packet carry where the layers go. */
+typedef struct layer_query {
+    struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
+    ty_layers* layers;
+} layer_query;
+
+/* Notes a layer, in order: of one distance the lower number first, whatever order Embree finds them in. */
+static void note_layer(ty_layers* layers, uint32_t ray, ty_layer layer) {
+    ty_layer* row = layers->layer[ray];
+    int32_t at = layers->count[ray];
+    while (at > 0 && (row[at - 1].distance > layer.distance ||
+                      (row[at - 1].distance == layer.distance &&
+                       (row[at - 1].geometry > layer.geometry ||
+                        (row[at - 1].geometry == layer.geometry && row[at - 1].primitive > layer.primitive)))))
+        --at;
+    if (at == TY_LAYERS_MAX) return;
+    if (layers->count[ray] < TY_LAYERS_MAX) ++layers->count[ray];
+    for (int32_t i = layers->count[ray] - 1; i > at; --i) row[i] = row[i - 1];
+    row[at] = layer;
+}
+
+/* Embree asks whether triangles are there; they are not, so that rays go on. */
+static void pass_layers(const struct RTCFilterFunctionNArguments* given) {
+    ty_layers* layers = ((layer_query*)given->context)->layers;
+    const unsigned *ids = (const unsigned*)given->ray + RAY_ID * given->N, *hit = (const unsigned*)given->hit;
+    for (unsigned i = 0; i < given->N; ++i) {
+        if (given->valid[i] == 0) continue;
+        note_layer(layers, ids[i],
+                   (ty_layer){.distance = row(given->ray, RAY_FAR, given->N, i),
+                              .b1 = row(given->hit, HIT_U, given->N, i),
+                              .b2 = row(given->hit, HIT_V, given->N, i),
+                              .geometry = hit[HIT_GEOMETRY * given->N + i],
+                              .primitive = hit[HIT_PRIMITIVE * given->N + i]});
+        given->valid[i] = 0;
+    }
+}
+
+void ty_mesh_layers_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_layers* out) {
+    layer_query query = {.layers = out};
+    rtcInitIntersectContext(&query.context);
+    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    query.context.filter = pass_layers;
+    struct RTCRay16 packet;
+    _Alignas(64) int32_t valid[TY_PACKET];
+    for (int32_t i = 0; i < TY_PACKET; ++i) {
+        valid[i] = i < count ? -1 : 0;
+        out->count[i] = 0;
+        if (i < count) set_packet_ray(&packet, i, &rays[i]);
+    }
+    rtcOccluded16(valid, mesh->scene, &query.context, &packet);
+    for (int32_t i = 0; i < count; ++i)
+        for (int32_t k = 0; k < out->count[i]; ++k)
+            fetch_triangle(mesh, out->layer[i][k].geometry, out->layer[i][k].primitive);
+    for (int32_t i = 0; i < count; ++i)
+        for (int32_t k = 0; k < out->count[i]; ++k)
+            fetch_corners(mesh, out->layer[i][k].geometry, out->layer[i][k].primitive);
+}
+
+void ty_mesh_layer_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_layer* layer, ty_hit* hit) {
+    hit->distance = layer->distance;
+    hit->position = ty_mad(ty_vec_load(ray->origin), ty_vec_load(ray->direction), layer->distance);
+    describe_hit(mesh, layer->geometry, layer->primitive, layer->b1, layer->b2, hit);
 }
 
 /* ---- closed surfaces ---- */

@@ -39,8 +39,30 @@ enum { TY_PACKET = 16 };
 
 /* hits[i].surface is -1 where ray i meets nothing. count: 1..TY_PACKET. */
 void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits);
+/* How far off what they meet is, m; INFINITY: nothing. count: 1..TY_PACKET. */
+void ty_mesh_distance_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, float* distances);
 /* occluded[i]: whether ray i meets anything. count: 1..TY_PACKET. */
 void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded);
+
+/* All that rays go through, not only what they meet first. */
+enum { TY_LAYERS_MAX = 256 };
+
+/* Where a ray goes through a surface; ty_mesh_layer_hit says more. */
+typedef struct ty_layer {
+    float distance, b1, b2;
+    uint32_t geometry, primitive;
+} ty_layer;
+
+/* What each ray goes through, nearest first; of more than TY_LAYERS_MAX surfaces the farthest are left out. Two that
+ * lie in one place, or share the edge that a ray goes through, are both there. */
+typedef struct ty_layers {
+    ty_layer layer[TY_PACKET][TY_LAYERS_MAX];
+    int32_t count[TY_PACKET];
+} ty_layers;
+
+/* count: 1..TY_PACKET. */
+void ty_mesh_layers_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_layers* out);
+void ty_mesh_layer_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_layer* layer, ty_hit* hit);
 
 /* ---- closed surfaces ---- */
 

@@ -262,20 +262,28 @@ static void fuzzy_row(void* user, int64_t row, int32_t worker) {
     }
 }
 
+/* Sums over all surfels that do not need one another. */
+static void sum_surfels(void* user, int64_t index, int32_t worker) {
+    block_job* job = user;
+    if (index == 0)
+        add_corners(job);
+    else if (index == 1 && find_fronts(job) != TY_OK)
+        atomic_store(&job->failed, true);
+    else if (index > 1)
+        close_links(user, index - 2, worker);
+}
+
 ty_result ty_lattice_block(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfel* surfels, size_t count) {
     const int64_t rows = (int64_t)lattice->box.size[1] * lattice->box.size[2];
     const size_t corners = corner_count(lattice);
     block_job job = {.lattice = lattice, .mode = mode, .surfels = surfels, .count = count};
     job.corners = ty_alloc_array(lattice->context, corners, sizeof *job.corners, true);
     if (job.corners == NULL) return TY_ERROR_MEMORY;
-    add_corners(&job);
+    ty_parallel_flushed(lattice->context, mode == TY_LPV_MODE_PUBLISHED ? 1 : 2 + TY_LPV_HALF_LINKS, sum_surfels, &job);
     ty_parallel_flushed(lattice->context, rows, find_albedo, &job);
     if (mode == TY_LPV_MODE_PUBLISHED) {
         ty_lpv_transfer_make(lattice->bands, false, &job.transfer);
         ty_parallel_flushed(lattice->context, rows, fuzzy_row, &job);
-    } else {
-        ty_parallel_flushed(lattice->context, TY_LPV_HALF_LINKS, close_links, &job);
-        if (find_fronts(&job) != TY_OK) atomic_store(&job.failed, true);
     }
     ty_free_array(lattice->context, job.corners, corners, sizeof *job.corners);
     lattice->blocked = atomic_load(&job.blocked);

@@ -15,6 +15,9 @@ const ty_lamp_kernels* ty_lamp_kernels_best(void) {
 
 /* ---- the light and the medium ---- */
 
+/* Cells that are compared at a time. */
+enum { EVEN_BLOCK = 4096 };
+
 static ty_vec vec_of(const double v[3]) {
     return ty_vec_make((float)v[0], (float)v[1], (float)v[2]);
 }
@@ -38,8 +41,14 @@ static ty_lamp_face face_of(const ty_lpv_lamp* lamp, int32_t face) {
 }
 
 static bool is_even(const float* plane, size_t count) {
-    for (size_t i = 1; i < count; ++i)
-        if (!(fabsf(plane[i] - plane[0]) <= 1e-5f * fabsf(plane[0]))) return false;
+    const float first = plane[0], most = 1e-5f * fabsf(first);
+    for (size_t from = 0; from < count; from += EVEN_BLOCK) {
+        const size_t end = count - from < EVEN_BLOCK ? count : from + EVEN_BLOCK;
+        int32_t others = 0;
+#pragma omp simd reduction(+ : others)
+        for (size_t i = from; i < end; ++i) others += !(fabsf(plane[i] - first) <= most);
+        if (others > 0) return false;
+    }
     return true;
 }
 

@@ -2,15 +2,16 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/lpv/inject.h"
+#include "scene/fetch.h"
 #include "scene/scene.h"
 
 #include <stdatomic.h>
 
-/* Surfaces behind one another that a ray goes through. */
-enum { LAYERS_MAX = 256 };
-
 /* A task is a strip of BLOCK rows of rays; a packet is a block of BLOCK x BLOCK. */
 enum { BLOCK = 4 };
+
+/* Hits whose surfaces are asked about at a time. */
+enum { BATCH = 64 };
 
 /* Where within its part of a cell a ray is. All are at the same place: whatever cube of a cell's side is looked at then
  * has `side` rays each way, wherever it begins. The two differ and are no simple fractions, so that rays do not run
@@ -95,47 +96,54 @@ static void add_surfel(surfel_job* job, const ray_field* field, const ty_ray* ra
     memcpy(surfel->albedo, point.albedo, sizeof surfel->albedo);
 }
 
-/* Goes on behind a hit; false past the end. */
-static bool go_on(const ray_field* field, const ty_hit* hit, ty_ray* ray) {
-    const ty_vec from = ty_hit_leave(hit, ty_vec_load(ray->direction));
-    const float at[3] = {from.x, from.y, from.z};
-    memcpy(ray->origin, at, sizeof at);
-    ray->far = (float)(field->end - (double)at[field->axis]);
-    return ray->far > 0.0f;
+/* Whether a layer is behind the last one that counted, and not the same surface again: another triangle at its edge, or
+ * one in the same place. */
+static bool is_behind(const ty_ray* ray, const ty_hit* last, float distance) {
+    const float along = fabsf(ty_dot(last->normal, ty_vec_load(ray->direction)));
+    return (distance - last->distance) * along > last->margin;
 }
 
-/* One packet's step: rays that go on stay, in order. Returns how many do. */
-static int32_t step_packet(surfel_job* job, const ray_field* field, ty_ray* rays, int32_t* layers, int32_t count,
-                           int32_t worker, double* seconds) {
-    ty_hit hits[TY_PACKET];
-    int32_t kept = 0;
-    const double begun = ty_wall_seconds();
-    ty_mesh_intersect_packet(job->scene->view.mesh, rays, count, hits);
-    *seconds += ty_wall_seconds() - begun;
+/* Hits that are to become surfels, together. */
+typedef struct hit_batch {
+    ty_hit hits[BATCH];
+    int32_t count;
+} hit_batch;
+
+/* ray: any of the field's. */
+static void add_batch(surfel_job* job, const ray_field* field, const ty_ray* ray, hit_batch* batch, int32_t worker) {
+    ty_surfaces_fetch(job->scene->view.surfaces, batch->hits, batch->count);
+    for (int32_t i = 0; i < batch->count; ++i) add_surfel(job, field, ray, &batch->hits[i], worker);
+    batch->count = 0;
+}
+
+static void add_layers(surfel_job* job, const ray_field* field, const ty_ray* ray, const ty_layer* layers,
+                       int32_t count, hit_batch* batch, int32_t worker) {
+    ty_hit last = {.distance = -INFINITY, .normal = ty_vec_load(ray->direction)};
     for (int32_t i = 0; i < count; ++i) {
-        if (hits[i].surface < 0) continue;
-        add_surfel(job, field, &rays[i], &hits[i], worker);
-        rays[kept] = rays[i];
-        layers[kept] = layers[i] + 1;
-        kept += go_on(field, &hits[i], &rays[kept]) && layers[kept] < LAYERS_MAX;
+        if (!is_behind(ray, &last, layers[i].distance)) continue;
+        if (batch->count == BATCH) add_batch(job, field, ray, batch, worker);
+        ty_mesh_layer_hit(job->scene->view.mesh, ray, &layers[i], &last);
+        batch->hits[batch->count++] = last;
     }
-    return kept;
 }
 
-/* The rays of a block, through all layers. Where some have ended, others do not take their places: rays that begin and
- * rays that are on their way are not close together. */
+/* The rays of a block. Returns how many they are. */
 static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left, int32_t top, int32_t worker,
                            double* seconds) {
     ty_ray rays[TY_PACKET];
-    int32_t layers[TY_PACKET] = {0}, count = 0;
-    int64_t traced = 0;
+    ty_layers layers;
+    int32_t count = 0;
     for (int32_t j = top; j < top + BLOCK && j < field->count[1]; ++j)
         for (int32_t i = left; i < left + BLOCK && i < field->count[0]; ++i) rays[count++] = ray_at(job, field, i, j);
-    while (count > 0) {
-        traced += count;
-        count = step_packet(job, field, rays, layers, count, worker, seconds);
-    }
-    return traced;
+    const double begun = ty_wall_seconds();
+    ty_mesh_layers_packet(job->scene->view.mesh, rays, count, &layers);
+    *seconds += ty_wall_seconds() - begun;
+    hit_batch batch;
+    batch.count = 0;
+    for (int32_t i = 0; i < count; ++i)
+        add_layers(job, field, &rays[i], layers.layer[i], layers.count[i], &batch, worker);
+    add_batch(job, field, &rays[0], &batch, worker);
+    return count;
 }
 
 static void trace_strip(void* user, int64_t index, int32_t worker) {
