@@ -25,6 +25,9 @@ typedef struct ty_dom_part {
     float* fluence[3]; /* of the cells of ordinates */
 } ty_dom_part;
 
+/* Texels along the side of an octahedral map of ways to the eye. */
+enum { TY_DOM_GLARE = 32 };
+
 struct ty_dom {
     ty_context* context;
     int32_t bands, kept; /* L; of moments */
@@ -48,6 +51,7 @@ struct ty_dom {
     float* moments[3]; /* of what has scattered, W m^-2 */
     /* Directions of light that is in `many`. */
     ty_dom_part* parts;
+    float glare[3][TY_DOM_GLARE * TY_DOM_GLARE]; /* ratios of what environments send along ways to what parts do */
     int32_t part_capacity, part_count, part_planes;
     float straight[3], bent[3]; /* per plane of the medium, over all cells: how much deeper media are for U and S of
                                    forward.k.h than for R */
@@ -118,5 +122,9 @@ ty_result ty_dom_parts_add(ty_dom_job* job, const ty_source* source, const ty_li
 /* Once all were added. */
 void ty_dom_parts_end(ty_dom_job* job);
 void ty_dom_parts_destroy(ty_dom* light);
+/* What environments send in all, once parts are there. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_glare_find(ty_dom_job* job);
+/* Times which beams' parts are to be taken along a way. */
+float ty_dom_glare_at(const ty_dom* light, int32_t channel, ty_vec way);
 
 #endif

@@ -187,9 +187,10 @@ static float turn(const ty_dom* light, int32_t plane, float fluence, const arriv
 static void send_cell(const send_job* job, const int32_t cell[3], size_t at) {
     const ty_dom* light = job->light;
     double way[3];
-    float sent[3] = {0}, all[3] = {0};
+    float sent[3] = {0}, all[3] = {0}, glare[3];
     ty_dom_way(light, cell, job->eye, way);
     const ty_vec to_eye = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+    for (int32_t c = 0; c < 3; ++c) glare[c] = ty_dom_glare_at(light, c, to_eye);
     for (int32_t i = 0; i < light->part_count; ++i) {
         const ty_dom_part* part = &light->parts[i];
         const arrival from = arrive(light, part, cell);
@@ -199,7 +200,7 @@ static void send_cell(const send_job* job, const int32_t cell[3], size_t at) {
             if (!(fluence > 0)) continue;
             const float turned = 4 * TY_PI * turn(light, p, fluence, &from, mu, light->g[p][at]);
             for (int32_t c = p; c < (light->part_planes == 1 ? 3 : p + 1); ++c) {
-                sent[c] += part->color[c] * turned;
+                sent[c] += part->color[c] * turned * (part->kind == TY_SINGLE_BEAM ? glare[c] : 1);
                 all[c] += part->color[c] * fluence;
             }
         }

@@ -147,7 +147,11 @@ static ty_result light_groups(direct_job* direct) {
     job->progress.from = from;
     job->progress.share = share;
     if (result != TY_OK || light->many == NULL) return result;
-    if (!light->even) ty_dom_parts_end(job);
+    if (!light->even) {
+        ty_dom_parts_end(job);
+        result = ty_dom_glare_find(job);
+        if (result != TY_OK) return result;
+    }
     light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->many);
     return TY_OK;
 }
