@@ -131,22 +131,25 @@ typedef struct stream {
 static __attribute__((noinline)) lanes hold_faces(const lanes twice[3], float extinction, lanes source, lanes middle,
                                                   lanes face[3], double* fixed) {
     const lanes none = {0};
+    const lanes taken[3] = {twice[0] * face[0], twice[1] * face[1], twice[2] * face[2]};
     whole_lanes open[3], closed = {0};
     for (int a = 0; a < 3; ++a) open[a] = none == none;
     for (;;) {
         whole_lanes closing = {0};
-        lanes above = source, below = none + extinction;
         for (int a = 0; a < 3; ++a) {
             const whole_lanes low = open[a] & (middle + middle < face[a]);
-            open[a] &= ~low;
+            open[a] ^= low;
             closing |= low;
-            const lanes decided = (lanes)((whole_lanes)twice[a] & open[a]);
-            above += 0.5f * (twice[a] + decided) * face[a];
-            below += decided;
         }
         if (signs(closing) == 0) break;
         closed |= closing;
-        middle = (lanes)((whole_lanes)(above * invert(below)) & (below > none));
+        /* A face that is closed lets in half of what it does otherwise. */
+        lanes above = none, below = none + extinction;
+        for (int a = 0; a < 3; ++a) {
+            above += taken[a] + (lanes)((whole_lanes)taken[a] & open[a]);
+            below += (lanes)((whole_lanes)twice[a] & open[a]);
+        }
+        middle = (lanes)((whole_lanes)((source + 0.5f * above) * invert(below)) & (below > none));
     }
     *fixed += __builtin_popcount(signs(closed));
     for (int a = 0; a < 3; ++a) face[a] = (lanes)((whole_lanes)(middle + middle - face[a]) & open[a]);
