@@ -85,16 +85,32 @@ static void lay_out(ty_ordinates_job* job, ty_arena* arena) {
     if (job->def->source_terms > 1) job->fixed = take(job, arena, job->terms);
 }
 
+static ty_ordinates_job begin_job(const ty_ordinates_def* def) {
+    return (ty_ordinates_job){.def = def,
+                              .cells = (int64_t)def->size[0] * def->size[1] * def->size[2],
+                              .terms = def->bands * def->bands,
+                              .lows = def->bands > 1 ? 4 : 1,
+                              .depth = def->accelerated ? TY_ORDINATES_DEPTH : 1};
+}
+
+size_t ty_ordinates_memory(const ty_ordinates_def* def) {
+    ty_ordinates_job job = begin_job(def);
+    ty_arena arena = {0};
+    lay_out(&job, &arena);
+    return arena.used;
+}
+
 /* One block: several would be given back to the system after each solve, and its pages made anew for the next. */
 static ty_result allocate(ty_ordinates_job* job) {
-    job->depth = job->def->accelerated ? TY_ORDINATES_DEPTH : 1;
-    ty_arena arena = {0};
-    lay_out(job, &arena);
-    job->bytes = arena.used;
-    job->stats->bytes = (double)arena.used;
-    job->memory = ty_alloc_array(job->context, job->bytes, 1, false);
-    if (job->memory == NULL) return TY_ERROR_MEMORY;
-    arena = (ty_arena){.base = job->memory};
+    const ty_ordinates_def* def = job->def;
+    const size_t bytes = ty_ordinates_memory(def);
+    job->stats->bytes = (double)bytes;
+    ty_arena arena = {.base = def->memory};
+    if (def->memory == NULL) {
+        arena.base = job->memory = ty_alloc_array(job->context, bytes, 1, false);
+        job->bytes = bytes;
+        if (job->memory == NULL) return TY_ERROR_MEMORY;
+    }
     lay_out(job, &arena);
     return TY_OK;
 }
@@ -251,14 +267,11 @@ ty_result ty_ordinates_solve(ty_context* context, const ty_ordinates_def* def, f
     ty_result result = check(context, def, moments);
     if (result != TY_OK) return result;
     ty_ordinates_stats ignored;
-    ty_ordinates_job job = {.context = context,
-                            .def = def,
-                            .stats = stats != NULL ? stats : &ignored,
-                            .history = history,
-                            .history_capacity = history != NULL ? history_capacity : 0,
-                            .cells = (int64_t)def->size[0] * def->size[1] * def->size[2],
-                            .terms = def->bands * def->bands,
-                            .lows = def->bands > 1 ? 4 : 1};
+    ty_ordinates_job job = begin_job(def);
+    job.context = context;
+    job.stats = stats != NULL ? stats : &ignored;
+    job.history = history;
+    job.history_capacity = history != NULL ? history_capacity : 0;
     *job.stats = (ty_ordinates_stats){0};
     job.start = job.reported = ty_wall_seconds();
     result = solve(&job, moments);

@@ -45,11 +45,15 @@ typedef struct ty_ordinates_def {
     int32_t sweeps;   /* at most; 0 (default): 100 accelerated, else 10000 */
     const float* const* start; /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's,
                                    which acceleration takes anyway where cells are thicker than 25 free paths) */
+    void* memory;              /* ty_ordinates_memory bytes, aligned to 64; NULL (default): from the context */
     ty_progress_fn progress;   /* default NULL */
     void* progress_user;
 } ty_ordinates_def;
 
 ty_ordinates_def ty_default_ordinates_def(void);
+/* Bytes of the arrays of cells that a solve works on: of size, bands, source_terms and accelerated. Sweeps and
+ * corrections take their own. */
+size_t ty_ordinates_memory(const ty_ordinates_def* def);
 
 typedef struct ty_ordinates_stats {
     bool converged;

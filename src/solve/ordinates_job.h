@@ -22,7 +22,7 @@ typedef struct ty_ordinates_job {
     int32_t history_capacity;
     double start, reported; /* s */
 
-    char* memory; /* of all arrays */
+    char* memory; /* of all arrays; NULL: the caller's */
     size_t bytes;
     int64_t cells;
     int32_t terms; /* bands^2 */

@@ -88,7 +88,8 @@ typedef struct emission_view {
     ptrdiff_t pitch;        /* from one term to the next */
 } emission_view;
 
-TY_INLINE void emit_cells(const emission_view* view, const float* emission, float* up, float* down, const int count) {
+TY_INLINE void emit_cells(const emission_view* view, const float* emission, float* up, float* down, const int count,
+                          const int32_t terms) {
     const ty_sweep_box* box = view->box;
     const float* y = view->harmonics;
     lanes even[TY_SWEEP_CELLS] = {{0}}, odd[TY_SWEEP_CELLS] = {{0}};
@@ -96,12 +97,12 @@ TY_INLINE void emit_cells(const emission_view* view, const float* emission, floa
     for (; t < box->even; ++t, y += view->pitch) {
         const lanes at = load(y);
         const float* from = emission + box->order[t];
-        for (int i = 0; i < count; ++i) even[i] += from[i * box->terms] * at;
+        for (int i = 0; i < count; ++i) even[i] += from[i * terms] * at;
     }
-    for (; t < box->terms; ++t, y += view->pitch) {
+    for (; t < terms; ++t, y += view->pitch) {
         const lanes at = load(y);
         const float* from = emission + box->order[t];
-        for (int i = 0; i < count; ++i) odd[i] += from[i * box->terms] * at;
+        for (int i = 0; i < count; ++i) odd[i] += from[i * terms] * at;
     }
     for (int i = 0; i < count; ++i) {
         store(up + i * LANES, even[i] + odd[i]);
@@ -109,12 +110,12 @@ TY_INLINE void emit_cells(const emission_view* view, const float* emission, floa
     }
 }
 
-static void emit(const emission_view* view, const float* emission, float* up, float* down) {
-    const int32_t nx = view->box->size[0], terms = view->box->terms;
+TY_INLINE void emit(const emission_view* view, const float* emission, float* up, float* down, const int32_t terms) {
+    const int32_t nx = view->box->size[0];
     int32_t x = 0;
     for (; x + TY_SWEEP_CELLS <= nx; x += TY_SWEEP_CELLS)
-        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, TY_SWEEP_CELLS);
-    for (; x < nx; ++x) emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, 1);
+        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, TY_SWEEP_CELLS, terms);
+    for (; x < nx; ++x) emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, 1, terms);
 }
 
 /* ---- light ---- */
@@ -130,22 +131,25 @@ typedef struct stream {
 static __attribute__((noinline)) lanes hold_faces(const lanes twice[3], float extinction, lanes source, lanes middle,
                                                   lanes face[3], double* fixed) {
     const lanes none = {0};
+    const lanes taken[3] = {twice[0] * face[0], twice[1] * face[1], twice[2] * face[2]};
     whole_lanes open[3], closed = {0};
     for (int a = 0; a < 3; ++a) open[a] = none == none;
     for (;;) {
         whole_lanes closing = {0};
-        lanes above = source, below = none + extinction;
         for (int a = 0; a < 3; ++a) {
             const whole_lanes low = open[a] & (middle + middle < face[a]);
-            open[a] &= ~low;
+            open[a] ^= low;
             closing |= low;
-            const lanes decided = (lanes)((whole_lanes)twice[a] & open[a]);
-            above += 0.5f * (twice[a] + decided) * face[a];
-            below += decided;
         }
         if (signs(closing) == 0) break;
         closed |= closing;
-        middle = (lanes)((whole_lanes)(above / below) & (below > none));
+        /* A face that is closed lets in half of what it does otherwise. */
+        lanes above = none, below = none + extinction;
+        for (int a = 0; a < 3; ++a) {
+            above += taken[a] + (lanes)((whole_lanes)taken[a] & open[a]);
+            below += (lanes)((whole_lanes)twice[a] & open[a]);
+        }
+        middle = (lanes)((whole_lanes)((source + 0.5f * above) * invert(below)) & (below > none));
     }
     *fixed += __builtin_popcount(signs(closed));
     for (int a = 0; a < 3; ++a) face[a] = (lanes)((whole_lanes)(middle + middle - face[a]) & open[a]);
@@ -196,9 +200,15 @@ TY_INLINE void gather_octant(const float* light, const float* weighted, ptrdiff_
     }
 }
 
-static void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch) {
+/* Terms filled up to whole lanes. */
+TY_INLINE ptrdiff_t pad(ptrdiff_t terms) {
+    return (terms + LANES - 1) / LANES * LANES;
+}
+
+TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
+                      const ptrdiff_t terms) {
     const int32_t first = group * LANES, left = box->directions - first, directions = left < LANES ? left : LANES;
-    const ptrdiff_t padded = box->padded;
+    const ptrdiff_t padded = pad(terms);
     for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
         for (ptrdiff_t t = 0; t < padded; t += LANES) {
             float* to = scratch->sum + x * padded + t;
@@ -211,47 +221,66 @@ static void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const
         }
 }
 
-static void add_moments(const ty_sweep_box* box, const float* sum, float* moments) {
-    const ptrdiff_t terms = box->terms, padded = box->padded, nx = box->size[0];
-    if (terms == padded) {
+TY_INLINE void add_moments(const ty_sweep_box* box, const float* sum, float* moments, const ptrdiff_t terms) {
+    for (ptrdiff_t x = 0; x < box->size[0]; ++x)
 #pragma omp simd
-        for (ptrdiff_t i = 0; i < nx * terms; ++i) moments[i] += sum[i];
-        return;
-    }
-    for (ptrdiff_t x = 0; x < nx; ++x)
-        for (ptrdiff_t t = 0; t < terms; ++t) moments[x * terms + t] += sum[x * padded + t];
+        for (ptrdiff_t t = 0; t < terms; ++t) moments[x * terms + t] += sum[x * pad(terms) + t];
 }
 
 /* ---- rows ---- */
 
-static void cross_row(const ty_sweep_box* box, int32_t octant, int32_t y, int32_t z, const float* emission,
-                      float* moments, const row_scratch* scratch, ty_sweep_sums* sums) {
+/* What all rows of a sweep share. */
+typedef struct row_work {
+    const ty_sweep_box* box;
+    const float* emission;
+    float* moments;
+    row_scratch scratch;
+    ty_sweep_sums* sums;
+} row_work;
+
+TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t terms) {
+    const ty_sweep_box* box = work->box;
+    const row_scratch* scratch = &work->scratch;
     const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * LANES;
     for (int32_t g = 0; g < box->groups; ++g) {
         const emission_view view = {box, box->harmonics[octant / 2] + g * LANES, pitch};
-        emit(&view, emission + row * box->terms, scratch->light[0], scratch->light[1]);
+        emit(&view, work->emission + row * terms, scratch->light[0], scratch->light[1], terms);
         stream streams[2];
         for (int o = 0; o < 2; ++o)
             streams[o] = (stream){.along = load(box->inflow[octant + o] + g * LANES),
                                   .light = scratch->light[o],
                                   .face_y = box->faces_y[octant + o] + (g * nz + z) * nx * LANES,
                                   .face_z = box->faces_z[octant + o] + (g * ny + y) * nx * LANES};
-        advance(box, g, box->extinction + row, scratch, streams, sums);
-        gather(box, g, octant, scratch);
+        advance(box, g, box->extinction + row, scratch, streams, work->sums);
+        gather(box, g, octant, scratch, terms);
     }
-    add_moments(box, scratch->sum, moments + row * box->terms);
+    add_moments(box, scratch->sum, work->moments + row * terms, terms);
+}
+
+/* A row of as many terms as the usual numbers of bands have: loops over them have no ends to look for, and addresses
+ * of cells are constants. */
+static void cross_any(const row_work* work, int32_t octant, int32_t y, int32_t z) {
+    switch (work->box->terms) {
+    case 1: cross_row(work, octant, y, z, 1); return;
+    case 4: cross_row(work, octant, y, z, 4); return;
+    case 9: cross_row(work, octant, y, z, 9); return;
+    case 16: cross_row(work, octant, y, z, 16); return;
+    case 25: cross_row(work, octant, y, z, 25); return;
+    case 36: cross_row(work, octant, y, z, 36); return;
+    default: cross_row(work, octant, y, z, work->box->terms);
+    }
 }
 
 static void cross(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
                   float* scratch, ty_sweep_sums* sums) {
-    const row_scratch rows = lay_out(box, scratch);
+    const row_work work = {box, emission, moments, lay_out(box, scratch), sums};
     const bool down_y = (block->pair & 1) != 0, down_z = (block->pair & 2) != 0;
     const int32_t count_y = block->end[0] - block->begin[0], count_z = block->end[1] - block->begin[1];
     for (int32_t k = 0; k < count_z; ++k)
         for (int32_t j = 0; j < count_y; ++j)
-            cross_row(box, 2 * block->pair, down_y ? block->end[0] - 1 - j : block->begin[0] + j,
-                      down_z ? block->end[1] - 1 - k : block->begin[1] + k, emission, moments, &rows, sums);
+            cross_any(&work, 2 * block->pair, down_y ? block->end[0] - 1 - j : block->begin[0] + j,
+                      down_z ? block->end[1] - 1 - k : block->begin[1] + k);
 }
 
 const ty_sweep_kernels TY_JOIN(ty_sweep_kernels_, TY_ISA) = {
