@@ -96,10 +96,14 @@ static void add_surfel(surfel_job* job, const ray_field* field, const ty_ray* ra
     memcpy(surfel->albedo, point.albedo, sizeof surfel->albedo);
 }
 
+/* Beside surfaces that are more along the ray than this, others are told apart by their distance as if they were not.
+ */
+static const float least_along = 0.1f;
+
 /* Whether a layer is behind the last one that counted, and not the same surface again: another triangle at its edge, or
  * one in the same place. */
 static bool is_behind(const ty_ray* ray, const ty_hit* last, float distance) {
-    const float along = fabsf(ty_dot(last->normal, ty_vec_load(ray->direction)));
+    const float along = ty_maxf(fabsf(ty_dot(last->normal, ty_vec_load(ray->direction))), least_along);
     return (distance - last->distance) * along > last->margin;
 }
 
