@@ -46,7 +46,7 @@ ty_image_options ty_dom_image_options(const ty_dom_def* def) {
 ty_result ty_dom_check(ty_context* context, const ty_dom_def* def) {
     ty_result result = ty_check_def(context, def, "ty_default_dom_def");
     if (result == TY_OK) result = check_solve(context, def);
+    if (result != TY_OK) return result;
     const ty_image_options image = ty_dom_image_options(def);
-    if (result == TY_OK) result = ty_check_image(context, "dom", &image, TY_MARCH_AOVS);
-    return result;
+    return ty_check_image(context, "dom", &image, TY_MARCH_AOVS);
 }

@@ -70,7 +70,7 @@ ty_result ty_fld_check(ty_context* context, const ty_fld_def* def) {
     ty_result result = ty_check_def(context, def, "ty_default_fld_def");
     if (result == TY_OK) result = check_solver(context, def);
     if (result == TY_OK) result = check_cells(context, def);
+    if (result != TY_OK) return result;
     const ty_image_options image = ty_fld_image_options(def);
-    if (result == TY_OK) result = ty_check_image(context, "fld", &image, TY_MARCH_AOVS);
-    return result;
+    return ty_check_image(context, "fld", &image, TY_MARCH_AOVS);
 }

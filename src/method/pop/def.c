@@ -71,7 +71,7 @@ ty_result ty_pop_check(ty_context* context, const ty_pop_def* def) {
     if (result == TY_OK) result = check_cells(context, def);
     if (result == TY_OK) result = check_lights(context, def);
     if (result == TY_OK) result = check_solve(context, def);
+    if (result != TY_OK) return result;
     const ty_image_options image = ty_pop_image_options(def);
-    if (result == TY_OK) result = ty_check_image(context, "pop", &image, TY_MARCH_AOVS);
-    return result;
+    return ty_check_image(context, "pop", &image, TY_MARCH_AOVS);
 }
