@@ -1,5 +1,6 @@
 /* Impulse responses: options, lookups' laws, the cosine product, the file. */
 #include "checks.h"
+#include "effort.h"
 #include "files.h"
 
 #include "method/impulse/tables.h"
@@ -238,6 +239,7 @@ static void tables_are_kept_and_found(void** state) {
 }
 
 static void folders_that_cannot_be_written_are_a_warning(void** state) {
+    skip_under_sanitizers();
     put_file("impulse_no_folder", "x", 1);
     const ty_impulse_def def = least_def("impulse_no_folder");
     ty_impulse_stats stats;
@@ -275,6 +277,7 @@ static void files_hold_numbers_of_the_same_tables(void** state) {
 /* ---- making them ---- */
 
 static void threads_do_not_matter(void** state) {
+    skip_under_sanitizers();
     (void)state;
     ty_context* alone = make_context(1);
     const ty_impulse_def def = small_def("");

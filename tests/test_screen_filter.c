@@ -1,5 +1,6 @@
 /* What screen-space scattering does between pixels: uniform stays uniform, light is kept, the reference is the sum it
  * claims to be, and near light does not leak. */
+#include "effort.h"
 #include "screen_maker.h"
 
 #include "method/screen/kernel.h"
@@ -52,6 +53,7 @@ static double kept_energy(ty_context* context, variant v, int32_t filter, double
 
 /* The masks as published take some of it away; all others keep it. */
 static void highlights_keep_their_energy(void** state) {
+    skip_under_sanitizers();
     static const double distances[] = {0.1, 1, 4, 10}; /* at most a tenth of the picture wide */
     for (int v = 0; v < VARIANT_COUNT; ++v)
         for (int32_t filter = 2; filter <= (v == REFERENCE ? 2 : 6); filter += 2) { /* it has none */
@@ -69,6 +71,7 @@ static void highlights_keep_their_energy(void** state) {
 /* Light of all distances in one picture: none is lost where it is spread from its own pixel. Tails of small angles meet
  * the picture's edges, where odd sides of levels cost a little. */
 static void no_light_is_lost_at_edges_of_depth(void** state) {
+    skip_under_sanitizers();
     for (int v = 0; v < VARIANT_COUNT; ++v) {
         picture p = make_picture(151, 132, 15);
         uint64_t random = 7;

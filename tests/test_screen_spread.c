@@ -1,5 +1,6 @@
 /* How points spread in screen-space scattering: by the variance of Eq. 2, or as the theory of small angles says, which
  * is drawn here event by event. */
+#include "effort.h"
 #include "screen_maker.h"
 
 #include "method/screen/spread.h"
@@ -57,6 +58,7 @@ static void check_variance(ty_context* context, variant v, int32_t filter, doubl
 }
 
 static void gaussians_have_the_variance_of_equation_2(void** state) {
+    skip_under_sanitizers();
     for (int32_t filter = 2; filter <= 6; filter += 2) {
         check_variance(*state, GAUSSIAN, filter, 0.02, 0, 0.9);
         check_variance(*state, GAUSSIAN, filter, 0.3, 0, 0.9);

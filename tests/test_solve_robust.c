@@ -1,5 +1,6 @@
 /* What must hold for any medium, size and solver: energy, the flux limit, one answer from all. */
 #include "diffusion_maker.h"
+#include "effort.h"
 
 static ty_diffusion_stats solve_into(ty_context* context, problem* p, float* fluence) {
     p->out.fluence = fluence;
@@ -120,6 +121,7 @@ static int32_t iterations_of(ty_context* context, const medium_case* c, double t
 
 /* Light that streams is what Picard iterations alone hardly touch. */
 static void limited_problems_take_few_iterations(void** state) {
+    skip_under_sanitizers();
     static const int32_t sizes[] = {24, 33, 48};
     for (int i = 0; i < 3; ++i) {
         const int32_t n = sizes[i];
@@ -134,6 +136,7 @@ static void limited_problems_take_few_iterations(void** state) {
 
 /* In light that streams with about what the faces let through, too, which is steepest beside them. */
 static void iterations_hardly_grow_with_cells(void** state) {
+    skip_under_sanitizers();
     static const int32_t sizes[] = {20, 40, 80};
     for (int i = 0; i < 3; ++i) {
         const int32_t n = sizes[i];

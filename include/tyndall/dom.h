@@ -60,6 +60,9 @@ typedef struct ty_dom_def {
 } ty_dom_def;
 
 TY_API ty_dom_def ty_default_dom_def(void);
+/* What a scene file's render.dom asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
+ * that are none of a setting's count as the first of them. */
+TY_API ty_dom_def ty_dom_def_of(const ty_dom_settings* settings);
 
 /* What a solve, and a view after it, did. Per channel where there are three. */
 typedef struct ty_dom_stats {

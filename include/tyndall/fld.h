@@ -90,6 +90,9 @@ typedef struct ty_fld_def {
 } ty_fld_def;
 
 TY_API ty_fld_def ty_default_fld_def(void);
+/* What a scene file's render.fld asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
+ * that are none of a setting's count as the first of them. */
+TY_API ty_fld_def ty_fld_def_of(const ty_fld_settings* settings);
 
 /* What a solve, and a view after it, did. Per channel where there are three. */
 typedef struct ty_fld_stats {

@@ -93,6 +93,9 @@ typedef struct ty_lpv_def {
 } ty_lpv_def;
 
 TY_API ty_lpv_def ty_default_lpv_def(void);
+/* What a scene file's render.lpv asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
+ * that are none of a setting's count as the first of them. */
+TY_API ty_lpv_def ty_lpv_def_of(const ty_lpv_settings* settings);
 
 /* What a solve, and a view after it, did. Seconds of all lights, channels and cascades together. */
 typedef struct ty_lpv_stats {

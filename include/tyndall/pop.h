@@ -88,6 +88,9 @@ typedef struct ty_pop_def {
 } ty_pop_def;
 
 TY_API ty_pop_def ty_default_pop_def(void);
+/* What a scene file's render.pop asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
+ * that are none of a setting's count as the first of them. */
+TY_API ty_pop_def ty_pop_def_of(const ty_pop_settings* settings);
 
 /* What a solve, and a view after it, did. */
 typedef struct ty_pop_stats {

@@ -7,12 +7,7 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
                         cli_report* report) {
     const ty_lpv_settings settings = ty_scene_render_settings(scene).lpv;
     ty_lpv_def def = ty_lpv_def_of(&settings);
-    def.seed = request->seed;
-    def.width = request->width;
-    def.height = request->height;
-    def.aovs = request->aovs & ~(uint32_t)TY_AOV_SAMPLES;
-    def.progress = cli_progress_report;
-    def.progress_user = &session->progress;
+    CLI_TAKE_REQUEST(def, session, request);
     const ty_result result = ty_lpv_render(scene, &def, out, &report->lpv);
     report->own_seconds = report->path.seconds = report->lpv.seconds;
     return result;

@@ -2,17 +2,11 @@
 #include "cli/methods.h"
 #include "cli/surfaces.h"
 #include "image/march.h"
-#include "method/pop/job.h"
 
 static ty_pop_def make_def(cli_session* session, const ty_scene* scene, const cli_request* request) {
     const ty_pop_settings settings = ty_scene_render_settings(scene).pop;
     ty_pop_def def = ty_pop_def_of(&settings);
-    def.seed = request->seed;
-    def.width = request->width;
-    def.height = request->height;
-    def.aovs = request->aovs & ~(uint32_t)TY_AOV_SAMPLES;
-    def.progress = cli_progress_report;
-    def.progress_user = &session->progress;
+    CLI_TAKE_REQUEST(def, session, request);
     return def;
 }
 

@@ -39,6 +39,17 @@ const cli_method* cli_find_method(const char* command, const char* name);
 int cli_check_request(cli_session* session, const ty_scene* scene, const cli_method* method,
                       const cli_request* request);
 
+/* What the defs of all methods but path take from a request: their fields have the same names. */
+#define CLI_TAKE_REQUEST(def, session, request)                                                                        \
+    do {                                                                                                               \
+        (def).seed = (request)->seed;                                                                                  \
+        (def).width = (request)->width;                                                                                \
+        (def).height = (request)->height;                                                                              \
+        (def).aovs = (request)->aovs & ~(uint32_t)TY_AOV_SAMPLES;                                                      \
+        (def).progress = cli_progress_report;                                                                          \
+        (def).progress_user = &(session)->progress;                                                                    \
+    } while (0)
+
 /* What paths are traced with: the request, the scene's settings, the session's progress. */
 ty_path_def cli_path_def(cli_session* session, const ty_scene* scene, const cli_request* request);
 

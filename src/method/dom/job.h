@@ -74,8 +74,6 @@ typedef struct ty_dom_job {
     ty_dom_stats stats;
 } ty_dom_job;
 
-/* What settings ask for; all else as by default. */
-ty_dom_def ty_dom_def_of(const ty_dom_settings* settings);
 /* Fails with the first field that is out of its range. */
 ty_result ty_dom_check(ty_context* context, const ty_dom_def* def);
 ty_image_options ty_dom_image_options(const ty_dom_def* def);

@@ -36,8 +36,6 @@ typedef struct ty_fld_job {
     ty_fld_stats stats;
 } ty_fld_job;
 
-/* What settings ask for; all else as by default. */
-ty_fld_def ty_fld_def_of(const ty_fld_settings* settings);
 /* Fails with the first field that is out of its range. */
 ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
 ty_image_options ty_fld_image_options(const ty_fld_def* def);

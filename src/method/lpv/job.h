@@ -36,8 +36,6 @@ typedef struct ty_lpv_job {
     ty_lpv_stats stats;
 } ty_lpv_job;
 
-/* What settings ask for; all else as by default. */
-ty_lpv_def ty_lpv_def_of(const ty_lpv_settings* settings);
 /* Fails with the first field that is out of its range. */
 ty_result ty_lpv_check(ty_context* context, const ty_lpv_def* def);
 /* Whether the scene's lights are such as the method takes, and def's maps are theirs. */

@@ -46,8 +46,6 @@ typedef struct ty_pop_job {
     ty_pop_stats stats;
 } ty_pop_job;
 
-/* What settings ask for; all else as by default. */
-ty_pop_def ty_pop_def_of(const ty_pop_settings* settings);
 /* Fails with the first field that is out of its range. */
 ty_result ty_pop_check(ty_context* context, const ty_pop_def* def);
 ty_image_options ty_pop_image_options(const ty_pop_def* def);
