@@ -1,5 +1,5 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate fuzz tsan format format-check clean
+.PHONY: all demo test validate docs fuzz tsan format format-check clean
 .DEFAULT_GOAL := all
 
 sources = $(shell find include src tests examples -name '*.[ch]' -o -name '*.cpp')
@@ -25,6 +25,13 @@ validate:
 	@scripts/setup.sh
 	@scripts/build.sh release
 	@ctest --test-dir build/release -C Validate -L validate --output-on-failure
+
+# The reference of the C API, build/docs/api/index.html, and docs/commands.md anew.
+docs:
+	@scripts/setup.sh build docs
+	@scripts/build.sh release tyndall_cli
+	@build/release/bin/tyndall help --markdown > docs/commands.md
+	@scripts/docs.sh
 
 # Every fuzz target for FUZZ_SECONDS (default 600).
 fuzz:

@@ -24,6 +24,13 @@ for header in "$source"/include/tyndall/*.h; do
   cmp "$header" "$prefix/include/tyndall/$(basename "$header")"
 done
 
+# A manual page for the tool and one for each of its commands.
+pages=$prefix/share/man/man1
+for command in $("$prefix/bin/tyndall" help | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+  grep -q '^\.SH OPTIONS' "$pages/tyndall-$command.1" || { echo "no manual page of $command"; exit 1; }
+done
+grep -q '^\.BR tyndall' "$pages/tyndall.1" || { echo "no manual page of tyndall"; exit 1; }
+
 # check PROGRAM IMAGE: it renders, and the installed tool reads what it wrote.
 check() {
   "$1" builtin:cube_g0 "$2"

@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/* What media do to light on its way. */
 typedef enum ty_bake_method {
     TY_BAKE_CACHE = 0,       /* surfaces by paths, media by light that was gathered in cells of them before */
     TY_BAKE_IMPULSE = 1,     /* surfaces by paths, media by impulse responses */
@@ -44,19 +45,20 @@ typedef struct ty_bake_receiver {
  * radiance in real spherical harmonics, without the Condon-Shortley phase, of where light comes from, in the order
  * l (l + 1) + m. */
 typedef struct ty_bake_light {
-    float irradiance[TY_BAKE_LAYERS][3];
-    float toward[TY_BAKE_LAYERS][3][3]; /* [layer][channel][axis] */
+    float irradiance[TY_BAKE_LAYERS][3]; /* [layer][channel], W m^-2 */
+    float toward[TY_BAKE_LAYERS][3][3];  /* [layer][channel][axis] */
     float fluence[3];  /* the integral of radiance from the lit side, W m^-2, of all layers; 0: not measured */
     float variance[3]; /* of the sum of all layers' irradiance, or of the first harmonic */
-    int32_t samples;
+    int32_t samples;   /* paths gathered; 0: none yet */
     float blocked; /* the fraction of first rays that met the back of a surface that is not double-sided: near 1 within
                       walls */
 } ty_bake_light;
 
+/* What a probe got: as ty_bake_light says. */
 typedef struct ty_bake_probe {
-    float sh[TY_BAKE_LAYERS][3][TY_BAKE_SH_TERMS];
-    float variance[3];
-    int32_t samples;
+    float sh[TY_BAKE_LAYERS][3][TY_BAKE_SH_TERMS]; /* [layer][channel][term], W m^-2 sr^-1 */
+    float variance[3];                             /* of the first term, over all layers */
+    int32_t samples;                               /* paths gathered; 0: none yet */
     float blocked; /* the fraction of rays that met the back of a surface: near 1 within walls */
 } ty_bake_probe;
 
@@ -64,10 +66,11 @@ typedef struct ty_bake_probe {
  * comes straight from lights, with its mean direction. */
 typedef struct ty_bake_cache ty_bake_cache;
 
+/* How to bake; made by ty_default_bake_def. */
 typedef struct ty_bake_def {
-    uint32_t cookie; /* set by ty_default_bake_def; checked */
-    ty_bake_method method;
-    int32_t spp;     /* paths per receiver at most, 1..2^20; default 64 */
+    uint32_t cookie;       /* set by ty_default_bake_def; checked */
+    ty_bake_method method; /* default TY_BAKE_CACHE */
+    int32_t spp;           /* paths per receiver at most, 1..2^20; default 64 */
     double error;    /* stop a receiver when its standard error is below this part of its irradiance (or of the mean of
                         all, where that is more), > 0; 0 (default): no bound */
     int32_t bounces; /* reflections and, for TY_BAKE_PATH, scatterings together at most; 0 (default): as many
@@ -80,27 +83,31 @@ typedef struct ty_bake_def {
     const ty_bake_cache* cache; /* method TY_BAKE_CACHE, of the same scene; NULL: made of this def */
     int32_t cells;              /* of a cache along the longest side of its box, 1..512; 0 (default): 32 */
     int32_t cell_paths;         /* of a cache, per cell, 1..2^20; 0 (default): 64 */
-    uint64_t seed;
-    ty_progress_fn progress; /* default NULL */
-    void* progress_user;
+    uint64_t seed;              /* any; default 0 */
+    ty_progress_fn progress;    /* default NULL */
+    void* progress_user;        /* passed on to progress; default NULL */
 } ty_bake_def;
 
+/* A def with every field at its default. */
 TY_API ty_bake_def ty_default_bake_def(void);
 
+/* What a bake took. */
 typedef struct ty_bake_stats {
-    double seconds, table_seconds;
-    double cache_seconds; /* of the cache's making, if it was made for this bake */
-    int64_t paths, rays;  /* segments and shadow rays */
-    double ray_seconds;   /* estimate: rays at the speed of bare tracing; 0: not measured */
-    double mean_samples;
+    double seconds, table_seconds; /* wall clock, s: of all, and of making or reading the tables of impulse responses */
+    double cache_seconds;          /* of the cache's making, if it was made for this bake */
+    int64_t paths, rays;           /* segments and shadow rays */
+    double ray_seconds;            /* estimate: rays at the speed of bare tracing; 0: not measured */
+    double mean_samples;           /* paths per receiver */
 } ty_bake_stats;
 
+/* What a cache of light in cells is, or will be. */
 typedef struct ty_bake_cache_info {
-    int32_t size[3]; /* cells */
-    double cell;     /* their side, m */
-    int64_t filled;  /* those that light is known in: where media scatter, and around */
-    int64_t paths, rays;
-    double bytes, seconds;
+    int32_t size[3];     /* cells */
+    double cell;         /* their side, m */
+    int64_t filled;      /* those that light is known in: where media scatter, and around */
+    int64_t paths, rays; /* that filled it: segments and shadow rays */
+    double bytes;        /* of memory */
+    double seconds;      /* that filling it took */
 } ty_bake_cache_info;
 
 /* What a cache will be: its size, the side of its cells and its bytes. Errors: TY_ERROR_ARGUMENT. */
@@ -109,13 +116,16 @@ TY_API ty_result ty_bake_cache_estimate(const ty_scene* scene, const ty_bake_def
  * def's cells, cell_paths, bounces, scatterings, seed and progress count. Without media that scatter it has no cells.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY, TY_CANCELLED. */
 TY_API ty_result ty_bake_cache_create(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache** out);
+/* Frees a cache; NULL is allowed. */
 TY_API void ty_bake_cache_destroy(ty_bake_cache* cache);
+/* Size, cells and what filling them took. */
 TY_API ty_bake_cache_info ty_bake_cache_get_info(const ty_bake_cache* cache);
 
 /* Light at receivers of a committed scene. On TY_CANCELLED what is there is valid with fewer samples (0: none yet).
  * stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const ty_bake_receiver* receivers,
                                   int64_t count, ty_bake_light* light, ty_bake_stats* stats);
+/* The same at points, from all around: positions has x, y, z of each, m. */
 TY_API ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const float* positions, int64_t count,
                                 ty_bake_probe* probes, ty_bake_stats* stats);
 
@@ -140,6 +150,7 @@ TY_API void ty_bake_probe_sum(const ty_bake_probe* probe, float sh[3][TY_BAKE_SH
 
 /* ---- Lightmaps ---- */
 
+/* How many texels a lightmap has; made by ty_default_atlas_def. */
 typedef struct ty_atlas_def {
     uint32_t cookie;       /* set by ty_default_atlas_def; checked */
     int32_t width, height; /* texels of one map, 4..16384; 0 (default): from density */
@@ -149,6 +160,7 @@ typedef struct ty_atlas_def {
                          alike; default true */
 } ty_atlas_def;
 
+/* A def with every field at its default. */
 TY_API ty_atlas_def ty_default_atlas_def(void);
 
 /* Where the texels of a mesh's second texture coordinates lie on it. */
@@ -170,22 +182,30 @@ TY_API ty_result ty_atlas_estimate(const ty_scene* scene, int32_t mesh, const ch
  * and what to do. name: of the mesh, for messages. */
 TY_API ty_result ty_atlas_create(const ty_scene* scene, int32_t mesh, const char* name, const ty_atlas_def* def,
                                  ty_atlas** out);
+/* Frees an atlas and its receivers; NULL is allowed. */
 TY_API void ty_atlas_destroy(ty_atlas* atlas);
+/* Texels along u. */
 TY_API int32_t ty_atlas_width(const ty_atlas* atlas);
+/* Texels along v. */
 TY_API int32_t ty_atlas_height(const ty_atlas* atlas);
 /* The atlas' receivers, one per texel that counts; *count of them; they last as long as it. */
 TY_API const ty_bake_receiver* ty_atlas_receivers(const ty_atlas* atlas, int64_t* count);
-/* An image of what they got (light[i] is the i-th receiver's), row 0 at v = 0:
- *   R, G, B               irradiance, the sum of its layers direct.R .. multiple.B, W m^-2
- *   L1.RX .. L1.BZ        the vector irradiance over the integral of radiance, no longer than 1: where light comes
- * from, and how much from there alone. On another unit normal m than the surface's n, irradiance is about R max(0, 1 +
- * 2 L1 . m) / (1 + 2 L1 . n). A unit vector where fluence was not measured coverage.A            1 where a triangle
- * covers the texel's middle, else the fraction that the texel's triangle covers, 0 around charts samples.N 0 where
- * light is not the texel's own variance.R, .G, .B    of R, G, B as sampled; 0 where samples.N is Texels within walls
- * (blocked > 1/2), not sampled or not finite take the light of neighbours on their chart, from the nearest on; a chart
- * where all are keeps what it has. Then bilinear lookups along edges that smooth surfaces share are made alike by the
- * least change of the texels that they meet. Then texels around charts take the light of the nearest that counts,
- * `padding` rows and columns far: bilinear lookups need 1, those in mip level m 2^m. Errors: TY_ERROR_MEMORY. */
+/* An image of what they got (light[i] is the i-th receiver's), row 0 at v = 0.
+ *
+ * - R, G, B: irradiance, the sum of its layers direct.R .. multiple.B, W m^-2.
+ * - L1.RX .. L1.BZ: the vector irradiance over the integral of radiance, no longer than 1: where light comes from, and
+ *   how much from there alone. On another unit normal m than the surface's n, irradiance is about
+ *   R max(0, 1 + 2 L1 . m) / (1 + 2 L1 . n). A unit vector where fluence was not measured.
+ * - coverage.A: 1 where a triangle covers the texel's middle, else the fraction that the texel's triangle covers, 0
+ *   around charts.
+ * - samples.N: paths; 0 where light is not the texel's own.
+ * - variance.R, .G, .B: of R, G, B as sampled; 0 where samples.N is.
+ *
+ * Texels within walls (blocked > 1/2), not sampled or not finite take the light of neighbours on their chart, from the
+ * nearest on; a chart where all are keeps what it has. Then bilinear lookups along edges that smooth surfaces share are
+ * made alike by the least change of the texels that they meet. Then texels around charts take the light of the nearest
+ * that counts, `padding` rows and columns far: bilinear lookups need 1, those in mip level m 2^m.
+ * Errors: TY_ERROR_MEMORY. */
 TY_API ty_result ty_atlas_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out);
 
 #ifdef __cplusplus

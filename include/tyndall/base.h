@@ -13,16 +13,18 @@
 extern "C" {
 #endif
 
+/* Marks what the library exports. */
 #if defined(__GNUC__)
 #define TY_API __attribute__((visibility("default")))
 #else
 #define TY_API
 #endif
 
-#define TY_VERSION_MAJOR 0
-#define TY_VERSION_MINOR 1
-#define TY_VERSION_PATCH 0
+/* The version of these headers. */
 #define TY_VERSION "0.1.0"
+#define TY_VERSION_MAJOR 0 /* of TY_VERSION */
+#define TY_VERSION_MINOR 1 /* of TY_VERSION */
+#define TY_VERSION_PATCH 0 /* of TY_VERSION */
 
 /* code, name, text */
 #define TY_RESULT_LIST(X)                                                                                              \
@@ -35,21 +37,26 @@ extern "C" {
     X(6, TY_ERROR_UNSUPPORTED, "not available in this build or on this machine")                                       \
     X(7, TY_ERROR_INTERNAL, "a library below failed unexpectedly")
 
+/* What a fallible call returns; TY_RESULT_LIST has the words. */
 typedef enum ty_result {
+/* One of the list. */
 #define TY_RESULT_ENUM(code, name, text) name = code,
     TY_RESULT_LIST(TY_RESULT_ENUM)
 #undef TY_RESULT_ENUM
 } ty_result;
 
-/* The name ("TY_ERROR_INPUT") and the text of a result; "unknown" for any other number. */
+/* The name of a result ("TY_ERROR_INPUT"); "unknown" for any other number. */
 TY_API const char* ty_result_name(ty_result result);
+/* What a result means ("the content of a file is wrong"); "unknown" for any other number. */
 TY_API const char* ty_result_text(ty_result result);
 
 /* The version of the library that runs ("0.1.0"). */
 TY_API const char* ty_version(void);
 
+/* Threads, memory and messages: what everything else is made with. */
 typedef struct ty_context ty_context;
 
+/* How much a logged line matters. */
 typedef enum ty_log_level { TY_LOG_INFO = 0, TY_LOG_WARNING = 1, TY_LOG_ERROR = 2 } ty_log_level;
 
 /* Called with one finished line without a newline. May be called from any thread, one call at a time; it must not call
@@ -62,6 +69,7 @@ typedef void* (*ty_alloc_fn)(void* user, size_t size);
 /* pointer as returned by the allocation, with the same size. */
 typedef void (*ty_free_fn)(void* user, void* pointer, size_t size);
 
+/* What a context is made of; made by ty_default_context_def. */
 typedef struct ty_context_def {
     uint32_t cookie;   /* set by ty_default_context_def; checked */
     int32_t threads;   /* threads for long work, 1..1024, or 0 (default) for one per available processor */
@@ -72,6 +80,7 @@ typedef struct ty_context_def {
     void* alloc_user;  /* default NULL */
 } ty_context_def;
 
+/* A def with every field at its default. */
 TY_API ty_context_def ty_default_context_def(void);
 
 /* Errors: TY_ERROR_ARGUMENT (def not made by its default function, or a field out of range), TY_ERROR_MEMORY. */
@@ -82,6 +91,7 @@ TY_API void ty_context_destroy(ty_context* context);
 /* The first message since the context was created or cleared, "" if there is none:
  * "scene.json:14: media[0].g: 1.2 is outside (-1, 1)". Valid until the next call with this context. */
 TY_API const char* ty_last_error(const ty_context* context);
+/* Forgets the message. */
 TY_API void ty_clear_error(ty_context* context);
 
 /* The number of threads long work uses. */
@@ -101,11 +111,12 @@ typedef struct ty_progress {
  * within a few milliseconds and returns TY_CANCELLED with a valid partial result. */
 typedef bool (*ty_progress_fn)(void* user, const ty_progress* progress);
 
-/* Runs body(user, index, worker) for every index in [0, count) over the context's threads; worker is in
- * [0, threads). Which thread takes which index is not fixed, so a body writes only what its index owns. The context's
- * threads start with its first loop and end with the context; a loop that begins while another runs, from its body or
- * from another thread, runs in the calling thread alone, as worker 0. */
+/* The body of a parallel loop: works on one index; worker is in [0, threads) and no other has it meanwhile. */
 typedef void (*ty_parallel_fn)(void* user, int64_t index, int32_t worker);
+/* Runs body(user, index, worker) for every index in [0, count) over the context's threads. Which thread takes which
+ * index is not fixed, so a body writes only what its index owns. The context's threads start with its first loop and
+ * end with the context; a loop that begins while another runs, from its body or from another thread, runs in the
+ * calling thread alone, as worker 0. */
 TY_API void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user);
 
 #ifdef __cplusplus

@@ -27,6 +27,7 @@ enum { TY_DOM_CELLS_MAX = 512, TY_DOM_DIRECTIONS_MAX = 1024, TY_DOM_BANDS_MAX = 
 /* Light in a scene's media: solved once, seen from anywhere. It keeps nothing of the scene. */
 typedef struct ty_dom ty_dom;
 
+/* What to solve and how; made by ty_default_dom_def. */
 typedef struct ty_dom_def {
     uint32_t cookie; /* set by ty_default_dom_def; checked */
 
@@ -56,9 +57,10 @@ typedef struct ty_dom_def {
     const ty_image* unscattered; /* as in ty_fld_def */
 
     ty_progress_fn progress; /* default NULL */
-    void* progress_user;
+    void* progress_user;     /* passed on to progress; default NULL */
 } ty_dom_def;
 
+/* A def with every field at its default. */
 TY_API ty_dom_def ty_default_dom_def(void);
 /* What a scene file's render.dom asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
  * that are none of a setting's count as the first of them. */
@@ -68,6 +70,7 @@ TY_API ty_dom_def ty_dom_def_of(const ty_dom_settings* settings);
 typedef struct ty_dom_stats {
     int32_t direct_size[3], size[3]; /* cells */
     int32_t planes;                  /* 1: one solve for all channels; 3 */
+    /* What was used of both. */
     int32_t directions, bands;
     bool converged;    /* all channels */
     int32_t sweeps[3]; /* of all directions over all cells */
@@ -75,10 +78,11 @@ typedef struct ty_dom_stats {
     double change[3];  /* what is still to come, of the fluence, estimated */
     /* W: light that scattered for the first time and emission, what the medium absorbed of it, what left. */
     double emitted[3], absorbed[3], leaving[3];
+    /* Wall clock, s: of all, and of its parts. */
     double seconds, medium_seconds, direct_seconds, source_seconds, solve_seconds, march_seconds;
     double sweep_seconds; /* of solve_seconds, in sweeps alone */
     double bytes;         /* that the solve works in */
-    const char* isa;
+    const char* isa;      /* which build of the kernels ran, as in ty_path_stats */
 } ty_dom_stats;
 
 /* Samples the media of a committed scene, finds the uncollided light of all its lights and solves for the rest.
@@ -86,6 +90,7 @@ typedef struct ty_dom_stats {
  * TY_OK with stats->converged false. Errors: TY_ERROR_ARGUMENT (def, a scene without media, start of another grid),
  * TY_ERROR_MEMORY; TY_CANCELLED. */
 TY_API ty_result ty_dom_solve(const ty_scene* scene, const ty_dom_def* def, ty_dom** out, ty_dom_stats* stats);
+/* Frees the light; NULL is allowed. */
 TY_API void ty_dom_destroy(ty_dom* light);
 
 /* Radiance through the pixels of the scene's camera: R, G, B and def->aovs. The scene is the one that was solved, but

@@ -18,11 +18,11 @@ extern "C" {
 /* F(R) of Table 2. */
 typedef enum ty_fld_limiter {
     TY_FLD_LIMITER_NONE = 0, /* 1/3: classical diffusion (CDA) */
-    TY_FLD_LIMITER_SUM = 1,
-    TY_FLD_LIMITER_MAX = 2,
+    TY_FLD_LIMITER_SUM = 1,  /* 1 / (3 + R) */
+    TY_FLD_LIMITER_MAX = 2,  /* 1 / max(3, R) */
     TY_FLD_LIMITER_KERSHAW = 3,
-    TY_FLD_LIMITER_LARSEN = 4, /* with larsen_power */
-    TY_FLD_LIMITER_LEVERMORE_POMRANING = 5
+    TY_FLD_LIMITER_LARSEN = 4,             /* (3^n + R^n)^(-1/n), n: larsen_power */
+    TY_FLD_LIMITER_LEVERMORE_POMRANING = 5 /* (coth R - 1/R) / R */
 } ty_fld_limiter;
 
 /* What the six faces of the box around all media do. */
@@ -31,6 +31,7 @@ typedef enum ty_fld_boundary {
     TY_FLD_BOUNDARY_DIRICHLET = 1 /* the paper's: no fluence on the faces */
 } ty_fld_boundary;
 
+/* What solves the equation; they agree within the tolerance. */
 typedef enum ty_fld_solver {
     TY_FLD_SOLVER_MULTIGRID = 0, /* ours */
     TY_FLD_SOLVER_SOR = 1,       /* Algorithm 1, in double precision */
@@ -46,6 +47,7 @@ typedef enum ty_fld_beam {
 
 enum { TY_FLD_CELLS_MAX = 1024 };
 
+/* What to solve and how; made by ty_default_fld_def. */
 typedef struct ty_fld_def {
     uint32_t cookie; /* set by ty_default_fld_def; checked */
 
@@ -60,10 +62,9 @@ typedef struct ty_fld_def {
     double larsen_power;    /* n, 1..100; default 2 */
     double streaming; /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go; 0 (default): 0.55,
                          and up to 0.8 as the share of light grows that comes from lamps within the media's box. 0.55 is
-                         about
-                         what light has where it leaves thick media for vacuum (0.5 if it left alike in all outward
-                         directions, 1 / sqrt(3) in Milne's problem); 1: the paper's, true of light far from its
-                         source */
+                         about what light has where it leaves thick media for vacuum (0.5 if it left alike in all
+                         outward directions, 1 / sqrt(3) in Milne's problem); 1: the paper's, true of light far from
+                         its source */
     ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_MARSHAK */
     double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
@@ -86,9 +87,10 @@ typedef struct ty_fld_def {
                                     what scattered light they reflect */
 
     ty_progress_fn progress; /* default NULL */
-    void* progress_user;
+    void* progress_user;     /* passed on to progress; default NULL */
 } ty_fld_def;
 
+/* A def with every field at its default. */
 TY_API ty_fld_def ty_default_fld_def(void);
 /* What a scene file's render.fld asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
  * that are none of a setting's count as the first of them. */
@@ -105,9 +107,10 @@ typedef struct ty_fld_stats {
     double work[3];                            /* passes over all cells */
     /* W: light that scattered for the first time and emission, what the medium absorbed of it, what left. */
     double emitted[3], absorbed[3], leaving[3];
+    /* Wall clock, s: of all, and of its parts. */
     double seconds, medium_seconds, direct_seconds, solve_seconds, march_seconds;
-    double bytes; /* that the solver works in, with all channels that are solved side by side */
-    const char* isa;
+    double bytes;    /* that the solver works in, with all channels that are solved side by side */
+    const char* isa; /* which build of the kernels ran, as in ty_path_stats */
 } ty_fld_stats;
 
 /* Light in a scene's media: solved once, seen from anywhere. It keeps nothing of the scene. */
@@ -118,6 +121,7 @@ typedef struct ty_fld ty_fld;
  * TY_OK with stats->converged false. Errors: TY_ERROR_ARGUMENT (def, a scene without media), TY_ERROR_MEMORY;
  * TY_CANCELLED. */
 TY_API ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats);
+/* Frees the light; NULL is allowed. */
 TY_API void ty_fld_destroy(ty_fld* light);
 
 /* Radiance through the pixels of the scene's camera: R, G, B and def->aovs. The scene is the one that was solved, but

@@ -13,22 +13,27 @@ extern "C" {
 
 /* A 3x4 affine map, row-major: y[r] = m[4 r] x[0] + m[4 r + 1] x[1] + m[4 r + 2] x[2] + m[4 r + 3]. */
 typedef struct ty_affine {
-    double m[12];
+    double m[12]; /* three rows of four */
 } ty_affine;
 
+/* x -> x. */
 TY_API ty_affine ty_affine_identity(void);
 /* a after b: x -> a(b(x)). */
 TY_API ty_affine ty_affine_multiply(const ty_affine* a, const ty_affine* b);
 /* Returns false, with *out untouched, when the map cannot be inverted. */
 TY_API bool ty_affine_invert(const ty_affine* a, ty_affine* out);
+/* The map of a point. */
 TY_API void ty_affine_point(const ty_affine* a, const double point[3], double out[3]);
 /* Scale, then rotate about x, then y, then z (degrees, counter-clockwise seen from the axis' tip), then translate. */
 TY_API ty_affine ty_affine_compose(const double translate[3], const double rotate_deg[3], const double scale[3]);
 
+/* Scalar values on a regular grid of voxels. Immutable, and shared by counting owners. */
 typedef struct ty_grid ty_grid;
 
+/* How values are stored: 32 or 16 bit. */
 typedef enum ty_grid_type { TY_GRID_F32 = 0, TY_GRID_F16 = 1 } ty_grid_type;
 
+/* What a grid is made of; made by ty_default_grid_def. */
 typedef struct ty_grid_def {
     uint32_t cookie;          /* set by ty_default_grid_def; checked */
     int32_t size[3];          /* voxels along x, y, z; each 1..16384, default 0 (must be set) */
@@ -40,26 +45,30 @@ typedef struct ty_grid_def {
     float background;         /* value outside, for placed grids; default 0 */
 } ty_grid_def;
 
+/* A def with every field at its default. */
 TY_API ty_grid_def ty_default_grid_def(void);
 
 /* Non-finite values become 0 with a warning that counts them.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY (also when the size overflows). The result has one owner. */
 TY_API ty_result ty_grid_create(ty_context* context, const ty_grid_def* def, ty_grid** out);
-/* Owners may share a grid: retain adds one, destroy removes one and frees at the last. NULL is allowed. */
+/* Adds an owner, and returns the grid. NULL is allowed. */
 TY_API ty_grid* ty_grid_retain(ty_grid* grid);
+/* Removes an owner; the last one frees the grid. NULL is allowed. */
 TY_API void ty_grid_destroy(ty_grid* grid);
 
+/* What a grid is; as in ty_grid_def where nothing else is said. */
 typedef struct ty_grid_info {
-    int32_t size[3];
-    ty_grid_type type;
-    bool placed;
-    float background;
+    int32_t size[3];          /* voxels along x, y, z */
+    ty_grid_type type;        /* of values */
+    bool placed;              /* whether it has a place of its own */
+    float background;         /* value outside, of placed grids */
     float min, max;           /* over all voxels */
     double mean;              /* over all voxels */
     size_t bytes;             /* memory taken, tables included */
     ty_affine index_to_local; /* units as given */
 } ty_grid_info;
 
+/* Size, place, extremes and memory of a grid. */
 TY_API ty_grid_info ty_grid_get_info(const ty_grid* grid);
 
 /* The trilinear value at a point in index space; outside: background if placed, else the nearest edge value. */
@@ -78,6 +87,7 @@ typedef enum ty_noise_kind {
     TY_NOISE_NEBULA = 3
 } ty_noise_kind;
 
+/* What noise is made of; made by ty_default_noise_def. */
 typedef struct ty_noise_def {
     uint32_t cookie;    /* set by ty_default_noise_def; checked */
     ty_noise_kind kind; /* default TY_NOISE_CLOUD */
@@ -92,8 +102,9 @@ typedef struct ty_noise_def {
     float sharpness;    /* slope of the edge from 0 to 1, (0, 1e6]; default 4 */
 } ty_noise_def;
 
+/* A def with every field at its default. */
 TY_API ty_noise_def ty_default_noise_def(void);
-/* Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/* Makes the grid, which has one owner. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_grid_noise(ty_context* context, const ty_noise_def* def, ty_grid** out);
 
 #ifdef __cplusplus

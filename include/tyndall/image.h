@@ -10,24 +10,31 @@
 extern "C" {
 #endif
 
+/* Planes of floats with names, their place in a frame, and metadata. */
 typedef struct ty_image ty_image;
 
 /* names: channel_count names ("R", "G", "B", "depth.Z"), each 1..254 characters, no two alike. Pixels start at 0.
  * Sides 1..65536. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_create(ty_context* context, int32_t width, int32_t height, int32_t channel_count,
                                  const char* const* names, ty_image** out);
-/* R, G, B. */
+/* The same with the channels R, G, B. */
 TY_API ty_result ty_image_create_rgb(ty_context* context, int32_t width, int32_t height, ty_image** out);
+/* Frees an image; NULL is allowed. */
 TY_API void ty_image_destroy(ty_image* image);
 
+/* Pixels in a row. */
 TY_API int32_t ty_image_width(const ty_image* image);
+/* Rows. */
 TY_API int32_t ty_image_height(const ty_image* image);
+/* How many channels there are. */
 TY_API int32_t ty_image_channel_count(const ty_image* image);
+/* The name of a channel; valid as long as the image. */
 TY_API const char* ty_image_channel_name(const ty_image* image, int32_t channel);
 /* The index of a channel by name, -1 if there is none. */
 TY_API int32_t ty_image_find_channel(const ty_image* image, const char* name);
 /* The plane of a channel: width*height floats, valid as long as the image. */
 TY_API float* ty_image_plane(ty_image* image, int32_t channel);
+/* The same to read. */
 TY_API const float* ty_image_plane_const(const ty_image* image, int32_t channel);
 /* The planes of R, G and B; of one channel three times where there is only one, whatever its name, or a Y without an X.
  * Returns false when the image has neither. */
@@ -44,11 +51,14 @@ TY_API void ty_image_get_frame(const ty_image* image, int32_t frame[4]);
  * Errors: TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_fill_frame(ty_context* context, const ty_image* image, ty_image** out);
 
-/* Metadata, written as EXR attributes and read back. key: 1..31 of [A-Za-z0-9_.]; setting again replaces.
+/* Sets metadata, written as EXR attributes and read back. key: 1..31 of [A-Za-z0-9_.]; setting again replaces.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_image_set_text(ty_image* image, const char* key, const char* value);
+/* The same with a number. */
 TY_API ty_result ty_image_set_number(ty_image* image, const char* key, double value);
+/* How many keys there are. */
 TY_API int32_t ty_image_metadata_count(const ty_image* image);
+/* The key of an index, in the order of their setting; NULL past the end. */
 TY_API const char* ty_image_metadata_key(const ty_image* image, int32_t index);
 /* Whether the value is a number; false past the end. */
 TY_API bool ty_image_metadata_is_number(const ty_image* image, int32_t index);

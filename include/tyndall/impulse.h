@@ -11,6 +11,7 @@
 extern "C" {
 #endif
 
+/* What sends light, and what it is measured by. */
 typedef enum ty_impulse_emitter {
     TY_IMPULSE_POINT = 0,       /* color: intensity, W sr^-1; distance: to it */
     TY_IMPULSE_DIRECTIONAL = 1, /* color: irradiance, W m^-2, where it enters; distance: to where it does */
@@ -25,6 +26,7 @@ enum {
     TY_IMPULSE_BOUNCES_MAX = 64
 };
 
+/* What tables hold; made by ty_default_impulse_def. */
 typedef struct ty_impulse_def {
     uint32_t cookie;         /* set by ty_default_impulse_def; checked */
     int32_t bounces;         /* scatterings at most, 1..64; default 10 */
@@ -32,16 +34,19 @@ typedef struct ty_impulse_def {
     const char* folder;      /* where tables are kept between runs; NULL (default): $XDG_CACHE_HOME/tyndall, or
                                 $HOME/.cache/tyndall; "": nowhere */
     ty_progress_fn progress; /* default NULL */
-    void* progress_user;
+    void* progress_user;     /* passed on to progress; default NULL */
 } ty_impulse_def;
 
+/* A def with every field at its default. */
 TY_API ty_impulse_def ty_default_impulse_def(void);
 
+/* Tables of impulse responses; immutable. */
 typedef struct ty_impulse ty_impulse;
 
+/* How tables came. */
 typedef struct ty_impulse_stats {
-    bool built; /* else they were read from the folder */
-    double seconds;
+    bool built;      /* else they were read from the folder */
+    double seconds;  /* wall clock */
     char path[1024]; /* of the file; "": none */
 } ty_impulse_stats;
 
@@ -50,6 +55,7 @@ typedef struct ty_impulse_stats {
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
 TY_API ty_result ty_impulse_create(ty_context* context, const ty_impulse_def* def, ty_impulse** out,
                                    ty_impulse_stats* stats);
+/* Frees tables; NULL is allowed. */
 TY_API void ty_impulse_destroy(ty_impulse* tables);
 
 /* What lies between an emitter and a receiver: means along the ray (Sec. 4.4). */

@@ -48,11 +48,11 @@ TY_API ty_result ty_image_write_png(ty_context* context, const ty_image* image, 
 
 /* One grid of an OpenVDB or NanoVDB file. */
 typedef struct ty_vdb_entry {
-    char name[128];
+    char name[128];             /* as the file says, cut */
     char type[32];              /* "float", "half", "vec3s", "fp16", ... as the file says */
     int64_t active_voxels;      /* -1: not known */
     int32_t lower[3], upper[3]; /* index box of active voxels, inclusive; lower > upper when empty */
-    double voxel_size[3];
+    double voxel_size[3];       /* units of the file */
 } ty_vdb_entry;
 
 /* The grids of an OpenVDB or NanoVDB file, told by content. At most capacity entries are written; *count is how many
@@ -70,6 +70,7 @@ TY_API ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const ch
 
 /* ---- Volumes of any kind ---- */
 
+/* What of a volume file is read, and how; made by ty_default_volume_def. */
 typedef struct ty_volume_def {
     uint32_t cookie;       /* set by ty_default_volume_def; checked */
     const char* grid;      /* VDB, NanoVDB: the grid's name; default "density" */
@@ -82,6 +83,7 @@ typedef struct ty_volume_def {
     double raw_spacing[3]; /* raw: units between voxels, the first one's centre at 0; default 0: unplaced */
 } ty_volume_def;
 
+/* A def with every field at its default. */
 TY_API ty_volume_def ty_default_volume_def(void);
 /* A scalar grid from an OpenVDB (.vdb: float, half, double, vec3s by component), NanoVDB (.nvdb, plain or zip: float,
  * half, double, fp4 to fp16, fpn, vec3f by component), NRRD (.nrrd, .nhdr; raw, gzip, text; attached data, or one file
@@ -138,6 +140,7 @@ typedef struct ty_mesh_file_def {
                                         colours still multiply it; default NULL */
 } ty_mesh_file_def;
 
+/* A def with every field at its default. */
 TY_API ty_mesh_file_def ty_default_mesh_file_def(void);
 /* Adds the meshes and lights of a file to a scene; when it fails, some may have been added.
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT (def). */
@@ -154,7 +157,7 @@ TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const
 
 /* A material or a camera of a mesh file. */
 typedef struct ty_mesh_file_entry {
-    bool camera;
+    bool camera;    /* else a material */
     char name[128]; /* as the file says, cut; "" where it has none */
     double fov_y;   /* of cameras, degrees; 0: orthographic */
 } ty_mesh_file_entry;
@@ -187,14 +190,17 @@ TY_API ty_result ty_mesh_file_write_colors(ty_context* context, const char* from
  * point, *count points, at least one; freed with ty_points_free. Errors: TY_ERROR_FILE, TY_ERROR_INPUT,
  * TY_ERROR_MEMORY. */
 TY_API ty_result ty_points_read(ty_context* context, const char* path, float** out, int64_t* count);
+/* Frees what ty_points_read gave. */
 TY_API void ty_points_free(ty_context* context, float* points, int64_t count);
 
 /* ---- Any file ---- */
 
-/* A file's bytes, freed with ty_bytes_free, and writing bytes whole or not at all. Errors: TY_ERROR_FILE,
- * TY_ERROR_INPUT (more than limit bytes), TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
+/* A file's bytes, freed with ty_bytes_free. Errors: TY_ERROR_FILE, TY_ERROR_INPUT (more than limit bytes),
+ * TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uint8_t** bytes, size_t* size);
+/* Frees what ty_bytes_read gave. */
 TY_API void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size);
+/* Writes bytes to a file, whole or not at all. Errors: TY_ERROR_FILE, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT. */
 TY_API ty_result ty_bytes_write(ty_context* context, const char* path, const void* bytes, size_t size);
 
 /* A scene file (docs/scene.md). overrides: override_count strings "render.spp=16", "media[0].g=0.5": a path of

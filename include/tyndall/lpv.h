@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/* Which of two ways blockers and steps are. */
 typedef enum ty_lpv_mode {
     TY_LPV_MODE_LINKS = 0,    /* ours, in absolute units: surfaces block the links between cells that they cut, and
                                  reflect what they stop; steps keep momentum and diffuse as media do */
@@ -52,14 +53,15 @@ typedef struct ty_lpv_view_def {
     const float* emission; /* 3 a pixel, radiance towards the camera; NULL: none */
 } ty_lpv_view_def;
 
+/* What to solve and how; made by ty_default_lpv_def. */
 typedef struct ty_lpv_def {
-    uint32_t cookie; /* set by ty_default_lpv_def; checked */
-    ty_lpv_mode mode;
-    uint32_t parts; /* TY_LPV_... together; default TY_LPV_ALL */
+    uint32_t cookie;  /* set by ty_default_lpv_def; checked */
+    ty_lpv_mode mode; /* default TY_LPV_MODE_LINKS */
+    uint32_t parts;   /* TY_LPV_... together; default TY_LPV_ALL */
 
     /* The lattice: cells are cubes. */
     int32_t resolution; /* cells along the longest side, 4..256; default 32 */
-    ty_lpv_place place;
+    ty_lpv_place place; /* default TY_LPV_PLACE_SCENE */
     double extent;      /* m, side of the cube about the camera, > 0; place camera alone; default 32 */
     int32_t cascades;   /* nested lattices of `resolution`, each twice as wide as the one within, the widest as `place`
                            says for scenes, the narrowest for cameras; 1..6; default 1 */
@@ -74,7 +76,7 @@ typedef struct ty_lpv_def {
     int32_t samples;          /* on each ray from a light to a texel, at most, 1..64; default 8 */
     int32_t block_side;       /* texels a cell, along a side, of the depth maps that find blockers, 1..16; default 3 */
     const ty_light_map* maps; /* one per light of the scene, in order of their addition; NULL (default): traced */
-    int32_t map_count;
+    int32_t map_count;        /* of maps; default 0 */
 
     /* Images. */
     const ty_lpv_view_def* view; /* NULL (default): traced */
@@ -89,9 +91,10 @@ typedef struct ty_lpv_def {
     uint64_t seed;         /* of where samples lie; default 0 */
 
     ty_progress_fn progress; /* default NULL */
-    void* progress_user;
+    void* progress_user;     /* passed on to progress; default NULL */
 } ty_lpv_def;
 
+/* A def with every field at its default. */
 TY_API ty_lpv_def ty_default_lpv_def(void);
 /* What a scene file's render.lpv asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
  * that are none of a setting's count as the first of them. */
@@ -101,18 +104,18 @@ TY_API ty_lpv_def ty_lpv_def_of(const ty_lpv_settings* settings);
 typedef struct ty_lpv_stats {
     int32_t size[TY_LPV_CASCADES_MAX][3]; /* cells */
     double cell[TY_LPV_CASCADES_MAX];     /* side, m */
-    int32_t iterations;
+    int32_t iterations;                   /* of propagation */
     /* W: injected by reflection and by scattering, absorbed by media, by surfaces, gone out, still under way. */
     double reflected[3], scattered[3], absorbed[3], blocked[3], escaped[3], left[3];
     double seconds; /* all of it; its parts: */
-    double medium_seconds, map_seconds, reflected_seconds, scattered_seconds, blocker_seconds;
+    double medium_seconds, map_seconds, reflected_seconds, scattered_seconds, blocker_seconds; /* before propagation */
     double shadow_seconds;                                     /* of the finer maps, which images alone need */
     double prepare_seconds, propagate_seconds, gather_seconds; /* propagation, Table 1 */
     double view_seconds, surface_seconds, march_seconds, single_seconds, compose_seconds; /* images */
     int64_t rays;                                                                         /* traced */
     int64_t marched;    /* rays through media: of images, with those that half of the resolution does not tell */
     double ray_seconds; /* of tracing them, of all threads, over their number */
-    const char* isa;
+    const char* isa;    /* which build of the kernels ran, as in ty_path_stats */
 } ty_lpv_stats;
 
 /* Light in a scene's media and between its surfaces: solved once, seen from anywhere. */
@@ -122,6 +125,7 @@ typedef struct ty_lpv ty_lpv;
  * propagation. stats may be NULL. *out is freed with ty_lpv_destroy; NULL after an error.
  * Errors: TY_ERROR_ARGUMENT (def, maps, a light of another kind, named by its place), TY_ERROR_MEMORY; TY_CANCELLED. */
 TY_API ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** out, ty_lpv_stats* stats);
+/* Frees the light; NULL is allowed. */
 TY_API void ty_lpv_destroy(ty_lpv* light);
 
 /* Radiance through the pixels of the scene's camera: R, G, B and def->aovs (single: light that media scatter once and
@@ -130,6 +134,7 @@ TY_API void ty_lpv_destroy(ty_lpv* light);
  * ty_lpv_solve. After any *out is NULL. */
 TY_API ty_result ty_lpv_view(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def, ty_image** out,
                              ty_lpv_stats* stats);
+/* ty_lpv_solve and ty_lpv_view. */
 TY_API ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image** out, ty_lpv_stats* stats);
 
 /* Fluence of the light that the lattice carries (scattered or reflected at least once), W m^-2, means over the cells of
@@ -142,15 +147,16 @@ TY_API ty_result ty_lpv_fluence(const ty_lpv* light, const double lower[3], cons
 TY_API ty_result ty_lpv_irradiance(const ty_lpv* light, const float* points, const float* normals, int64_t count,
                                    float* irradiance);
 
-/* One lattice as it is, for an engine to look up: the radiance that travels along a unit vector w is the sum over
+/* One lattice as it is, for an engine to look up. The radiance that travels along a unit vector w is the sum over
  * i < bands^2 of coefficients[c][i] * Y_i(w), real spherical harmonics in the order l (l + 1) + m without the
- * Condon-Shortley phase. The arrays are light's own. false: there is no such lattice. */
+ * Condon-Shortley phase. The arrays are the light's own. */
 typedef struct ty_lpv_lattice {
-    double lower[3], cell; /* m */
-    int32_t size[3];
-    int32_t bands;
+    double lower[3], cell;                                             /* its lower corner and the side of a cell, m */
+    int32_t size[3];                                                   /* cells along x, y, z */
+    int32_t bands;                                                     /* 2 or 3 */
     const float* coefficients[3][TY_LPV_BANDS_MAX * TY_LPV_BANDS_MAX]; /* x fastest, W m^-2 sr^-1 */
 } ty_lpv_lattice;
+/* The lattice of a cascade, 0 being the narrowest; false: there is none. */
 TY_API bool ty_lpv_get_lattice(const ty_lpv* light, int32_t cascade, ty_lpv_lattice* out);
 
 #ifdef __cplusplus

@@ -34,6 +34,7 @@ enum {
  * thread, but never twice at a time nor while the progress function runs; other threads go on meanwhile. */
 typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 
+/* How paths are traced; made by ty_default_path_def. */
 typedef struct ty_path_def {
     uint32_t cookie;       /* set by ty_default_path_def; checked */
     int32_t spp;           /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
@@ -57,15 +58,16 @@ typedef struct ty_path_def {
      * (ty_path_stats.isa); spp may also be larger than before. Time that earlier runs took counts for seconds and in
      * ty_path_stats. Memory: 56 bytes a pixel for the state, 216 with aovs other than variance and samples, and the
      * same for the work itself. */
-    ty_path_state_fn state; /* default NULL */
-    void* state_user;
-    double state_seconds; /* default 60 */
-    const void* resume;   /* default NULL; errors: TY_ERROR_INPUT (damaged, or of another render, told how) */
-    size_t resume_size;
+    ty_path_state_fn state;  /* default NULL */
+    void* state_user;        /* passed on to state; default NULL */
+    double state_seconds;    /* default 60 */
+    const void* resume;      /* default NULL; errors: TY_ERROR_INPUT (damaged, or of another render, told how) */
+    size_t resume_size;      /* bytes; default 0 */
     ty_progress_fn progress; /* default NULL */
     void* progress_user;     /* default NULL */
 } ty_path_def;
 
+/* A def with every field at its default. */
 TY_API ty_path_def ty_default_path_def(void);
 
 /* What a run did; with what runs did that it resumed. */

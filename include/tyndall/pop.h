@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/* How ordinates pass light on. */
 typedef enum ty_pop_mode {
     TY_POP_MODE_SPLIT = 0, /* ours, in absolute units: each ordinate carries its light as far as scattering leaves it
                               a direction, and hands the rest to flux-limited diffusion, one solve for all */
@@ -31,9 +32,10 @@ enum {
     TY_POP_IMPORTANCE_HEIGHT = 16
 };
 
+/* What to solve and how; made by ty_default_pop_def. */
 typedef struct ty_pop_def {
-    uint32_t cookie; /* set by ty_default_pop_def; checked */
-    ty_pop_mode mode;
+    uint32_t cookie;  /* set by ty_default_pop_def; checked */
+    ty_pop_mode mode; /* default TY_POP_MODE_SPLIT */
 
     int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; 0 (default): a third of the cells
                            of `direct`, 32..48, modes published and collided 32 (the paper: 20); split mode has twice as
@@ -84,9 +86,10 @@ typedef struct ty_pop_def {
     const ty_image* unscattered; /* as in ty_fld_def */
 
     ty_progress_fn progress; /* default NULL */
-    void* progress_user;
+    void* progress_user;     /* passed on to progress; default NULL */
 } ty_pop_def;
 
+/* A def with every field at its default. */
 TY_API ty_pop_def ty_default_pop_def(void);
 /* What a scene file's render.pop asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
  * that are none of a setting's count as the first of them. */
@@ -94,24 +97,24 @@ TY_API ty_pop_def ty_pop_def_of(const ty_pop_settings* settings);
 
 /* What a solve, and a view after it, did. */
 typedef struct ty_pop_stats {
-    int32_t ordinates;      /* grids: of environments, lights and VPLs together */
-    int32_t vpls;           /* of these */
-    int32_t size[3];        /* cells of an ordinate's grid */
-    int32_t merged_size[3]; /* cells */
-    int32_t planes;         /* 1: coefficients alike in all channels; 3 */
-    int32_t iterations;     /* of propagation; split mode: of diffusion, the most of any channel */
-    int32_t residuum_iterations;
-    bool converged; /* split mode: diffusion; else whether little enough was left */
-    double left;    /* modes published and collided: light not yet propagated, of what came in */
-    double seconds; /* all of it; its parts: */
-    double medium_seconds, importance_seconds, ordinate_seconds, vpl_seconds;
-    double direct_seconds;      /* sharp lights */
-    double initial_seconds;     /* media on ordinates' grids, and light entering them */
-    double propagation_seconds; /* passing light on; split mode: none */
-    double residuum_seconds;    /* isotropic light in one grid; split mode: diffusion */
-    double merge_seconds, march_seconds;
-    double bytes; /* of ordinates' grids */
-    const char* isa;
+    int32_t ordinates;           /* grids: of environments, lights and VPLs together */
+    int32_t vpls;                /* of these */
+    int32_t size[3];             /* cells of an ordinate's grid */
+    int32_t merged_size[3];      /* cells */
+    int32_t planes;              /* 1: coefficients alike in all channels; 3 */
+    int32_t iterations;          /* of propagation; split mode: of diffusion, the most of any channel */
+    int32_t residuum_iterations; /* of isotropic light in one grid */
+    bool converged;              /* split mode: diffusion; else whether little enough was left */
+    double left;                 /* modes published and collided: light not yet propagated, of what came in */
+    double seconds;              /* all of it; its parts: */
+    double medium_seconds, importance_seconds, ordinate_seconds, vpl_seconds; /* what comes before light is passed on */
+    double direct_seconds;                                                    /* sharp lights */
+    double initial_seconds;              /* media on ordinates' grids, and light entering them */
+    double propagation_seconds;          /* passing light on; split mode: none */
+    double residuum_seconds;             /* isotropic light in one grid; split mode: diffusion */
+    double merge_seconds, march_seconds; /* bringing ordinates together in one grid; the image */
+    double bytes;                        /* of ordinates' grids */
+    const char* isa;                     /* which build of the kernels ran, as in ty_path_stats */
 } ty_pop_stats;
 
 /* Light in a scene's media: solved once, seen from where the scene's camera was, or with keep_lobes from anywhere. */
@@ -119,12 +122,14 @@ typedef struct ty_pop ty_pop;
 
 /* As ty_fld_solve. Errors: TY_ERROR_ARGUMENT (def, a scene without media), TY_ERROR_MEMORY; TY_CANCELLED. */
 TY_API ty_result ty_pop_solve(const ty_scene* scene, const ty_pop_def* def, ty_pop** out, ty_pop_stats* stats);
+/* Frees the light; NULL is allowed. */
 TY_API void ty_pop_destroy(ty_pop* light);
 
 /* As ty_fld_view. Errors: TY_ERROR_ARGUMENT (a camera elsewhere, and lobes were not kept), TY_ERROR_MEMORY;
  * TY_CANCELLED. */
 TY_API ty_result ty_pop_view(ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
                              ty_pop_stats* stats);
+/* ty_pop_solve and ty_pop_view. */
 TY_API ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image** out, ty_pop_stats* stats);
 
 /* Fluence as ty_fld_fluence gives it, W m^-2, means over the cells of a box. uncollided: light that has not scattered;

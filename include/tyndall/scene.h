@@ -14,10 +14,13 @@
 extern "C" {
 #endif
 
+/* Media, lights, surfaces and a camera. */
 typedef struct ty_scene ty_scene;
 
+/* Which way is up. */
 typedef enum ty_axis { TY_AXIS_Y = 1, TY_AXIS_Z = 2 } ty_axis;
 
+/* A pinhole camera; made by ty_default_camera_def. */
 typedef struct ty_camera_def {
     uint32_t cookie;       /* set by ty_default_camera_def; checked */
     double position[3];    /* m; default (0, 0, 5) */
@@ -28,6 +31,7 @@ typedef struct ty_camera_def {
     double exposure;       /* stops, for display only; default 0 */
 } ty_camera_def;
 
+/* What shape a medium is bounded by. */
 typedef enum ty_bounds_kind {
     TY_BOUNDS_NONE = 0,
     TY_BOUNDS_BOX = 1,
@@ -45,7 +49,9 @@ typedef struct ty_shell ty_shell;
  * Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position not finite), TY_ERROR_MEMORY. */
 TY_API ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count,
                                  const uint32_t* indices, int64_t triangle_count, ty_shell** out);
+/* Adds an owner, and returns the shell. NULL is allowed. */
 TY_API ty_shell* ty_shell_retain(ty_shell* shell);
+/* Removes an owner; the last one frees the shell. NULL is allowed. */
 TY_API void ty_shell_destroy(ty_shell* shell);
 
 /* One point of a transfer function. Between points density and albedo are linear in the value; beyond the ends they
@@ -115,9 +121,9 @@ typedef enum ty_preset_kind {
     TY_PRESET_VISIBILITY = 2 /* fog and haze: needs a visibility */
 } ty_preset_kind;
 
-#define TY_VISIBILITY_MIN 1e-3 /* m */
-#define TY_VISIBILITY_MAX 1e9
-#define TY_DILUTION_MAX 1e12
+#define TY_VISIBILITY_MIN 1e-3 /* the least visibility of fog, m */
+#define TY_VISIBILITY_MAX 1e9  /* the greatest, m */
+#define TY_DILUTION_MAX 1e12   /* parts of a mixture that hold one part of a medium, at most */
 
 /* Sets sigma_s, sigma_a and g from a preset. Returns false, def untouched, if the name is unknown or needs a
  * visibility. */
@@ -127,14 +133,16 @@ TY_API bool ty_medium_preset(const char* name, ty_medium_def* def);
  * TY_PRESET_MEASURED: how many parts of the mixture with pure water hold one part of the medium, 1 .. TY_DILUTION_MAX.
  * Returns false, def untouched, for others and for numbers out of range. */
 TY_API bool ty_medium_preset_with(const char* name, double number, ty_medium_def* def);
+/* How many presets there are. */
 TY_API int32_t ty_medium_preset_count(void);
 /* The index of a preset; -1 if there is none of the name. */
 TY_API int32_t ty_medium_preset_find(const char* name);
 /* The name of a preset as published ("Wholemilk"), in table order; NULL past the end. */
 TY_API const char* ty_medium_preset_name(int32_t index);
-/* index: 0 .. ty_medium_preset_count() - 1. */
+/* What a preset takes; index: 0 .. ty_medium_preset_count() - 1. */
 TY_API ty_preset_kind ty_medium_preset_kind(int32_t index);
 
+/* What light comes from, and which fields of ty_light_def say where and how much. */
 typedef enum ty_light_kind {
     TY_LIGHT_DIRECTIONAL = 0, /* direction, color = irradiance on a plane facing it */
     TY_LIGHT_POINT = 1,       /* position, color = intensity */
@@ -143,6 +151,7 @@ typedef enum ty_light_kind {
     TY_LIGHT_ENVIRONMENT = 4  /* image or constant; color = radiance (constant) */
 } ty_light_kind;
 
+/* A light; made by ty_default_light_def. */
 typedef struct ty_light_def {
     uint32_t cookie;       /* set by ty_default_light_def; checked */
     ty_light_kind kind;    /* default TY_LIGHT_DIRECTIONAL */
@@ -158,6 +167,7 @@ typedef struct ty_light_def {
     double rotation;       /* degrees about the up axis, counter-clockwise seen from above; default 0 */
 } ty_light_def;
 
+/* A parallelogram, a box along the axes before its transform, or a sphere. */
 typedef enum ty_shape_kind { TY_SHAPE_QUAD = 0, TY_SHAPE_BOX = 1, TY_SHAPE_SPHERE = 2 } ty_shape_kind;
 
 /* A Lambertian surface, reflecting on both sides, emitting on its front only (u x v, or outwards). */
@@ -175,8 +185,10 @@ typedef struct ty_shape_def {
 /* Texels of a surface: colour and opacity. Row 0 is at v = 0 (the top, as glTF has it). */
 typedef struct ty_texture ty_texture;
 
+/* What a texture is beyond 0..1. */
 typedef enum ty_wrap { TY_WRAP_REPEAT = 0, TY_WRAP_CLAMP = 1, TY_WRAP_MIRROR = 2 } ty_wrap;
 
+/* What a texture is made of; made by ty_default_texture_def. */
 typedef struct ty_texture_def {
     uint32_t cookie;       /* set by ty_default_texture_def; checked */
     int32_t width, height; /* 1..32768; of rgba8 */
@@ -186,14 +198,19 @@ typedef struct ty_texture_def {
     bool nearest;          /* default false: bilinear */
 } ty_texture_def;
 
+/* A def with every field at its default. */
 TY_API ty_texture_def ty_default_texture_def(void);
-/* Colours are clamped to [0, 1e15], not finite ones count as 0. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+/* Makes a texture with one owner. Colours are clamped to [0, 1e15], not finite ones count as 0. Errors:
+ * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_texture** out);
+/* Adds an owner, and returns the texture. NULL is allowed. */
 TY_API ty_texture* ty_texture_retain(ty_texture* texture);
+/* Removes an owner; the last one frees the texture. NULL is allowed. */
 TY_API void ty_texture_destroy(ty_texture* texture);
 /* Linear colour and alpha at (u, v). */
 TY_API void ty_texture_sample(const ty_texture* texture, double u, double v, float rgba[4]);
 
+/* What alpha does. */
 typedef enum ty_alpha_mode {
     TY_ALPHA_OPAQUE = 0, /* alpha is not looked at */
     TY_ALPHA_MASK = 1,   /* there is a surface where alpha >= cutoff */
@@ -229,18 +246,18 @@ typedef struct ty_mesh_origin {
 
 /* Triangles, counter-clockwise seen from the front. All arrays are copied. */
 typedef struct ty_mesh_def {
-    uint32_t cookie;        /* set by ty_default_mesh_def; checked */
-    int64_t vertex_count;   /* 1..2^31 - 1 */
-    int64_t triangle_count; /* 1..2^31 - 1 */
-    const float* positions; /* 3 per vertex, m, before transform */
-    const float* normals;   /* 3 per vertex, or NULL (default): flat triangles. Smoothed surfaces lose what they would
-                               send behind their triangles: a white ball of 288 triangles 0.2%, of 4608 0.02% */
-    const float* uv[2];     /* 2 per vertex, or NULL (default): 0 */
-    const float* colors;    /* 4 per vertex: linear R, G, B and alpha, 0..1; or NULL (default): 1 */
-    const uint32_t* indices;
-    ty_affine transform; /* default identity */
-    ty_material_def material;
-    ty_mesh_origin origin;
+    uint32_t cookie;          /* set by ty_default_mesh_def; checked */
+    int64_t vertex_count;     /* 1..2^31 - 1 */
+    int64_t triangle_count;   /* 1..2^31 - 1 */
+    const float* positions;   /* 3 per vertex, m, before transform */
+    const float* normals;     /* 3 per vertex, or NULL (default): flat triangles. Smoothed surfaces lose what they would
+                                 send behind their triangles: a white ball of 288 triangles 0.2%, of 4608 0.02% */
+    const float* uv[2];       /* 2 per vertex, or NULL (default): 0 */
+    const float* colors;      /* 4 per vertex: linear R, G, B and alpha, 0..1; or NULL (default): 1 */
+    const uint32_t* indices;  /* 3 per triangle */
+    ty_affine transform;      /* default identity */
+    ty_material_def material; /* of all triangles; default as by ty_default_material_def */
+    ty_mesh_origin origin;    /* default: none */
 } ty_mesh_def;
 
 /* Sky seen from the ground: sunlight scattered once in a spherical Rayleigh + Mie + ozone atmosphere (as Nishita et
@@ -256,34 +273,51 @@ typedef struct ty_sky_def {
     int32_t width;           /* of the equirectangular image, even, 16..8192; default 512; height is half */
 } ty_sky_def;
 
+/* A def with every field at its default. */
 TY_API ty_camera_def ty_default_camera_def(void);
+/* A def with every field at its default. */
 TY_API ty_medium_def ty_default_medium_def(void);
+/* A def with every field at its default. */
 TY_API ty_light_def ty_default_light_def(void);
+/* A def with every field at its default. */
 TY_API ty_shape_def ty_default_shape_def(void);
+/* A def with every field at its default. */
 TY_API ty_material_def ty_default_material_def(void);
+/* A def with every field at its default. */
 TY_API ty_mesh_def ty_default_mesh_def(void);
+/* A def with every field at its default. */
 TY_API ty_sky_def ty_default_sky_def(void);
 
 /* Makes the sky image (R, G, B) for an environment light, and the sun's irradiance at the ground, W m^-2.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_sky_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]);
 
+/* An empty scene. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_scene_create(ty_context* context, ty_axis up_axis, ty_scene** out);
+/* Frees a scene; NULL is allowed. */
 TY_API void ty_scene_destroy(ty_scene* scene);
 
-/* Each copies its def. Errors: TY_ERROR_ARGUMENT (with the field and its range), TY_ERROR_MEMORY. */
+/* Sets the camera. This and the calls below copy their defs. Errors: TY_ERROR_ARGUMENT (with the field and its range),
+ * TY_ERROR_MEMORY. */
 TY_API ty_result ty_scene_set_camera(ty_scene* scene, const ty_camera_def* def);
+/* Adds a medium; its coefficients add to those of others at the same place. Errors as above. */
 TY_API ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def);
+/* Adds a light. Errors as above. */
 TY_API ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def);
+/* Adds a surface. Errors as above. */
 TY_API ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def);
+/* Adds a mesh. Errors as above. */
 TY_API ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def);
 
 /* Builds what rendering needs: ray tracing structures, majorants, light tables. Further add calls need another
  * commit. Errors: TY_ERROR_MEMORY, TY_ERROR_INTERNAL. */
 TY_API ty_result ty_scene_commit(ty_scene* scene);
 
+/* The context that the scene was made with. */
 TY_API ty_context* ty_scene_context(const ty_scene* scene);
+/* The axis that points up. */
 TY_API ty_axis ty_scene_up_axis(const ty_scene* scene);
+/* The camera, or the default one where none was set. */
 TY_API ty_camera_def ty_scene_camera(const ty_scene* scene);
 
 /* What a method is asked for under its own name in `render`. */
@@ -291,6 +325,7 @@ typedef struct ty_path_settings {
     int32_t max_depth; /* scatterings and reflections at most; 0 (default) for unlimited */
 } ty_path_settings;
 
+/* ty_screen_def in words. */
 typedef struct ty_screen_settings {
     char variant[16]; /* "scatter" (default), "gather", "naive", "published" or "reference" */
     char spread[16];  /* of variant "scatter" and "reference": "small_angle" (default) or "gaussian" (the paper's) */
@@ -309,24 +344,24 @@ typedef struct ty_fld_settings {
     char boundary[16]; /* "marshak" (default) or "dirichlet" (the paper's) */
     char solver[16];   /* "multigrid" (default), "sor" (the paper's) or "sor_float" */
     char beam[16];     /* "reduced" (default) or "published" */
-    double larsen_power, streaming, relaxation, tolerance, sigma_eps, ratio, step;
-    int32_t resolution, iterations, environment_beams, surface_points;
-    int32_t spp; /* rays per pixel */
+    double larsen_power, streaming, relaxation, tolerance, sigma_eps, ratio, step; /* as in ty_fld_def */
+    int32_t resolution, iterations, environment_beams, surface_points;             /* as in ty_fld_def */
+    int32_t spp;                                                                   /* rays per pixel */
 } ty_fld_settings;
 
 /* ty_pop_def in words; 0 for what it calls its own choice. */
 typedef struct ty_pop_settings {
-    char mode[16]; /* "split" (default), "published" (the paper's) or "collided" */
-    int32_t resolution, merged, direct;
-    bool sharp;
-    int32_t ordinates;
-    double prefilter;
-    bool importance;
-    int32_t surface_points, vpls, shadow_texels;
-    double clamp;
-    int32_t iterations, residuum_iterations;
-    double residuum, streaming, tolerance, step;
-    int32_t spp; /* rays per pixel */
+    char mode[16];                               /* "split" (default), "published" (the paper's) or "collided" */
+    int32_t resolution, merged, direct;          /* as in ty_pop_def, as are all below */
+    bool sharp;                                  /* as in ty_pop_def */
+    int32_t ordinates;                           /* as in ty_pop_def */
+    double prefilter;                            /* as in ty_pop_def */
+    bool importance;                             /* as in ty_pop_def */
+    int32_t surface_points, vpls, shadow_texels; /* as in ty_pop_def */
+    double clamp;                                /* as in ty_pop_def */
+    int32_t iterations, residuum_iterations;     /* as in ty_pop_def */
+    double residuum, streaming, tolerance, step; /* as in ty_pop_def */
+    int32_t spp;                                 /* rays per pixel */
 } ty_pop_settings;
 
 /* ty_lpv_def in words; 0 for what it calls its own choice. */
@@ -335,59 +370,63 @@ typedef struct ty_lpv_settings {
     char parts[16]; /* what takes part: "all" (default), or as in the paper's Fig. 5 "shadow_map", "plain",
                        "plain_march", "single" or "both" */
     char place[16]; /* of the lattice: "scene" (default) or "camera" */
-    int32_t resolution, cascades, bands;
-    double extent; /* m */
-    double window; /* -1: its own choice */
-    int32_t iterations;
-    double tolerance;
-    int32_t map_side, samples, block_side;
-    int32_t shadow_side;
-    bool shadow_rays, half;
-    double step;
-    int32_t spp; /* rays per pixel */
+    int32_t resolution, cascades, bands;   /* as in ty_lpv_def */
+    double extent;                         /* m */
+    double window;                         /* -1: its own choice */
+    int32_t iterations;                    /* as in ty_lpv_def */
+    double tolerance;                      /* as in ty_lpv_def */
+    int32_t map_side, samples, block_side; /* as in ty_lpv_def */
+    int32_t shadow_side;                   /* as in ty_lpv_def */
+    bool shadow_rays, half;                /* as in ty_lpv_def */
+    double step;                           /* as in ty_lpv_def */
+    int32_t spp;                           /* rays per pixel */
 } ty_lpv_settings;
 
 /* ty_dom_def in words; 0 for what it calls its own choice. */
 typedef struct ty_dom_settings {
-    char acceleration[16]; /* "diffusion" (default) or "none" */
-    int32_t resolution, direct, directions, bands;
-    double tolerance;
-    int32_t iterations, environment_beams, surface_points;
-    double step;
-    int32_t spp; /* rays per pixel */
+    char acceleration[16];                                 /* "diffusion" (default) or "none" */
+    int32_t resolution, direct, directions, bands;         /* as in ty_dom_def */
+    double tolerance;                                      /* as in ty_dom_def */
+    int32_t iterations, environment_beams, surface_points; /* as in ty_dom_def */
+    double step;                                           /* as in ty_dom_def */
+    int32_t spp;                                           /* rays per pixel */
 } ty_dom_settings;
 
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16]; /* "path" (default), "screen", "fld", "cda" (fld without limiter), "pop", "lpv" or "dom" */
-    int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
-    uint64_t seed;   /* default 0 */
-    ty_path_settings path;
-    ty_screen_settings screen;
-    ty_fld_settings fld;
-    ty_pop_settings pop;
-    ty_lpv_settings lpv;
-    ty_dom_settings dom;
+    char method[16];       /* "path" (default), "screen", "fld", "cda" (fld without limiter), "pop", "lpv" or "dom" */
+    int32_t spp;           /* samples per pixel, 1..2^24; default 64 */
+    uint64_t seed;         /* default 0 */
+    ty_path_settings path; /* of method path, as below of others */
+    ty_screen_settings screen; /* of method screen */
+    ty_fld_settings fld;       /* of methods fld and cda */
+    ty_pop_settings pop;       /* of method pop */
+    ty_lpv_settings lpv;       /* of method lpv */
+    ty_dom_settings dom;       /* of method dom */
 } ty_render_settings;
 
+/* What the scene asks for. */
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);
+/* Sets what the scene asks for; checked where it is used. */
 TY_API void ty_scene_set_render_settings(ty_scene* scene, const ty_render_settings* settings);
 
 /* A hash of the scene's content (file text after overrides, and the bytes of every file it names); 0 when the
  * scene was built by calls. */
 TY_API uint64_t ty_scene_hash(const ty_scene* scene);
+/* Sets that hash. */
 TY_API void ty_scene_set_hash(ty_scene* scene, uint64_t hash);
 
 /* Where the camera comes from, for reports: "" (default) or the camera of a file that a scene file named. Copied, cut
  * to 255 bytes. */
 TY_API const char* ty_scene_camera_source(const ty_scene* scene);
+/* Sets that text. */
 TY_API void ty_scene_set_camera_source(ty_scene* scene, const char* source);
 
 /* Counts and memory, for reports. */
 typedef struct ty_scene_info {
-    int32_t media, lights, shapes, meshes;
-    int64_t triangles;         /* of meshes */
-    int64_t textures;          /* of meshes */
+    int32_t media, lights, shapes, meshes; /* how many were added */
+    int64_t triangles;                     /* of meshes */
+    int64_t textures;                      /* of meshes */
     int64_t emitters;          /* lights that are sampled: lights, and quads, spheres and triangles that glow */
     bool bounded;              /* whether anything has a place */
     double lower[3], upper[3]; /* box around media and surfaces, m */
@@ -395,6 +434,7 @@ typedef struct ty_scene_info {
     size_t texture_bytes;      /* the part of it that textures take */
 } ty_scene_info;
 
+/* Counts and memory of a scene; those of a committed one are complete. */
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);
 /* One medium as added, with its grid (not retained for the caller); TY_ERROR_ARGUMENT past the end. */
 TY_API ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out);
@@ -406,6 +446,7 @@ TY_API ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh
 
 /* ---- Rays ---- */
 
+/* A ray of light or sight. */
 typedef struct ty_ray {
     float origin[3];    /* m, finite */
     float direction[3]; /* unit */

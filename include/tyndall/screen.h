@@ -14,6 +14,7 @@
 extern "C" {
 #endif
 
+/* How light is spread. */
 typedef enum ty_screen_variant {
     TY_SCREEN_SCATTER = 0,  /* ours: each pixel's light is spread by its own width, per channel, and none is lost */
     TY_SCREEN_GATHER = 1,   /* the paper's: each pixel looks up a masked pyramid at the level of its own distance */
@@ -37,6 +38,7 @@ typedef enum ty_screen_mask {
 
 enum { TY_SCREEN_LEVELS_AUTO = -1, TY_SCREEN_LEVELS_ALL = -2, TY_SCREEN_LEVELS_MAX = 15 };
 
+/* Medium, camera and filter; made by ty_default_screen_def. */
 typedef struct ty_screen_def {
     uint32_t cookie; /* set by ty_default_screen_def; checked */
 
@@ -50,7 +52,7 @@ typedef struct ty_screen_def {
      * exp(-sigma_t D)). >= 0; default 0. forward is the fraction of the scattered light of the image that still
      * arrives, 0..1; default 1, as the paper has it. ty_screen_balance sets both so that a white furnace stays one. */
     float environment[3];
-    float forward[3];
+    float forward[3]; /* as above */
 
     /* The camera. */
     double focal[2];  /* focal length, pixels, along x and y, > 0; must be set (ty_screen_focal) */
@@ -83,6 +85,7 @@ typedef struct ty_screen_def {
     void* progress_user;     /* default NULL */
 } ty_screen_def;
 
+/* A def with every field at its default. */
 TY_API ty_screen_def ty_default_screen_def(void);
 /* Makes a def TY_SCREEN_GATHER without masks, weights and blurred distances: the baseline that leaks. */
 TY_API void ty_screen_naive_def(ty_screen_def* def);
@@ -96,18 +99,19 @@ TY_API void ty_screen_balance(ty_screen_def* def, const float radiance[3]);
 
 /* Where pixels lie: channel c of pixel (x, y) is data[c][y * row + x * step]. */
 typedef struct ty_screen_planes {
-    float* data[3];
+    float* data[3];      /* R, G, B */
     ptrdiff_t step, row; /* floats; planar RGB: 1, width; interleaved RGBA: 4, 4 * width */
 } ty_screen_planes;
 
+/* What is read and written. */
 typedef struct ty_screen_image {
     int32_t width, height;   /* 1..65536 */
     ty_screen_planes color;  /* I: radiance, linear Rec.709; read only. Negative values and NaN count as 0, +Inf
                                 as the largest half, 65504; where there is a medium, so do values above 1e29 */
     const float* distance;   /* D, m */
     ptrdiff_t distance_step; /* floats; as in ty_screen_planes */
-    ptrdiff_t distance_row;
-    ty_screen_planes out; /* J; may be the planes of color */
+    ptrdiff_t distance_row;  /* floats from row to row */
+    ty_screen_planes out;    /* J; may be the planes of color */
 } ty_screen_image;
 
 /* What a call did. */

@@ -2,6 +2,7 @@
 #ifndef TYNDALL_TYNDALL_H
 #define TYNDALL_TYNDALL_H
 
+#include <tyndall/bake.h>
 #include <tyndall/base.h>
 #include <tyndall/dom.h>
 #include <tyndall/fld.h>

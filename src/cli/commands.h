@@ -12,5 +12,21 @@ int cli_convert(int count, char** arguments);
 int cli_figure(int count, char** arguments);
 int cli_bake(int count, char** arguments);
 int cli_bench(int count, char** arguments);
+int cli_help(int count, char** arguments);
+
+typedef struct cli_command {
+    const char* name;
+    const char* summary;
+    int (*run)(int count, char** arguments);
+} cli_command;
+
+enum { CLI_COMMAND_COUNT = 11 };
+extern const cli_command cli_commands[CLI_COMMAND_COUNT];
+
+/* NULL, after a message that lists them, if there is none of that name. asker: the command that wants to know, or "".
+ */
+const cli_command* cli_find_command(const char* asker, const char* name);
+/* What `tyndall --help` prints. */
+int cli_print_overview(void);
 
 #endif

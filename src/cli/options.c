@@ -1,5 +1,6 @@
 /* Parsing the command line. */
 #include "cli/options.h"
+#include "cli/manual.h"
 #include "cli/text.h"
 
 #include <errno.h>
@@ -12,10 +13,10 @@
 
 #include <tyndall/base.h>
 
-enum { COMMON_COUNT = 7, WORD_MAX = 64, CANDIDATES_MAX = 64 };
+enum { WORD_MAX = 64, CANDIDATES_MAX = 64 };
 
-static void common_options(cli_common* common, cli_option options[COMMON_COUNT]) {
-    const cli_option table[COMMON_COUNT] = {
+void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]) {
+    const cli_option table[CLI_COMMON_COUNT] = {
         {"threads", 0, CLI_INT, "N", "threads to use (default 0: one per processor)", &common->threads, 0, 1024, NULL},
         {"seed", 0, CLI_SEED, "N", "seed of the random numbers (default: the scene's, or 0)", &common->seed, 0, 0,
          &common->seed_given},
@@ -25,6 +26,8 @@ static void common_options(cli_common* common, cli_option options[COMMON_COUNT])
         {"quiet", 'q', CLI_FLAG, NULL, "no progress, warnings or closing lines", &common->quiet, 0, 0, NULL},
         {"help", 'h', CLI_FLAG, NULL, "this text", &common->help, 0, 0, NULL},
         {"version", 0, CLI_FLAG, NULL, "the version", &common->version, 0, 0, NULL},
+        {"help-as", 0, CLI_CHOICE, "text|man|markdown", NULL, &common->help_as, 0, 0, NULL},
+        {"help-to", 0, CLI_TEXT, "FILE", NULL, &common->help_to, 0, 0, NULL},
     };
     memcpy(options, table, sizeof table);
 }
@@ -215,11 +218,11 @@ static int store_value(const char* command, const cli_option* option, const char
 typedef struct table {
     const cli_option* own;
     int own_count;
-    cli_option common[COMMON_COUNT];
+    cli_option common[CLI_COMMON_COUNT];
 } table;
 
 static int table_count(const table* all) {
-    return all->own_count + COMMON_COUNT;
+    return all->own_count + CLI_COMMON_COUNT;
 }
 
 static const cli_option* table_at(const table* all, int index) {
@@ -243,8 +246,9 @@ static const cli_option* find_letter(const table* all, char letter) {
 static int unknown_option(const char* command, const table* all, const char* name, size_t length) {
     char word[WORD_MAX];
     const char* candidates[CANDIDATES_MAX];
-    const int count = table_count(all) < CANDIDATES_MAX ? table_count(all) : CANDIDATES_MAX;
-    for (int i = 0; i < count; ++i) candidates[i] = table_at(all, i)->name;
+    int count = 0;
+    for (int i = 0; i < table_count(all) && count < CANDIDATES_MAX; ++i)
+        if (table_at(all, i)->help != NULL) candidates[count++] = table_at(all, i)->name;
     snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1), name);
     const char* nearest = cli_nearest(word, candidates, count);
     if (nearest != NULL) return cli_usage_error(command, "unknown option --%s; did you mean --%s?", word, nearest);
@@ -276,34 +280,10 @@ static int parse_option(const char* command, const table* all, int count, char**
     return store_value(command, option, value);
 }
 
-static void print_option(const cli_option* option) {
-    char left[64];
-    int used = option->letter != 0 ? snprintf(left, sizeof left, "-%c, ", option->letter) : 0;
-    used += snprintf(left + used, sizeof left - (size_t)used, "--%s", option->name);
-    if (option->value != NULL) snprintf(left + used, sizeof left - (size_t)used, " %s", option->value);
-    printf("  %-32s %s\n", left, option->help);
-}
-
-void cli_print_common_options(void) {
-    cli_common common;
-    cli_option options[COMMON_COUNT];
-    common_options(&common, options);
-    for (int i = 0; i < COMMON_COUNT; ++i) print_option(&options[i]);
-}
-
-static void print_help(const cli_syntax* syntax) {
-    printf("usage: tyndall %s %s\n\n%s\n", syntax->command, syntax->usage, syntax->summary);
-    if (syntax->details != NULL) printf("\n%s\n", syntax->details);
-    if (syntax->option_count > 0) printf("\noptions:\n");
-    for (int i = 0; i < syntax->option_count; ++i) print_option(&syntax->options[i]);
-    printf("\noptions of all commands:\n");
-    cli_print_common_options();
-}
-
 int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_arguments* out) {
     *out = (cli_arguments){0};
     table all = {.own = syntax->options, .own_count = syntax->option_count};
-    common_options(&out->common, all.common);
+    cli_common_options(&out->common, all.common);
     bool only_positional = false;
     for (int i = 0; i < count; ++i) {
         const char* text = arguments[i];
@@ -318,10 +298,7 @@ int cli_parse(const cli_syntax* syntax, int count, char** arguments, cli_argumen
             out->positional[out->positional_count++] = text;
         }
     }
-    if (out->common.help) {
-        print_help(syntax);
-        return CLI_DONE;
-    }
+    if (out->common.help) return cli_print_help(syntax, out->common.help_as, out->common.help_to);
     if (out->common.version) {
         printf("tyndall %s\n", ty_version());
         return CLI_DONE;

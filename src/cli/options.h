@@ -42,6 +42,9 @@ typedef struct cli_option {
 
 typedef enum cli_progress_mode { CLI_AUTO = 0, CLI_PLAIN = 1, CLI_JSON = 2, CLI_NONE = 3 } cli_progress_mode;
 
+/* How --help tells what a command does. */
+typedef enum cli_help_form { CLI_HELP_TEXT = 0, CLI_HELP_MAN = 1, CLI_HELP_MARKDOWN = 2 } cli_help_form;
+
 /* The options of all commands. */
 typedef struct cli_common {
     int32_t threads; /* 0: one per processor */
@@ -50,6 +53,8 @@ typedef struct cli_common {
     const char* stats; /* NULL: none */
     int progress;      /* cli_progress_mode */
     bool quiet, help, version;
+    int help_as;         /* cli_help_form: for `tyndall help`, and not listed */
+    const char* help_to; /* a file that it writes instead of stdout; NULL: stdout. Not listed either */
 } cli_common;
 
 typedef struct cli_syntax {
@@ -80,8 +85,10 @@ int cli_usage_error(const char* command, const char* format, ...) __attribute__(
 bool cli_parse_real(const char* text, double* out);
 bool cli_parse_seed(const char* text, uint64_t* out);
 
-/* Prints the options all commands share, as in --help. */
-void cli_print_common_options(void);
+enum { CLI_COMMON_COUNT = 9 };
+
+/* The options all commands share; values go to *common. Those that --help does not list have no help. */
+void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]);
 
 /* The word nearest to text (edit distance at most a third of its length, at least 1), or NULL. */
 const char* cli_nearest(const char* text, const char* const* words, int count);

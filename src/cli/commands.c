@@ -1,0 +1,37 @@
+/* The commands there are. */
+#include "cli/commands.h"
+#include "cli/options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const cli_command cli_commands[CLI_COMMAND_COUNT] = {
+    {"render", "render a scene to an image", cli_render},
+    {"info", "what a scene, volume, image or mesh holds", cli_info},
+    {"diff", "how an image differs from another", cli_diff},
+    {"merge", "renderings of one scene to a better or larger one", cli_merge},
+    {"compare", "methods or images with a reference", cli_compare},
+    {"screen", "fog and water over an image with distances", cli_screen},
+    {"convert", "a volume or an image as another kind of file", cli_convert},
+    {"figure", "figures and tables of papers", cli_figure},
+    {"bake", "light on meshes and at points, kept", cli_bake},
+    {"bench", "measure speed", cli_bench},
+    {"help", "what a command does, and manual pages", cli_help},
+};
+
+const cli_command* cli_find_command(const char* asker, const char* name) {
+    const char* names[CLI_COMMAND_COUNT];
+    char list[160] = "";
+    for (int i = 0; i < CLI_COMMAND_COUNT; ++i) {
+        if (strcmp(name, cli_commands[i].name) == 0) return &cli_commands[i];
+        names[i] = cli_commands[i].name;
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", names[i]);
+    }
+    const char* nearest = cli_nearest(name, names, CLI_COMMAND_COUNT);
+    if (nearest != NULL)
+        cli_usage_error(asker, "unknown command '%s'; did you mean '%s'? There are: %s", name, nearest, list);
+    else
+        cli_usage_error(asker, "unknown command '%s'; there are: %s", name, list);
+    return NULL;
+}

@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# tyndall help, in all its forms, from the tables that options are parsed by; docs/commands.md is what it prints.
+# usage: test_cli_help.sh TYNDALL (works in the current folder, which it empties)
+docs=$(cd "$(dirname "$0")/../docs" && pwd)
+. "$(dirname "$0")/cli.sh"
+
+commands() {
+  "$tyndall" help | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'
+}
+
+test_text() {
+  expect 0 help
+  cp out.txt help.txt
+  expect 0 --help
+  cmp -s help.txt out.txt || fail "help and --help differ"
+  for command in $(commands); do
+    expect 0 help "$command"
+    said out.txt "^usage: tyndall $command "
+    unsaid out.txt 'help-as|help-to|\(null\)'
+    cp out.txt help.txt
+    expect 0 "$command" --help
+    cmp -s help.txt out.txt || fail "help $command and $command --help differ"
+  done
+  usage_error "did you mean 'render'" help rendr
+  usage_error "unknown command 'nonsense'; there are: render, " help nonsense
+  usage_error 'one of them' help render --markdown
+  usage_error 'one argument too many' help render info
+  usage_error 'unknown option --help-at' render --help-at text
+}
+
+# Options at the beginnings of lines.
+options() {
+  sed -En 's/^ +(-., )?(--[a-z-]+).*/\2/p'
+}
+
+# In what roff makes of it every option of the text stands at a line's beginning.
+test_man() {
+  expect 0 help --man pages
+  present pages/tyndall.1
+  for command in $(commands); do
+    present "pages/tyndall-$command.1"
+    said pages/tyndall.1 "^\\.BR tyndall.-$command "
+  done
+  expect 1 help --man /proc
+  said err.txt '^tyndall: cannot write /proc/'
+  if ! command -v groff > /dev/null; then
+    echo "manual pages are not set: there is no groff"
+    return
+  fi
+  for page in pages/*.1; do
+    what="groff $page"
+    groff -man -Tascii -P-cbou -ww "$page" > set.txt 2> err.txt || fail "it fails"
+    checks=$((checks + 1))
+    [ ! -s err.txt ] || fail "it warns: $(head -c 500 err.txt)"
+    command=$(basename "$page" .1)
+    [ "$command" != tyndall ] || continue
+    "$tyndall" help "${command#tyndall-}" | options | sort > wanted.txt
+    options < set.txt | sort > there.txt
+    comm -23 wanted.txt there.txt > missing.txt
+    checks=$((checks + 1))
+    [ ! -s missing.txt ] || fail "it lacks $(tr '\n' ' ' < missing.txt)"
+  done
+}
+
+test_markdown() {
+  expect 0 help --markdown
+  checks=$((checks + 1))
+  cmp out.txt "$docs/commands.md" || fail "docs/commands.md is not this: tyndall help --markdown > docs/commands.md"
+  for command in $(commands); do said out.txt "^## tyndall $command\$"; done
+}
+
+test_text
+test_man
+test_markdown
+finish 80
