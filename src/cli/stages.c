@@ -20,11 +20,16 @@ int cli_fld_stages(const ty_fld_stats* fld, cli_stage out[CLI_STAGES_MAX]) {
 
 int cli_pop_stages(const ty_pop_stats* pop, cli_stage out[CLI_STAGES_MAX]) {
     const cli_stage stages[] = {
-        {"medium", pop->medium_seconds},     {"importance", pop->importance_seconds},
-        {"ordinate", pop->ordinate_seconds}, {"vpl", pop->vpl_seconds},
-        {"direct", pop->direct_seconds},     {"initial", pop->initial_seconds},
-        {"propagation", pop->propagation_seconds}, {"residuum", pop->residuum_seconds},
-        {"merge", pop->merge_seconds},       {"march", pop->march_seconds},
+        {"medium", pop->medium_seconds},
+        {"importance", pop->importance_seconds},
+        {"ordinate", pop->ordinate_seconds},
+        {"vpl", pop->vpl_seconds},
+        {"direct", pop->direct_seconds},
+        {"initial", pop->initial_seconds},
+        {"propagation", pop->propagation_seconds},
+        {"residuum", pop->residuum_seconds},
+        {"merge", pop->merge_seconds},
+        {"march", pop->march_seconds},
     };
     return copy_stages(stages, sizeof stages, out);
 }

@@ -120,9 +120,8 @@ static int run_comparison(cli_session* session, const cli_arguments* given, cons
     if (comparison.entries == NULL || comparison.skipped == NULL)
         cli_fail(CLI_FAILED, "not enough memory");
     else
-        status = is_image(given->positional[0])
-                     ? compare_images(session, &comparison, given)
-                     : load_and_compare(session, &comparison, given->positional[0], options);
+        status = is_image(given->positional[0]) ? compare_images(session, &comparison, given)
+                                                : load_and_compare(session, &comparison, given->positional[0], options);
     cli_progress_clear(&session->progress);
     if (status == CLI_GO) status = cli_write_comparison(session, &comparison);
     if (status == CLI_DONE && !session->common.quiet) print_result(&comparison);
@@ -157,12 +156,12 @@ static int check_options(const cli_arguments* given, const compare_options* opti
 }
 
 int cli_compare(int count, char** arguments) {
-    compare_options options = {.scene = {.reference_seconds = 600, .reference_noise = 0.25}};
+    compare_options options = {.scene = {.reference_seconds = 300, .reference_noise = 0.25}};
     cli_compare_request* scene = &options.scene;
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
-        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with (default: all that apply)",
-         &scene->methods, 0, 0, NULL},
+        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with (default: all that apply)", &scene->methods,
+         0, 0, NULL},
         {"reference", 0, CLI_TEXT, "FILE", "the true image (default: path, rendered for longer)", &scene->reference, 0,
          0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &scene->spp, 1, SPP_MAX,
@@ -170,7 +169,7 @@ int cli_compare(int count, char** arguments) {
         {"reference-noise", 0, CLI_REAL, "F",
          "the reference's noise, as a fraction of the smallest difference (default 0.25)", &scene->reference_noise,
          1e-3, 10, &options.noise_given},
-        {"reference-time", 0, CLI_REAL, "SECONDS", "what a run spends on the reference at most (default 600)",
+        {"reference-time", 0, CLI_REAL, "SECONDS", "what a run spends on the reference at most (default 300)",
          &scene->reference_seconds, 1e-3, 1e7, &options.seconds_given},
         {"reference-spp", 0, CLI_INT, "N", "samples of the reference at most, of all runs (default: no bound)",
          &scene->reference_spp, 1, SPP_MAX, &scene->reference_spp_given},

@@ -24,7 +24,7 @@ void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size
     const cli_compared* nearest = cli_nearest_entry(comparison);
     out[0] = '\0';
     if (!noise->known) return;
-    const int used = snprintf(out, size, "The reference's noise is %.2g %% of its mean", 100 * noise->relative[3]);
+    const int used = snprintf(out, size, "The reference's noise is %.3g %% of its mean", 100 * noise->relative[3]);
     if (used < 0 || (size_t)used >= size) return;
     out += used;
     size -= (size_t)used;

@@ -4,7 +4,8 @@
 
 #include "cli/compare/comparison.h"
 
-/* Sets the difference and noise of an entry and of what it was on its way: CLI_GO, or an exit status after a message. */
+/* Sets the difference and noise of an entry and of what it was on its way: CLI_GO, or an exit status after a message.
+ */
 int cli_measure_entry(cli_session* session, const cli_comparison* comparison, cli_compared* entry);
 
 /* The noise of the reference where another image has pixels, too. */

@@ -6,15 +6,15 @@ const dot = entry => make("span", { class: "dot", style: `--of: ${colorOf(entry)
 
 const drawErrors = () => {
   const table = find("#errors"), channels = find("#channels").checked ? ["all", "R", "G", "B"] : ["all"];
-  const heads = ["image", ...channels.length > 1 ? ["channel"] : [], "mean ratio", "RMSE", "relative RMSE",
-    "without noise", "relMSE", "samples", "time", "own time"];
-  const amount = (value, print) => value === undefined ? "" : print(value);
+  const heads = ["image", ...channels.length > 1 ? ["channel"] : [], "relative RMSE", "without noise", "time",
+    "own time", "samples", "mean ratio", "RMSE", "relMSE"];
+  const amount = (value, print) => value >= 0 ? print(value) : "";
   const row = (entry, channel) => {
-    const errors = entry[channel], left = entry.relative_rmse_without_noise, all = channel === "all";
-    const cells = [...channels.length > 1 ? [channel] : [], number(errors.mean_ratio, 5), number(errors.rmse, 4),
-      percent(errors.relative_rmse), left === undefined ? "" : left[channel] === 0 ? "below noise" : percent(left[channel]),
-      number(errors.rel_mse, 3), all ? amount(entry.spp, spp => spp > 0 ? number(spp, 6) : "") : "",
-      all ? amount(entry.seconds, seconds) : "", all ? amount(entry.own_seconds, seconds) : ""];
+    const errors = entry[channel], left = entry.relative_rmse_without_noise?.[channel], all = channel === "all";
+    const cells = [...channels.length > 1 ? [channel] : [], percent(errors.relative_rmse),
+      left === undefined ? "" : left === 0 ? "below noise" : percent(left), all ? amount(entry.seconds, seconds) : "",
+      all ? amount(entry.own_seconds, seconds) : "", all && entry.spp > 0 ? samples(entry.spp) : "",
+      number(errors.mean_ratio, 4), number(errors.rmse, 4), number(errors.rel_mse)];
     return make("tr", all ? {} : { class: "channel" }, make("td", {}, ...all ? [dot(entry), entry.name] : []),
       ...cells.map(text => make("td", {}, text)));
   };
@@ -47,10 +47,15 @@ const makeAxis = (values, from, to) => {
   return { place, ticks: ticks.filter(tick => Math.log10(tick) >= lower && Math.log10(tick) <= upper) };
 };
 
-/* Labels beside points, moved down where they would overlap. */
+/* Labels beside points, moved down where they would overlap: some 8 pixels a letter. */
 const spreadLabels = labels => {
   labels.sort((a, b) => a.y - b.y);
-  for (let i = 1; i < labels.length; ++i) labels[i].y = Math.max(labels[i].y, labels[i - 1].y + 16);
+  labels.forEach((label, i) => {
+    for (const other of labels.slice(0, i)) {
+      const apart = Math.abs(label.x - other.x) > 8 * Math.max(label.name.length, other.name.length);
+      if (!apart && label.y < other.y + 15) label.y = other.y + 15;
+    }
+  });
 };
 
 const drawPlot = () => {
@@ -60,10 +65,11 @@ const drawPlot = () => {
   find("#time").hidden = entries.length === 0;
   if (entries.length === 0) return;
   const width = Math.max(find("#plot").clientWidth, 260), height = Math.min(Math.max(0.5 * width, 260), 460);
-  const box = { left: 58, right: width - 74, top: 14, bottom: height - 46 };
+  const box = { left: 66, right: width - 60, top: 14, bottom: height - 46 };
   const noise = report.reference.relative_noise?.all;
   const points = entries.flatMap(({ points }) => points);
-  const x = makeAxis(points.flatMap(point => point.seconds), box.left, box.right);
+  const own = entries.flatMap(({ entry }) => entry.own_seconds > 0 ? entry.own_seconds : []);
+  const x = makeAxis([...points.map(point => point.seconds), ...own], box.left, box.right);
   const floor = noise > 0 ? [noise] : [];
   const y = makeAxis([...points.map(point => point.relative_rmse), ...floor], box.bottom, box.top);
   const parts = [];
@@ -80,7 +86,7 @@ const drawPlot = () => {
   text({ x: 0, y: 0, transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, "text-anchor": "middle" }, "relative RMSE");
   for (const value of floor) {
     parts.push(makeSvg("line", { class: "floor", x1: box.left, x2: box.right, y1: y.place(value), y2: y.place(value) }));
-    text({ x: box.left + 6, y: y.place(value) - 5 }, "noise of the reference");
+    text({ x: box.left + 6, y: y.place(value) + 15 }, "noise of the reference");
   }
   const labels = [];
   for (const { entry, points } of entries) {
@@ -89,8 +95,14 @@ const drawPlot = () => {
       parts.push(makeSvg("polyline", { points: places.join(" "), fill: "none", style: `stroke: ${color}`, "stroke-width": 2 }));
     places.forEach(([px, py], i) => parts.push(makeSvg("circle", { cx: px, cy: py, r: i === places.length - 1 ? 6 : 4, style: `fill: ${color}` },
       makeSvg("title", {}, `${entry.name}: ${percent(points[i].relative_rmse)} in ${seconds(points[i].seconds)}` +
-        (points[i].spp > 0 ? `, ${number(points[i].spp, 6)} samples per pixel` : "")))));
+        (points[i].spp > 0 ? `, ${samples(points[i].spp)} samples per pixel` : "")))));
     const [px, py] = places[places.length - 1];
+    if (entry.own_seconds > 0 && entry.own_seconds < 0.9 * entry.seconds) {
+      const own = x.place(entry.own_seconds);
+      parts.push(makeSvg("line", { x1: own + 4, x2: px, y1: py, y2: py, style: `stroke: ${color}`, "stroke-width": 1 }),
+        makeSvg("circle", { cx: own, cy: py, r: 4, style: `stroke: ${color}`, "stroke-width": 2, fill: "none" },
+          makeSvg("title", {}, `${entry.name}: ${seconds(entry.own_seconds)} without the paths' image`)));
+    }
     labels.push({ x: px + 10, y: py + 5, color, name: entry.name });
   }
   spreadLabels(labels);
@@ -99,7 +111,7 @@ const drawPlot = () => {
     `${entry.name} ${percent(entry.all.relative_rmse)} in ${seconds(entry.seconds)}`).join(", ");
   find("#plot").replaceChildren(makeSvg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "Error against time: " + says }, ...parts));
   find("#plot-says").textContent = "Both axes are logarithmic. " + (entries.some(({ points }) => points.length > 1)
-    ? "Paths: the same render at fewer samples, and at all of them. " : "") + "Times are of everything, with the paths that other methods take surfaces from.";
+    ? "Paths: the same render at fewer samples, and at all of them. " : "") + "Rings: without the path-traced image that a method takes surfaces from.";
 };
 
 const drawStages = () => {

@@ -5,7 +5,7 @@ const drawHeader = () => {
   const { reference } = report;
   find("#title").textContent = report.scene ?? "Images";
   find("#about").textContent = `Reference: ${reference.source}`
-    + (reference.spp > 0 ? `, ${number(reference.spp, 6)} samples per pixel` : "")
+    + (reference.spp > 0 ? `, ${samples(reference.spp)} samples per pixel` : "")
     + (reference.seconds >= 0 ? `, ${seconds(reference.seconds)}` : "")
     + (reference.stored ? ", of this and earlier runs" : "")
     + `. ${report.width} × ${report.height} pixels.`;

@@ -44,7 +44,9 @@ const painted = (image, reference) => {
       at => (Math.log2(Math.max(luminanceAt(image, at) * scale, 1e-30)) + stopsBelow) / (stopsBelow + stopsAbove));
   if (view.display === "error")
     paintRamp(ramps.error, data, at => 0.5 + 0.5 * errorAt(image, reference, at) / view.range);
-  for (let i = 0; i < pixelCount; ++i) data[4 * i + 3] = covers(image, i % columns, Math.floor(i / columns)) ? 255 : 0;
+  const whole = covers(image, 0, 0) && covers(image, columns - 1, rows - 1);
+  for (let i = 0; i < pixelCount; ++i)
+    data[4 * i + 3] = whole || covers(image, i % columns, Math.floor(i / columns)) ? 255 : 0;
   ink.putImageData(pixels, 0, 0);
   image.paint = key;
   return image.painted;
@@ -57,6 +59,7 @@ const number = (value, digits = 3) => {
   return size >= 1e5 || size < 1e-3 ? value.toExponential(digits - 1) : String(Number(value.toPrecision(digits)));
 };
 const percent = (value, digits = 3) => number(100 * value, digits) + " %";
+const samples = value => Number.isInteger(value) ? String(value) : number(value, value < 100 ? 3 : 5);
 const seconds = value => value >= 100 ? Math.round(value) + " s" : value >= 1 ? number(value) + " s"
   : value >= 1e-3 ? number(1000 * value) + " ms" : number(1e6 * value) + " µs";
 
@@ -122,6 +125,8 @@ const draw = () => {
 const refresh = async () => {
   find("#left").value = view.left.index;
   find("#right").value = view.right.index;
+  find("#display").value = view.display;
+  find("#range").value = view.range;
   find("#cut").value = view.cut;
   find("#exposure").value = view.exposure;
   for (const radio of document.querySelectorAll("input[name=mode]")) radio.checked = radio.value === view.mode;

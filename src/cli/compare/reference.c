@@ -103,8 +103,8 @@ static int measure_all(refining* r) {
     return status;
 }
 
-/* Samples that the noise needs, as far as one can tell now; 0: no more. Between paths, whose differences are noise, too,
- * it is their own number of samples that counts. */
+/* Samples that the noise needs, as far as one can tell now; 0: no more. Between paths, whose differences are noise,
+ * too, it is their own number of samples that counts. */
 static double samples_needed(const refining* r) {
     const double have = r->report.path.spp, fraction = r->options->reference_noise;
     const cli_compared* nearest = cli_nearest_entry(r->comparison);

@@ -24,8 +24,7 @@ bool cli_keep_state(void* user, const void* state, size_t size) {
 
 static int name_all_methods(const cli_method* out[CLI_COMPARE_MAX]) {
     int count = 0;
-    for (int i = 0; cli_method_at(i) != NULL; ++i)
-        out[count++] = cli_method_at(i);
+    for (int i = 0; cli_method_at(i) != NULL; ++i) out[count++] = cli_method_at(i);
     return count;
 }
 
@@ -46,8 +45,11 @@ int cli_name_methods(const char* words, const cli_method* out[CLI_COMPARE_MAX]) 
 
 static void skip(cli_session* session, cli_comparison* comparison, const cli_method* method) {
     cli_skipped* skipped = &comparison->skipped[comparison->skipped_count++];
+    const char* reason = ty_last_error(session->context);
+    const size_t length = strlen(method->name);
+    if (strncmp(reason, method->name, length) == 0 && strncmp(reason + length, ": ", 2) == 0) reason += length + 2;
     skipped->name = method->name;
-    snprintf(skipped->reason, sizeof skipped->reason, "%s", ty_last_error(session->context));
+    snprintf(skipped->reason, sizeof skipped->reason, "%s", reason);
     ty_clear_error(session->context);
     if (session->common.quiet) return;
     char line[CLI_COMPARE_REASON + 64];

@@ -25,8 +25,9 @@ static void print_rows(FILE* file, const cli_compared* entry) {
     for (int channel = 0; channel < 4; ++channel) {
         fprintf(file, "| %s | %s | %.6g | %.6g | %.6g |", entry->name, cli_difference_names[channel],
                 d->mean_ratio[channel], d->rmse[channel], d->relative_rmse[channel]);
-        print_amount(file, entry->noise.known ? cli_without_noise(d->relative_rmse[channel], entry->noise.relative[channel])
-                                              : -1);
+        print_amount(file, entry->noise.known
+                               ? cli_without_noise(d->relative_rmse[channel], entry->noise.relative[channel])
+                               : -1);
         fprintf(file, " %.6g |", d->rel_mse[channel]);
         print_amount(file, entry->spp);
         print_amount(file, entry->seconds);
