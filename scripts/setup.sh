@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the build needs, if anything is missing (Debian 12 and its relatives).
-# usage: scripts/setup.sh [build|fuzz|format]...   (default: build)
+# usage: scripts/setup.sh [build|fuzz|format|page]...   (default: build)
 set -euo pipefail
 
 # a|b: either will do; the first is installed when neither is there.
@@ -9,6 +9,7 @@ build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopen
   libcairo2-dev fonts-dejavu-core libcmocka-dev)
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)
+page=("chromium|chromium-browser|google-chrome-stable" python3) # tests of compare's report.html
 
 needed=()
 for group in "${@:-build}"; do
@@ -16,7 +17,8 @@ for group in "${@:-build}"; do
     build) needed+=("${build[@]}") ;;
     fuzz) needed+=("${fuzz[@]}") ;;
     format) needed+=("${format[@]}") ;;
-    *) echo "setup: unknown group '$group'; known: build, fuzz, format" >&2; exit 2 ;;
+    page) needed+=("${page[@]}") ;;
+    *) echo "setup: unknown group '$group'; known: build, fuzz, format, page" >&2; exit 2 ;;
   esac
 done
 

@@ -13,7 +13,7 @@ class Browser:
     """One page. What goes wrong in it is collected: errors (console, exceptions) and requests (addresses)."""
 
     def __init__(self, width=1280, height=900, dark=False):
-        self.profile = tempfile.TemporaryDirectory(prefix="tyndall-page-")
+        self.profile = tempfile.mkdtemp(prefix="profile-", dir=".")
         to_browser, self.write_end = os.pipe()
         self.read_end, from_browser = os.pipe()
 
@@ -24,7 +24,7 @@ class Browser:
 
         arguments = [find_browser(), "--headless", "--remote-debugging-pipe", "--disable-gpu", "--disable-dev-shm-usage",
                      "--no-first-run", "--disable-background-networking", "--disable-component-update",
-                     "--hide-scrollbars", f"--user-data-dir={self.profile.name}", "about:blank"]
+                     "--hide-scrollbars", f"--user-data-dir={os.path.abspath(self.profile)}", "about:blank"]
         if os.geteuid() == 0:
             arguments.insert(1, "--no-sandbox")
         self.process = subprocess.Popen(arguments, preexec_fn=place_pipes, pass_fds=(3, 4), stdin=subprocess.DEVNULL,
@@ -32,7 +32,7 @@ class Browser:
         os.close(to_browser)
         os.close(from_browser)
         self.buffer, self.count, self.session = b"", 0, None
-        self.errors, self.requests, self.events = [], [], []
+        self.errors, self.requests = [], []
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -45,11 +45,16 @@ class Browser:
         return self
 
     def __exit__(self, *_):
-        self.process.kill()
-        self.process.wait()
+        try:
+            self.session = None
+            self.call("Browser.close")
+            self.process.wait(10)
+        except (OSError, RuntimeError, TimeoutError, subprocess.TimeoutExpired):
+            self.process.kill()
+            self.process.wait()
         os.close(self.write_end)
         os.close(self.read_end)
-        self.profile.cleanup()
+        shutil.rmtree(self.profile, ignore_errors=True)
 
     def resize(self, width, height):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
@@ -77,7 +82,6 @@ class Browser:
             self.errors.append(what["entry"]["text"])
         elif method == "Network.requestWillBeSent":
             self.requests.append(what["request"]["url"])
-        self.events.append(method)
 
     def call(self, method, **parameters):
         self.count += 1
