@@ -20,9 +20,9 @@ test:
 	@scripts/setup.sh
 	@scripts/test.sh
 
-# The long comparisons with published and converged results.
+# The long comparisons with published and converged results, and the report's page in a browser.
 validate:
-	@scripts/setup.sh
+	@scripts/setup.sh build page
 	@scripts/build.sh release
 	@ctest --test-dir build/release -C Validate -L validate --output-on-failure
 

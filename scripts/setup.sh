@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the build needs, if anything is missing (Debian 12 and its relatives).
-# usage: scripts/setup.sh [build|fuzz|format|docs]...   (default: build)
+# usage: scripts/setup.sh [build|fuzz|format|docs|page]...   (default: build)
 set -euo pipefail
 
 # a|b: either will do; the first is installed when neither is there.
@@ -10,6 +10,7 @@ build=(gcc g++ make cmake ninja-build "pkg-config|pkgconf" libembree-dev libopen
 fuzz=(clang libclang-rt-14-dev)
 format=(clang-format)
 docs=(doxygen)
+page=("chromium|chromium-browser|google-chrome-stable" python3) # tests of compare's report.html
 
 needed=()
 for group in "${@:-build}"; do
@@ -18,7 +19,8 @@ for group in "${@:-build}"; do
     fuzz) needed+=("${fuzz[@]}") ;;
     format) needed+=("${format[@]}") ;;
     docs) needed+=("${docs[@]}") ;;
-    *) echo "setup: unknown group '$group'; known: build, fuzz, format, docs" >&2; exit 2 ;;
+    page) needed+=("${page[@]}") ;;
+    *) echo "setup: unknown group '$group'; known: build, fuzz, format, docs, page" >&2; exit 2 ;;
   esac
 done
 

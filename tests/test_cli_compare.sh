@@ -16,7 +16,19 @@ test_scene() {
   said stats.json '"scene": "builtin:cube_g0"'
   said new/errors.json '"relative_rmse": 0\.[0-9]'
   said new/errors.json '"spp": 64'
+  said new/errors.json '"relative_noise": \{'
+  said new/errors.json '"relative_rmse_without_noise": \{'
+  said new/errors.json '"command": "tyndall render builtin:cube_g0 --method path --spp 4 --size 40x30 --seed 3 -o path-2.exr"'
+  said new/errors.json '"name": "paths"'
+  said new/errors.json '"scene_text": ".*tyndall'
   said new/table.md '^\| path-2 \| all \| [01]\.?[0-9]* \|'
+  said new/table.md 'noise is [0-9.]+ % of its mean\.$'
+  # What each took on its way: at 1 sample, and at all of them.
+  checks=$((checks + 1))
+  [ "$(grep -A 99 error_against_time new/errors.json | grep -c '"spp": 1,$')" -eq 2 ] || fail "no error at 1 spp"
+  # The command lines make the same images.
+  expect 0 render builtin:cube_g0 --method path --spp 64 --size 40x30 --seed 4 --aov variance,samples -o once.exr -q
+  same once.exr new/reference.exr
   said new/side.png 'PNG'
   same new/path.exr new/path-2.exr
   expect 0 info new/reference.exr
@@ -32,9 +44,9 @@ test_images() {
   cp new/path.exr 'odd name.exr'
   expect 0 compare new/reference.exr new/path.exr 'odd name.exr' new/reference.exr -o images --exposure 1
   said out.txt '^odd_name '
-  said out.txt '^reference-2 +1 +0 +0 +0$'
+  said out.txt '^reference-2 +1 +0 +0 +0 +0$'
   present images/heat_odd_name.png
-  said images/table.md '^\| reference-2 \| G \| 1 \| 0 \| 0 \| 0 \| 64 \|'
+  said images/table.md '^\| reference-2 \| G \| 1 \| 0 \| 0 \| 0 \| 0 \| 64 \|'
   # As `tyndall diff` says.
   expect 0 diff new/path.exr new/reference.exr --json
   rmse=$(grep -m 1 '"rmse"' out.txt | tr -d ' ,')
@@ -42,51 +54,139 @@ test_images() {
   tr -d ' ,' < images/errors.json | grep -qF "$rmse" || fail "diff says $rmse, compare does not"
 }
 
-# page FILE IMAGES: a page whose elements all close, that needs nothing from elsewhere, with so many images inside.
+# page FILE IMAGES: a page whose elements all close, that needs nothing from elsewhere, with so many images inside; what
+# it holds is in page.txt: means of R, G and B of each, one line an image.
 page() {
   said "$1" '^</html>$'
-  unsaid "$1" '(src|href)="?(http|/|[a-z_]+\.)|url\(|@import'
+  unsaid "$1" '(src|href)="?(http|/|[a-z_]+\.)|url\(|@import|fetch\('
   checks=$((checks + 1))
-  [ "$(grep -o 'src="data:image/png;base64,iVBOR' "$1" | wc -l)" -eq "$2" ] || fail "$1 has not $2 images"
+  [ "$(grep -c '^<script type="application/octet-stream" class="pixels"' "$1")" -eq "$2" ] || fail "$1 has not $2 images"
   command -v python3 > /dev/null || return 0
   checks=$((checks + 1))
   python3 - "$1" > page.txt 2>&1 << 'END' || fail "$1: $(tail -n 1 page.txt)"
-import base64, html.parser, re, sys
+import base64, html.parser, json, struct, sys, zlib
 class Page(html.parser.HTMLParser):
-    empty = {"meta", "img", "input"}
+    empty = {"meta", "input"}
     def __init__(self):
         super().__init__()
-        self.open, self.names, self.wanted = [], set(), set()
+        self.open, self.names, self.data, self.pixels = [], set(), "", []
     def handle_starttag(self, tag, attributes):
         values = dict(attributes)
-        if tag not in self.empty: self.open.append(tag)
-        if "id" in values: self.names.add(values["id"])
-        if values.get("type") == "radio": self.wanted.add(values["value"])
-        if tag == "img": assert base64.b64decode(values["src"].split(",")[1], validate=True)[-8:-4] == b"IEND"
-        if tag == "img": assert values["alt"]
+        if tag not in self.empty: self.open.append((tag, values))
+        if "id" in values: assert values["id"] not in self.names, values["id"]
+        self.names.add(values.get("id"))
     def handle_endtag(self, tag):
-        assert self.open.pop() == tag, tag
-text = open(sys.argv[1], encoding="utf-8").read()
+        assert self.open.pop()[0] == tag, tag
+    def handle_data(self, text):
+        tag, values = self.open[-1] if self.open else ("", {})
+        if values.get("id") == "comparison": self.data += text
+        if values.get("class") == "pixels":
+            if not self.pixels or self.pixels[-1][0] is not values: self.pixels.append((values, []))
+            self.pixels[-1][1].append(text)
 page = Page()
-page.feed(text)
+page.feed(open(sys.argv[1], encoding="utf-8").read())
 page.close()
 assert not page.open, page.open
-assert page.wanted and page.wanted <= page.names, page.wanted
+report = json.loads(page.data)
+width, height, shrink = report["width"], report["height"], report["shrink"]
+columns, rows = -(-width // shrink), -(-height // shrink)
+assert len(page.pixels) == 1 + len(report["images"])
+for values, text in page.pixels:
+    packed = zlib.decompress(base64.b64decode("".join(text), validate=True))
+    count = len(packed) // 2
+    assert count == 3 * columns * rows, count
+    halves = bytearray()
+    left = 0
+    for i in range(count):
+        folded = packed[i] | packed[count + i] << 8
+        left = (0 if i % columns == 0 else left) + (folded >> 1 ^ -(folded & 1)) & 0xffff
+        halves += left.to_bytes(2, "little")
+    numbers = struct.unpack(f"<{count}e", halves)
+    scale = 2.0 ** int(values["data-exponent"])
+    print(*(scale * sum(numbers[c * count // 3:(c + 1) * count // 3]) * 3 / count for c in range(3)))
 END
 }
 
+# holds LINE IMAGE: the page's image of that line has the mean of the file's, to half floats.
+holds() {
+  command -v python3 > /dev/null || return 0
+  expect 0 info "$2"
+  checks=$((checks + 1))
+  python3 -c 'import sys
+page = [float(word) for word in open("page.txt").read().splitlines()[int(sys.argv[1])].split()]
+lines = [line.split() for line in open("out.txt")]
+means = [float(line[2]) for name in "RGB" for line in lines if line[0] == name]
+assert all(abs(a / b - 1) < 1e-4 for a, b in zip(page, means)), (page, means)' "$1" > holds.txt 2>&1 ||
+    fail "$2: $(tail -n 1 holds.txt)"
+}
+
 test_page() {
-  page new/report.html 3
-  said new/report.html '^<h1>builtin:cube_g0</h1>$'
-  said new/report.html 'Reference: new/reference.exr, 64 samples per pixel'
-  said new/report.html '<td>path</td><td>all</td><td>[01]\.?[0-9]*</td>'
-  page images/report.html 7
+  page new/report.html 2
+  holds 0 new/reference.exr
+  holds 1 new/path.exr
+  said new/report.html '^<title>builtin:cube_g0</title>$'
+  said new/report.html '"source": "new/reference.exr",$'
+  page images/report.html 4
+  holds 2 'odd name.exr'
   # A name that is markup stays text.
   odd='a<b onload=x>"&'\''.exr'
   cp new/path.exr "$odd"
   expect 0 compare "$odd" new/path.exr -o odd -q
-  said odd/report.html 'Reference: a&lt;b onload=x&gt;&quot;&amp;&#39;\.exr, 4 samples'
-  page odd/report.html 3
+  said odd/report.html '"source": "a\\u003cb onload=x>\\"&'\''\.exr",$'
+  page odd/report.html 2
+  # Wide images are made smaller.
+  expect 0 render builtin:cube_g0 -o wide.exr --size 2600x2 --spp 1 -q
+  expect 0 compare wide.exr wide.exr -o wide -q
+  said wide/report.html '"shrink": 3,'
+  page wide/report.html 2
+}
+
+# The reference is kept with its state, and gone on from.
+test_reference() {
+  small="--size 24x16 --spp 1 --reference-noise 0.001"
+  # shellcheck disable=SC2086 # options
+  expect 0 compare builtin:cube_g0 --methods fld -o kept $small --reference-spp 48 --progress none
+  said kept/errors.json '"stored": false'
+  said kept/errors.json '"spp": 48,'
+  said out.txt 'noise is [0-9.]+ % of its mean, [0-9.e-]+ of the smallest difference \(fld, [0-9.]+ %\): not well below'
+  # shellcheck disable=SC2086
+  expect 0 compare builtin:cube_g0 --methods fld -o kept $small --reference-spp 80 --progress none
+  said kept/errors.json '"stored": true'
+  said kept/errors.json '"spp": 80,'
+  expect 0 render builtin:cube_g0 --method path --spp 80 --size 24x16 --seed 1 --aov variance,samples -o once.exr -q
+  same once.exr kept/reference.exr
+  # Enough: nothing more is done. Fewer samples than there are do not take any away.
+  expect 0 compare builtin:cube_g0 --methods fld -o kept --size 24x16 --spp 1 --reference-noise 10 --reference-spp 20 \
+    --progress none
+  said kept/errors.json '"spp": 80,'
+  said out.txt ': well below it\.$'
+  [ ! -s err.txt ] || fail "said $(cat err.txt)"
+  # Of another scene, or damaged: it begins anew, and says so.
+  expect 0 compare builtin:cube_g0 --methods fld -o kept --size 24x16 --reference-spp 8 -D 'media[0].g=0.5' --progress none
+  said err.txt 'warning: the stored reference is not used: the state is of scene'
+  said kept/errors.json '"spp": 8,'
+  said kept/errors.json 'media\[0\]\.g=0\.5'
+  printf 'x' >> kept/reference.exr.state
+  expect 0 compare builtin:cube_g0 --methods fld -o kept --size 24x16 --reference-spp 8 -D 'media[0].g=0.5' --progress none
+  said err.txt 'warning: the stored reference is not used: the state is cut short or damaged'
+  # Noise that is known of finished images.
+  expect 0 compare once.exr kept/fld.exr -o of_images
+  said of_images/errors.json '"relative_noise": \{'
+}
+
+# Methods that are not made for the scene are left out, with the reason.
+test_left_out() {
+  expect 0 compare builtin:cloud_sun -o out --size 12x8 --spp 1 --reference-spp 4 --progress none
+  said err.txt '^tyndall: screen is left out: media\[0\] \(cloud\) is not homogeneous'
+  for name in path fld cda pop lpv dom; do present "out/$name.exr"; done
+  absent out/screen.exr
+  said out/errors.json '"name": "screen",$'
+  said out/errors.json '"reason": "media\[0\] \(cloud\) is not homogeneous'
+  said out/table.md '^- screen: media\[0\] \(cloud\) is not homogeneous'
+  for name in paths solve march; do said out/errors.json "\"name\": \"$name\"" ; done
+  page out/report.html 7
+  expect 0 compare builtin:cloud_sun --methods path,screen -o out --size 12x8 --spp 1 --reference-spp 4 -q
+  [ ! -s err.txt ] || fail "said $(cat err.txt)"
 }
 
 # Fog all around the camera, in a room that glows; $1: more keys of the medium, $2: of the scene.
@@ -109,7 +209,7 @@ test_screen() {
     expect 0 info $image
     said out.txt '^tyndall\.camera\.fov_y [0-9]'
   done
-  page dark/report.html 5
+  page dark/report.html 3
   # Without media both see the surfaces.
   room '"sigma_s": 0' > clear.json
   expect 0 render clear.json --method path -o path.exr --spp 8 -q
@@ -134,7 +234,8 @@ test_screen() {
 }
 
 test_screen_refusals() {
-  usage_error 'media\[0\] \(cloud\) is not homogeneous' compare builtin:cloud_sun --methods path,screen -o x
+  expect 2 compare builtin:cloud_sun --methods screen -o x --progress none
+  said err.txt '^tyndall: builtin:cloud_sun: no method applies; screen: media\[0\] \(cloud\) is not homogeneous'
   usage_error 'media\[0\] \(cloud\) is not homogeneous' render builtin:cloud_sun --method screen -o x.exr
   usage_error "the method screen has no 'transmittance'" render dark.json --method screen --aov all -o x.exr
   usage_error '--crop: the method screen renders whole frames' render dark.json --method screen --crop 0,0,9x9 -o x.exr
@@ -151,7 +252,7 @@ test_screen_refusals() {
 
 test_refusals() {
   usage_error "unknown method 'fog'; known: path, screen" compare builtin:cube_g0 --methods path,fog -o x
-  usage_error 'which methods' compare builtin:cube_g0 -o x
+  usage_error '--reference-time is for rendering a reference' compare builtin:cube_g0 --reference new/path.exr --reference-time 9 -o x
   usage_error '-o DIR' compare builtin:cube_g0 --methods path
   usage_error 'one argument too many' compare builtin:cube_g0 new/path.exr --methods path -o x
   usage_error 'what to compare with' compare new/path.exr -o x
@@ -173,14 +274,32 @@ test_interrupt() {
   kill -INT "$process"
   finished 130
   absent cut/errors.json
+  # The reference stays as far as it is, and the next run goes on from there.
+  start compare builtin:cube_g0 --methods fld -o cut --size 24x16 --spp 1 --reference-noise 0.001
+  for _ in $(seq 200); do
+    grep -q '"stage": "reference"' err.txt && break
+    sleep 0.1
+  done
+  sleep 0.3
+  kill -INT "$process"
+  finished 130
+  said err.txt 'interrupted; the same command goes on from the reference'
+  absent cut/errors.json
+  present cut/reference.exr.state
+  expect 0 info cut/reference.exr
+  said out.txt '^tyndall.complete 0$'
+  expect 0 compare builtin:cube_g0 --methods fld -o cut --size 24x16 --spp 1 --reference-time 0.001 --progress none
+  said cut/errors.json '"stored": true'
 }
 
 test_scene
 test_images
 test_page
+test_reference
+test_left_out
 test_screen
 test_screen_refusals
 test_refusals
 test_interrupt
 no_temporary_files
-finish 130
+finish 200

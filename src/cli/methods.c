@@ -19,6 +19,10 @@ const cli_method* cli_find_method(const char* command, const char* name) {
     return NULL;
 }
 
+const cli_method* cli_method_at(int index) {
+    return index < METHOD_COUNT ? methods[index] : NULL;
+}
+
 int cli_check_request(cli_session* session, const ty_scene* scene, const cli_method* method,
                       const cli_request* request) {
     const char* command = session->command;

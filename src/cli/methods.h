@@ -35,6 +35,8 @@ extern const cli_method cli_method_path, cli_method_screen, cli_method_fld, cli_
 
 /* NULL, after a message that names the known ones, if there is none of that name. */
 const cli_method* cli_find_method(const char* command, const char* name);
+/* One after the other; NULL past the last. */
+const cli_method* cli_method_at(int index);
 /* Whether the method can do what is asked: CLI_GO, or CLI_USAGE after a message. */
 int cli_check_request(cli_session* session, const ty_scene* scene, const cli_method* method,
                       const cli_request* request);

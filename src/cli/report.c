@@ -1,8 +1,18 @@
 /* What a rendering did, in --stats and in an image's metadata. */
 #include "cli/report.h"
 #include "cli/metadata.h"
+#include "cli/stages.h"
 
 #include <inttypes.h>
+
+/* "march_seconds" of a stage "march". */
+static void stage_seconds(json_writer* json, const cli_stage* stages, int count) {
+    for (int i = 0; i < count; ++i) {
+        char name[40];
+        snprintf(name, sizeof name, "%s_seconds", stages[i].name);
+        json_number(json, name, stages[i].seconds);
+    }
+}
 
 static void fld_stats(json_writer* json, const ty_fld_stats* fld) {
     json_open_object(json, "fld");
@@ -18,31 +28,15 @@ static void fld_stats(json_writer* json, const ty_fld_stats* fld) {
     json_numbers(json, "emitted", fld->emitted, 3);
     json_numbers(json, "absorbed", fld->absorbed, 3);
     json_numbers(json, "leaving", fld->leaving, 3);
-    json_number(json, "medium_seconds", fld->medium_seconds);
-    json_number(json, "direct_seconds", fld->direct_seconds);
-    json_number(json, "solve_seconds", fld->solve_seconds);
-    json_number(json, "march_seconds", fld->march_seconds);
+    cli_stage stages[CLI_STAGES_MAX];
+    stage_seconds(json, stages, cli_fld_stages(fld, stages));
     json_number(json, "bytes", fld->bytes);
     json_text(json, "isa", fld->isa);
     json_close_object(json);
 }
 
 static void pop_stats(json_writer* json, const ty_pop_stats* pop) {
-    const struct {
-        const char* name;
-        double seconds;
-    } parts[] = {
-        {"medium_seconds", pop->medium_seconds},
-        {"importance_seconds", pop->importance_seconds},
-        {"ordinate_seconds", pop->ordinate_seconds},
-        {"vpl_seconds", pop->vpl_seconds},
-        {"direct_seconds", pop->direct_seconds},
-        {"initial_seconds", pop->initial_seconds},
-        {"propagation_seconds", pop->propagation_seconds},
-        {"residuum_seconds", pop->residuum_seconds},
-        {"merge_seconds", pop->merge_seconds},
-        {"march_seconds", pop->march_seconds},
-    };
+    cli_stage stages[CLI_STAGES_MAX];
     json_open_object(json, "pop");
     json_integer(json, "ordinates", pop->ordinates);
     json_integer(json, "vpls", pop->vpls);
@@ -54,7 +48,7 @@ static void pop_stats(json_writer* json, const ty_pop_stats* pop) {
     json_integer(json, "residuum_iterations", pop->residuum_iterations);
     json_bool(json, "converged", pop->converged);
     json_number(json, "left", pop->left);
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) json_number(json, parts[i].name, parts[i].seconds);
+    stage_seconds(json, stages, cli_pop_stages(pop, stages));
     json_number(json, "bytes", pop->bytes);
     json_text(json, "isa", pop->isa);
     json_close_object(json);
@@ -89,24 +83,13 @@ static void lpv_stats(json_writer* json, const ty_lpv_stats* lpv) {
         const double* power;
     } powers[] = {{"reflected", lpv->reflected}, {"scattered", lpv->scattered}, {"absorbed", lpv->absorbed},
                   {"blocked", lpv->blocked},     {"escaped", lpv->escaped},     {"left", lpv->left}};
-    const struct {
-        const char* name;
-        double seconds;
-    } parts[] = {
-        {"medium_seconds", lpv->medium_seconds},       {"map_seconds", lpv->map_seconds},
-        {"shadow_seconds", lpv->shadow_seconds},       {"reflected_seconds", lpv->reflected_seconds},
-        {"scattered_seconds", lpv->scattered_seconds}, {"blocker_seconds", lpv->blocker_seconds},
-        {"prepare_seconds", lpv->prepare_seconds},     {"propagate_seconds", lpv->propagate_seconds},
-        {"gather_seconds", lpv->gather_seconds},       {"view_seconds", lpv->view_seconds},
-        {"surface_seconds", lpv->surface_seconds},     {"march_seconds", lpv->march_seconds},
-        {"single_seconds", lpv->single_seconds},       {"compose_seconds", lpv->compose_seconds},
-    };
+    cli_stage stages[CLI_STAGES_MAX];
     json_open_object(json, "lpv");
     lpv_lattices(json, lpv);
     json_integer(json, "iterations", lpv->iterations);
     for (size_t i = 0; i < sizeof powers / sizeof powers[0]; ++i)
         json_numbers(json, powers[i].name, powers[i].power, 3);
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) json_number(json, parts[i].name, parts[i].seconds);
+    stage_seconds(json, stages, cli_lpv_stages(lpv, stages));
     json_integer(json, "rays", lpv->rays);
     json_number(json, "ray_seconds", lpv->ray_seconds);
     json_text(json, "isa", lpv->isa);
@@ -115,14 +98,7 @@ static void lpv_stats(json_writer* json, const ty_lpv_stats* lpv) {
 
 static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
     const int32_t *direct = dom->direct_size, *size = dom->size;
-    const struct {
-        const char* name;
-        double seconds;
-    } parts[] = {
-        {"medium_seconds", dom->medium_seconds}, {"direct_seconds", dom->direct_seconds},
-        {"source_seconds", dom->source_seconds}, {"solve_seconds", dom->solve_seconds},
-        {"sweep_seconds", dom->sweep_seconds},   {"march_seconds", dom->march_seconds},
-    };
+    cli_stage stages[CLI_STAGES_MAX];
     json_open_object(json, "dom");
     json_numbers(json, "direct_size", (const double[]){direct[0], direct[1], direct[2]}, 3);
     json_numbers(json, "size", (const double[]){size[0], size[1], size[2]}, 3);
@@ -136,7 +112,8 @@ static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
     json_numbers(json, "emitted", dom->emitted, 3);
     json_numbers(json, "absorbed", dom->absorbed, 3);
     json_numbers(json, "leaving", dom->leaving, 3);
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) json_number(json, parts[i].name, parts[i].seconds);
+    stage_seconds(json, stages, cli_dom_stages(dom, stages));
+    json_number(json, "sweep_seconds", dom->sweep_seconds);
     json_number(json, "bytes", dom->bytes);
     json_text(json, "isa", dom->isa);
     json_close_object(json);

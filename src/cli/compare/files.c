@@ -1,7 +1,7 @@
 /* What `tyndall compare` writes. */
 #define _GNU_SOURCE
-#include "cli/compare_files.h"
-#include "cli/compare_page.h"
+#include "cli/compare/files.h"
+#include "cli/compare/page.h"
 #include "cli/difference.h"
 #include "cli/side_by_side.h"
 #include "cli/text_file.h"
@@ -16,73 +16,14 @@ char* cli_comparison_path(const char* folder, const char* prefix, const char* na
     return NULL;
 }
 
-static void image_json(json_writer* json, const cli_compared* image) {
-    json_text(json, "name", image->name);
-    json_text(json, "source", image->source);
-    if (image->seconds >= 0) json_number(json, "seconds", image->seconds);
-    if (image->own_seconds >= 0) json_number(json, "own_seconds", image->own_seconds);
-    if (image->spp >= 0) json_number(json, "spp", image->spp);
-}
-
-void cli_comparison_json(json_writer* json, const void* user) {
-    const cli_comparison* comparison = user;
-    if (comparison->subject != NULL) json_text(json, "scene", comparison->subject);
-    json_open_object(json, "reference");
-    image_json(json, &comparison->reference);
-    json_close_object(json);
-    json_open_array(json, "images");
-    for (int i = 0; i < comparison->count; ++i) {
-        json_open_object(json, NULL);
-        image_json(json, &comparison->entries[i]);
-        cli_difference_json(json, &comparison->entries[i].difference);
-        json_close_object(json);
-    }
-    json_close_array(json);
-}
-
 static ty_result print_errors(ty_context* context, FILE* file, const void* user) {
     (void)context;
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
     cli_comparison_json(&json, user);
+    cli_comparison_scene_json(&json, user);
     json_close_object(&json);
-    return TY_OK;
-}
-
-static void write_amount(FILE* file, double amount) {
-    if (amount >= 0)
-        fprintf(file, " %.4g |", amount);
-    else
-        fputs(" |", file);
-}
-
-static ty_result print_table(ty_context* context, FILE* file, const void* user) {
-    (void)context;
-    const cli_comparison* comparison = user;
-    const cli_compared* reference = &comparison->reference;
-    if (comparison->subject != NULL) fprintf(file, "Scene: %s\n\n", comparison->subject);
-    fprintf(file, "Reference: %s (%s)", reference->name, reference->source);
-    if (reference->spp >= 0) fprintf(file, ", %.6g spp", reference->spp);
-    if (reference->seconds >= 0) fprintf(file, ", %.4g s", reference->seconds);
-    fprintf(file, "\n\n| image | channel | mean ratio | RMSE | relative RMSE | relMSE | spp | seconds |\n"
-                  "|---|---|---|---|---|---|---|---|\n");
-    for (int i = 0; i < comparison->count; ++i) {
-        const cli_compared* entry = &comparison->entries[i];
-        const ty_difference* d = &entry->difference;
-        for (int channel = 0; channel < 4; ++channel) {
-            fprintf(file, "| %s | %s | %.6g | %.6g | %.6g | %.6g |", entry->name, cli_difference_names[channel],
-                    d->mean_ratio[channel], d->rmse[channel], d->relative_rmse[channel], d->rel_mse[channel]);
-            write_amount(file, entry->spp);
-            write_amount(file, entry->seconds);
-            fputc('\n', file);
-        }
-    }
-    fprintf(file,
-            "\nMean ratio: mean / mean of the reference. Relative RMSE: RMSE / mean of the reference. relMSE: mean "
-            "of error^2 / (reference^2 + 0.01 mean^2).\n\nHeat maps: red where the image is brighter than the "
-            "reference, blue where it is darker; full colour at 100 percent of the reference, or of a tenth of its "
-            "mean where that is more. Green: not finite.\n");
     return TY_OK;
 }
 
@@ -154,7 +95,7 @@ int cli_write_comparison(cli_session* session, const cli_comparison* comparison)
     if (status == CLI_DONE) status = write_views(session, comparison);
     if (status == CLI_DONE) status = write_side_by_side(session, comparison);
     if (status == CLI_DONE) status = write_text(session, comparison, "report.html", cli_print_comparison_page);
-    if (status == CLI_DONE) status = write_text(session, comparison, "table.md", print_table);
+    if (status == CLI_DONE) status = write_text(session, comparison, "table.md", cli_print_comparison_table);
     if (status == CLI_DONE) status = write_text(session, comparison, "errors.json", print_errors);
     return status;
 }

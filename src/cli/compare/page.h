@@ -2,9 +2,9 @@
 #ifndef TY_CLI_COMPARE_PAGE_H
 #define TY_CLI_COMPARE_PAGE_H
 
-#include "cli/compare_files.h"
+#include "cli/compare/comparison.h"
 
-/* A cli_print_fn; user is the cli_comparison, and images come from the PNGs that are in its folder already. */
+/* A cli_print_fn; user is the cli_comparison. */
 ty_result cli_print_comparison_page(ty_context* context, FILE* file, const void* user);
 
 #endif

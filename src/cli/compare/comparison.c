@@ -1,0 +1,53 @@
+/* What `tyndall compare` finds out, before anything of it is written. */
+#include "cli/compare/comparison.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const cli_compared* cli_nearest_entry(const cli_comparison* comparison) {
+    const cli_compared* nearest = NULL;
+    for (int i = 0; i < comparison->count; ++i) {
+        const cli_compared* entry = &comparison->entries[i];
+        if (strcmp(entry->source, "path") == 0) continue;
+        if (nearest == NULL || entry->difference.rmse[3] < nearest->difference.rmse[3]) nearest = entry;
+    }
+    return nearest;
+}
+
+double cli_without_noise(double rmse, double noise) {
+    return sqrt(fmax(rmse * rmse - noise * noise, 0));
+}
+
+void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size) {
+    const cli_noise* noise = &comparison->reference.noise;
+    const cli_compared* nearest = cli_nearest_entry(comparison);
+    out[0] = '\0';
+    if (!noise->known) return;
+    const int used = snprintf(out, size, "The reference's noise is %.3g %% of its mean", 100 * noise->relative[3]);
+    if (used < 0 || (size_t)used >= size) return;
+    out += used;
+    size -= (size_t)used;
+    if (nearest == NULL || nearest->difference.rmse[3] <= 0) {
+        snprintf(out, size, ".");
+        return;
+    }
+    const double share = noise->rmse[3] / nearest->difference.rmse[3];
+    snprintf(out, size, ", %.2g of the smallest difference (%s, %.3g %%): %s", share, nearest->name,
+             100 * nearest->difference.relative_rmse[3],
+             share <= comparison->wanted ? "well below it." : "not well below it; more samples would tell more.");
+}
+
+static void free_entry(cli_compared* entry) {
+    ty_image_destroy(entry->image);
+    for (int i = 0; i < entry->earlier_count; ++i) ty_image_destroy(entry->earlier[i].image);
+    free(entry->command);
+}
+
+void cli_comparison_free(cli_comparison* comparison) {
+    free_entry(&comparison->reference);
+    for (int i = 0; comparison->entries != NULL && i < CLI_COMPARE_MAX; ++i) free_entry(&comparison->entries[i]);
+    free(comparison->entries);
+    free(comparison->skipped);
+    free(comparison->scene_text);
+}

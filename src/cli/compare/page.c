@@ -1,0 +1,94 @@
+/* report.html of `tyndall compare`: a page that holds what was compared as data, and shows it by itself. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/compare/page.h"
+#include "cli/compare/files.h"
+#include "cli/compare/page_pixels.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The files of the page, page.*; the scripts follow each other in one element. */
+extern const char cli_page_html_text[], cli_page_css_text[], cli_page_pixels_js_text[], cli_page_viewer_js_text[],
+    cli_page_magnifier_js_text[], cli_page_charts_js_text[], cli_page_main_js_text[];
+
+/* Wider frames are shown with fewer pixels. */
+enum { WIDTH_MAX = 1280 };
+
+/* Text from outside as text of the page. */
+static void write_escaped(FILE* file, const char* text) {
+    for (const char* c = text; *c != '\0'; ++c) switch (*c) {
+        case '&': fputs("&amp;", file); break;
+        case '<': fputs("&lt;", file); break;
+        case '>': fputs("&gt;", file); break;
+        default: fputc((unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c, file);
+        }
+}
+
+static void print_data(FILE* file, const cli_comparison* comparison, int shrink) {
+    int32_t frame[4];
+    ty_image_get_frame(comparison->reference.image, frame);
+    json_writer json = json_begin(file);
+    json_open_object(&json, NULL);
+    json_text(&json, "version", ty_version());
+    json_integer(&json, "width", frame[2]);
+    json_integer(&json, "height", frame[3]);
+    json_integer(&json, "shrink", shrink);
+    cli_comparison_json(&json, comparison);
+    cli_comparison_scene_json(&json, comparison);
+    json_close_object(&json);
+}
+
+/* The members of errors.json and the frame. A < would end the element: within JSON it stands in texts alone, and may
+ * be written otherwise there. */
+static ty_result write_data(FILE* file, const cli_comparison* comparison, int shrink) {
+    char* text = NULL;
+    size_t size = 0;
+    FILE* memory = open_memstream(&text, &size);
+    if (memory == NULL) return TY_ERROR_MEMORY;
+    print_data(memory, comparison, shrink);
+    const bool complete = fclose(memory) == 0;
+    fputs("<script type=\"application/json\" id=\"comparison\">\n", file);
+    for (size_t i = 0; complete && i < size; ++i)
+        if (text[i] == '<')
+            fputs("\\u003c", file);
+        else
+            fputc(text[i], file);
+    fputs("</script>\n", file);
+    free(text);
+    return complete ? TY_OK : TY_ERROR_MEMORY;
+}
+
+static ty_result write_all_data(ty_context* context, FILE* file, const cli_comparison* comparison) {
+    int32_t frame[4];
+    ty_image_get_frame(comparison->reference.image, frame);
+    const int32_t shrink = (frame[2] + WIDTH_MAX - 1) / WIDTH_MAX;
+    ty_result result = write_data(file, comparison, shrink);
+    if (result == TY_OK) result = cli_write_page_pixels(context, file, comparison->reference.image, shrink);
+    for (int i = 0; i < comparison->count && result == TY_OK; ++i)
+        result = cli_write_page_pixels(context, file, comparison->entries[i].image, shrink);
+    return result;
+}
+
+static void write_scripts(FILE* file) {
+    const char* const parts[] = {cli_page_pixels_js_text, cli_page_viewer_js_text, cli_page_magnifier_js_text,
+                                 cli_page_charts_js_text, cli_page_main_js_text};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) fputs(parts[i], file);
+}
+
+ty_result cli_print_comparison_page(ty_context* context, FILE* file, const void* user) {
+    static const char* const marks[] = {"<!-- title -->", "/* style */", "<!-- data -->", "/* script */"};
+    const cli_comparison* comparison = user;
+    const char* rest = cli_page_html_text;
+    ty_result result = TY_OK;
+    for (int i = 0; i < 4 && result == TY_OK; ++i) {
+        const char* mark = strstr(rest, marks[i]);
+        fwrite(rest, 1, (size_t)(mark - rest), file);
+        rest = mark + strlen(marks[i]);
+        if (i == 0) write_escaped(file, comparison->subject != NULL ? comparison->subject : "Images");
+        if (i == 1) fputs(cli_page_css_text, file);
+        if (i == 2) result = write_all_data(context, file, comparison);
+        if (i == 3) write_scripts(file);
+    }
+    fputs(rest, file);
+    return result;
+}
