@@ -5,7 +5,7 @@
 #include "cli/session.h"
 
 typedef struct bench_options {
-    bool json;
+    bool json, quick;
     int32_t spp, size[2], runs, side;
     bool size_given, full;
     const char* scenes;    /* names or paths, comma-separated */
@@ -36,7 +36,11 @@ int bench_load(const bench_session* bench);
 
 /* What all threads together do of multiply-adds, 1e9 operations/s: the median of a few runs. 0: no memory. */
 double bench_fma_gflops(ty_context* context);
+/* The instruction set whose kernels this machine runs: "x86-64-v3". */
+const char* bench_isa(void);
 /* The middle one of count values (the mean of the middle two); sorts them. */
 double bench_median(double* values, int count);
+/* Pixels of a bench's images: what --size says, else width x height, a quarter of each with --quick. */
+void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]);
 
 #endif

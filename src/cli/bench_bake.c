@@ -59,8 +59,8 @@ static ty_result take_hits(const ty_scene* scene, const ty_ray* rays, int64_t co
 
 static ty_result find_places(const bench_session* bench, const ty_scene* scene, places* out) {
     const bench_options* options = bench->options;
-    const int32_t size[2] = {options->size_given ? options->size[0] : SIDE,
-                             options->size_given ? options->size[1] : SIDE};
+    int32_t size[2];
+    bench_pixels(options, SIDE, SIDE, size);
     const double origin[3] = {0, -0.95, 0}; /* inside the box, so that all directions end on it */
     const int64_t count = (int64_t)size[0] * size[1];
     ty_ray* rays = malloc((size_t)count * sizeof *rays);

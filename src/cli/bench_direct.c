@@ -182,7 +182,7 @@ int bench_direct(const bench_session* bench) {
         json_open_array(bench->json, "sizes");
     else
         printf("light that has not scattered yet (medians of %d runs after a first one)\n", (int)bench->options->runs);
-    for (int i = 0; i < SIZES && result == TY_OK; ++i) {
+    for (int i = 0; i < (bench->options->quick ? 1 : SIZES) && result == TY_OK; ++i) {
         result = measure_size(bench, sides[i], found[i]);
         if (result != TY_OK) break;
         if (bench->json != NULL)

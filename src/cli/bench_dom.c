@@ -255,7 +255,7 @@ static ty_result load_cloud(const bench_session* bench, const char** name, ty_sc
 }
 
 static ty_result render_pair(const bench_session* bench, const ty_scene* scene, pair* out) {
-    const bool given = bench->options->size_given;
+    int32_t size[2];
     const ty_camera_def camera = ty_scene_camera(scene);
     ty_image* large = NULL;
     ty_path_def path = ty_default_path_def();
@@ -265,8 +265,9 @@ static ty_result render_pair(const bench_session* bench, const ty_scene* scene, 
     ty_image_destroy(large);
     out->whole_cpu = cli_cpu_seconds() - cpu;
     path.spp = bench->options->spp;
-    path.width = dom.width = given ? bench->options->size[0] : WIDTH;
-    path.height = dom.height = given ? bench->options->size[1] : HEIGHT;
+    bench_pixels(bench->options, WIDTH, HEIGHT, size);
+    path.width = dom.width = size[0];
+    path.height = dom.height = size[1];
     path.aovs = TY_AOV_VARIANCE;
     path.progress = cli_progress_report;
     path.progress_user = &bench->session->progress;

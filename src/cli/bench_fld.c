@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SOR_SIDE = 128, SIZES = 3, RUNS_MAX = 99, PATH_SPP = 4, TRUTH_SPP = 1000 };
+enum { SOR_SIDE = 128, SIZES = 3, RUNS_MAX = 99, WIDTH = 1024, PATH_SPP = 4, TRUTH_SPP = 1000 };
 
 static const int32_t sides[SIZES] = {64, 128, 256};
 static const double tolerance = 1e-6;
@@ -143,6 +143,11 @@ static ty_result run_case(const bench_session* bench, int index, int32_t side, s
     return result;
 }
 
+/* Where a case ends; quick: half way. */
+static int32_t largest_side(const bench_session* bench, int index) {
+    return bench->options->quick && cases[index].largest > SOR_SIDE ? SOR_SIDE : cases[index].largest;
+}
+
 static void print_solved(const bench_session* bench, int index, const solved* s) {
     const double cells = pow(s->side, 3);
     if (bench->json != NULL) {
@@ -180,7 +185,7 @@ static ty_result bench_solvers(const bench_session* bench) {
             "floats");
     for (int i = 0; i < CASES && result == TY_OK; ++i)
         for (int s = 0; s < SIZES && result == TY_OK; ++s) {
-            if (sides[s] < cases[i].smallest || sides[s] > cases[i].largest) continue;
+            if (sides[s] < cases[i].smallest || sides[s] > largest_side(bench, i)) continue;
             result = run_case(bench, i, sides[s], &results[i][s]);
             if (result == TY_OK) print_solved(bench, i, &results[i][s]);
         }
@@ -192,7 +197,7 @@ static ty_result bench_solvers(const bench_session* bench) {
     else
         printf("  multigrid is %.1f times as fast as SOR at %d^3\n", faster, (int)SOR_SIDE);
     for (int i = 0; i < SOR_CASE && bench->json == NULL; ++i) {
-        const int last = cases[i].largest == sides[SIZES - 1] ? SIZES - 1 : SIZES - 2;
+        const int last = largest_side(bench, i) == sides[SIZES - 1] ? SIZES - 1 : SIZES - 2;
         printf("  %s: work grows by %.0f %% from %d^3 to %d^3\n", cases[i].name,
                100 * (results[i][last].work / results[i][0].work - 1), (int)sides[0], (int)sides[last]);
     }
@@ -210,8 +215,10 @@ typedef struct timed {
 
 static ty_result time_method(const bench_session* bench, const ty_scene* scene, bool limited, ty_fld_stats* stats) {
     ty_fld_def def = ty_default_fld_def();
-    def.width = bench->options->size_given ? bench->options->size[0] : 1024;
-    def.height = bench->options->size_given ? bench->options->size[1] : 1024;
+    int32_t size[2];
+    bench_pixels(bench->options, WIDTH, WIDTH, size);
+    def.width = size[0];
+    def.height = size[1];
     if (!limited) def.limiter = TY_FLD_LIMITER_NONE;
     ty_image* image = NULL;
     const ty_result result = ty_fld_render(scene, &def, &image, stats);
@@ -222,8 +229,10 @@ static ty_result time_method(const bench_session* bench, const ty_scene* scene, 
 static ty_result time_path(const bench_session* bench, const ty_scene* scene, double* seconds) {
     ty_path_def def = ty_default_path_def();
     def.spp = PATH_SPP;
-    def.width = bench->options->size_given ? bench->options->size[0] : 1024;
-    def.height = bench->options->size_given ? bench->options->size[1] : 1024;
+    int32_t size[2];
+    bench_pixels(bench->options, WIDTH, WIDTH, size);
+    def.width = size[0];
+    def.height = size[1];
     def.progress = cli_progress_report;
     def.progress_user = &bench->session->progress;
     ty_path_stats stats;
@@ -264,7 +273,7 @@ static ty_result time_scene(const bench_session* bench, const ty_scene* scene, t
 
 static void print_timed(const bench_session* bench, const char* name, const timed* t) {
     static const char* const methods[] = {"fld", "cda"};
-    static const char* const parts[] = {"medium", "direct", "solve", "march"};
+    static const char* const parts[] = {"medium_seconds", "direct_seconds", "solve_seconds", "march_seconds"};
     const int32_t* coarse = t->stats.diffusion_size;
     if (bench->json != NULL) {
         json_open_object(bench->json, name);

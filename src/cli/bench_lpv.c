@@ -264,9 +264,11 @@ static void print_frame(const bench_session* bench, const char* name, const ty_l
 static ty_result bench_frame(const bench_session* bench, const char* name, const ty_scene* scene) {
     double seconds[PARTS][RUNS_MAX], medians[PARTS];
     const int runs = bench->options->runs;
+    int32_t size[2];
     ty_lpv_def def = ty_default_lpv_def();
-    def.width = bench->options->size_given ? bench->options->size[0] : WIDTH;
-    def.height = bench->options->size_given ? bench->options->size[1] : HEIGHT;
+    bench_pixels(bench->options, WIDTH, HEIGHT, size);
+    def.width = size[0];
+    def.height = size[1];
     for (int run = -1; run < runs; ++run) {
         ty_image* image = NULL;
         ty_lpv_stats stats;

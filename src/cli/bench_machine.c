@@ -33,6 +33,12 @@ static bench_fma_fn choose_fma(const char** isa) {
     return bench_fma_v1;
 }
 
+const char* bench_isa(void) {
+    const char* isa;
+    choose_fma(&isa);
+    return isa;
+}
+
 /* One timed piece of work for every thread. */
 typedef struct work {
     bench_fma_fn fma;

@@ -90,14 +90,16 @@ static ty_result time_def(const bench_session* bench, const ty_scene* scene, con
 }
 
 static ty_pop_def typical_def(const bench_session* bench, ty_pop_mode mode) {
+    int32_t size[2];
     ty_pop_def def = ty_default_pop_def();
     def.mode = mode;
     def.ordinates = ORDINATES;
     def.resolution = RESOLUTION;
     def.iterations = ITERATIONS;
     def.residuum_iterations = RESIDUUM_ITERATIONS; /* as in Fig. 8 */
-    def.width = bench->options->size_given ? bench->options->size[0] : WIDTH;
-    def.height = bench->options->size_given ? bench->options->size[1] : WIDTH;
+    bench_pixels(bench->options, WIDTH, WIDTH, size);
+    def.width = size[0];
+    def.height = size[1];
     return def;
 }
 

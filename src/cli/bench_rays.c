@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { RUNS_MAX = 99, BLOCK_RAYS = 4096 };
+enum { RUNS_MAX = 99, BLOCK_RAYS = 4096, WIDTH = 1024 };
 enum { OURS = 0, ROBUST = 1, PLAIN = 2, SIDES = 3 };
 
 /* A mesh as each side has it, for one number of threads. */
@@ -203,9 +203,9 @@ static ty_result measure(const bench_session* bench, const tracers* all, const i
 
 int bench_rays(const bench_session* bench) {
     const bench_options* options = bench->options;
-    const int32_t size[2] = {options->size_given ? options->size[0] : 1024,
-                             options->size_given ? options->size[1] : 1024};
+    int32_t size[2];
     tracers all;
+    bench_pixels(options, WIDTH, WIDTH, size);
     ty_result result = make_tracers(bench->session->context, options->mesh, &all);
     if (result != TY_OK) return cli_fail_reading(bench->session, result);
     result = measure(bench, &all, size);

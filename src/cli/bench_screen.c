@@ -298,15 +298,16 @@ static int bench_size(const bench_session* bench, const bench_memory* memory, co
 }
 
 static int bench_sizes(const bench_session* bench, const bench_memory* memory) {
-    const bool own = bench->options->size_given;
+    const bool own = bench->options->size_given || bench->options->quick;
     const int count = own ? 1 : SIZES, reference_at = own ? 0 : 1;
+    int32_t size[2];
     size_result results[SIZES];
     double reference = 0;
     int status = CLI_DONE;
     if (bench->json != NULL) json_open_array(bench->json, "sizes");
     for (int i = 0; status == CLI_DONE && i < count; ++i) {
-        status = bench_size(bench, memory, own ? bench->options->size : sizes[i], &results[i],
-                            i == reference_at ? &reference : NULL);
+        bench_pixels(bench->options, sizes[i][0], sizes[i][1], size);
+        status = bench_size(bench, memory, size, &results[i], i == reference_at ? &reference : NULL);
         if (status != CLI_DONE) break;
         if (bench->json != NULL)
             print_size_json(bench->json, &results[i]);

@@ -113,3 +113,16 @@ bool cli_progress_report(void* user, const ty_progress* report) {
     }
     return !cli_interrupted();
 }
+
+void cli_progress_step(cli_progress* progress, const char* stage, int index, int count, double seconds) {
+    char gone[24];
+    cli_progress_clear(progress);
+    if (progress->mode == CLI_JSON)
+        fprintf(stderr,
+                "{\"stage\": \"%s\", \"fraction\": %.4f, \"seconds\": %.3f, \"remaining\": -1, \"done\": %d, "
+                "\"total\": %d}\n",
+                stage, (double)index / count, seconds, index, count);
+    if (progress->mode != CLI_PLAIN) return;
+    format_time(seconds, gone, sizeof gone);
+    fprintf(stderr, "%s (%d of %d), %s gone\n", stage, index + 1, count, gone);
+}

@@ -19,6 +19,8 @@ typedef struct cli_progress {
 cli_progress cli_progress_begin(const cli_common* common);
 /* A ty_progress_fn; user is the cli_progress. Returns false once the user has interrupted. */
 bool cli_progress_report(void* user, const ty_progress* report);
+/* The beginning of one of several steps that take unequal times: a line on its own, unless progress is off. */
+void cli_progress_step(cli_progress* progress, const char* stage, int index, int count, double seconds);
 /* Takes the updating line off the screen, so that other text can follow. */
 void cli_progress_clear(cli_progress* progress);
 /* A warning of the library, as a line of its own. */

@@ -96,14 +96,19 @@ int cli_session_close(cli_session* session, int status) {
     return status;
 }
 
+static char last_message[1024];
+
 int cli_fail(int status, const char* format, ...) {
-    char text[1024];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    vsnprintf(last_message, sizeof last_message, format, arguments);
     va_end(arguments);
-    cli_print_message(text);
+    cli_print_message(last_message);
     return status;
+}
+
+const char* cli_last_message(void) {
+    return last_message;
 }
 
 static int fail_with_message(cli_session* session, ty_result result, int file_status) {

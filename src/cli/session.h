@@ -29,6 +29,8 @@ int cli_fail_reading(cli_session* session, ty_result result);
 int cli_fail_running(cli_session* session, ty_result result);
 /* The same for an error the command found itself. */
 int cli_fail(int status, const char* format, ...) __attribute__((format(printf, 2, 3)));
+/* What these printed last: for commands that go on with something else and tell at the end. */
+const char* cli_last_message(void);
 
 /* Checks before long work that a file can be made at path: CLI_GO, or CLI_USAGE after a message. */
 int cli_check_output(const char* command, const char* path);
