@@ -3,6 +3,7 @@
 #define TYNDALL_TYNDALL_H
 
 #include <tyndall/base.h>
+#include <tyndall/choose.h>
 #include <tyndall/dom.h>
 #include <tyndall/fld.h>
 #include <tyndall/grid.h>
