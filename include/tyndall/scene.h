@@ -394,10 +394,11 @@ typedef struct ty_dom_settings {
 
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */
 typedef struct ty_render_settings {
-    char method[16];       /* "path" (default), "screen", "fld", "cda" (fld without limiter), "pop", "lpv" or "dom" */
-    int32_t spp;           /* samples per pixel, 1..2^24; default 64 */
-    uint64_t seed;         /* default 0 */
-    ty_path_settings path; /* of method path, as below of others */
+    char method[16]; /* "auto" (default; ty_choose_method), "path", "screen", "fld", "cda" (fld without limiter), "pop",
+                        "lpv" or "dom" */
+    int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
+    uint64_t seed;   /* default 0 */
+    ty_path_settings path;     /* of method path, as below of others */
     ty_screen_settings screen; /* of method screen */
     ty_fld_settings fld;       /* of methods fld and cda */
     ty_pop_settings pop;       /* of method pop */

@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-static const cli_method* const methods[] = {&cli_method_path, &cli_method_screen, &cli_method_fld, &cli_method_cda,
-                                            &cli_method_pop,  &cli_method_lpv,    &cli_method_dom};
+static const cli_method* const methods[] = {&cli_method_auto, &cli_method_path, &cli_method_screen, &cli_method_fld,
+                                            &cli_method_cda,  &cli_method_pop,  &cli_method_lpv,    &cli_method_dom};
 enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
 const cli_method* cli_find_method(const char* command, const char* name) {

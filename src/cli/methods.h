@@ -8,6 +8,7 @@
 /* What commands ask of every method. What is for one method alone it finds in the scene's ty_render_settings. */
 typedef struct cli_request {
     int32_t spp;
+    bool samples; /* whether it is spp that is asked for, which method auto then takes as a wish for path */
     uint64_t seed;
     double seconds, error;      /* bounds on the work, 0: none */
     int32_t width, height;      /* 0: the camera's resolution */
@@ -30,8 +31,8 @@ typedef struct cli_method {
                         cli_report* report);
 } cli_method;
 
-extern const cli_method cli_method_path, cli_method_screen, cli_method_fld, cli_method_cda, cli_method_pop,
-    cli_method_lpv, cli_method_dom;
+extern const cli_method cli_method_auto, cli_method_path, cli_method_screen, cli_method_fld, cli_method_cda,
+    cli_method_pop, cli_method_lpv, cli_method_dom;
 
 /* NULL, after a message that names the known ones, if there is none of that name. */
 const cli_method* cli_find_method(const char* command, const char* name);

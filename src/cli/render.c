@@ -111,6 +111,7 @@ static cli_request make_request(const render_options* options, const cli_session
         .spp = options->spp_given  ? options->spp
                : bounded_otherwise ? SPP_MAX
                                    : settings->spp,
+        .samples = options->spp_given && options->method == NULL,
         .seed = session->common.seed_given ? session->common.seed : settings->seed,
         .seconds = options->time,
         .error = options->error,
@@ -213,8 +214,9 @@ int cli_render(int count, char** arguments) {
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr (linear, with metadata) or .png", &options.output,
          0, 0, NULL},
-        {"method", 0, CLI_TEXT, "NAME", "path, screen, fld, cda, pop, lpv or dom (default: what the scene says)",
-         &options.method, 0, 0, NULL},
+        {"method", 0, CLI_TEXT, "NAME",
+         "auto, path, screen, fld, cda, pop, lpv or dom (default: what the scene says, or auto)", &options.method, 0, 0,
+         NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &options.spp, 1, SPP_MAX,
          &options.spp_given},
         {"time", 0, CLI_REAL, "SECONDS", "stop after this time; without --spp nothing else does", &options.time, 1e-3,

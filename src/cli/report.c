@@ -122,6 +122,7 @@ static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
 void cli_report_stats(json_writer* json, const void* user) {
     const cli_report* report = user;
     json_text(json, "method", report->method);
+    if (report->choice[0] != '\0') json_text(json, "choice", report->choice);
     json_text(json, "scene", report->scene);
     json_integer(json, "scene_bytes", (int64_t)report->scene_bytes);
     json_integer(json, "width", report->width);
@@ -181,6 +182,8 @@ ty_result cli_report_metadata(ty_image* image, const cli_report* report) {
         result = ty_image_set_text(image, texts[i].key, texts[i].value);
     for (size_t i = 0; result == TY_OK && i < sizeof numbers / sizeof numbers[0]; ++i)
         result = ty_image_set_number(image, numbers[i].key, numbers[i].value);
+    if (result == TY_OK && report->choice[0] != '\0')
+        result = ty_image_set_text(image, "tyndall.choice", report->choice);
     if (result == TY_OK && report->fov_y > 0) result = ty_image_set_number(image, cli_fov_key, report->fov_y);
     return result;
 }

@@ -10,6 +10,7 @@ typedef struct cli_report {
     char scene[17]; /* hash */
     size_t scene_bytes;
     const char* method;
+    char choice[256];       /* why method auto chose it; "": nothing was to be chosen */
     ty_path_stats path;     /* seconds: of everything, also of what is done with the paths' image */
     double own_seconds;     /* without the path-traced image that the method starts from */
     ty_screen_stats screen; /* method screen alone */

@@ -4,7 +4,7 @@
 #include <string.h>
 
 const ty_render_settings ty_default_settings = {
-    .method = "path",
+    .method = "auto",
     .spp = 64,
     .screen = {.variant = "scatter", .spread = "small_angle", .filter = 4, .environment = "around", .balance = true},
     .fld = {.limiter = "levermore_pomraning",

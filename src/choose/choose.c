@@ -1,0 +1,117 @@
+/* Which method a scene is rendered by: rules in the order of docs/method/auto.md. */
+#include "base/context.h"
+#include "choose/look.h"
+#include "image/march.h"
+#include "scene/scene.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* What rules ask of a look, found by `tyndall figure auto-choice`. */
+static const double faint = 2e-3;        /* opacity below which media do not count */
+static const double enclosed_most = 0.5; /* of what scatters; above it, surfaces and media light each other */
+static const double cell_most = 10;      /* mean free paths of a cell */
+static const double narrow = 0.85;       /* g from which lobes tell the parts of an environment apart */
+
+enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
+
+ty_choose_def ty_default_choose_def(void) {
+    return (ty_choose_def){.cookie = TY_DEF_COOKIE};
+}
+
+/* ---- words ---- */
+
+static void append(char* text, size_t size, const char* more) {
+    const size_t used = strlen(text);
+    snprintf(text + used, size - used, "%s", more);
+}
+
+/* "the sun, lamps and an environment" */
+static void name_lights(uint32_t lights, char* out, size_t size) {
+    static const struct {
+        uint32_t kinds;
+        const char* name;
+    } names[] = {{1 << TY_LIGHT_DIRECTIONAL, "the sun"},
+                 {1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT, "lamps"},
+                 {1 << TY_LIGHT_AREA, "glowing surfaces"},
+                 {1 << TY_LIGHT_ENVIRONMENT, "an environment"}};
+    enum { NAMES = sizeof names / sizeof names[0] };
+    int left = 0;
+    for (int i = 0; i < NAMES; ++i) left += (lights & names[i].kinds) != 0;
+    out[0] = '\0';
+    for (int i = 0; i < NAMES; ++i) {
+        if ((lights & names[i].kinds) == 0) continue;
+        append(out, size, names[i].name);
+        --left;
+        if (left > 0) append(out, size, left > 1 ? ", " : " and ");
+    }
+}
+
+/* "media of optical thickness 40, g 0.85, lit by the sun" */
+static void describe(const ty_look* look, char* out, size_t size) {
+    char lights[80];
+    name_lights(look->lights, lights, sizeof lights);
+    snprintf(out, size, "%s media of optical thickness up to %.2g, g %.2g%s%s%s", look->varies ? "uneven" : "even",
+             look->thickness, look->g, lights[0] != '\0' ? ", lit by " : "", lights, look->glows ? ", that glow" : "");
+}
+
+static void set(ty_choice* out, const char* method, const char* because) {
+    char media[160];
+    out->method = method;
+    describe(&out->look, media, sizeof media);
+    snprintf(out->reason, sizeof out->reason, "%s: %s", media, because);
+}
+
+/* ---- rules ---- */
+
+typedef struct asked {
+    uint32_t ask;
+    const char* words;
+} asked;
+
+/* Whether only path tracing does what is asked. */
+static bool asks_path(const ty_choose_def* def, ty_choice* out) {
+    static const asked asks[] = {{TY_ASK_RESUME, "it alone can go on later"},
+                                 {TY_ASK_ERROR, "it alone goes on until an error is reached"},
+                                 {TY_ASK_TIME, "it alone makes the best of a time"},
+                                 {TY_ASK_CROP, "it alone renders a part of the frame"},
+                                 {TY_ASK_SAMPLES, "samples per pixel are asked for"}};
+    for (size_t i = 0; i < sizeof asks / sizeof asks[0]; ++i)
+        if ((def->asks & asks[i].ask) != 0) {
+            snprintf(out->reason, sizeof out->reason, "%s", asks[i].words);
+            return true;
+        }
+    if ((def->aovs & ~(uint32_t)(TY_MARCH_AOVS | TY_AOV_SAMPLES)) == 0) return false;
+    snprintf(out->reason, sizeof out->reason, "it alone has all channels that are asked for");
+    return true;
+}
+
+static void choose_by_look(ty_choice* out) {
+    const ty_look* look = &out->look;
+    if (look->opacity < faint) {
+        snprintf(out->reason, sizeof out->reason, "no media are in view");
+        return;
+    }
+    if (look->enclosed > enclosed_most && (look->lights & ~(uint32_t)LPV_LIGHTS) == 0)
+        set(out, "lpv", "surfaces all around, which media and lamps light");
+    else if (look->enclosed > enclosed_most)
+        set(out, "path", "surfaces all around, which no faster method lights so");
+    else if (look->cell > cell_most)
+        set(out, "fld", "so dense that light diffuses");
+    else if (look->g > narrow && look->lights == 1u << TY_LIGHT_ENVIRONMENT)
+        set(out, "pop", "narrow lobes in light from all around");
+    else
+        set(out, "dom", look->surfaces > 0 ? "few surfaces near" : "no surfaces");
+}
+
+ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
+    ty_context* context = ty_scene_context(scene);
+    ty_result result = ty_check_def(context, def, "ty_default_choose_def");
+    if (result == TY_OK && ty_scene_get_view(scene) == NULL) result = TY_ERROR_ARGUMENT;
+    ty_choice choice = {.method = "path"};
+    if (result == TY_OK) result = ty_look_at(scene, &choice.look);
+    if (result != TY_OK) return result;
+    if (!asks_path(def, &choice)) choose_by_look(&choice);
+    *out = choice;
+    return TY_OK;
+}

@@ -1,0 +1,233 @@
+/* What the camera sees of a scene, at a glance: a few hundred rays through media, as many around what scatters. */
+#include "choose/look.h"
+
+#include "base/context.h"
+#include "base/float_mode.h"
+#include "direct/grid_medium.h"
+#include "scene/camera.h"
+#include "scene/scene.h"
+#include "scene/spans.k.h"
+
+#include <stdlib.h>
+
+enum { COLUMNS = 32, ROWS = 24, RAYS = COLUMNS * ROWS, STEPS = 32, AROUND = 8, CELLS = 40 };
+
+/* Fractions of light below which it does not count. */
+static const float least = 1e-3f;
+
+/* One ray of the camera through media. Scattered: what is seen of light that scatters along it, and sums weighted by
+ * that. */
+typedef struct look_ray {
+    double depth, scattered, g, albedo, cell;
+    ty_vec at; /* a place where it scatters, if scattered > 0: one at random, by what is seen */
+} look_ray;
+
+typedef struct look_job {
+    const ty_scene_view* view;
+    ty_random random;
+    float cell; /* m */
+} look_job;
+
+/* ---- media along a ray ---- */
+
+typedef struct look_point {
+    float extinction, scattering, g; /* means of the channels */
+} look_point;
+
+static float mean(const float rgb[3]) {
+    return (rgb[0] + rgb[1] + rgb[2]) / 3;
+}
+
+/* All media whose spans are around parameter t. */
+static look_point media_at(look_job* job, const ty_spans* spans, ty_vec place, float t) {
+    look_point sum = {0, 0, 0};
+    for (int32_t i = 0; i < spans->count; ++i) {
+        if (t < spans->enter[i] || t > spans->leave[i]) continue;
+        const ty_medium_view* medium = &job->view->media[spans->medium[i]];
+        const float density = ty_medium_density(medium, place, &job->random);
+        float sigma_s[3], g[3];
+        ty_medium_sigma_s(medium, place, sigma_s);
+        ty_medium_g(medium, place, g);
+        sum.extinction += density * mean(medium->sigma_t);
+        sum.scattering += density * mean(sigma_s);
+        sum.g += density * mean(sigma_s) * mean(g);
+    }
+    if (sum.scattering > 0) sum.g /= sum.scattering;
+    return sum;
+}
+
+static void add_step(look_job* job, const look_point* point, ty_vec place, float length, look_ray* ray) {
+    const float through = ty_expf(-(float)ray->depth), depth = point->extinction * length;
+    ray->depth += (double)depth;
+    if (!(point->scattering > 0)) return;
+    const float albedo = point->scattering / point->extinction;
+    const double seen = (double)(through * (1 - ty_expf(-depth)) * albedo);
+    ray->scattered += seen;
+    ray->g += seen * (double)point->g;
+    ray->albedo += seen * (double)albedo;
+    ray->cell += seen * (double)(point->extinction * job->cell);
+    if ((double)ty_random_white(&job->random) * ray->scattered < seen) ray->at = place;
+}
+
+static int compare_floats(const void* a, const void* b) {
+    const float x = *(const float*)a, y = *(const float*)b;
+    return (x > y) - (x < y);
+}
+
+/* Where media begin and end along the ray, in order; between two neighbours the same media are there. */
+static int32_t find_ends(const ty_spans* spans, float ends[2 * TY_SPANS_MAX]) {
+    for (int32_t i = 0; i < spans->count; ++i) {
+        ends[2 * i] = spans->enter[i];
+        ends[2 * i + 1] = spans->leave[i];
+    }
+    qsort(ends, (size_t)(2 * spans->count), sizeof *ends, compare_floats);
+    return 2 * spans->count;
+}
+
+static look_ray follow(look_job* job, const ty_ray* from, float far) {
+    ty_spans spans;
+    float ends[2 * TY_SPANS_MAX];
+    look_ray ray = {.depth = 0};
+    const ty_vec origin = ty_vec_load(from->origin), direction = ty_vec_load(from->direction);
+    ty_spans_find(job->view->media, job->view->medium_count, origin, direction, far, &spans);
+    const int32_t count = find_ends(&spans, ends);
+    for (int32_t i = 0; i + 1 < count; ++i) {
+        const float step = (ends[i + 1] - ends[i]) / STEPS;
+        for (int32_t s = 0; s < STEPS && step > 0; ++s) {
+            const float t = ends[i] + step * ((float)s + ty_random_white(&job->random));
+            const ty_vec place = ty_mad(origin, direction, t);
+            const look_point point = media_at(job, &spans, place, t);
+            add_step(job, &point, place, step, &ray);
+        }
+    }
+    return ray;
+}
+
+/* ---- the frame ---- */
+
+static void aim(const ty_scene* scene, ty_ray rays[RAYS]) {
+    const ty_camera_def camera = ty_scene_camera(scene);
+    const ty_camera_view view = ty_camera_get_view(&camera, camera.resolution[0], camera.resolution[1]);
+    for (int32_t i = 0; i < RAYS; ++i) {
+        const float x = ((float)(i % COLUMNS) + 0.5f) / COLUMNS, y = ((float)(i / COLUMNS) + 0.5f) / ROWS;
+        const ty_vec direction =
+            ty_camera_direction(&view, x * (float)camera.resolution[0], y * (float)camera.resolution[1]);
+        rays[i] = (ty_ray){
+            {view.origin.x, view.origin.y, view.origin.z}, {direction.x, direction.y, direction.z}, TY_FLOAT_MAX};
+    }
+}
+
+static void add_ray(const look_ray* ray, const ty_ray_hit* hit, ty_look* out) {
+    const double taken = 1 - exp(-ray->depth);
+    out->media += taken > (double)least ? 1.0 / RAYS : 0;
+    out->opacity += taken / RAYS;
+    out->thickness = fmax(out->thickness, ray->depth);
+    out->surfaces += hit->surface >= 0 ? 1.0 / RAYS : 0;
+    out->g += ray->g;
+    out->albedo += ray->albedo;
+    out->cell += ray->cell;
+}
+
+/* Directions around a place, evenly over the sphere. */
+static void look_around(look_job* job, ty_vec at, float far, ty_ray rays[AROUND]) {
+    const float turn = ty_random_white(&job->random);
+    for (int32_t k = 0; k < AROUND; ++k) {
+        const float z = 1 - 2 * ((float)k + ty_random_white(&job->random)) / AROUND;
+        const ty_vec way = ty_direction_about(ty_vec_make(0, 0, 1), z, turn + 0.618034f * (float)k);
+        rays[k] = (ty_ray){{at.x, at.y, at.z}, {way.x, way.y, way.z}, far};
+    }
+}
+
+/* What is around all places where light scatters, each by what is seen of it. */
+static ty_result find_enclosed(look_job* job, const ty_scene* scene, const look_ray* rays, float far, ty_look* out) {
+    ty_context* context = ty_scene_context(scene);
+    ty_ray* around = ty_alloc_array(context, RAYS * AROUND, sizeof *around, false);
+    bool* shadowed = ty_alloc_array(context, RAYS * AROUND, sizeof *shadowed, true);
+    ty_result result = around != NULL && shadowed != NULL ? TY_OK : TY_ERROR_MEMORY;
+    double sum = 0, all = 0;
+    for (int32_t i = 0; i < RAYS && result == TY_OK; ++i) look_around(job, rays[i].at, far, around + i * AROUND);
+    if (result == TY_OK) result = ty_scene_trace_shadows(scene, around, RAYS * AROUND, false, shadowed);
+    for (int32_t i = 0; i < RAYS * AROUND && result == TY_OK; ++i) {
+        all += rays[i / AROUND].scattered;
+        sum += shadowed[i] ? rays[i / AROUND].scattered : 0;
+    }
+    if (all > 0) out->enclosed = sum / all;
+    ty_free_array(context, around, RAYS * AROUND, sizeof *around);
+    ty_free_array(context, shadowed, RAYS * AROUND, sizeof *shadowed);
+    return result;
+}
+
+/* ---- what needs no rays ---- */
+
+static bool is_empty(const ty_medium_view* medium) {
+    return !(medium->sigma_t_max > 0);
+}
+
+static void list_media(const ty_scene_view* view, ty_vec camera, ty_look* out) {
+    ty_spans spans;
+    for (int32_t i = 0; i < view->medium_count; ++i) {
+        if (is_empty(&view->media[i])) continue;
+        out->varies |= view->media[i].varies != 0;
+        out->glows |= view->media[i].emits != 0;
+    }
+    ty_spans_find(view->media, view->medium_count, camera, ty_vec_make(0, 0, 1), TY_FLOAT_MAX, &spans);
+    for (int32_t i = 0; i < spans.count; ++i)
+        out->inside |= spans.enter[i] <= 0 && !is_empty(&view->media[spans.medium[i]]);
+}
+
+static void list_lights(const ty_scene* scene, ty_look* out) {
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (mean(scene->lights[i].color) > 0) out->lights |= 1u << scene->lights[i].kind;
+    for (int32_t i = 0; i < scene->view.lights.count; ++i) {
+        const int32_t kind = scene->view.lights.lights[i].kind;
+        if (kind > TY_KIND_SPOT && kind != TY_KIND_ENVIRONMENT) out->lights |= 1u << TY_LIGHT_AREA;
+    }
+}
+
+static ty_result look_through(look_job* job, const ty_scene* scene, look_ray* rays, ty_look* out) {
+    ty_context* context = ty_scene_context(scene);
+    ty_ray* aimed = ty_alloc_array(context, RAYS, sizeof *aimed, false);
+    ty_ray_hit* hits = ty_alloc_array(context, RAYS, sizeof *hits, false);
+    ty_result result = aimed != NULL && hits != NULL ? TY_OK : TY_ERROR_MEMORY;
+    if (result == TY_OK) {
+        aim(scene, aimed);
+        result = ty_scene_trace(scene, aimed, RAYS, true, hits);
+    }
+    double scattered = 0;
+    for (int32_t i = 0; i < RAYS && result == TY_OK; ++i) {
+        rays[i] = follow(job, &aimed[i], hits[i].distance);
+        add_ray(&rays[i], &hits[i], out);
+        scattered += rays[i].scattered;
+    }
+    if (scattered > 0) {
+        out->g /= scattered;
+        out->albedo /= scattered;
+        out->cell /= scattered;
+    }
+    ty_free_array(context, aimed, RAYS, sizeof *aimed);
+    ty_free_array(context, hits, RAYS, sizeof *hits);
+    return result;
+}
+
+ty_result ty_look_at(const ty_scene* scene, ty_look* out) {
+    ty_context* context = ty_scene_context(scene);
+    look_job job = {.view = ty_scene_get_view(scene), .random = ty_random_begin(NULL, 0, 0, 0)};
+    double side = 0;
+    ty_grid_box box;
+    *out = (ty_look){.media = 0};
+    list_lights(scene, out);
+    ty_result result = TY_OK;
+    if (job.view->medium_count > 0) result = ty_grid_box_fit(scene, CELLS, &box);
+    for (int a = 0; a < 3 && result == TY_OK && job.view->medium_count > 0; ++a)
+        side = fmax(side, box.upper[a] - box.lower[a]);
+    job.cell = (float)(side / CELLS);
+    const ty_camera_def camera = ty_scene_camera(scene);
+    list_media(job.view, ty_vec_make((float)camera.position[0], (float)camera.position[1], (float)camera.position[2]),
+               out);
+    look_ray* rays = ty_alloc_array(context, RAYS, sizeof *rays, true);
+    if (rays == NULL) return TY_ERROR_MEMORY;
+    if (result == TY_OK) result = look_through(&job, scene, rays, out);
+    if (result == TY_OK && job.view->mesh != NULL) result = find_enclosed(&job, scene, rays, (float)side, out);
+    ty_free_array(context, rays, RAYS, sizeof *rays);
+    return result;
+}
