@@ -54,10 +54,13 @@ static void send_row(void* user, int64_t row, int32_t worker) {
         ty_harmonics_at(way, light->kept, y);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
+            const float* surfaces = light->surfaces[c];
             double sum = 0, power = 1;
             for (int32_t l = 0; l < light->kept; ++l, power *= g)
-                for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                    sum += power * y[t] * (double)ty_dom_plane(light, light->moments[c], t)[at];
+                for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
+                    const size_t item = light->cells * (size_t)t + at;
+                    sum += power * y[t] * (double)(light->moments[c][item] + (surfaces != NULL ? surfaces[item] : 0));
+                }
             job->out[c][at] = (float)sum;
         }
     }
