@@ -76,10 +76,11 @@ typedef struct ty_dom_stats {
     int32_t sweeps[3]; /* of all directions over all cells */
     int32_t cycles[3]; /* of multigrid */
     double change[3];  /* what is still to come, of the fluence, estimated */
-    /* W: light that scattered for the first time and emission, what the medium absorbed of it, what left. */
-    double emitted[3], absorbed[3], leaving[3];
+    /* W: light that scattered for the first time, emission, and what surfaces between cells sent of environments and
+       area lights; what the medium absorbed of it, and surfaces; what left. */
+    double emitted[3], absorbed[3], absorbed_by_surfaces[3], leaving[3];
     /* Wall clock, s: of all, and of its parts. */
-    double seconds, medium_seconds, direct_seconds, source_seconds, solve_seconds, march_seconds;
+    double seconds, medium_seconds, direct_seconds, source_seconds, wall_seconds, solve_seconds, march_seconds;
     double sweep_seconds; /* of solve_seconds, in sweeps alone */
     double bytes;         /* that the solve works in */
     const char* isa;      /* which build of the kernels ran, as in ty_path_stats */

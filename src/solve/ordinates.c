@@ -1,5 +1,4 @@
 /* Entry points of discrete ordinates: checks, memory, what an iteration begins and ends with. */
-#include "base/arena.h"
 #include "base/context.h"
 #include "solve/ordinates_job.h"
 
@@ -61,6 +60,11 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
                        "ordinates: there is no medium, source, start or place for the moments");
     if (!(def->tolerance > 0 && def->tolerance < 1))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: tolerance: %g is outside (0, 1)", def->tolerance);
+    if (def->walls.count < 0 || (def->walls.count > 0 && (def->walls.first == NULL || def->walls.x == NULL ||
+                                                          def->walls.face == NULL || def->walls.albedo == NULL ||
+                                                          def->walls.emission == NULL)))
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: walls: %d sides are not all there",
+                       (int)def->walls.count);
     if (def->sweeps < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: sweeps are at least 0");
     return TY_OK;
 }
@@ -83,6 +87,7 @@ static void lay_out(ty_ordinates_job* job, ty_arena* arena) {
         job->changes[i] = take(job, arena, job->lows);
     }
     if (job->def->source_terms > 1) job->fixed = take(job, arena, job->terms);
+    ty_ordinates_walls_lay_out(job, arena);
 }
 
 static ty_ordinates_job begin_job(const ty_ordinates_def* def) {
@@ -127,7 +132,13 @@ static double longest_edge(const ty_ordinates_def* def) {
     return fmax(fmax(def->cell[0], def->cell[1]), def->cell[2]);
 }
 
-/* sigma*, and the diffusion problem that corrects, of cells up to a thickness. */
+static bool scatters(const ty_ordinates_def* def, int64_t cells) {
+    for (int64_t i = 0; i < cells; ++i)
+        if (def->scattering[i] > 0) return true;
+    return false;
+}
+
+/* sigma*, and the diffusion problem that corrects, of cells up to a thickness; none where nothing scatters. */
 static ty_result scale(ty_ordinates_job* job, double thickest) {
     const ty_ordinates_def* def = job->def;
     /* Planes that other things are in later. */
@@ -137,7 +148,7 @@ static ty_result scale(ty_ordinates_job* job, double thickest) {
     if (!ty_ordinates_scale(job, reduced, absorption, limit * limit))
         return ty_fail(job->context, TY_ERROR_ARGUMENT,
                        "ordinates: extinction, scattering, g or source of a cell is outside its range or not finite");
-    if (!def->accelerated) return TY_OK;
+    if (!def->accelerated || !scatters(def, job->cells)) return TY_OK;
     ty_diffusion_def diffusion = ty_default_diffusion_def();
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -179,6 +190,7 @@ static ty_result begin(ty_ordinates_job* job) {
     } else if (job->correction != NULL) {
         ty_ordinates_guess(job);
     }
+    ty_ordinates_walls_begin(job);
     if (!job->limited) return TY_OK;
     end_correction(job);
     job->emitted = ty_ordinates_balance(job, job->moments[0], job->terms).emitted;
@@ -193,16 +205,23 @@ static ty_result prepare(ty_ordinates_job* job) {
         result =
             ty_sweep_create(job->context, def->size, def->cell, def->set, def->bands, job->extinction, &job->sweep);
     if (result != TY_OK) return result;
+    job->walls = ty_ordinates_walls_of_sweep(job, 0);
+    if (def->walls.count > 0) ty_sweep_set_walls(job->sweep, &job->walls);
     if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->terms, job->fixed);
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
     if (job->correction != NULL) job->stats->bytes += (double)ty_correction_bytes(job->correction);
     return begin(job);
 }
 
-static void note_balance(ty_ordinates_job* job, const float* moments, int32_t terms) {
+/* arrived: irradiance on walls. */
+static void note_balance(ty_ordinates_job* job, const float* moments, int32_t terms, const float* arrived) {
     const ty_ordinates_sums sums = ty_ordinates_balance(job, moments, terms);
+    const ty_ordinates_walls* walls = &job->def->walls;
     job->stats->emitted = sums.emitted;
     job->stats->absorbed = sums.absorbed;
+    ty_ordinates_walls_balance(job, arrived, &job->stats->walls_emitted, &job->stats->walls_absorbed);
+    if (walls->arrived != NULL && walls->count > 0)
+        memcpy(walls->arrived, arrived, sizeof *arrived * (size_t)walls->count);
 }
 
 /* One more sweep, for more moments than iterations need: `terms` of them, emission and moments of each cell. */
@@ -211,13 +230,16 @@ static ty_result sweep_more(ty_ordinates_job* job, ty_sweep* sweep, float* emiss
     const int32_t terms = job->def->kept * job->def->kept;
     ty_ordinates_emit(job);
     ty_ordinates_widen(job, job->emission, terms, emission);
+    job->walls = ty_ordinates_walls_of_sweep(job, job->latest);
+    if (job->def->walls.count > 0) ty_sweep_set_walls(sweep, &job->walls);
     const double begun = ty_wall_seconds();
     const ty_result result = ty_sweep_run(sweep, emission, kept, &job->stats->leaving, NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
     if (result != TY_OK) return result;
+    ty_ordinates_walls_take(job);
     ty_ordinates_scatter(job, kept, terms, moments);
-    note_balance(job, kept, terms);
+    note_balance(job, kept, terms, job->walls_arrived[job->latest]);
     return TY_OK;
 }
 
@@ -249,7 +271,7 @@ static void store(ty_ordinates_job* job, float* const* moments) {
     ty_ordinates_give_low(job);
     ty_ordinates_scatter(job, latest, job->terms, moments);
     job->stats->leaving = job->leaving[job->latest];
-    note_balance(job, latest, job->terms);
+    note_balance(job, latest, job->terms, job->walls_arrived[job->latest]);
 }
 
 static ty_result solve(ty_ordinates_job* job, float* const* moments) {

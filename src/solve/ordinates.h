@@ -6,7 +6,7 @@
  * which is the transport equation with a Henyey-Greenstein phase function whose forward peak counts as light that goes
  * straight on (delta-M). phi_lm is the integral of psi Y_lm over all directions, Y_lm are real and orthonormal, without
  * Condon-Shortley sign, number l (l + 1) + m (base/sh.k.h), so that phi_00 sqrt(4 pi) is the fluence. Nothing comes in
- * through the box's faces. Cells hold means. The result does not depend on the number of threads. */
+ * through the box's faces; walls between cells, or around the box, reflect. Cells hold means. The result does not depend on the number of threads. */
 #ifndef TY_SOLVE_ORDINATES_H
 #define TY_SOLVE_ORDINATES_H
 
@@ -28,6 +28,17 @@ typedef struct ty_ordinate_set {
  * is described in docs/method/dom.md. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 ty_result ty_ordinate_set_make(ty_context* context, int32_t count, ty_ordinate_set* out, int32_t* exact);
 
+/* Walls, as ty_sweep_walls has them. They reflect alike in all directions. */
+typedef struct ty_ordinates_walls {
+    int32_t count;         /* of sides; 0 (default): there are none */
+    const int32_t* first;  /* of each row of cells, and count */
+    const int32_t* x;      /* the cell of the row that a side is of */
+    const uint8_t* face;   /* 2 * axis, and 1 more for a cell's upper face */
+    const float* albedo;   /* [0, 1] */
+    const float* emission; /* radiance that they send besides, W m^-2 sr^-1 */
+    float* arrived;        /* out: irradiance, W m^-2; may be NULL */
+} ty_ordinates_walls;
+
 typedef struct ty_ordinates_def {
     int32_t size[3]; /* cells along x, y, z: 1..512 each */
     double cell[3];  /* their edges, m */
@@ -39,6 +50,7 @@ typedef struct ty_ordinates_def {
     const float* g;             /* mean cosine, (-1, 1) */
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
+    ty_ordinates_walls walls;
     bool accelerated; /* diffusion synthetic acceleration: 3 to 12 sweeps where cells are thinner than 25 free paths;
                          false: source iteration, as many as light scatters */
     double tolerance; /* of what is still to come, rms of fluences; default 1e-3 */
@@ -51,8 +63,8 @@ typedef struct ty_ordinates_def {
 } ty_ordinates_def;
 
 ty_ordinates_def ty_default_ordinates_def(void);
-/* Bytes of the arrays of cells that a solve works on: of size, bands, source_terms and accelerated. Sweeps and
- * corrections take their own. */
+/* Bytes of the arrays of cells that a solve works on: of size, bands, source_terms, walls.count and accelerated. Sweeps
+ * and corrections take their own. */
 size_t ty_ordinates_memory(const ty_ordinates_def* def);
 
 typedef struct ty_ordinates_stats {
@@ -61,6 +73,7 @@ typedef struct ty_ordinates_stats {
     double change; /* what is still to come, of the rms fluence, estimated; where cells are thicker than 25 free paths
                       and acceleration leaves what varies slowly to diffusion, what is missing of the energy if more */
     double emitted, absorbed, leaving; /* W: by the source, by the medium, out of the box's faces */
+    double walls_emitted, walls_absorbed;
     double seconds, sweep_seconds;
     double bytes;
 } ty_ordinates_stats;

@@ -275,5 +275,7 @@ static void correct_plane(void* user, int64_t z, int32_t worker) {
 ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e) {
     loop l = loop_over(job, e);
     ty_ordinates_planes(job, correct_plane, &l);
-    return ty_ordinates_total(job);
+    ty_ordinates_sums sums = ty_ordinates_total(job);
+    ty_ordinates_walls_compare(job, &sums);
+    return sums;
 }

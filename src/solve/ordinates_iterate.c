@@ -118,10 +118,10 @@ static void make_room(const iteration* it) {
 }
 
 /* What rounding took from the light or gave it, alike in most cells: next to nothing, but light that scatters ten
- * thousand times meets it as often. emitted, taken: sums over cells, W/m^3 / sqrt(4 pi). */
-static void account(ty_ordinates_job* job, double emitted, double taken) {
+ * thousand times meets it as often. emitted, taken: sums over cells, W/m^3 / sqrt(4 pi); arrived: on walls, W. */
+static void account(ty_ordinates_job* job, double emitted, double arrived, double taken) {
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
-    const double left = job->leaving[job->latest] / (volume * SQRT_4PI);
+    const double left = (job->leaving[job->latest] + arrived) / (volume * SQRT_4PI);
     job->missing = taken > 0 ? (emitted - left) / taken - 1 : 0;
 }
 
@@ -129,12 +129,14 @@ static ty_result sweep(const iteration* it) {
     ty_ordinates_job* job = it->job;
     const double emitted = ty_ordinates_emit(job);
     make_room(it);
+    job->walls = ty_ordinates_walls_of_sweep(job, job->latest);
     const double begun = ty_wall_seconds();
     const ty_result result =
         ty_sweep_run(job->sweep, job->emission, job->moments[job->latest], &job->leaving[job->latest], NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
-    account(job, emitted, ty_ordinates_take_low(job));
+    const double arrived = ty_ordinates_walls_take(job);
+    account(job, emitted, arrived, ty_ordinates_take_low(job));
     return result;
 }
 

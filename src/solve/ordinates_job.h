@@ -2,6 +2,7 @@
 #ifndef TY_SOLVE_ORDINATES_JOB_H
 #define TY_SOLVE_ORDINATES_JOB_H
 
+#include "base/arena.h"
 #include "solve/correction.h"
 #include "solve/sweep.h"
 
@@ -41,6 +42,11 @@ typedef struct ty_ordinates_job {
     double leaving[TY_ORDINATES_DEPTH]; /* W, in the sweep that made it and of its correction */
     float* before;                      /* low terms of the mixture */
     ty_ordinates_sums* sums;            /* one for each plane */
+    /* Of the sides of walls, if there are any. */
+    ty_sweep_walls walls;
+    float *walls_sent, *walls_before;         /* radiance; irradiance, of the mixture */
+    float* walls_arrived[TY_ORDINATES_DEPTH]; /* irradiance, of the iterates */
+    float* walls_changes[TY_ORDINATES_DEPTH]; /* from the mixture to the iterate */
 
     double shares[TY_ORDINATES_DEPTH]; /* of the iterates in the next mixture; they add up to 1, or all are 0: dark */
     int32_t depth;                     /* iterates there is room for */
@@ -65,7 +71,7 @@ void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t ter
 /* The job's terms of cells, with zeros behind them. */
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
 /* Mixes iterates by their shares: low terms to `before`, and to emission what the mixture emits. Returns the sum of its
- * first term. */
+ * first term, with what walls send. */
 double ty_ordinates_emit(ty_ordinates_job* job);
 /* The low terms of the latest iterate, from its moments, of which it returns the sum of what cells take; and back, when
  * there are no more corrections. */
@@ -78,6 +84,23 @@ double ty_ordinates_excess(ty_ordinates_job* job, bool first);
 ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e);
 /* Emitted and absorbed, W. */
 ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms);
+
+/* ---- walls: all nothing where there are none ---- */
+
+void ty_ordinates_walls_lay_out(ty_ordinates_job* job, ty_arena* arena);
+/* Irradiance of the iterate that iterations start from, of its fluence. */
+void ty_ordinates_walls_begin(ty_ordinates_job* job);
+/* What sweeps are told, to leave what arrives in an iterate. */
+ty_sweep_walls ty_ordinates_walls_of_sweep(ty_ordinates_job* job, int32_t iterate);
+double ty_ordinates_wall_area(const ty_ordinates_def* def, int32_t side);
+/* What the mixture sends, as part of ty_ordinates_emit; of the latest iterate, after a sweep, W to irradiance. Both
+ * return all of it, W. */
+double ty_ordinates_walls_send(ty_ordinates_job* job);
+double ty_ordinates_walls_take(ty_ordinates_job* job);
+/* Adds changes and products, as part of ty_ordinates_correct. */
+void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
+/* W that walls emit by themselves, and absorb of an irradiance. */
+void ty_ordinates_walls_balance(ty_ordinates_job* job, const float* arrived, double* emitted, double* absorbed);
 
 /* What diffusion alone makes of the source, to start from. */
 void ty_ordinates_guess(ty_ordinates_job* job);

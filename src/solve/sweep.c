@@ -17,10 +17,9 @@ struct ty_sweep {
     ty_context* context;
     const ty_sweep_kernels* kernels;
     ty_sweep_box box;
-    float* inflow[8];        /* as the box has it */
-    const float* through[3]; /* W that leaves a face for each unit of radiance */
-    int32_t blocks[2];       /* along y, z */
-    size_t scratch_floats;   /* of a thread */
+    float* inflow[8];      /* as the box has it */
+    int32_t blocks[2];     /* along y, z */
+    size_t scratch_floats; /* of a thread */
     float* scratch;
     ty_sweep_sums* sums; /* one for each block */
     double leaving[8];   /* of an octant, along y and z */
@@ -48,9 +47,8 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
     box->order = t.order = ty_arena_take(arena, sizeof(int32_t) * (size_t)box->terms);
     for (int a = 0; a < 3; ++a) {
         box->twice[a] = t.twice[a] = ty_arena_take(arena, sizeof(float) * lanes);
-        sweep->through[a] = t.through[a] = ty_arena_take(arena, sizeof(float) * lanes);
+        box->through[a] = t.through[a] = ty_arena_take(arena, sizeof(float) * lanes);
     }
-    box->through = sweep->through[0];
     for (int i = 0; i < 4; ++i)
         box->harmonics[i] = t.harmonics[i] = ty_arena_take(arena, sizeof(float) * (size_t)box->terms * lanes);
     for (int o = 0; o < 8; ++o) {
@@ -164,6 +162,10 @@ void ty_sweep_let_in(ty_sweep* sweep, const float* radiance) {
             sweep->inflow[o][i] = radiance != NULL ? radiance[o * directions + i] : 0;
 }
 
+void ty_sweep_set_walls(ty_sweep* sweep, const ty_sweep_walls* walls) {
+    sweep->box.walls = walls;
+}
+
 void ty_sweep_destroy(ty_sweep* sweep) {
     if (sweep == NULL) return;
     if (sweep->memory != NULL) ty_free_array(sweep->context, sweep->memory, sweep->bytes, 1);
@@ -249,13 +251,15 @@ static void sum_octant(void* user, int64_t index, int32_t worker) {
     (void)worker;
     ty_sweep* sweep = user;
     const ty_sweep_box* box = &sweep->box;
-    sweep->leaving[index] = sum_faces(box, box->faces_y[index], sweep->through[1], box->size[2]) +
-                            sum_faces(box, box->faces_z[index], sweep->through[2], box->size[1]);
+    sweep->leaving[index] = sum_faces(box, box->faces_y[index], box->through[1], box->size[2]) +
+                            sum_faces(box, box->faces_z[index], box->through[2], box->size[1]);
 }
 
 ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixed) {
     const int64_t blocks = (int64_t)sweep->blocks[0] * sweep->blocks[1];
+    const ty_sweep_walls* walls = sweep->box.walls;
     memset(sweep->sums, 0, sizeof *sweep->sums * (size_t)blocks);
+    if (walls != NULL) memset(walls->arrived, 0, sizeof(float) * (size_t)walls->count);
     sweep_job job = {.sweep = sweep, .emission = emission, .moments = moments};
     ty_parallel_for(sweep->context, sweep->box.size[2], clear_plane, &job);
     for (; job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)

@@ -22,6 +22,20 @@ ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const doub
 /* Lets light in through the box's faces: radiance of each direction of the set, the same all over them. NULL (as
  * created): none comes in. */
 void ty_sweep_let_in(ty_sweep* sweep, const float* radiance);
+
+/* Walls: faces of cells, between two of them or the box's own, that no light goes through. Each cell at one has a side
+ * of it. All sides of a row of cells along x lie after one another, in the cells' order. */
+typedef struct ty_sweep_walls {
+    int32_t count;        /* of sides */
+    const int32_t* first; /* of each row, y + size[1] * z; one more: count */
+    const int32_t* x;     /* the cell that a side is of */
+    const uint8_t* face;  /* which of its faces: 2 * axis, and 1 more for the upper one */
+    const float* sent;    /* radiance that a side sends, the same in all directions into its cell */
+    float* arrived;       /* W that arrive on it; sweeps replace them */
+} ty_sweep_walls;
+
+/* The struct, and its arrays, are the caller's, who may write to `sent` between sweeps. NULL (as created): none. */
+void ty_sweep_set_walls(ty_sweep* sweep, const ty_sweep_walls* walls);
 void ty_sweep_destroy(ty_sweep* sweep);
 /* Bytes it holds. */
 size_t ty_sweep_bytes(const ty_sweep* sweep);

@@ -173,21 +173,107 @@ TY_INLINE void cross_cell(stream* s, const lanes twice[3], float extinction, lan
     store(s->light + x * LANES, middle);
 }
 
+/* Through cells [begin, end) of a row, up and down. */
 static void advance(const ty_sweep_box* box, int32_t group, const float* extinction, const row_scratch* scratch,
-                    stream streams[2], ty_sweep_sums* sums) {
-    const int32_t nx = box->size[0];
+                    int32_t begin, int32_t end, stream streams[2], ty_sweep_sums* sums) {
     lanes twice[3];
     for (int a = 0; a < 3; ++a) twice[a] = load(box->twice[a] + group * LANES);
     const lanes faces = twice[0] + twice[1] + twice[2];
-    for (int32_t x = 0; x < nx; ++x) store(scratch->inverse + x * LANES, invert(extinction[x] + faces));
+    for (int32_t x = begin; x < end; ++x) store(scratch->inverse + x * LANES, invert(extinction[x] + faces));
     stream up = streams[0], down = streams[1];
-    for (int32_t x = 0; x < nx; ++x) {
-        const int32_t back = nx - 1 - x;
+    for (int32_t x = begin; x < end; ++x) {
+        const int32_t back = begin + end - 1 - x;
         cross_cell(&up, twice, extinction[x], load(scratch->inverse + x * LANES), x, &sums->fixed);
         cross_cell(&down, twice, extinction[back], load(scratch->inverse + back * LANES), back, &sums->fixed);
     }
-    const lanes leaving = load(box->through + group * LANES) * (up.along + down.along);
+    streams[0].along = up.along;
+    streams[1].along = down.along;
+}
+
+TY_INLINE void add_leaving(const ty_sweep_box* box, int32_t group, lanes along, ty_sweep_sums* sums) {
+    const lanes leaving = load(box->through[0] + group * LANES) * along;
     for (int i = 0; i < LANES; ++i) sums->leaving += (double)leaving[i];
+}
+
+/* ---- walls ---- */
+
+/* The walls of a row, for one group of directions of two octants. */
+typedef struct row_walls {
+    const ty_sweep_box* box;
+    int32_t group, octant;
+    int32_t first, end; /* sides */
+} row_walls;
+
+/* The same in all directions. */
+TY_INLINE lanes all_of(float value) {
+    return (lanes){0} + value;
+}
+
+static void arrive(const row_walls* row, int32_t side, int32_t axis, lanes light) {
+    const lanes power = load(row->box->through[axis] + row->group * LANES) * light;
+    float sum = 0;
+    for (int i = 0; i < LANES; ++i) sum += power[i];
+    row->box->walls->arrived[side] += sum;
+}
+
+/* Sides of faces along y and z: those that light leaves behind send into their cells; those that it comes to, after the
+ * cells, take it. */
+static void pass_sides(const row_walls* row, const stream streams[2], bool after) {
+    const ty_sweep_walls* walls = row->box->walls;
+    for (int32_t side = row->first; side < row->end; ++side) {
+        const int32_t axis = walls->face[side] / 2, upper = walls->face[side] & 1;
+        const bool comes = (row->octant >> axis & 1) != upper;
+        if (axis == 0 || comes != after) continue;
+        for (int o = 0; o < 2; ++o) {
+            float* face = (axis == 1 ? streams[o].face_y : streams[o].face_z) + walls->x[side] * LANES;
+            if (after) arrive(row, side, axis, load(face));
+            store(face, all_of(after ? 0.0f : walls->sent[side]));
+        }
+    }
+}
+
+/* The side of face 0 or 1 (along x) of the first cell from `x` on that has one; or `end`. */
+static int32_t find_side(const row_walls* row, int32_t x, int32_t face) {
+    const ty_sweep_walls* walls = row->box->walls;
+    int32_t side = row->first;
+    while (side < row->end && (walls->x[side] < x || walls->face[side] != face)) ++side;
+    return side;
+}
+
+/* The row in parts between walls along x. */
+static void advance_walls(const row_walls* row, const float* extinction, const row_scratch* scratch, stream streams[2],
+                          ty_sweep_sums* sums) {
+    const ty_sweep_box* box = row->box;
+    const ty_sweep_walls* walls = box->walls;
+    const lanes inflow[2] = {streams[0].along, streams[1].along};
+    pass_sides(row, streams, false);
+    for (int32_t begin = 0, end; begin < box->size[0]; begin = end) {
+        const int32_t low = find_side(row, begin, 0), high = find_side(row, begin, 1);
+        const bool low_is = low < row->end && walls->x[low] == begin, high_is = high < row->end;
+        end = high_is ? walls->x[high] + 1 : box->size[0];
+        streams[0].along = inflow[0];
+        streams[1].along = inflow[1];
+        if (low_is) streams[0].along = all_of(walls->sent[low]);
+        if (high_is) streams[1].along = all_of(walls->sent[high]);
+        advance(box, row->group, extinction, scratch, begin, end, streams, sums);
+        if (high_is)
+            arrive(row, high, 0, streams[0].along);
+        else
+            add_leaving(box, row->group, streams[0].along, sums);
+        if (low_is)
+            arrive(row, low, 0, streams[1].along);
+        else
+            add_leaving(box, row->group, streams[1].along, sums);
+    }
+    pass_sides(row, streams, true);
+}
+
+static row_walls walls_of(const ty_sweep_box* box, int32_t group, int32_t octant, ptrdiff_t row) {
+    row_walls walls = {.box = box, .group = group, .octant = octant};
+    if (box->walls == NULL) return walls;
+    walls.first = box->walls->first[row];
+    walls.end = box->walls->first[row + 1];
+    return walls;
 }
 
 /* ---- moments ---- */
@@ -252,7 +338,13 @@ TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_
                                   .light = scratch->light[o],
                                   .face_y = box->faces_y[octant + o] + (g * nz + z) * nx * LANES,
                                   .face_z = box->faces_z[octant + o] + (g * ny + y) * nx * LANES};
-        advance(box, g, box->extinction + row, scratch, streams, work->sums);
+        const row_walls walls = walls_of(box, g, octant, z * ny + y);
+        if (walls.first < walls.end) {
+            advance_walls(&walls, box->extinction + row, scratch, streams, work->sums);
+        } else {
+            advance(box, g, box->extinction + row, scratch, 0, (int32_t)nx, streams, work->sums);
+            add_leaving(box, g, streams[0].along + streams[1].along, work->sums);
+        }
         gather(box, g, octant, scratch, terms);
     }
     add_moments(box, scratch->sum, work->moments + row * terms, terms);

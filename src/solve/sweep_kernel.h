@@ -18,12 +18,13 @@ typedef struct ty_sweep_box {
     const int32_t* order;              /* the terms, these first */
     const float* extinction;
     const float* twice[3];     /* 2 |cosine| / edge, 1/m, one for each direction */
-    const float* through;      /* of the faces along x: W for each unit of radiance */
+    const float* through[3];   /* of faces along each axis: W for each unit of radiance */
     const float* harmonics[4]; /* of octant 2 i: terms in `order`, of each all directions */
     const float* inflow[8];    /* radiance of an octant's each direction that comes in through the box's faces */
     const float* weighted[8];  /* of an octant's each direction, `padded` harmonics times its weight */
     /* Radiance that goes into the next cells along y and z: of each group planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
+    const ty_sweep_walls* walls; /* NULL: there are none */
 } ty_sweep_box;
 
 /* Rows of cells, which two octants that differ in x alone go through: 2 * pair and the next. */

@@ -13,6 +13,7 @@ static void end_job(ty_dom_job* job) {
     for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
     ty_sources_destroy(job->context, job->sources, job->source_capacity);
     ty_free_array(job->context, job->set, 1, sizeof *job->set);
+    ty_dom_free_walls(job);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
 }
@@ -29,10 +30,12 @@ static ty_result run_part(ty_dom_job* job, const char* stage, double until, ty_r
 static ty_result run_parts(ty_dom_job* job, double share) {
     ty_dom_stats* stats = &job->stats;
     ty_result result = run_part(job, "media", share * medium_until, ty_dom_sample_media, &stats->medium_seconds);
+    if (result == TY_OK) result = ty_dom_find_walls(job);
     if (result == TY_OK) result = ty_dom_take_sources(job);
     if (result == TY_OK)
         result = run_part(job, "direct light", share * direct_until, ty_dom_light_directly, &stats->direct_seconds);
     stats->direct_seconds -= stats->source_seconds;
+    if (result == TY_OK) result = run_part(job, "walls", share * direct_until, ty_dom_light_walls, &stats->wall_seconds);
     if (result == TY_OK) result = run_part(job, "ordinates", share, ty_dom_scatter, &stats->solve_seconds);
     return result;
 }
@@ -79,7 +82,9 @@ void ty_dom_destroy(ty_dom* light) {
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
+        ty_free_array(context, light->surfaces[c], light->cells, bytes);
     }
+    ty_free_array(context, light->dark, light->cells, 1);
     ty_free_array(context, light, 1, sizeof *light);
 }
 

@@ -25,9 +25,11 @@ static double uncollided_in(const ty_dom* light, const ty_cover axes[3], int c) 
     return sum;
 }
 
-static double scattered_in(const ty_dom* light, const ty_cover axes[3], int c) {
-    const float* plane = light->moments[light->shared ? 0 : c];
+/* Of moments of all channels: of what has scattered, or of what surfaces sent. */
+static double moments_in(const ty_dom* light, float* const moments[3], const ty_cover axes[3], int c) {
+    const float* plane = moments[light->shared ? 0 : c];
     double sum = 0;
+    if (plane == NULL) return 0;
     ty_cover_add(&light->box, axes, &plane, 1, sqrt_four_pi * (double)light->color[c], &sum);
     return sum;
 }
@@ -44,8 +46,8 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
         ty_cover_cell(&light->fine_box, &job->cells, cell, fine);
         ty_cover_cell(&light->box, &job->cells, cell, coarse);
         for (int c = 0; c < 3; ++c) {
-            const double uncollided = uncollided_in(light, fine, c);
-            job->fluence[at + (size_t)c] = uncollided + scattered_in(light, coarse, c);
+            const double uncollided = uncollided_in(light, fine, c) + moments_in(light, light->surfaces, coarse, c);
+            job->fluence[at + (size_t)c] = uncollided + moments_in(light, light->moments, coarse, c);
             if (job->uncollided != NULL) job->uncollided[at + (size_t)c] = uncollided;
         }
     }

@@ -4,6 +4,7 @@
 
 #include "base/progress.h"
 #include "direct/group.h"
+#include "direct/walls.h"
 #include "image/options.h"
 #include "solve/ordinates.h"
 
@@ -51,6 +52,8 @@ struct ty_dom {
     bool shared; /* whether all channels are the first one's, times color */
     float color[3];
     float* moments[3]; /* of what has scattered, W m^-2 */
+    float* surfaces[3]; /* of what surfaces sent and has not scattered since; NULL: of none, or part of sources */
+    uint8_t* dark;      /* cells that no light gets to, within solids; NULL: there are no walls */
     /* Directions of light that is in `many`. */
     ty_dom_part* parts;
     float glare[3][TY_DOM_GLARE * TY_DOM_GLARE]; /* ratios of what environments send along ways to what parts do */
@@ -69,6 +72,9 @@ typedef struct ty_dom_job {
     ty_grid_medium* coarse; /* cells of ordinates */
     ty_source* sources;
     int32_t source_count, source_capacity;
+    ty_walls* walls;       /* between coarse cells; NULL: there are none */
+    float* wall_albedo[3]; /* of each side, for as many channels as are solved for */
+    float* wall_light[3];  /* radiance of uncollided light that walls send, without what virtual lamps stand for */
     float* source[3]; /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
     ty_dom* light;
     ty_dom_stats stats;
@@ -86,6 +92,30 @@ ty_result ty_dom_take_sources(ty_dom_job* job);
 ty_result ty_dom_light_directly(ty_dom_job* job);
 /* Moments of all channels. */
 ty_result ty_dom_scatter(ty_dom_job* job);
+
+/* ---- surfaces between cells ---- */
+
+ty_result ty_dom_find_walls(ty_dom_job* job);
+void ty_dom_free_walls(ty_dom_job* job);
+/* Whether walls reflect all channels alike and send nothing by themselves. */
+bool ty_dom_walls_share(const ty_dom_job* job);
+/* What uncollided light walls send; and takes from q_lm what is in dark cells. */
+ty_result ty_dom_light_walls(ty_dom_job* job);
+bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel);
+
+/* Of light that walls send and that has not scattered since, W: emitted and absorbed without what scatters, which is
+ * the medium's source. */
+typedef struct ty_dom_wall_power {
+    double emitted, absorbed, by_walls, leaving, sweep_seconds;
+    int32_t sweeps;
+    bool converged;
+} ty_dom_wall_power;
+
+/* Carries a channel's light from wall to wall and adds what scatters of it to q_lm. def: as for what scatters. Errors:
+ * TY_ERROR_MEMORY; TY_CANCELLED. */
+ty_result ty_dom_carry_walls(ty_dom_job* job, int32_t channel, const ty_ordinates_def* def, ty_dom_wall_power* power);
+/* Lets walls reflect what scatters. *none: of as many floats as there are sides, to be freed after the solve. */
+ty_result ty_dom_reflect(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, float** none);
 
 /* Channels that are solved for. */
 static inline int32_t ty_dom_channels(const ty_dom* light) {

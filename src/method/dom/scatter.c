@@ -19,6 +19,7 @@ typedef struct channel_solve {
     void* memory;
     double done; /* of it, 0..1 */
     ty_ordinates_stats stats;
+    ty_dom_wall_power walls;
     ty_result result;
 } channel_solve;
 
@@ -81,17 +82,19 @@ static void note_solve(ty_dom_job* job, const channel_solve* solve, int32_t besi
     const ty_ordinates_stats* solved = &solve->stats;
     ty_dom_stats* stats = &job->stats;
     const int32_t channel = solve->channel, end = light->shared ? 3 : channel + 1;
-    stats->converged = stats->converged && solved->converged;
-    stats->sweep_seconds += solved->sweep_seconds / beside;
+    const ty_dom_wall_power* walls = &solve->walls;
+    stats->converged = stats->converged && solved->converged && walls->converged;
+    stats->sweep_seconds += (solved->sweep_seconds + walls->sweep_seconds) / beside;
     stats->bytes = fmax(stats->bytes, solved->bytes * beside);
     for (int32_t c = channel; c < end; ++c) {
         const double factor = (double)light->color[c];
-        stats->sweeps[c] = solved->sweeps;
+        stats->sweeps[c] = solved->sweeps + walls->sweeps;
         stats->cycles[c] = solved->cycles;
         stats->change[c] = solved->change;
-        stats->emitted[c] = factor * solved->emitted;
-        stats->absorbed[c] = factor * solved->absorbed;
-        stats->leaving[c] = factor * solved->leaving;
+        stats->emitted[c] = factor * (solved->emitted + walls->emitted);
+        stats->absorbed[c] = factor * (solved->absorbed + walls->absorbed);
+        stats->absorbed_by_surfaces[c] = factor * (solved->walls_absorbed + walls->by_walls);
+        stats->leaving[c] = factor * (solved->leaving + walls->leaving);
     }
 }
 
@@ -124,6 +127,7 @@ static ty_ordinates_def define(const ty_dom_job* job) {
     def.accelerated = dom->acceleration == TY_DOM_ACCELERATION_DIFFUSION;
     def.tolerance = dom->tolerance;
     def.sweeps = dom->iterations;
+    def.walls.count = job->walls != NULL ? job->walls->count : 0;
     def.progress = report;
     return def;
 }
@@ -145,7 +149,12 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
-    return ty_ordinates_solve(job->context, &def, moments, NULL, 0, &solve->stats);
+    float* none = NULL;
+    ty_result result = ty_dom_carry_walls(solve->all->job, channel, &def, &solve->walls);
+    if (result == TY_OK) result = ty_dom_reflect(solve->all->job, channel, &def, &none);
+    if (result == TY_OK) result = ty_ordinates_solve(job->context, &def, moments, NULL, 0, &solve->stats);
+    if (none != NULL) ty_free_array(job->context, none, (size_t)job->walls->count, sizeof *none);
+    return result;
 }
 
 static void solve_channel(void* user, int64_t index, int32_t worker) {
@@ -165,7 +174,7 @@ static bool is_dark(const ty_dom_job* job, int32_t channel) {
     const float* source = job->source[channel];
     for (size_t i = 0; i < job->light->cells; ++i)
         if (source[i] != 0) return false;
-    return true;
+    return ty_dom_walls_are_dark(job, channel);
 }
 
 /* Places for the moments of all channels, and the channels there is anything to solve for. */

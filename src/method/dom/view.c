@@ -19,6 +19,7 @@ typedef struct fields {
     float* sent[3];                     /* radiance that cells send to the eye per scattering coefficient */
     float* incident[3][TY_FIELD_TERMS]; /* radiance by direction, for surfaces */
     ty_single_light lights[TY_DOM_OWN_MAX + 1];
+    uint8_t* hidden; /* cells behind surfaces; NULL: there are none */
     size_t fine_cells;
     float* many[3]; /* of fine cells: what lights without fields of their own send to the eye, times 4 pi */
 } fields;
@@ -54,10 +55,13 @@ static void send_row(void* user, int64_t row, int32_t worker) {
         ty_harmonics_at(way, light->kept, y);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
+            const float* surfaces = light->surfaces[c];
             double sum = 0, power = 1;
             for (int32_t l = 0; l < light->kept; ++l, power *= g)
-                for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                    sum += power * y[t] * (double)ty_dom_plane(light, light->moments[c], t)[at];
+                for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
+                    const size_t item = light->cells * (size_t)t + at;
+                    sum += power * y[t] * (double)(light->moments[c][item] + (surfaces != NULL ? surfaces[item] : 0));
+                }
             job->out[c][at] = (float)sum;
         }
     }
@@ -74,6 +78,7 @@ static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) 
     send_job job = {light, eye, f->sent};
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
     if (light->lobes) ty_dom_mend_lobes(light, eye, f->sent);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) ty_dom_cover_hidden(light, f->hidden, f->sent[c]);
     return TY_OK;
 }
 
@@ -93,6 +98,7 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
             f->incident[c][t] = out;
             if (out == NULL) return TY_ERROR_MEMORY;
             for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];
+            ty_dom_cover_hidden(light, f->hidden, out);
             f->surfaces.terms[c][t] = out;
         }
     return TY_OK;
@@ -168,6 +174,7 @@ static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f
 /* ---- images ---- */
 
 static void free_fields(const ty_dom* light, fields* f) {
+    ty_free_array(light->context, f->hidden, light->cells, 1);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(light->context, f->sent[c], light->cells, sizeof(float));
         ty_free_array(light->context, f->many[c], f->fine_cells, sizeof(float));
@@ -176,10 +183,12 @@ static void free_fields(const ty_dom* light, fields* f) {
     }
 }
 
-static ty_result make_fields(const ty_dom* light, const double eye[3], bool surfaces, fields* f) {
+static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const double eye[3], fields* f) {
+    const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
     const int32_t* fine = light->fine_box.size;
     f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
-    ty_result result = make_seen(light, eye, f);
+    ty_result result = ty_dom_look(light, scene, eye, &f->hidden);
+    if (result == TY_OK) result = make_seen(light, eye, f);
     if (result == TY_OK && surfaces) result = make_incident(light, f);
     if (result == TY_OK) result = make_lights(light, eye, f);
     return result;
@@ -205,7 +214,7 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     march.progress = ty_part_report;
     march.progress_user = &progress;
     ty_march_stats marched = {0};
-    ty_result result = make_fields(light, camera.position, surfaces, &f);
+    ty_result result = make_fields(light, scene, camera.position, &f);
     if (result == TY_OK) result = ty_march(scene, &march, out, &marched);
     free_fields(light, &f);
     if (result == TY_OK && stats != NULL) {

@@ -15,6 +15,12 @@ void ty_dom_mend_lobes(const ty_dom* light, const double eye[3], float* const se
 void ty_dom_send_parts(const ty_dom* light, const double eye[3], int32_t channels, float* const sent[3],
                        float* const all[3]);
 
+/* Which cells surfaces hide from an eye; NULL where there are no walls. Freed with ty_free_array of as many bytes as
+ * there are cells. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double eye[3], uint8_t** hidden);
+/* Gives hidden cells of a plane that are beside others what these have. hidden: NULL: does nothing. */
+void ty_dom_cover_hidden(const ty_dom* light, const uint8_t* hidden, float* plane);
+
 /* What a scene's camera sees. stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_part_progress progress,
                        ty_image** out, ty_dom_stats* stats);
