@@ -7,12 +7,19 @@
 #include "image/voxel.k.h"
 #include "scene/spans.k.h"
 
-/* Optical depth of a cell above which that is done; how many cells further on; samples of the density on the way, for
- * each voxel (and one for each unit of optical depth), and in all. */
+/* Optical depth of a cell above which that is done, and where transfer functions make media with edges; how many cells
+ * further on at a time, and times at most; samples of the density on the way, for each voxel (and one for each unit of
+ * optical depth), and in all of a time. */
 #define TY_NEAR_THICK 0.7f
+#define TY_NEAR_THICK_EDGED 0.15f
 #define TY_NEAR_CELLS 2.0f
 #define TY_NEAR_PER_VOXEL 1.5f
-enum { TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
+enum { TY_NEAR_PIECES = 8, TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
+/* Optical depth behind which there is next to no light; relative difference, and optical depth of a piece, up to which
+ * media are even. */
+#define TY_NEAR_BLACK 8.0f
+#define TY_NEAR_EVEN 0.3f
+#define TY_NEAR_EMPTY 0.02f
 
 /* A light as it is seen from a point. */
 typedef struct ty_near_light {
@@ -96,6 +103,31 @@ TY_FN void ty_near_depths(TY_GLOBAL const ty_march_request* request, ty_vec from
     }
 }
 
+/* A way from a point towards a light. */
+typedef struct ty_near_way {
+    ty_vec from, toward;
+    float piece, far; /* lengths, m */
+} ty_near_way;
+
+/* Adds the optical depths along it, piece by piece, until the light is lost, or the media have been even: what cells
+ * hold there does for the rest. Where they have edges that cells do not resolve, that is not so. Returns how far it
+ * went, m. extinction: where the way begins. */
+TY_FN float ty_near_pass(TY_GLOBAL const ty_march_request* request, const ty_near_way* way, float extinction,
+                         float depth[TY_SINGLE_FLUENCES][3]) {
+    const float* sums = depth[TY_SINGLE_STRAIGHT];
+    float at = 0.0f, before = extinction, sum = 0.0f;
+    for (int32_t i = 0; i < TY_NEAR_PIECES && at < way->far; ++i) {
+        const float length = ty_minf(way->piece, way->far - at), expected = before * length;
+        ty_near_depths(request, ty_mad(way->from, way->toward, at), way->toward, length, before, depth);
+        const float next = (sums[0] + sums[1] + sums[2]) * (1.0f / 3.0f), piece = next - sum;
+        sum = next;
+        before = piece / length;
+        at += length;
+        if (sum > TY_NEAR_BLACK || fabsf(piece - expected) < TY_NEAR_EVEN * expected + TY_NEAR_EMPTY) break;
+    }
+    return at;
+}
+
 /* One light, through the media on the way to cells further on; false where there are none, beyond the middles of the
  * outer cells, or a surface is on the way. */
 TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_single_light* light,
@@ -114,13 +146,15 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     const ty_vec first = ty_vec_make(0.5f, 0.5f, 0.5f);
     const ty_vec last = ty_vec_make((float)request->light.size[0] - 0.5f, (float)request->light.size[1] - 0.5f,
                                     (float)request->light.size[2] - 0.5f);
-    float near = 0.0f, far = ty_minf(TY_NEAR_CELLS / sqrtf(ty_dot(cells, cells)), 0.5f * distance);
+    const float piece = TY_NEAR_CELLS / sqrtf(ty_dot(cells, cells));
+    float near = 0.0f, far = ty_minf((float)TY_NEAR_PIECES * piece, 0.5f * distance);
     if (!ty_near_in_box(from, first, last)) return false;
     if (!ty_near_in_box(ty_mad(from, cells, far), first, last)) ty_clip_box(from, cells, first, last, &near, &far);
-    if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
     float depth[TY_SINGLE_FLUENCES][3];
     memset(depth, 0, sizeof depth);
-    ty_near_depths(request, point, toward, far, extinction, depth);
+    const ty_near_way way = {point, toward, piece, far};
+    far = ty_near_pass(request, &way, extinction, depth);
+    if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
     for (int32_t f = 0; f < (light->lobes != 0 ? TY_SINGLE_FLUENCES : 1); ++f)
         for (int32_t c = 0; c < 3; ++c) out->passing[f][c] = spread * spread * ty_decay(depth[f][c]);
@@ -128,13 +162,23 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     return true;
 }
 
+/* Whether all that a light meets on its way counts where the mean extinction is as given, 1/m. */
+TY_FN bool ty_near_thick(TY_GLOBAL const ty_march_request* request, float extinction) {
+    TY_GLOBAL const ty_scene_view* scene = request->scene;
+    const ty_vec per_cell = request->light.per_cell;
+    const float coarsest = ty_minf(per_cell.x, ty_minf(per_cell.y, per_cell.z));
+    if (extinction > TY_NEAR_THICK * coarsest) return true;
+    if (!(extinction > TY_NEAR_THICK_EDGED * coarsest)) return false;
+    for (int32_t m = 0; m < scene->medium_count; ++m)
+        if (scene->media[m].transfer != NULL) return true;
+    return false;
+}
+
 /* All lights from a point where the mean extinction is as given, 1/m. */
 TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point, float extinction,
                         ty_near_light* lights) {
     if (request->light_count == 0) return;
-    const ty_vec per_cell = request->light.per_cell;
-    const float coarsest = ty_minf(per_cell.x, ty_minf(per_cell.y, per_cell.z));
-    const bool thick = extinction > TY_NEAR_THICK * coarsest;
+    const bool thick = ty_near_thick(request, extinction);
     for (int32_t i = 0; i < request->light_count; ++i) {
         TY_GLOBAL const ty_single_light* light = &request->lights[i];
         if (thick && light->kind < TY_SINGLE_MANY && ty_near_follow(request, light, point, extinction, &lights[i]))

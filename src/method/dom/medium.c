@@ -1,12 +1,15 @@
 /* Directions, the cells of uncollided light and of ordinates, the media on them, and how many bands they need. */
 #include "base/context.h"
 #include "method/dom/job.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Cells of ordinates where nothing is asked for: a third of those of uncollided light, so many at least and at most. */
-enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64 };
+/* Cells of ordinates where nothing is asked for: a third of those of uncollided light, so many at least and at most.
+ * Where they are thicker than so many mean free paths they are finer, up to twice: what is within them is not known,
+ * and light that leaves dense things leaves from the first mean free path. */
+enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64, THICK = 4, MOST_TIMES = 2, EDGES = 2 };
 
 /* ---- bands ---- */
 
@@ -52,10 +55,34 @@ static int32_t longest_side(const int32_t size[3]) {
     return most > size[2] ? most : size[2];
 }
 
-static int32_t choose_cells(const ty_dom_def* def, const int32_t fine[3]) {
-    const int32_t cells = longest_side(fine) / SHARE;
+/* Extinction where light scatters, in the mean of all that does, 1/m. */
+static double mean_extinction(const ty_grid_medium* medium) {
+    double sums[2] = {0, 0};
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i) {
+            sums[0] += (double)medium->scattering[p][i];
+            sums[1] += (double)medium->scattering[p][i] * (double)medium->extinction[p][i];
+        }
+    return sums[0] > 0 ? sums[1] / sums[0] : 0;
+}
+
+static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine) {
+    const ty_grid_box* box = &fine->box;
     if (def->resolution > 0) return def->resolution;
+    int32_t cells = longest_side(box->size) / SHARE;
+    double longest = 0;
+    for (int a = 0; a < 3; ++a) longest = fmax(longest, box->upper[a] - box->lower[a]);
+    const double thickness = mean_extinction(fine) * longest / fmax(cells, LEAST_CELLS);
+    cells = (int32_t)(cells * fmin(MOST_TIMES, fmax(1, thickness / THICK)));
     return cells < LEAST_CELLS ? LEAST_CELLS : cells > MOST_CELLS ? MOST_CELLS : cells;
+}
+
+/* Whether transfer functions make densities of values, whose edges are sharper than voxels. */
+static bool has_edges(const ty_scene* scene) {
+    const ty_scene_view* view = ty_scene_get_view(scene);
+    for (int32_t m = 0; m < view->medium_count; ++m)
+        if (view->media[m].transfer != NULL) return true;
+    return false;
 }
 
 static ty_result sample_fine(ty_dom_job* job) {
@@ -64,6 +91,7 @@ static ty_result sample_fine(ty_dom_job* job) {
     ty_grid_box box;
     if (def->direct == 0 && longest < def->resolution) longest = def->resolution;
     ty_result result = ty_grid_box_fit(job->scene, longest, &box);
+    for (int a = 0; a < 3 && result == TY_OK && def->direct == 0 && has_edges(job->scene); ++a) box.size[a] *= EDGES;
     if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->fine);
     return result;
 }
@@ -71,7 +99,7 @@ static ty_result sample_fine(ty_dom_job* job) {
 static ty_result sample_coarse(ty_dom_job* job) {
     const ty_grid_box* box = &job->fine->box;
     int32_t size[3];
-    ty_grid_box_cut(box, choose_cells(job->def, box->size), size);
+    ty_grid_box_cut(box, choose_cells(job->def, job->fine), size);
     return ty_grid_medium_resize(job->fine, size, &job->coarse);
 }
 
