@@ -2,11 +2,7 @@
 # as $1, in a scratch folder, which is emptied.
 set -u
 tyndall=$1
-if [ -e .git ] || [ -e CMakeLists.txt ] || [ "$PWD" = / ] || [ "$PWD" = "${HOME:-/}" ]; then
-  echo "$0: the current folder would be emptied, and $PWD is not a scratch folder" >&2
-  exit 2
-fi
-rm -rf ./*
+. "$(dirname "${BASH_SOURCE[0]}")/scratch.sh"
 checks=0
 failures=0
 

@@ -3,7 +3,7 @@
 # usage: test_api_docs.sh SOURCE_FOLDER (works in the current folder, which it empties)
 set -euo pipefail
 source=$1
-rm -rf ./*
+. "$(dirname "$0")/scratch.sh"
 if ! command -v doxygen > /dev/null; then
   echo "skipped: there is no doxygen (scripts/setup.sh docs)"
   exit 0

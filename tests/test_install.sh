@@ -6,7 +6,7 @@ cmake=$1
 build=$2
 source=$3
 cc=$4
-rm -rf ./*
+. "$(dirname "$0")/scratch.sh"
 
 "$cmake" --install "$build" --prefix "$PWD/first" > install.log
 mv first prefix # nothing may remember where it was installed

@@ -441,7 +441,7 @@ static void lookups_agree(void** state) {
             }
         }
     }
-    ty_look look;
+    ty_lattice_look look;
     assert_int_equal(ty_look_begin(*state, lattices, 2, &look), TY_OK);
     const ty_lpv_light_view view = {lattices, 2};
     for (int i = 0; i < 20000; ++i) {

@@ -18,7 +18,7 @@
 typedef struct ty_fog_request {
     const ty_scene_view* scene;
     const ty_grid_medium* medium; /* where media vary */
-    const ty_look* look;          /* NULL: nothing is looked up */
+    const ty_lattice_look* look;  /* NULL: nothing is looked up */
     float step;                   /* cells */
 } ty_fog_request;
 
@@ -170,7 +170,7 @@ TY_FN void ty_fog_take_cells(ty_fog_ray* ray, float t, float end) {
 
 /* The lattice's light at a distance along the ray; level: of the finest lattice there. */
 TY_FN void ty_fog_look(const ty_fog_ray* ray, float at, int32_t level, float light[TY_LOOK_FLOATS]) {
-    const ty_look* look = ray->request->look;
+    const ty_lattice_look* look = ray->request->look;
     const ty_look_lattice* lattice = &look->lattices[level];
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
     ty_look_cells cells;

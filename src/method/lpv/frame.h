@@ -51,7 +51,7 @@ typedef struct ty_lpv_frame {
     const ty_pixels_kernels* kernels;
     const char* isa;
     ty_camera_view camera;
-    ty_look look;
+    ty_lattice_look look;
     ty_fog_request fog;
     bool foggy; /* whether there are media */
     int32_t width, height;

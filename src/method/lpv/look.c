@@ -69,8 +69,8 @@ static ty_result pack(ty_context* context, const ty_lattice* lattice, ty_look_la
     return TY_OK;
 }
 
-ty_result ty_look_begin(ty_context* context, ty_lattice* const* lattices, int32_t count, ty_look* out) {
-    *out = (ty_look){0};
+ty_result ty_look_begin(ty_context* context, ty_lattice* const* lattices, int32_t count, ty_lattice_look* out) {
+    *out = (ty_lattice_look){0};
     ty_result result = TY_OK;
     while (out->count < count && result == TY_OK) {
         ty_look_lattice* look = &out->lattices[out->count];
@@ -79,7 +79,7 @@ ty_result ty_look_begin(ty_context* context, ty_lattice* const* lattices, int32_
     return result;
 }
 
-void ty_look_end(ty_context* context, ty_look* look) {
+void ty_look_end(ty_context* context, ty_lattice_look* look) {
     for (int32_t i = 0; i < look->count; ++i) {
         ty_look_lattice* lattice = &look->lattices[i];
         const size_t cells = cell_count(lattice);

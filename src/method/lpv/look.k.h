@@ -26,10 +26,10 @@ typedef struct ty_look_lattice {
 } ty_look_lattice;
 
 /* All of them, finest first. */
-typedef struct ty_look {
+typedef struct ty_lattice_look {
     int32_t count;
     ty_look_lattice lattices[TY_LPV_CASCADES_MAX];
-} ty_look;
+} ty_lattice_look;
 
 typedef struct ty_look_cells {
     TY_GLOBAL const float* light[8];
@@ -125,7 +125,7 @@ TY_FN float ty_look_depth(const ty_look_lattice* lattice, ty_vec p) {
 
 /* The finest lattice at a point (half a cell around it counts), -1: none, and what the next one's share is: all of it
  * where the finer one ends, so that no edge shows. */
-TY_FN int32_t ty_look_choose(const ty_look* look, ty_vec point, float* coarser) {
+TY_FN int32_t ty_look_choose(const ty_lattice_look* look, ty_vec point, float* coarser) {
     *coarser = 0.0f;
     for (int32_t i = 0; i < look->count; ++i) {
         const float depth = ty_look_depth(&look->lattices[i], point);
@@ -146,7 +146,7 @@ TY_FN float ty_look_irradiance(const float band01[4], const float* band2, const 
 }
 
 /* Irradiance at a surface with a unit normal on the side that is asked for; 0 outside of all lattices. */
-TY_FN void ty_look_at_surface(const ty_look* look, ty_vec point, ty_vec normal, float irradiance[3]) {
+TY_FN void ty_look_at_surface(const ty_lattice_look* look, ty_vec point, ty_vec normal, float irradiance[3]) {
     float y[TY_SH_TERMS], coarser;
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
     const int32_t finest = ty_look_choose(look, point, &coarser);

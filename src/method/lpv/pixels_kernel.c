@@ -26,7 +26,7 @@ static void upsample(const ty_upsample* from, int32_t x, int32_t y, int32_t coun
     ty_restore_denormals(state);
 }
 
-static void irradiance(const ty_look* look, ty_look_place* places, int32_t count) {
+static void irradiance(const ty_lattice_look* look, ty_look_place* places, int32_t count) {
     const unsigned state = ty_flush_denormals();
     for (int32_t i = 0; i < count; ++i)
         ty_look_at_surface(look, places[i].point, places[i].normal, places[i].irradiance);

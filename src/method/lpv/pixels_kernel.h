@@ -24,7 +24,7 @@ typedef struct ty_pixels_kernels {
      * it. */
     void (*upsample)(const ty_upsample* from, int32_t x, int32_t y, int32_t count, const float* distance,
                      ty_lpv_seen* out, float* contrast);
-    void (*irradiance)(const ty_look* look, ty_look_place* places, int32_t count);
+    void (*irradiance)(const ty_lattice_look* look, ty_look_place* places, int32_t count);
 } ty_pixels_kernels;
 
 extern const ty_pixels_kernels ty_pixels_kernels_v1;
