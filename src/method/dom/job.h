@@ -143,10 +143,10 @@ typedef struct ty_dom_scratch {
 
 ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch);
 void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch);
-/* Adds what scatters of a field's light, which is that of `single` (TY_SINGLE_BEAM or _LAMP), to q_lm. cosine: mean
- * cosine of beams about their direction. */
-void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single, float cosine,
-                       ty_dom_scratch* scratch);
+/* Adds what scatters of a field's light, which is that of `single` (TY_SINGLE_BEAM or _LAMP), to q_lm. source: one of
+ * those it comes from. cosine: mean cosine of beams about their direction. */
+void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
+                       const ty_source* source, float cosine, ty_dom_scratch* scratch);
 
 /* ---- lights that have no field of their own ---- */
 

@@ -9,8 +9,27 @@
 
 static const double sqrt_four_pi = 3.5449077018110318;
 
+/* Walls send light one way, of which phase functions make more than of what has scattered: so many bands are kept for
+ * the eye that what is left of g^l is about this, but no more than directions tell apart. */
+static const double least_power = 0.02;
+enum { MOST_KEPT = 6 };
+
+static int32_t bands_for_walls(const ty_dom_job* job, double g) {
+    if (!(g > 0)) return 1;
+    const double most = fmin(MOST_KEPT, sqrt(job->set->count / 2.0));
+    return (int32_t)fmin(most, ceil(log(least_power) / log(g)));
+}
+
 ty_result ty_dom_find_walls(ty_dom_job* job) {
-    return ty_walls_find(job->scene, job->coarse, &job->walls);
+    ty_dom* light = job->light;
+    const ty_result result = ty_walls_find(job->scene, job->coarse, &job->walls);
+    if (job->walls == NULL) return result;
+    double g = 0;
+    for (int32_t p = 0; p < light->planes; ++p)
+        for (size_t i = 0; i < light->cells; ++i) g = fmax(g, fabs((double)light->g[p][i]));
+    const int32_t kept = bands_for_walls(job, g);
+    if (kept > light->kept) light->kept = kept;
+    return result;
 }
 
 bool ty_dom_walls_share(const ty_dom_job* job) {
