@@ -53,6 +53,10 @@ struct ty_dom {
     float color[3];
     float* moments[3]; /* of what has scattered, W m^-2 */
     float* surfaces[3]; /* of what surfaces sent and has not scattered since; NULL: of none, or part of sources */
+    /* Sides of walls: irradiance that what has scattered brings in cells' faces, and of it, in the surface itself, what
+       has scattered nearly straight on. */
+    ty_walls* walls; /* NULL: there are none */
+    float *arrived[3], *forward[3];
     uint8_t* dark;      /* cells that no light gets to, within solids; NULL: there are no walls */
     /* Directions of light that is in `many`. */
     ty_dom_part* parts;
@@ -72,7 +76,7 @@ typedef struct ty_dom_job {
     ty_grid_medium* coarse; /* cells of ordinates */
     ty_source* sources;
     int32_t source_count, source_capacity;
-    ty_walls* walls;       /* between coarse cells; NULL: there are none */
+    const ty_walls* walls; /* of the light, between coarse cells; NULL: there are none */
     float* wall_albedo[3]; /* of each side, for as many channels as are solved for */
     float* wall_light[3];  /* radiance of uncollided light that walls send, without what virtual lamps stand for */
     float* source[3]; /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
