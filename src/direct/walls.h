@@ -14,6 +14,7 @@ typedef struct ty_wall {
     ty_vec normal;   /* unit, towards the cell */
     float albedo[3];
     float emission[3]; /* radiance of surfaces that no light of the scene stands for */
+    float depth;       /* from the cell's middle to the surface, in cells, 0..1 */
     float stairs;      /* area of the faces that a slanted surface makes, to its own */
 } ty_wall;
 

@@ -107,6 +107,8 @@ void ty_dom_free_walls(ty_dom_job* job);
 bool ty_dom_walls_share(const ty_dom_job* job);
 /* What uncollided light walls send; and takes from q_lm what is in dark cells. */
 ty_result ty_dom_light_walls(ty_dom_job* job);
+/* Gives what is in cells' parts behind surfaces to the cells there. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_cut_sources(ty_dom_job* job);
 bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel);
 
 /* Of light that walls send and that has not scattered since, W: emitted and absorbed without what scatters, which is

@@ -133,6 +133,7 @@ ty_result ty_dom_light_walls(ty_dom_job* job) {
     if (job->walls == NULL) return TY_OK;
     const size_t count = (size_t)job->walls->count, cells = job->coarse->cells;
     ty_result result = take_memory(job, &reduced, &irradiance);
+    if (result == TY_OK) result = ty_dom_cut_sources(job);
     if (result == TY_OK) result = darken(job);
     if (result == TY_OK) {
         wall_sums sums;
