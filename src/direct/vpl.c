@@ -270,13 +270,13 @@ static ty_result make_maps(vpl_list* list, int32_t lights, float* const* extinct
 static ty_result make_attenuated_maps(vpl_list* list, int32_t lights) {
     const ty_grid_medium* medium = list->medium;
     ty_context* context = medium->context;
-    if (!list->def->reduced) return make_maps(list, lights, NULL);
+    if (list->def->reduced == 0) return make_maps(list, lights, NULL);
     const size_t floats = medium->cells * (size_t)medium->planes;
     float* reduced = ty_alloc_array(context, floats, sizeof *reduced, false);
     if (reduced == NULL) return TY_ERROR_MEMORY;
     float* planes[3] = {reduced, NULL, NULL};
     for (int32_t c = 1; c < medium->planes; ++c) planes[c] = reduced + medium->cells * (size_t)c;
-    ty_grid_medium_reduce(medium, 1, planes);
+    ty_grid_medium_reduce(medium, list->def->reduced, planes);
     const ty_result result = make_maps(list, lights, planes);
     ty_free_array(context, reduced, floats, sizeof *reduced);
     return result;

@@ -10,13 +10,13 @@ typedef struct ty_vpl_def {
     int32_t texels;   /* side of the reflective shadow maps that they are chosen from */
     double clamp;     /* of 1 / r^2: r is at least this part of the box's longest side */
     double prefilter; /* what their mean cosines are raised to */
-    bool reduced;     /* whether surfaces are lit through extinction less what scattering sends nearly straight on */
+    int32_t reduced;  /* order of ty_grid_medium_reduce for the extinction that surfaces are lit through; 0: all of it */
     uint64_t seed;
 } ty_vpl_def;
 
 /* 64 of maps of 128 x 128 texels, held within a twentieth of the box. */
 static inline ty_vpl_def ty_default_vpl_def(void) {
-    return (ty_vpl_def){.count = 64, .texels = 128, .clamp = 0.05, .prefilter = 1, .reduced = true};
+    return (ty_vpl_def){.count = 64, .texels = 128, .clamp = 0.05, .prefilter = 1, .reduced = 1};
 }
 
 /* Virtual point lights of the scene's surfaces as seen by its directional, point and spot lights, behind the medium.

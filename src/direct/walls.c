@@ -99,9 +99,14 @@ static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty
     ty_hit hit;
     ty_vec origin = ty_vec_load(ray.origin), way = ty_vec_load(ray.direction);
     bool met = ty_mesh_intersect(view->mesh, origin, way, ray.far, &hit);
-    if (!met) met = ty_mesh_intersect(view->mesh, ty_mad(origin, way, ray.far), ty_scale(way, -1), ray.far, &hit);
-    *side = (ty_wall){.position = origin, .normal = ty_scale(way, -1), .stairs = 1};
+    float depth = hit.distance / ray.far;
+    if (!met) {
+        met = ty_mesh_intersect(view->mesh, ty_mad(origin, way, ray.far), ty_scale(way, -1), ray.far, &hit);
+        depth = 1 - hit.distance / ray.far;
+    }
+    *side = (ty_wall){.position = origin, .normal = ty_scale(way, -1), .depth = 0.5f, .stairs = 1};
     if (!met) return;
+    side->depth = depth;
     ty_surface_point point;
     ty_surfaces_fetch(view->surfaces, &hit, 1);
     ty_surface_evaluate(&view->surfaces[hit.surface], &hit, way, &point);

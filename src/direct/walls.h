@@ -14,6 +14,7 @@ typedef struct ty_wall {
     ty_vec normal;   /* unit, towards the cell */
     float albedo[3];
     float emission[3]; /* radiance of surfaces that no light of the scene stands for */
+    float depth;       /* from the cell's middle to the surface, in cells, 0..1 */
     float stairs;      /* area of the faces that a slanted surface makes, to its own */
 } ty_wall;
 
@@ -36,10 +37,12 @@ void ty_walls_destroy(ty_walls* walls);
  * surface sends by itself, they look from afar as it does. */
 void ty_wall_of_stairs(const ty_wall* wall, float albedo, float* of_stairs, float* share);
 
-/* What a source brings to walls without being scattered, with shadows, W m^-2 times color: adds it to irradiance[c],
- * one number a side. extinction: in place of the medium's own, as many planes as it has; NULL: its own. */
+/* Adds to irradiance[c], W m^-2, one number a side, what sources bring to walls, with shadows; extinction: less than
+ * the medium's own, as many planes as it has. forward (NULL: not asked for): the part of it that the medium's own would
+ * not leave. */
 void ty_walls_light(const ty_scene* scene, const ty_walls* walls, const ty_grid_medium* medium,
-                    float* const extinction[3], const ty_source* sources, int32_t count, float* const irradiance[3]);
+                    float* const extinction[3], const ty_source* sources, int32_t count, float* const irradiance[3],
+                    float* const forward[3]);
 
 /* Marks cells that no light can get to: of those that open faces join, all where none has a face in the box's own that
  * is open, a lamp (of the scene, not a stand-in) beside it, or emission. dark: one a cell. Errors: TY_ERROR_MEMORY. */

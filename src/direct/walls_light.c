@@ -17,7 +17,7 @@ typedef struct light_job {
     const ty_source* sources;
     int32_t count;
     float lift; /* of points on surfaces, m */
-    float* const* irradiance;
+    float *const *irradiance, *const *forward;
 } light_job;
 
 /* Irradiance that a source would bring to a wall if nothing were between them, per color; the ray to it. */
@@ -62,11 +62,16 @@ static void light_sides(const light_job* job, const ty_source* source, int32_t b
     if (count == 0) return;
     ty_mesh_occluded_packet(job->scene->view.mesh, rays, count, shadowed);
     for (int32_t i = 0; i < count; ++i) {
-        float depth[3];
+        const ty_vec origin = ty_vec_load(rays[i].origin), toward = ty_vec_load(rays[i].direction);
+        const float far = ty_minf(rays[i].far, 1e30f);
+        float depth[3], all[3];
         if (shadowed[i]) continue;
-        ty_grid_depth(job->medium, job->extinction, ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction),
-                      ty_minf(rays[i].far, 1e30f), depth);
+        ty_grid_depth(job->medium, job->extinction, origin, toward, far, depth);
         for (int c = 0; c < 3; ++c) job->irradiance[c][sides[i]] += bare[i] * source->color[c] * ty_decay(depth[c]);
+        if (job->forward == NULL) continue;
+        ty_grid_depth(job->medium, NULL, origin, toward, far, all);
+        for (int c = 0; c < 3; ++c)
+            job->forward[c][sides[i]] += bare[i] * source->color[c] * (ty_decay(depth[c]) - ty_decay(all[c]));
     }
 }
 
@@ -79,7 +84,8 @@ static void light_some(void* user, int64_t index, int32_t worker) {
 }
 
 void ty_walls_light(const ty_scene* scene, const ty_walls* walls, const ty_grid_medium* medium,
-                    float* const extinction[3], const ty_source* sources, int32_t count, float* const irradiance[3]) {
+                    float* const extinction[3], const ty_source* sources, int32_t count, float* const irradiance[3],
+                    float* const forward[3]) {
     const double* cell = medium->cell;
     const light_job job = {.scene = scene,
                            .walls = walls,
@@ -88,7 +94,8 @@ void ty_walls_light(const ty_scene* scene, const ty_walls* walls, const ty_grid_
                            .sources = sources,
                            .count = count,
                            .lift = (float)(1e-3 * fmin(fmin(cell[0], cell[1]), cell[2])),
-                           .irradiance = irradiance};
+                           .irradiance = irradiance,
+                           .forward = forward};
     ty_parallel_flushed(walls->context, (walls->count + TY_PACKET - 1) / TY_PACKET, light_some, (void*)&job);
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/arena.h"
 #include "base/context.h"
+#include "solve/cells.k.h"
 #include "solve/job.h"
 
 #include <math.h>
@@ -16,6 +17,8 @@ struct ty_correction {
     size_t bytes;
     float *e, *smooth[2]; /* as the job's arrays lie */
     double leaving;       /* W, of e */
+    const ty_ordinates_walls* walls;
+    float *slope, *rest; /* of each side */
 };
 
 /* ---- the problem ---- */
@@ -26,6 +29,10 @@ static void lay_out(ty_correction* correction, ty_arena* arena) {
     const ty_box* box = &job->cells.box;
     for (int axis = 0; axis < 3; ++axis) job->levels[0].g[axis] = ty_solve_take_box(arena, box, sizeof(float));
     for (int i = 0; i < 2; ++i) correction->smooth[i] = ty_solve_take_box(arena, box, sizeof(float));
+    if (correction->walls->count == 0) return;
+    const size_t sides = (size_t)correction->walls->count;
+    correction->slope = ty_arena_take(arena, sizeof(float) * sides);
+    correction->rest = ty_arena_take(arena, sizeof(float) * sides);
 }
 
 /* What a cell has of the value on the face to a neighbour: 0..1. */
@@ -54,6 +61,87 @@ static void couple_plane(void* user, int64_t z, int32_t worker) {
         }
 }
 
+/* ---- walls ---- */
+
+/* White walls around what absorbs nothing would leave it to rounding what the fluence is. */
+static const float WHITEST = 0.995f;
+
+static bool is_outer(const ty_correction* correction, int32_t side, int64_t row) {
+    const ty_box* box = &correction->job.cells.box;
+    const ty_ordinates_walls* walls = correction->walls;
+    const int axis = walls->face[side] / 2;
+    const int32_t at[3] = {walls->x[side], (int32_t)(row % box->size[1]), (int32_t)(row / box->size[1])};
+    return at[axis] == ((walls->face[side] & 1) != 0 ? box->size[axis] - 1 : 0);
+}
+
+ptrdiff_t ty_correction_side(const ty_correction* correction, int32_t side, int64_t row, ptrdiff_t* step) {
+    const ty_box* box = &correction->job.cells.box;
+    const ptrdiff_t steps[3] = {1, box->row, box->plane};
+    const uint8_t face = correction->walls->face[side];
+    *step = (face & 1) != 0 ? steps[face / 2] : -steps[face / 2];
+    return ty_box_at(box, (int32_t)(row % box->size[1]), (int32_t)(row / box->size[1])) + correction->walls->x[side];
+}
+
+/* Closes a face, and lets the wall take what it absorbs, of the cell's half and the wall in series. */
+static void close_side(ty_correction* correction, int32_t side, int64_t row) {
+    ty_diffusion_job* job = &correction->job;
+    ty_level* level = &job->levels[0];
+    const uint8_t face = correction->walls->face[side];
+    const float albedo = ty_minf(correction->walls->albedo[side], WHITEST);
+    const float kappa = 0.5f * (1 - albedo) / (1 + albedo), edge = (float)correction->def.cell[face / 2];
+    ptrdiff_t step;
+    const ptrdiff_t at = ty_correction_side(correction, side, row, &step);
+    const float d = job->diffusivity[at];
+    correction->slope[side] = kappa / (1 + kappa * edge / (2 * d));
+    if (is_outer(correction, side, row))
+        level->d[at] -= ty_cell_boundary(job->cells.sides[face].a, job->cells.sides[face].b, d);
+    else
+        level->g[face / 2][step > 0 ? at + step : at] = 0;
+    level->d[at] = ty_maxf(level->d[at], 0) + correction->slope[side] / edge;
+}
+
+/* Ghosts behind walls in the box's own faces along an axis: what flows there is the wall's. Returns what close_axis
+ * took for leaving. */
+static double close_walls(const ty_correction* correction, int axis, float* e) {
+    const ty_ordinates_walls* walls = correction->walls;
+    const double* cell = correction->def.cell;
+    const double area = cell[0] * cell[1] * cell[2] / cell[axis];
+    double leaving = 0;
+    for (int64_t row = 0, side = 0; side < walls->count; ++row)
+        for (; side < walls->first[row + 1]; ++side) {
+            ptrdiff_t step;
+            if (walls->face[side] / 2 != axis || !is_outer(correction, (int32_t)side, row)) continue;
+            const ptrdiff_t at = ty_correction_side(correction, (int32_t)side, row, &step);
+            const float d = correction->job.diffusivity[at], flow = correction->slope[side] * e[at];
+            leaving += area / cell[axis] * (double)(d * (e[at] - e[at + step]));
+            e[at + step] = e[at] - (flow + correction->rest[side]) * (float)cell[axis] / d;
+        }
+    return leaving;
+}
+
+/* Nothing is smoothed across walls between cells: what was of the next cell becomes a ghost's. */
+static void smooth_walls(const ty_correction* correction, int axis, const float* from, float* to) {
+    const ty_ordinates_walls* walls = correction->walls;
+    const float edge = (float)correction->def.cell[axis];
+    for (int64_t row = 0, side = 0; side < walls->count; ++row)
+        for (; side < walls->first[row + 1]; ++side) {
+            ptrdiff_t step;
+            if (walls->face[side] / 2 != axis || is_outer(correction, (int32_t)side, row)) continue;
+            const ptrdiff_t at = ty_correction_side(correction, (int32_t)side, row, &step);
+            const float *d = correction->job.diffusivity, flow = correction->slope[side] * from[at];
+            to[at] -= 0.5f * share_of(d[at + step], d[at]) * (from[at + step] - from[at]);
+            to[at] -= 0.25f * (flow + correction->rest[side]) * edge / d[at];
+        }
+}
+
+const float* ty_correction_slope(const ty_correction* correction) {
+    return correction->slope;
+}
+
+float* ty_correction_rest(ty_correction* correction) {
+    return correction->rest;
+}
+
 static void linearise(ty_correction* correction) {
     ty_diffusion_job* job = &correction->job;
     ty_solve_set_cells(job, 1);
@@ -61,15 +149,19 @@ static void linearise(ty_correction* correction) {
     ty_stages_fill(job);
     ty_stage_linearise(job, 0);
     ty_solve_planes(job, &job->cells.box, couple_plane, correction);
+    for (int64_t row = 0, side = 0; side < correction->walls->count; ++row)
+        for (; side < correction->walls->first[row + 1]; ++side) close_side(correction, (int32_t)side, row);
     job->levels[0].diffusivity = NULL;
     ty_multigrid_coarsen(job, 0);
 }
 
-ty_result ty_correction_create(ty_context* context, const ty_diffusion_def* def, ty_correction** out) {
+ty_result ty_correction_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_walls* walls,
+                               ty_correction** out) {
     *out = NULL;
     ty_correction* correction = ty_alloc_array(context, 1, sizeof *correction, true);
     if (correction == NULL) return TY_ERROR_MEMORY;
     correction->def = *def;
+    correction->walls = walls;
     correction->def.limiter = TY_LIMITER_NONE;
     correction->def.solver = TY_DIFFUSION_MULTIGRID;
     correction->def.source = def->absorption; /* read, but what it makes is not used */
@@ -166,7 +258,9 @@ static void smooth(ty_correction* correction) {
     for (int axis = 0; axis < 3; ++axis) {
         smoothing s = {.correction = correction, .from = from, .to = correction->smooth[axis & 1], .axis = axis};
         ty_solve_planes(&correction->job, &correction->job.cells.box, smooth_plane, &s);
+        smooth_walls(correction, axis, from, s.to);
         if (axis < 2) close_axis(correction, axis + 1, s.to);
+        if (axis < 2) close_walls(correction, axis + 1, s.to);
         from = s.to;
     }
 }
@@ -175,7 +269,10 @@ void ty_correction_solve(ty_correction* correction, double squares, double reduc
     ty_diffusion_job* job = &correction->job;
     correction->e = (float*)ty_multigrid_solve(job, 0, squares, squares * reduction * reduction, cycles);
     correction->leaving = 0;
-    for (int axis = 0; axis < 3; ++axis) correction->leaving += close_axis(correction, axis, correction->e);
+    for (int axis = 0; axis < 3; ++axis) {
+        correction->leaving += close_axis(correction, axis, correction->e);
+        correction->leaving -= close_walls(correction, axis, correction->e);
+    }
     smooth(correction);
 }
 

@@ -159,7 +159,7 @@ static ty_result scale(ty_ordinates_job* job, double thickest) {
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
     diffusion.least_extinction = THINNEST / longest;
-    return ty_correction_create(job->context, &diffusion, &job->correction);
+    return ty_correction_create(job->context, &diffusion, &def->walls, &job->correction);
 }
 
 static void end_correction(ty_ordinates_job* job) {

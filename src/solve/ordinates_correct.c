@@ -210,7 +210,7 @@ double ty_ordinates_excess(ty_ordinates_job* job, bool first) {
     loop l = loop_over(job, NULL);
     ty_ordinates_planes(job, first ? begin_plane : excess_plane, &l);
     ty_ordinates_planes(job, source_plane, &l);
-    return ty_ordinates_total(job).change;
+    return ty_ordinates_total(job).change + ty_ordinates_walls_excess(job, first);
 }
 
 /* ---- the correction ---- */
@@ -274,6 +274,7 @@ static void correct_plane(void* user, int64_t z, int32_t worker) {
 
 ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e) {
     loop l = loop_over(job, e);
+    if (e != NULL) ty_ordinates_walls_correct(job, e);
     ty_ordinates_planes(job, correct_plane, &l);
     ty_ordinates_sums sums = ty_ordinates_total(job);
     ty_ordinates_walls_compare(job, &sums);

@@ -97,6 +97,11 @@ double ty_ordinates_wall_area(const ty_ordinates_def* def, int32_t side);
  * return all of it, W. */
 double ty_ordinates_walls_send(ty_ordinates_job* job);
 double ty_ordinates_walls_take(ty_ordinates_job* job);
+/* What walls send more than they did is part of the correction's source, and no flux passes them; first: all that they
+ * send by themselves. Returns what the sum of squares changes by. And what the correction e brings to walls, and to the
+ * fluxes of cells beside them other than if these were not there. */
+double ty_ordinates_walls_excess(ty_ordinates_job* job, bool first);
+void ty_ordinates_walls_correct(ty_ordinates_job* job, const float* e);
 /* Adds changes and products, as part of ty_ordinates_correct. */
 void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 /* W that walls emit by themselves, and absorb of an irradiance. */

@@ -3,10 +3,12 @@
 #include "base/kernel.h"
 #include "solve/ordinates_job.h"
 
+#include <math.h>
 #include <string.h>
 
 #define PI 3.141592653589793
 #define SQRT_4PI 3.5449077018110318
+#define SQRT_3 1.7320508075688772f
 
 /* In even light the irradiance is a quarter of the fluence, which is sqrt(4 pi) times the first harmonic: what makes a
  * side's number count as a cell's. */
@@ -83,18 +85,94 @@ double ty_ordinates_walls_take(ty_ordinates_job* job) {
     return sum;
 }
 
+/* ---- corrections ---- */
+
+/* A side's cell, and what diffusion has there. */
+typedef struct wall_cell {
+    ptrdiff_t box, step; /* in the correction's arrays; to the cell behind */
+    ptrdiff_t flux;      /* its flux along the axis, in low terms and changes; below 0: there is none */
+    ptrdiff_t behind;    /* the same of the cell behind; below 0: there is none */
+    float way;           /* 1: the upper face, -1 */
+    float edge, d;
+} wall_cell;
+
+static wall_cell cell_of(const ty_ordinates_job* job, int32_t side, int64_t row) {
+    const ty_ordinates_def* def = job->def;
+    const int axis = def->walls.face[side] / 2, term = axis == 0 ? 3 : axis;
+    const bool up = (def->walls.face[side] & 1) != 0;
+    const int32_t *size = def->size, at[3] = {def->walls.x[side], (int32_t)(row % size[1]), (int32_t)(row / size[1])};
+    const ptrdiff_t low_row = (ptrdiff_t)size[0] * job->lows, steps[3] = {1, low_row, low_row * size[1]};
+    wall_cell c = {.flux = -1, .behind = -1, .way = up ? 1 : -1, .edge = (float)def->cell[axis]};
+    c.box = ty_correction_side(job->correction, side, row, &c.step);
+    c.d = ty_correction_diffusivity(job->correction)[c.box];
+    if (job->lows == 1) return c;
+    c.flux = row * low_row + (ptrdiff_t)term * size[0] + at[0];
+    if (at[axis] != (up ? size[axis] - 1 : 0)) c.behind = c.flux + (up ? steps[axis] : -steps[axis]);
+    return c;
+}
+
+/* What flows out of the cell's face by the change of flux alone, as cells have it where there is no wall. */
+static float flow_without(const wall_cell* c, const float* change) {
+    if (c->flux < 0) return 0;
+    const float here = c->way * change[c->flux];
+    return c->behind < 0 ? here / (1 + 4 * c->d / c->edge) : 0.5f * (here + c->way * change[c->behind]);
+}
+
+double ty_ordinates_walls_excess(ty_ordinates_job* job, bool first) {
+    const ty_ordinates_walls* walls = &job->def->walls;
+    const float* change = job->changes[job->latest];
+    double squares = 0;
+    for (int64_t row = 0, side = 0; side < walls->count; ++row)
+        for (; side < walls->first[row + 1]; ++side) {
+            const wall_cell c = cell_of(job, (int32_t)side, row);
+            const float albedo = walls->albedo[side], slope = ty_correction_slope(job->correction)[side];
+            const float more = job->walls_arrived[job->latest][side] - job->walls_before[side];
+            const float sent = (first ? (float)PI * walls->emission[side] : albedo * more) / (float)SQRT_4PI;
+            const float kappa = 0.5f * (1 - albedo) / (1 + albedo), half = c.edge / (2 * c.d);
+            float rest = -2 * sent / ((1 + albedo) * (1 + kappa * half));
+            if (c.flux >= 0) rest += slope * half * c.way * change[c.flux];
+            float* f = ty_correction_source(job->correction) + c.box;
+            const float was = *f;
+            ty_correction_rest(job->correction)[side] = rest;
+            *f += (flow_without(&c, change) - rest) / c.edge;
+            squares += (double)*f * (double)*f - (double)was * (double)was;
+        }
+    return squares;
+}
+
+void ty_ordinates_walls_correct(ty_ordinates_job* job, const float* e) {
+    const ty_ordinates_walls* walls = &job->def->walls;
+    const float *change = job->changes[job->latest], *diffusivity = ty_correction_diffusivity(job->correction);
+    for (int64_t row = 0, side = 0; side < walls->count; ++row)
+        for (; side < walls->first[row + 1]; ++side) {
+            const wall_cell c = cell_of(job, (int32_t)side, row);
+            const float flux = c.flux >= 0 ? change[c.flux] : 0, here = e[c.box];
+            const float flow =
+                ty_correction_slope(job->correction)[side] * here + ty_correction_rest(job->correction)[side];
+            const float face = here + (c.way * flux - flow) * c.edge / (2 * c.d);
+            job->walls_arrived[job->latest][side] += (float)SQRT_4PI * (0.25f * face + 0.5f * flow);
+            if (c.flux < 0) continue;
+            const float behind = fabsf(diffusivity[c.box + c.step]), share = behind / (behind + c.d);
+            const float without = c.way / c.edge * c.d * share * (here - e[c.box + c.step]);
+            job->low[job->latest][c.flux] += SQRT_3 * (0.5f * (c.way * flow - flux) - without);
+        }
+}
+
 void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums) {
     const ty_ordinates_walls* walls = &job->def->walls;
     if (walls->count == 0) return;
     const float *arrived = job->walls_arrived[job->latest], *before = job->walls_before;
     float* changes = job->walls_changes[job->latest];
     const double square = to_harmonic * to_harmonic;
-    double change = 0, light = 0;
+    double change = 0, light = 0, emitted, absorbed;
+    ty_ordinates_walls_balance(job, arrived, &emitted, &absorbed);
+    absorbed -= emitted;
     for (int32_t i = 0; i < walls->count; ++i) {
         changes[i] = arrived[i] - before[i];
         change += (double)changes[i] * (double)changes[i];
         light += (double)arrived[i] * (double)arrived[i];
     }
+    if (job->limited) sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI);
     sums->change += square * change;
     sums->fluence += square * light;
     for (int32_t k = 0; k < job->count; ++k) {

@@ -84,6 +84,12 @@ void ty_dom_destroy(ty_dom* light) {
         ty_free_array(context, light->moments[c], light->cells, bytes);
         ty_free_array(context, light->surfaces[c], light->cells, bytes);
     }
+    const size_t sides = light->walls != NULL ? (size_t)light->walls->count : 0;
+    for (int c = 0; c < 3; ++c) {
+        ty_free_array(context, light->arrived[c], sides, sizeof(float));
+        ty_free_array(context, light->forward[c], sides, sizeof(float));
+    }
+    ty_walls_destroy(light->walls);
     ty_free_array(context, light->dark, light->cells, 1);
     ty_free_array(context, light, 1, sizeof *light);
 }

@@ -53,6 +53,10 @@ struct ty_dom {
     float color[3];
     float* moments[3]; /* of what has scattered, W m^-2 */
     float* surfaces[3]; /* of what surfaces sent and has not scattered since; NULL: of none, or part of sources */
+    /* Sides of walls: irradiance that what has scattered brings in cells' faces, and of it, in the surface itself, what
+       has scattered nearly straight on. */
+    ty_walls* walls; /* NULL: there are none */
+    float *arrived[3], *forward[3];
     uint8_t* dark;      /* cells that no light gets to, within solids; NULL: there are no walls */
     /* Directions of light that is in `many`. */
     ty_dom_part* parts;
@@ -72,7 +76,7 @@ typedef struct ty_dom_job {
     ty_grid_medium* coarse; /* cells of ordinates */
     ty_source* sources;
     int32_t source_count, source_capacity;
-    ty_walls* walls;       /* between coarse cells; NULL: there are none */
+    const ty_walls* walls; /* of the light, between coarse cells; NULL: there are none */
     float* wall_albedo[3]; /* of each side, for as many channels as are solved for */
     float* wall_light[3];  /* radiance of uncollided light that walls send, without what virtual lamps stand for */
     float* source[3]; /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
@@ -101,6 +105,8 @@ void ty_dom_free_walls(ty_dom_job* job);
 bool ty_dom_walls_share(const ty_dom_job* job);
 /* What uncollided light walls send; and takes from q_lm what is in dark cells. */
 ty_result ty_dom_light_walls(ty_dom_job* job);
+/* Gives what is in cells' parts behind surfaces to the cells there. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_cut_sources(ty_dom_job* job);
 bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel);
 
 /* Of light that walls send and that has not scattered since, W: emitted and absorbed without what scatters, which is
@@ -141,10 +147,10 @@ typedef struct ty_dom_scratch {
 
 ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch);
 void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch);
-/* Adds what scatters of a field's light, which is that of `single` (TY_SINGLE_BEAM or _LAMP), to q_lm. cosine: mean
- * cosine of beams about their direction. */
-void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single, float cosine,
-                       ty_dom_scratch* scratch);
+/* Adds what scatters of a field's light, which is that of `single` (TY_SINGLE_BEAM or _LAMP), to q_lm. source: one of
+ * those it comes from. cosine: mean cosine of beams about their direction. */
+void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
+                       const ty_source* source, float cosine, ty_dom_scratch* scratch);
 
 /* ---- lights that have no field of their own ---- */
 

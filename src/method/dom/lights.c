@@ -75,6 +75,8 @@ static ty_result find_reflections(const ty_dom_job* job, ty_light_part** out, in
     ty_vpl_def def = ty_default_vpl_def();
     def.count = REFLECTIONS;
     def.seed = job->def->seed;
+    /* Walls send what ordinates bring themselves; other surfaces are lit by what of it goes on about straight. */
+    if (job->walls != NULL) def.reduced = job->light->bands;
     return ty_vpls_create(job->scene, &def, job->coarse, out, count);
 }
 

@@ -3,6 +3,7 @@
 #include "base/context.h"
 #include "direct/cover.h"
 #include "method/dom/job.h"
+#include "scene/scene.h"
 #include "solve/harmonics.h"
 
 #include <math.h>
@@ -50,6 +51,7 @@ typedef struct add_job {
     ty_dom_job* job;
     ty_dom_scratch* scratch;
     const ty_single_light* single;
+    const ty_source* source;   /* one of those whose light it is */
     float cosine;              /* of beams, about their direction */
     const float* fluence;      /* of fine cells */
     const float* scattering;   /* of the medium there */
@@ -113,9 +115,19 @@ static double unit_from(const double lamp[3], const double at[3], double way[3])
     return length;
 }
 
-/* The mean of harmonics over a fine cell about the lamp or next to it, weighted by 1 / r^2. */
-static void near_harmonics(const double lamp[3], const double middle[3], const double cell[3], int32_t bands,
-                           double* y) {
+/* How bright the lamp is that way: of most of a cell about a spot, or a lamp on a surface, it is dark. */
+static double profile_of(const add_job* add, const double way[3]) {
+    const ty_source* source = add->source;
+    const ty_light_view* light =
+        source->stand_in != NULL ? source->stand_in : &ty_scene_get_view(add->job->scene)->lights.lights[source->light];
+    const ty_vec to = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+    return (double)ty_source_profile(light, ty_dot(source->direction, to));
+}
+
+/* The mean of harmonics over a fine cell about the lamp or next to it, weighted by its light without media. */
+static void near_harmonics(const add_job* add, const double lamp[3], const double middle[3], double* y) {
+    const double* cell = add->job->fine->cell;
+    const int32_t bands = add->job->light->bands;
     double own[TERMS_MAX], weight = 0;
     memset(y, 0, sizeof *y * (size_t)(bands * bands));
     for (int p = 0; p < NEAR_POINTS * NEAR_POINTS * NEAR_POINTS; ++p) {
@@ -124,7 +136,7 @@ static void near_harmonics(const double lamp[3], const double middle[3], const d
         for (int a = 0; a < 3; ++a) at[a] = middle[a] + cell[a] * ((index[a] + 0.5) / NEAR_POINTS - 0.5);
         const double distance = unit_from(lamp, at, way);
         if (!(distance > 0)) continue;
-        const double share = 1 / (distance * distance);
+        const double share = profile_of(add, way) / (distance * distance);
         ty_harmonics_at(way, bands, own);
         for (int32_t t = 0; t < bands * bands; ++t) y[t] += share * own[t];
         weight += share;
@@ -145,7 +157,7 @@ static void add_fine_cell(const add_job* add, const double lamp[3], const int32_
     find_middle(fine, index, middle);
     const double distance = unit_from(lamp, middle, way);
     if (distance < near_sides * fmax(fine->cell[0], fmax(fine->cell[1], fine->cell[2])))
-        near_harmonics(lamp, middle, fine->cell, bands, y);
+        near_harmonics(add, lamp, middle, y);
     else
         ty_harmonics_at(way, bands, y);
     const double straight = pow(g, bands);
@@ -258,12 +270,12 @@ static void choose_channels(add_job* add, const ty_light_field* field, int32_t p
     }
 }
 
-void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single, float cosine,
-                       ty_dom_scratch* scratch) {
+void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
+                       const ty_source* source, float cosine, ty_dom_scratch* scratch) {
     const ty_grid_medium* fine = job->fine;
     const ty_dom* light = job->light;
     const int64_t rows = (int64_t)light->box.size[1] * light->box.size[2];
-    add_job add = {.job = job, .scratch = scratch, .single = single, .cosine = cosine};
+    add_job add = {.job = job, .scratch = scratch, .single = single, .source = source, .cosine = cosine};
     for (int32_t p = 0; p < field->planes; ++p) {
         const int32_t plane = fine->planes == 3 ? p : 0;
         add.fluence = field->fluence[p];

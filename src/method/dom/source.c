@@ -63,7 +63,7 @@ static ty_result light_own(direct_job* direct, const ty_source_group* group) {
     *single = ty_source_group_light(job->sources, group, fields[TY_SINGLE_KEPT]);
     describe_lobes(light, fields, single);
     ++light->light_count;
-    ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, 1, &direct->scratch);
+    ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, &job->sources[group->first], 1, &direct->scratch);
     return TY_OK;
 }
 
@@ -106,7 +106,7 @@ static ty_result light_one(direct_job* direct, const ty_source* source, ty_light
     sum_job sum = {one, all};
     ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
     const ty_single_light single = ty_source_group_light(source, &group, one);
-    ty_dom_add_source(job, one, &single, source->cosine, &direct->scratch);
+    ty_dom_add_source(job, one, &single, source, source->cosine, &direct->scratch);
     return job->light->even ? TY_OK : ty_dom_parts_add(job, source, one);
 }
 

@@ -98,9 +98,12 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
             f->incident[c][t] = out;
             if (out == NULL) return TY_ERROR_MEMORY;
             for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];
-            ty_dom_cover_hidden(light, f->hidden, out);
             f->surfaces.terms[c][t] = out;
         }
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
+        ty_dom_turn_to_walls(light, c, f->incident[c]);
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) ty_dom_cover_hidden(light, f->hidden, f->incident[c][t]);
+    }
     return TY_OK;
 }
 

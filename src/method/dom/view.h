@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_DOM_VIEW_H
 #define TY_METHOD_DOM_VIEW_H
 
+#include "direct/field.h"
 #include "method/dom/job.h"
 
 /* The unit vector from a cell's middle to the eye. */
@@ -20,6 +21,10 @@ void ty_dom_send_parts(const ty_dom* light, const double eye[3], int32_t channel
 ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double eye[3], uint8_t** hidden);
 /* Gives hidden cells of a plane that are beside others what these have. hidden: NULL: does nothing. */
 void ty_dom_cover_hidden(const ty_dom* light, const uint8_t* hidden, float* plane);
+
+/* Turns the light of cells beside walls (a channel's, as a source field has it) such that it brings to them what
+ * arrives there, which the first moments alone do not say. */
+void ty_dom_turn_to_walls(const ty_dom* light, int32_t channel, float* const terms[TY_FIELD_TERMS]);
 
 /* What a scene's camera sees. stats may be NULL. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_part_progress progress,

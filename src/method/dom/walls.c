@@ -9,8 +9,28 @@
 
 static const double sqrt_four_pi = 3.5449077018110318;
 
+/* Walls send light one way, of which phase functions make more than of what has scattered: so many bands are kept for
+ * the eye that what is left of g^l is about this, but no more than directions tell apart; three at least, which is what
+ * surfaces that are slanted take. */
+static const double least_power = 0.02;
+enum { LEAST_KEPT = 3, MOST_KEPT = 6 };
+
+static int32_t bands_for_walls(const ty_dom_job* job, double g) {
+    const double most = fmin(MOST_KEPT, fmax(LEAST_KEPT, sqrt(job->set->count / 2.0)));
+    return (int32_t)fmin(most, fmax(LEAST_KEPT, g > 0 ? ceil(log(least_power) / log(g)) : 0));
+}
+
 ty_result ty_dom_find_walls(ty_dom_job* job) {
-    return ty_walls_find(job->scene, job->coarse, &job->walls);
+    ty_dom* light = job->light;
+    const ty_result result = ty_walls_find(job->scene, job->coarse, &light->walls);
+    job->walls = light->walls;
+    if (job->walls == NULL) return result;
+    double g = 0;
+    for (int32_t p = 0; p < light->planes; ++p)
+        for (size_t i = 0; i < light->cells; ++i) g = fmax(g, fabs((double)light->g[p][i]));
+    const int32_t kept = bands_for_walls(job, g);
+    if (kept > light->kept) light->kept = kept;
+    return result;
 }
 
 bool ty_dom_walls_share(const ty_dom_job* job) {
@@ -28,7 +48,6 @@ void ty_dom_free_walls(ty_dom_job* job) {
         ty_free_array(job->context, job->wall_albedo[c], count, sizeof(float));
         ty_free_array(job->context, job->wall_light[c], count, sizeof(float));
     }
-    ty_walls_destroy(job->walls);
 }
 
 /* ---- uncollided light ---- */
@@ -40,27 +59,40 @@ static bool has_reflections(const ty_dom_job* job, const ty_source* source) {
            (kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT);
 }
 
-/* irradiance: of all channels, count numbers each. */
-static void light_walls(const ty_dom_job* job, float* const extinction[3], float* const irradiance[3]) {
+/* What each side gets, of all channels: by light whose reflections are to be sent, by other light, and the part of
+ * both that has scattered nearly straight on. */
+typedef struct wall_sums {
+    float *sent[3], *other[3], *forward[3];
+} wall_sums;
+
+enum { SUMS = 9 };
+
+static void light_walls(const ty_dom_job* job, float* const extinction[3], const wall_sums* sums) {
+    float* const* forward = job->light->even ? NULL : sums->forward;
     for (int32_t begin = 0, end; begin < job->source_count; begin = end) {
         const bool left_out = has_reflections(job, &job->sources[begin]);
         for (end = begin + 1; end < job->source_count && has_reflections(job, &job->sources[end]) == left_out;) ++end;
-        if (!left_out)
-            ty_walls_light(job->scene, job->walls, job->coarse, extinction, job->sources + begin, end - begin,
-                           irradiance);
+        if (left_out && forward == NULL) continue;
+        ty_walls_light(job->scene, job->walls, job->coarse, extinction, job->sources + begin, end - begin,
+                       left_out ? sums->other : sums->sent, forward);
     }
 }
 
-/* What walls send besides what they reflect of light that ordinates carry, in units of the channels. */
-static void send_light(const ty_dom_job* job, int32_t channel, float* const irradiance[3]) {
-    const ty_dom* light = job->light;
+static float in_units(const ty_dom* light, float* const rgb[3], int32_t channel, int32_t side) {
     const float total = light->color[0] + light->color[1] + light->color[2];
+    return light->shared ? (rgb[0][side] + rgb[1][side] + rgb[2][side]) / total : rgb[channel][side];
+}
+
+/* What walls send besides what they reflect of light that ordinates carry, in units of the channels. */
+static void send_light(const ty_dom_job* job, int32_t channel, const wall_sums* sums) {
+    const ty_dom* light = job->light;
     for (int32_t i = 0; i < job->walls->count; ++i) {
         const ty_wall* side = &job->walls->sides[i];
-        float share, arrived = irradiance[channel][i];
-        if (light->shared) arrived = (irradiance[0][i] + irradiance[1][i] + irradiance[2][i]) / total;
+        const float arrived = in_units(light, sums->sent, channel, i);
+        float share;
         ty_wall_of_stairs(side, side->albedo[channel], &job->wall_albedo[channel][i], &share);
         job->wall_light[channel][i] = share * (side->albedo[channel] * arrived / TY_PI + side->emission[channel]);
+        light->forward[channel][i] = in_units(light, sums->forward, channel, i);
     }
 }
 
@@ -70,10 +102,14 @@ static ty_result take_memory(ty_dom_job* job, float** reduced, float** irradianc
     for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
         job->wall_albedo[c] = ty_alloc_array(context, count, sizeof(float), false);
         job->wall_light[c] = ty_alloc_array(context, count, sizeof(float), false);
-        if (job->wall_albedo[c] == NULL || job->wall_light[c] == NULL) return TY_ERROR_MEMORY;
+        job->light->arrived[c] = ty_alloc_array(context, count, sizeof(float), true);
+        job->light->forward[c] = ty_alloc_array(context, count, sizeof(float), true);
+        if (job->wall_albedo[c] == NULL || job->wall_light[c] == NULL || job->light->arrived[c] == NULL ||
+            job->light->forward[c] == NULL)
+            return TY_ERROR_MEMORY;
     }
     *reduced = ty_alloc_array(context, cells, sizeof(float) * (size_t)job->coarse->planes, false);
-    *irradiance = ty_alloc_array(context, count, sizeof(float) * 3, true);
+    *irradiance = ty_alloc_array(context, count, sizeof(float) * SUMS, true);
     return *reduced != NULL && *irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
@@ -97,17 +133,23 @@ ty_result ty_dom_light_walls(ty_dom_job* job) {
     if (job->walls == NULL) return TY_OK;
     const size_t count = (size_t)job->walls->count, cells = job->coarse->cells;
     ty_result result = take_memory(job, &reduced, &irradiance);
+    if (result == TY_OK) result = ty_dom_cut_sources(job);
     if (result == TY_OK) result = darken(job);
     if (result == TY_OK) {
-        float* const channels[3] = {irradiance, irradiance + count, irradiance + 2 * count};
+        wall_sums sums;
+        for (size_t c = 0; c < 3; ++c) {
+            sums.sent[c] = irradiance + count * c;
+            sums.other[c] = irradiance + count * (3 + c);
+            sums.forward[c] = irradiance + count * (6 + c);
+        }
         float* planes[3] = {reduced, NULL, NULL};
         for (int32_t p = 1; p < job->coarse->planes; ++p) planes[p] = reduced + cells * (size_t)p;
         ty_grid_medium_reduce(job->coarse, job->light->bands, planes);
-        light_walls(job, planes, channels);
-        for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) send_light(job, c, channels);
+        light_walls(job, planes, &sums);
+        for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) send_light(job, c, &sums);
     }
     ty_free_array(job->context, reduced, cells, sizeof(float) * (size_t)job->coarse->planes);
-    ty_free_array(job->context, irradiance, count, sizeof(float) * 3);
+    ty_free_array(job->context, irradiance, count, sizeof(float) * SUMS);
     return result;
 }
 
@@ -209,5 +251,6 @@ ty_result ty_dom_reflect(ty_dom_job* job, int32_t channel, ty_ordinates_def* def
     *none = ty_alloc_array(job->context, (size_t)job->walls->count, sizeof(float), true);
     if (*none == NULL) return TY_ERROR_MEMORY;
     def->walls = walls_of(job, channel, *none);
+    def->walls.arrived = job->light->arrived[channel];
     return TY_OK;
 }
