@@ -105,24 +105,17 @@ static ty_dom_part* find_part(const ty_dom* light, const ty_source* source) {
     return nearest;
 }
 
-ty_result ty_dom_parts_add(ty_dom_job* job, const ty_source* source, const ty_light_field* one) {
+void ty_dom_parts_add(ty_dom_job* job, const ty_source* source, int32_t planes, float* const fluence[3]) {
     const ty_dom* light = job->light;
     ty_dom_part* part = find_part(light, source);
-    float* mean = ty_alloc_array(job->context, light->cells, sizeof *mean, false);
-    if (mean == NULL) return TY_ERROR_MEMORY;
-    const float brightness = brightness_of(source);
-    for (int32_t p = 0; p < one->planes; ++p) {
-        ty_grid_average(job->context, one->fluence[p], job->fine->box.size, job->coarse->box.size, mean);
-        const float factor = one->planes == 1 ? brightness : 1;
-        for (size_t i = 0; i < light->cells; ++i) part->fluence[p][i] += factor * mean[i];
-    }
-    ty_free_array(job->context, mean, light->cells, sizeof *mean);
+    const float brightness = brightness_of(source), factor = planes == 1 ? brightness : 1;
+    for (int32_t p = 0; p < planes; ++p)
+        for (size_t i = 0; i < light->cells; ++i) part->fluence[p][i] += factor * fluence[p][i];
     const ty_vec at = part->kind == TY_SINGLE_BEAM ? ty_scale(source->direction, source->cosine) : source->position;
     part->middle = ty_mad(part->middle, at, brightness);
     part->area += source->area;
     part->brightness += brightness;
     for (int c = 0; c < 3; ++c) part->color[c] += source->color[c];
-    return TY_OK;
 }
 
 /* Planes of light as if it had come with color 1. */
