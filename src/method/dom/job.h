@@ -27,8 +27,15 @@ typedef struct ty_dom_part {
     float* fluence[3]; /* of the cells of ordinates */
 } ty_dom_part;
 
-/* Texels along the side of an octahedral map of ways to the eye. */
-enum { TY_DOM_GLARE = 32 };
+/* A piece of an environment, and the parts about it whose light in media it is dimmed as. */
+enum { TY_DOM_PIECE_PARTS = 4 };
+
+typedef struct ty_dom_piece {
+    ty_vec way; /* that its light goes */
+    float color[3];
+    int32_t part[TY_DOM_PIECE_PARTS];
+    float share[TY_DOM_PIECE_PARTS]; /* they add up to 1 */
+} ty_dom_piece;
 
 struct ty_dom {
     ty_context* context;
@@ -53,8 +60,11 @@ struct ty_dom {
     float* moments[3]; /* of what has scattered, W m^-2 */
     /* Directions of light that is in `many`. */
     ty_dom_part* parts;
-    float glare[3][TY_DOM_GLARE * TY_DOM_GLARE]; /* ratios of what environments send along ways to what parts do */
     int32_t part_capacity, part_count, part_planes;
+    ty_dom_piece* pieces; /* of environments */
+    int32_t piece_capacity, piece_count;
+    float piece_cosine;         /* mean cosine of pieces about their directions */
+    float mean_g[3];            /* of all that scatters, where there are pieces */
     float straight[3], bent[3]; /* per plane of the medium, over all cells: how much deeper media are for U and S of
                                    forward.k.h than for R */
 };
@@ -154,9 +164,8 @@ void ty_dom_parts_add(ty_dom_job* job, const ty_source* source, int32_t planes, 
 /* Once all were added. */
 void ty_dom_parts_end(ty_dom_job* job);
 void ty_dom_parts_destroy(ty_dom* light);
-/* What environments send in all, once parts are there. Errors: TY_ERROR_MEMORY. */
-ty_result ty_dom_glare_find(ty_dom_job* job);
-/* Times which parts of environments are to be taken along a way. */
-float ty_dom_glare_at(const ty_dom* light, int32_t channel, ty_vec way);
+/* Pieces of environments, once parts are there. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_sky_find(ty_dom_job* job);
+void ty_dom_sky_destroy(ty_dom* light);
 
 #endif

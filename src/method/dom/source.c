@@ -175,7 +175,7 @@ static ty_result light_groups(direct_job* direct) {
     ty_dom_beams_add(job, &direct->beams, &direct->scratch);
     if (!light->even) {
         ty_dom_parts_end(job);
-        result = ty_dom_glare_find(job);
+        result = ty_dom_sky_find(job);
         if (result != TY_OK) return result;
     }
     light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->many);
