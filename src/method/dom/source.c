@@ -68,7 +68,9 @@ static ty_result light_own(direct_job* direct, const ty_source_group* group) {
     *single = ty_source_group_light(job->sources, group, fields[TY_SINGLE_KEPT]);
     describe_lobes(light, fields, single);
     ++light->light_count;
+    const double begun = ty_wall_seconds();
     ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, 1, &direct->scratch);
+    job->stats.source_seconds += ty_wall_seconds() - begun;
     return TY_OK;
 }
 
@@ -126,7 +128,9 @@ static ty_result light_one(direct_job* direct, const ty_source* source, ty_light
     if (result != TY_OK) return result;
     sum_job sum = {one, all};
     ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
+    const double begun = ty_wall_seconds();
     spread_one(direct, source);
+    job->stats.source_seconds += ty_wall_seconds() - begun;
     return TY_OK;
 }
 
