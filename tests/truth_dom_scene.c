@@ -87,6 +87,30 @@ static void nebulae(void** state) {
     assert_true(is_near(*state, &(scene_case){"builtin:nebulae", NULL, {NULL}, 48, 48, 256, 0, 0}, "as it is"));
 }
 
+/* Against pictures of other renderers, as files. */
+static void check_reference(ty_context* context, const char* name) {
+    char file[64], path[1024];
+    ty_scene* scene = NULL;
+    ty_image *reference = NULL, *image = NULL;
+    snprintf(file, sizeof file, "reference/%s.json", name);
+    must(context, ty_scene_load(context, data_path(file, path), NULL, 0, &scene));
+    snprintf(file, sizeof file, "reference/%s.exr", name);
+    must(context, ty_image_read(context, data_path(file, path), &reference));
+    ty_dom_def def = ty_default_dom_def();
+    def.spp = 4;
+    must(context, ty_dom_render(scene, &def, &image, NULL));
+    printf("%s, as published:\n", name);
+    const ty_difference dom = compare(context, "dom", image, reference);
+    ty_image_destroy(reference);
+    ty_scene_destroy(scene);
+    assert_true(fabs(dom.mean_ratio[3] - 1) <= most_off && dom.relative_rmse[3] <= most_rmse);
+}
+
+static void references(void** state) {
+    check_reference(*state, "cube_g0");
+    check_reference(*state, "cube_g0.7");
+}
+
 static const char cloud[] = "volumes/wdas_cloud_sixteenth.vdb", plume[] = "volumes/plume/plume_0042.vdb";
 static const char dawn[] = "hdri/kiara_1_dawn_1k.hdr";
 
@@ -109,6 +133,26 @@ static void measured_cloud(void** state) {
 
 static void smoke(void** state) {
     assert_true(is_near_in_lights(*state, "scenes/plume.json", plume, 36, 48));
+}
+
+/* Cells of many mean free paths, and edges that a transfer function makes within a voxel: not within what is asked of
+ * others, but nearer than both other methods. */
+static void dense_head(void** state) {
+    static const char data[] = "volumes/headsq_ct_64x64x93_i16.nrrd", dense[] = "media[0].sigma_t=1500";
+    static const char sun[] = "lights=[{\"type\":\"directional\",\"direction\":[0.7,0.5,-0.6],\"irradiance\":1}]";
+    const scene_case head = {"scenes/ct_head.json", data, {DENSITY, dense, sun}, 48, 48, 512, 0, 0};
+    if (!in_full()) return;
+    ty_scene* scene = read_case(*state, &head);
+    ty_image* truth = path_image(scene, &head, 0);
+    const ty_dom_def def = dom_def(&head, NULL);
+    printf("%s, mean ratio / relative RMSE:\n", head.path);
+    const ty_difference dom = compare(*state, "dom", dom_image(scene, &def), truth);
+    const ty_difference fld = compare(*state, "fld", fld_image(scene, &head, NULL), truth);
+    const ty_difference pop = compare(*state, "pop", pop_image(scene, &head, NULL), truth);
+    ty_image_destroy(truth);
+    ty_scene_destroy(scene);
+    assert_true(fabs(dom.mean_ratio[3] - 1) <= 0.04 && dom.relative_rmse[3] <= 0.1);
+    assert_true(dom.relative_rmse[3] < fld.relative_rmse[3] && dom.relative_rmse[3] < pop.relative_rmse[3]);
 }
 
 /* In the same light from everywhere nothing that absorbs nothing is to be seen. Narrow lobes about the environment's 64
@@ -139,7 +183,7 @@ static void white_furnace(void** state) {
                 most = fmax(most, sum / (BLOCK * BLOCK));
             }
         printf("white furnace, cube of %g/m, g %.1f: %.4f to %.4f\n", depth, g, least, most);
-        white = white && least >= 0.95 && most <= (g > 0.8 ? 1.2 : 1.12);
+        white = white && least >= 0.95 && most <= (g > 0.8 ? 1.15 : 1.12);
         ty_image_destroy(image);
         ty_scene_destroy(scene);
     }
@@ -147,8 +191,9 @@ static void white_furnace(void** state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(cubes), cmocka_unit_test(nebulae),
-                                       cmocka_unit_test(measured_cloud), cmocka_unit_test(smoke),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(cubes),        cmocka_unit_test(nebulae),
+                                       cmocka_unit_test(references),   cmocka_unit_test(measured_cloud),
+                                       cmocka_unit_test(smoke),        cmocka_unit_test(dense_head),
                                        cmocka_unit_test(white_furnace)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -2,6 +2,7 @@
 #ifndef TY_DIRECT_BEAM_H
 #define TY_DIRECT_BEAM_H
 
+#include "direct/beam_room.h"
 #include "direct/grid_medium.h"
 #include "direct/kernel.h"
 #include "direct/watch.h"
@@ -46,8 +47,9 @@ typedef struct ty_beams {
     int32_t plane_count;
     float* planes[TY_BEAM_PLANES_MAX];
     float factor[TY_BEAMS_MAX][TY_BEAM_PLANES_MAX];
-    ty_watch* watch;   /* NULL: none */
-    double done, work; /* for it: sources' worth before this, and of this */
+    ty_beam_room* room; /* NULL: of this pass alone */
+    ty_watch* watch;    /* NULL: none */
+    double done, work;  /* for it: sources' worth before this, and of this */
 } ty_beams;
 
 /* Errors: TY_ERROR_MEMORY; TY_CANCELLED. */

@@ -13,8 +13,8 @@ typedef struct pass_job {
     int32_t slab;                   /* in the beams' order */
     float* scratch;                 /* of the workers */
     size_t scratch_size;            /* of each */
-    float* turned;                  /* extinction, then planes; NULL: nothing needs turning */
-    size_t turned_size;
+    ty_beam_room* room;
+    float* turned; /* the room's; NULL: nothing needs turning */
 } pass_job;
 
 /* ---- one slab ---- */
@@ -147,17 +147,33 @@ static ty_result pass_slabs(pass_job* job) {
     return result;
 }
 
+void ty_beam_room_free(ty_context* context, ty_beam_room* room) {
+    ty_free_array(context, room->floats, room->count, sizeof *room->floats);
+    *room = (ty_beam_room){.floats = NULL};
+}
+
+static ty_result fill_room(const pass_job* job, const ty_grid_medium* medium, size_t count) {
+    ty_context* context = job->of->beams->context;
+    ty_beam_room* room = job->room;
+    ty_beam_room_free(context, room);
+    room->floats = ty_alloc_array(context, count, sizeof *room->floats, true);
+    if (room->floats == NULL) return TY_ERROR_MEMORY;
+    room->count = count;
+    turn_job turn = {.from = job->of->extinction, .to = room->floats};
+    memcpy(turn.size, medium->box.size, sizeof turn.size);
+    ty_parallel_for(context, medium->box.size[1], turn_layer, &turn);
+    return TY_OK;
+}
+
 /* Where rows are along w, cells change places first. */
 static ty_result turn_over(pass_job* job, const ty_grid_medium* medium) {
     const ty_beam* beam = job->of->beams;
     const size_t block = TY_TURN_SIDE * (size_t)beam->size[0] * (size_t)beam->size[1];
-    job->turned_size = medium->cells + block * (size_t)job->of->plane_count;
-    job->turned = ty_alloc_array(beam->context, job->turned_size, sizeof *job->turned, true);
-    if (job->turned == NULL) return TY_ERROR_MEMORY;
+    const size_t count = medium->cells + block * (size_t)job->of->plane_count;
+    const ty_result result = job->room->count < count ? fill_room(job, medium, count) : TY_OK;
+    if (result != TY_OK) return result;
+    job->turned = job->room->floats;
     for (int32_t p = 0; p < job->of->plane_count; ++p) job->out[p] = job->turned + medium->cells + block * (size_t)p;
-    turn_job turn = {.from = job->of->extinction, .to = job->turned};
-    memcpy(turn.size, medium->box.size, sizeof turn.size);
-    ty_parallel_for(beam->context, medium->box.size[1], turn_layer, &turn);
     job->extinction = job->turned;
     return TY_OK;
 }
@@ -165,7 +181,8 @@ static ty_result turn_over(pass_job* job, const ty_grid_medium* medium) {
 ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium) {
     const ty_beam* beam = beams->beams;
     ty_context* context = beam->context;
-    pass_job job = {.of = beams, .extinction = beams->extinction};
+    ty_beam_room own = {.floats = NULL};
+    pass_job job = {.of = beams, .extinction = beams->extinction, .room = beams->room != NULL ? beams->room : &own};
     memcpy(job.out, beams->planes, sizeof job.out);
     int32_t widest = 0;
     for (int32_t i = 0; i < beams->count; ++i) {
@@ -180,7 +197,7 @@ ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium) {
     ty_result result = job.scratch != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK && beam->axis[2] == 0) result = turn_over(&job, medium);
     if (result == TY_OK) result = pass_slabs(&job);
-    ty_free_array(context, job.turned, job.turned_size, sizeof *job.turned);
+    ty_beam_room_free(context, &own);
     ty_free_array(context, job.scratch, scratch_count, sizeof *job.scratch);
     return result;
 }

@@ -50,5 +50,8 @@ void ty_grid_medium_reduce(const ty_grid_medium* medium, int32_t order, float* c
 /* Means of a plane of from_size cells over the cells of another size of the same box, weighted by overlap. */
 void ty_grid_average(ty_context* context, const float* from, const int32_t from_size[3], const int32_t to_size[3],
                      float* to);
+/* The same of the plane times another of weights, and of the plane itself (plain; NULL: not). */
+void ty_grid_average_both(ty_context* context, const float* from, const float* weight, const int32_t from_size[3],
+                          const int32_t to_size[3], float* weighted, float* plain);
 
 #endif

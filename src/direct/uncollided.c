@@ -64,6 +64,7 @@ typedef struct add_job {
     const ty_grid_medium* medium;
     float* const* extinction;
     ty_light_field* field;
+    ty_beam_room* room; /* of each plane of the medium; NULL: none is kept */
     ty_watch watch;
 } add_job;
 
@@ -118,6 +119,7 @@ static ty_result add_beams(add_job* job, const ty_source* const* sources, int32_
         result = begin_beam(job->scene, job->medium, sources[begun], &passing[begun]);
     for (int32_t p = 0; p < job->medium->planes && result == TY_OK; ++p) {
         beams.extinction = job->extinction[p];
+        beams.room = job->room != NULL ? &job->room[p] : NULL;
         beams.work = (double)count / job->medium->planes;
         beams.done = p * beams.work;
         choose_planes(job, sources, p, &beams);
@@ -180,19 +182,26 @@ static ty_result add_lamp(add_job* job, const ty_source* source) {
     return result;
 }
 
-ty_result ty_uncollided_add_watched(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                                    const ty_source* sources, int32_t count, ty_light_field* field,
-                                    ty_progress_fn progress, void* progress_user) {
+ty_result ty_uncollided_add_next(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                 const ty_source* sources, int32_t count, ty_light_field* field, ty_beam_room room[3],
+                                 ty_progress_fn progress, void* progress_user) {
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
     add_job job = {.scene = scene,
                    .medium = medium,
                    .extinction = extinction != NULL ? extinction : medium->extinction,
                    .field = field,
+                   .room = room,
                    .watch = ty_watch_begin(progress, progress_user, count)};
     ty_result result = add_all_beams(&job, sources, count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i)
         if (sources[i].kind == TY_SOURCE_LAMP) result = add_lamp(&job, &sources[i]);
     return result;
+}
+
+ty_result ty_uncollided_add_watched(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                    const ty_source* sources, int32_t count, ty_light_field* field,
+                                    ty_progress_fn progress, void* progress_user) {
+    return ty_uncollided_add_next(scene, medium, extinction, sources, count, field, NULL, progress, progress_user);
 }
 
 ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],

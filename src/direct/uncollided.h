@@ -9,6 +9,7 @@
 #ifndef TY_DIRECT_UNCOLLIDED_H
 #define TY_DIRECT_UNCOLLIDED_H
 
+#include "direct/beam_room.h"
 #include "direct/grid_medium.h"
 #include "direct/source.h"
 
@@ -45,6 +46,12 @@ ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium,
 ty_result ty_uncollided_add_watched(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
                                     const ty_source* sources, int32_t count, ty_light_field* field,
                                     ty_progress_fn progress, void* progress_user);
+
+/* The same, where one source follows another through one extinction: room, of each plane of the medium, is kept for the
+ * next, and freed by the caller (ty_beam_room_free), also after TY_CANCELLED, before which it is of no more use. */
+ty_result ty_uncollided_add_next(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                 const ty_source* sources, int32_t count, ty_light_field* field, ty_beam_room room[3],
+                                 ty_progress_fn progress, void* progress_user);
 
 /* Means over cells of the transmittance from one source, 0 in the shadow of surfaces: times color (for lamps, over
  * distance squared) it is the fluence, with shadows as sharp as the medium's cells. planes: as many as the medium has.

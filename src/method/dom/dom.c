@@ -78,6 +78,7 @@ void ty_dom_destroy(ty_dom* light) {
             ty_light_field_destroy(light->coarse[i][f]);
         }
     ty_light_field_destroy(light->many);
+    ty_dom_sky_destroy(light);
     ty_dom_parts_destroy(light);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));

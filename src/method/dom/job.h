@@ -28,8 +28,15 @@ typedef struct ty_dom_part {
     float* fluence[3]; /* of the cells of ordinates */
 } ty_dom_part;
 
-/* Texels along the side of an octahedral map of ways to the eye. */
-enum { TY_DOM_GLARE = 32 };
+/* A piece of an environment, and the parts about it whose light in media it is dimmed as. */
+enum { TY_DOM_PIECE_PARTS = 4 };
+
+typedef struct ty_dom_piece {
+    ty_vec way; /* that its light goes */
+    float color[3];
+    int32_t part[TY_DOM_PIECE_PARTS];
+    float share[TY_DOM_PIECE_PARTS]; /* they add up to 1 */
+} ty_dom_piece;
 
 struct ty_dom {
     ty_context* context;
@@ -60,8 +67,11 @@ struct ty_dom {
     uint8_t* dark;      /* cells that no light gets to, within solids; NULL: there are no walls */
     /* Directions of light that is in `many`. */
     ty_dom_part* parts;
-    float glare[3][TY_DOM_GLARE * TY_DOM_GLARE]; /* ratios of what environments send along ways to what parts do */
     int32_t part_capacity, part_count, part_planes;
+    ty_dom_piece* pieces; /* of environments */
+    int32_t piece_capacity, piece_count;
+    float piece_cosine;         /* mean cosine of pieces about their directions */
+    float mean_g[3];            /* of all that scatters, where there are pieces */
     float straight[3], bent[3]; /* per plane of the medium, over all cells: how much deeper media are for U and S of
                                    forward.k.h than for R */
 };
@@ -152,18 +162,44 @@ void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch);
 void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
                        const ty_source* source, float cosine, ty_dom_scratch* scratch);
 
+/* Beams without fields of their own, whose light of cells is added to q_lm together: what all of them write is more
+ * than what each of them brings. */
+enum { TY_DOM_TOGETHER = 8 };
+
+typedef struct ty_dom_beams {
+    int32_t count;
+    const ty_source* sources[TY_DOM_TOGETHER];
+    float factor[TY_DOM_TOGETHER][3]; /* of the light, for each channel that is solved for */
+    float* scattered[3]; /* per plane of the medium, beam by beam: sigma_s times their fluence on the cells of
+                            ordinates */
+} ty_dom_beams;
+
+ty_result ty_dom_beams_create(const ty_dom_job* job, ty_dom_beams* beams);
+void ty_dom_beams_destroy(const ty_dom_job* job, ty_dom_beams* beams);
+/* Whether a field's light can be taken so: where one g is that of all that scatters. */
+bool ty_dom_beams_can(const ty_dom_scratch* scratch, const ty_light_field* field);
+/* Takes a beam's light, which is alone on `field`, and its fluence on the cells of ordinates, per plane of the field
+ * (NULL: not asked for). */
+void ty_dom_beams_take(ty_dom_job* job, ty_dom_beams* beams, const ty_source* source, const ty_light_field* field,
+                       const ty_dom_scratch* scratch, float* const fluence[3]);
+/* Adds what was taken and not added yet to q_lm. */
+void ty_dom_beams_add(ty_dom_job* job, ty_dom_beams* beams, const ty_dom_scratch* scratch);
+
+/* What of a field's light, per unit of a plane of it, a channel that is solved for gets; 0: nothing. */
+float ty_dom_channel_factor(const ty_dom* light, const ty_light_field* field, int32_t plane, int32_t channel);
+
 /* ---- lights that have no field of their own ---- */
 
 /* Parts for `count` groups of lights, of which those that are own have none. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dom_parts_create(ty_dom_job* job, const ty_source_group* groups, int32_t count);
-/* Adds one source's fluence, that of a group without a field of its own, to its part. */
-ty_result ty_dom_parts_add(ty_dom_job* job, const ty_source* source, const ty_light_field* one);
+/* Adds one source's fluence, that of a group without a field of its own, to its part: as planes of the cells of
+ * ordinates. */
+void ty_dom_parts_add(ty_dom_job* job, const ty_source* source, int32_t planes, float* const fluence[3]);
 /* Once all were added. */
 void ty_dom_parts_end(ty_dom_job* job);
 void ty_dom_parts_destroy(ty_dom* light);
-/* What environments send in all, once parts are there. Errors: TY_ERROR_MEMORY. */
-ty_result ty_dom_glare_find(ty_dom_job* job);
-/* Times which parts of environments are to be taken along a way. */
-float ty_dom_glare_at(const ty_dom* light, int32_t channel, ty_vec way);
+/* Pieces of environments, once parts are there. Errors: TY_ERROR_MEMORY. */
+ty_result ty_dom_sky_find(ty_dom_job* job);
+void ty_dom_sky_destroy(ty_dom* light);
 
 #endif

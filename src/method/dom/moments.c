@@ -255,17 +255,20 @@ static void add_beam_row(void* user, int64_t row, int32_t worker) {
 
 /* ---- all planes of a field ---- */
 
+float ty_dom_channel_factor(const ty_dom* light, const ty_light_field* field, int32_t plane, int32_t channel) {
+    if (field->planes == 3) return plane == channel ? 1 : 0;
+    if (!light->shared) return field->color[channel];
+    return (field->color[0] + field->color[1] + field->color[2]) /
+           (light->color[0] + light->color[1] + light->color[2]);
+}
+
 /* The channels that a plane of a field brings light to, and how much. */
 static void choose_channels(add_job* add, const ty_light_field* field, int32_t plane) {
     const ty_dom* light = add->job->light;
     add->channel_count = 0;
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
         if (field->planes == 3 && c != plane) continue;
-        float factor = field->planes == 1 ? field->color[c] : 1;
-        if (light->shared)
-            factor = (field->color[0] + field->color[1] + field->color[2]) /
-                     (light->color[0] + light->color[1] + light->color[2]);
-        add->factor[add->channel_count] = factor;
+        add->factor[add->channel_count] = ty_dom_channel_factor(light, field, plane, c);
         add->channels[add->channel_count++] = c;
     }
 }

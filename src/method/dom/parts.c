@@ -1,7 +1,7 @@
 /* Where light that has no field of its own comes from: what its phase functions need towards an eye. Fields of all of
  * it together hold how much there is on fine cells; parts hold, on the cells of ordinates, from where. */
 #include "base/context.h"
-#include "method/dom/view.h"
+#include "method/dom/sky.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -9,6 +9,9 @@
 
 /* Parts of all lights; each has one at least. */
 enum { PARTS = 128 };
+
+/* How much brighter a lobe may be than another. */
+static const float most_ratio = 10;
 
 static float brightness_of(const ty_source* source) {
     return (source->color[0] + source->color[1] + source->color[2]) * (1.0f / 3.0f);
@@ -105,24 +108,17 @@ static ty_dom_part* find_part(const ty_dom* light, const ty_source* source) {
     return nearest;
 }
 
-ty_result ty_dom_parts_add(ty_dom_job* job, const ty_source* source, const ty_light_field* one) {
+void ty_dom_parts_add(ty_dom_job* job, const ty_source* source, int32_t planes, float* const fluence[3]) {
     const ty_dom* light = job->light;
     ty_dom_part* part = find_part(light, source);
-    float* mean = ty_alloc_array(job->context, light->cells, sizeof *mean, false);
-    if (mean == NULL) return TY_ERROR_MEMORY;
-    const float brightness = brightness_of(source);
-    for (int32_t p = 0; p < one->planes; ++p) {
-        ty_grid_average(job->context, one->fluence[p], job->fine->box.size, job->coarse->box.size, mean);
-        const float factor = one->planes == 1 ? brightness : 1;
-        for (size_t i = 0; i < light->cells; ++i) part->fluence[p][i] += factor * mean[i];
-    }
-    ty_free_array(job->context, mean, light->cells, sizeof *mean);
+    const float brightness = brightness_of(source), factor = planes == 1 ? brightness : 1;
+    for (int32_t p = 0; p < planes; ++p)
+        for (size_t i = 0; i < light->cells; ++i) part->fluence[p][i] += factor * fluence[p][i];
     const ty_vec at = part->kind == TY_SINGLE_BEAM ? ty_scale(source->direction, source->cosine) : source->position;
     part->middle = ty_mad(part->middle, at, brightness);
     part->area += source->area;
     part->brightness += brightness;
     for (int c = 0; c < 3; ++c) part->color[c] += source->color[c];
-    return TY_OK;
 }
 
 /* Planes of light as if it had come with color 1. */
@@ -152,6 +148,7 @@ void ty_dom_parts_end(ty_dom_job* job) {
 
 typedef struct send_job {
     const ty_dom* light;
+    const ty_dom_sky* sky;
     const double* eye;
     int32_t channels;
     float* const* sent;
@@ -176,39 +173,58 @@ static arrival arrive(const ty_dom* light, const ty_dom_part* part, const int32_
     return (arrival){ty_scale(off, 1 / sqrtf(square)), 1 - cap * TY_INV_4PI, 1 / square};
 }
 
-/* What of a part's light a cell sends along a way per scattering coefficient. */
-static float turn(const ty_dom* light, int32_t plane, float fluence, const arrival* from, float mu, float g) {
-    const float kept = ty_minf(1, fluence / from->bare), over = fluence / kept;
-    const ty_forward forward = {.straight = powf(kept, light->straight[plane]),
-                                .kept = kept,
-                                .bent = powf(kept, light->bent[plane]),
-                                .cosine = from->cosine};
-    float turned = ty_forward_straight(forward, mu, g);
-    if (light->lobes) turned += ty_forward_beyond(forward, mu, g * from->cosine, light->bands);
-    return over * turned;
+/* What arrives of a part's light, as shares of its fluence without media. */
+static ty_forward forward_of(const ty_dom* light, int32_t plane, float fluence, const arrival* from) {
+    const float kept = ty_minf(1, fluence / from->bare);
+    return (ty_forward){.straight = powf(kept, light->straight[plane]),
+                        .kept = kept,
+                        .bent = powf(kept, light->bent[plane]),
+                        .cosine = from->cosine};
+}
+
+/* What of a part's light a cell sends along a way per scattering coefficient, times 4 pi. */
+static float turn(const ty_dom* light, const ty_forward* forward, float mu, float g) {
+    float turned = ty_forward_straight(*forward, mu, g);
+    if (light->lobes) turned += ty_forward_beyond(*forward, mu, g * forward->cosine, light->bands);
+    return 4 * TY_PI * turned;
+}
+
+/* Where a cell's g is not the mean that weights of parts are for: about what that changes. */
+static float other_lobe(float mu, float g, float mean, float cosine) {
+    if (fabsf(g - mean) < 1e-4f) return 1;
+    return ty_minf(most_ratio, ty_hg(mu, g * cosine) / ty_hg(mu, mean * cosine));
+}
+
+/* Adds what a part sends along a way from a cell, and its fluence there. */
+static void add_part(const send_job* job, int32_t index, const int32_t cell[3], size_t at, ty_vec way,
+                     const ty_dom_sky_view* view, float sent[3], float all[3]) {
+    const ty_dom* light = job->light;
+    const ty_dom_part* part = &light->parts[index];
+    const arrival from = arrive(light, part, cell);
+    const float mu = ty_dot(from.way, way);
+    for (int32_t p = 0; p < light->part_planes; ++p) {
+        const float fluence = part->fluence[p][at], g = light->g[p][at];
+        if (!(fluence > 0)) continue;
+        const ty_forward forward = forward_of(light, p, fluence, &from);
+        const float over = fluence / forward.kept;
+        const float turned =
+            part->sky ? over * other_lobe(mu, g, light->mean_g[p], part->cosine) : over * turn(light, &forward, mu, g);
+        for (int32_t c = p; c < (light->part_planes == 1 ? 3 : p + 1); ++c) {
+            sent[c] += turned * (part->sky ? ty_dom_sky_sent(view, index, c, &forward) : part->color[c]);
+            all[c] += part->color[c] * fluence;
+        }
+    }
 }
 
 static void send_cell(const send_job* job, const int32_t cell[3], size_t at) {
     const ty_dom* light = job->light;
     double way[3];
-    float sent[3] = {0}, all[3] = {0}, glare[3];
+    float sent[3] = {0}, all[3] = {0};
+    ty_dom_sky_view view = {.share = {0}};
     ty_dom_way(light, cell, job->eye, way);
     const ty_vec to_eye = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
-    for (int32_t c = 0; c < 3; ++c) glare[c] = ty_dom_glare_at(light, c, to_eye);
-    for (int32_t i = 0; i < light->part_count; ++i) {
-        const ty_dom_part* part = &light->parts[i];
-        const arrival from = arrive(light, part, cell);
-        const float mu = ty_dot(from.way, to_eye);
-        for (int32_t p = 0; p < light->part_planes; ++p) {
-            const float fluence = part->fluence[p][at];
-            if (!(fluence > 0)) continue;
-            const float turned = 4 * TY_PI * turn(light, p, fluence, &from, mu, light->g[p][at]);
-            for (int32_t c = p; c < (light->part_planes == 1 ? 3 : p + 1); ++c) {
-                sent[c] += part->color[c] * turned * (part->sky ? glare[c] : 1);
-                all[c] += part->color[c] * fluence;
-            }
-        }
-    }
+    if (job->sky->weights != NULL) ty_dom_sky_look(light, job->sky, to_eye, &view);
+    for (int32_t i = 0; i < light->part_count; ++i) add_part(job, i, cell, at, to_eye, &view, sent, all);
     for (int32_t c = 0; c < job->channels; ++c) {
         job->sent[c][at] = job->channels == 3 ? sent[c] : sent[0] + sent[1] + sent[2];
         job->all[c][at] = job->channels == 3 ? all[c] : all[0] + all[1] + all[2];
@@ -225,8 +241,13 @@ static void send_row(void* user, int64_t row, int32_t worker) {
     }
 }
 
-void ty_dom_send_parts(const ty_dom* light, const double eye[3], int32_t channels, float* const sent[3],
-                       float* const all[3]) {
-    send_job job = {light, eye, channels, sent, all};
-    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
+ty_result ty_dom_send_parts(const ty_dom* light, const double eye[3], int32_t channels, float* const sent[3],
+                            float* const all[3]) {
+    ty_dom_sky sky;
+    const ty_result result = ty_dom_sky_see(light, eye, &sky);
+    send_job job = {light, &sky, eye, channels, sent, all};
+    if (result == TY_OK)
+        ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
+    ty_dom_sky_free(light, &sky);
+    return result;
 }

@@ -12,15 +12,19 @@ typedef struct direct_job {
     float* extinction[TY_SINGLE_FLUENCES][3]; /* of fine cells, for each fluence of a light */
     ty_dom_scratch scratch;
     ty_light_field* one; /* of one source that has no field of its own */
+    float* coarse[3];    /* its means on the cells of ordinates, as many as it has planes */
+    ty_dom_beams beams;
+    ty_beam_room room[3];
     ty_source_group* groups;
     int32_t group_count;
 } direct_job;
 
+/* room: NULL: none is kept. */
 static ty_result light_field(direct_job* direct, int32_t fluence, const ty_source* sources, int32_t count,
-                             ty_light_field* field) {
+                             ty_light_field* field, ty_beam_room* room) {
     ty_dom_job* job = direct->job;
-    return ty_uncollided_add_watched(job->scene, job->fine, direct->extinction[fluence], sources, count, field,
-                                     ty_part_report, &job->progress);
+    return ty_uncollided_add_next(job->scene, job->fine, direct->extinction[fluence], sources, count, field, room,
+                                  ty_part_report, &job->progress);
 }
 
 /* Fluences beside the one that counts as uncollided. */
@@ -56,14 +60,17 @@ static ty_result light_own(direct_job* direct, const ty_source_group* group) {
     ty_result result = TY_OK;
     for (int32_t f = 0; f < (light->lobes ? TY_SINGLE_FLUENCES : 1) && result == TY_OK; ++f) {
         result = ty_source_groups_field(job->sources, group, 1, true, job->fine, false, &fields[f]);
-        if (result == TY_OK) result = light_field(direct, f, &job->sources[group->first], group->count, fields[f]);
+        if (result == TY_OK)
+            result = light_field(direct, f, &job->sources[group->first], group->count, fields[f], NULL);
     }
     if (result == TY_OK && light->lobes) result = average_own(direct, group, fields, light->coarse[light->light_count]);
     if (result != TY_OK) return result;
     *single = ty_source_group_light(job->sources, group, fields[TY_SINGLE_KEPT]);
     describe_lobes(light, fields, single);
     ++light->light_count;
+    const double begun = ty_wall_seconds();
     ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, &job->sources[group->first], 1, &direct->scratch);
+    job->stats.source_seconds += ty_wall_seconds() - begun;
     return TY_OK;
 }
 
@@ -94,20 +101,37 @@ static void clear_field(ty_light_field* field) {
     for (int32_t p = 0; p < field->planes; ++p) memset(field->fluence[p], 0, field->cells * sizeof(float));
 }
 
+/* What one source of many brings to ordinates, and to the parts that are seen. */
+static void spread_one(direct_job* direct, const ty_source* source) {
+    ty_dom_job* job = direct->job;
+    const ty_light_field* one = direct->one;
+    const ty_source_group group = {.first = 0, .count = 1, .middle = source->position};
+    if (source->kind == TY_SOURCE_BEAM && ty_dom_beams_can(&direct->scratch, one)) {
+        ty_dom_beams_take(job, &direct->beams, source, one, &direct->scratch, direct->coarse);
+    } else {
+        const ty_single_light single = ty_source_group_light(source, &group, one);
+        ty_dom_add_source(job, one, &single, source, source->cosine, &direct->scratch);
+        for (int32_t p = 0; p < one->planes && direct->coarse[p] != NULL; ++p)
+            ty_grid_average(job->context, one->fluence[p], job->fine->box.size, job->coarse->box.size,
+                            direct->coarse[p]);
+    }
+    if (!job->light->even) ty_dom_parts_add(job, source, one->planes, direct->coarse);
+}
+
 /* One source of many. */
 static ty_result light_one(direct_job* direct, const ty_source* source, ty_light_field* all) {
     ty_dom_job* job = direct->job;
     ty_light_field* one = direct->one;
-    const ty_source_group group = {.first = 0, .count = 1, .middle = source->position};
     clear_field(one);
     if (one->planes == 1) memcpy(one->color, source->color, sizeof one->color);
-    const ty_result result = light_field(direct, TY_SINGLE_KEPT, source, 1, one);
+    const ty_result result = light_field(direct, TY_SINGLE_KEPT, source, 1, one, direct->room);
     if (result != TY_OK) return result;
     sum_job sum = {one, all};
     ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
-    const ty_single_light single = ty_source_group_light(source, &group, one);
-    ty_dom_add_source(job, one, &single, source, source->cosine, &direct->scratch);
-    return job->light->even ? TY_OK : ty_dom_parts_add(job, source, one);
+    const double begun = ty_wall_seconds();
+    spread_one(direct, source);
+    job->stats.source_seconds += ty_wall_seconds() - begun;
+    return TY_OK;
 }
 
 /* Memory of lights that have no field of their own. */
@@ -120,6 +144,11 @@ static ty_result take_many(direct_job* direct) {
     if (result == TY_OK)
         result = ty_source_groups_field(job->sources, direct->groups, direct->group_count, false, job->fine, false,
                                         &light->many);
+    if (result == TY_OK) result = ty_dom_beams_create(job, &direct->beams);
+    for (int32_t p = 0; p < direct->one->planes && result == TY_OK && !light->even; ++p) {
+        direct->coarse[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
+        if (direct->coarse[p] == NULL) result = TY_ERROR_MEMORY;
+    }
     if (result == TY_OK && !light->even) result = ty_dom_parts_create(job, direct->groups, direct->group_count);
     return result;
 }
@@ -147,9 +176,10 @@ static ty_result light_groups(direct_job* direct) {
     job->progress.from = from;
     job->progress.share = share;
     if (result != TY_OK || light->many == NULL) return result;
+    ty_dom_beams_add(job, &direct->beams, &direct->scratch);
     if (!light->even) {
         ty_dom_parts_end(job);
-        result = ty_dom_glare_find(job);
+        result = ty_dom_sky_find(job);
         if (result != TY_OK) return result;
     }
     light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->many);
@@ -208,6 +238,11 @@ static void free_memory(direct_job* direct) {
         ty_free_array(job->context, direct->extinction[TY_SINGLE_KEPT][p], job->fine->cells, sizeof(float));
         ty_free_array(job->context, direct->extinction[TY_SINGLE_BENT][p], job->fine->cells, sizeof(float));
     }
+    for (int c = 0; c < 3; ++c) {
+        ty_free_array(job->context, direct->coarse[c], job->light->cells, sizeof(float));
+        ty_beam_room_free(job->context, &direct->room[c]);
+    }
+    ty_dom_beams_destroy(job, &direct->beams);
     ty_light_field_destroy(direct->one);
 }
 

@@ -156,8 +156,8 @@ static ty_result make_many(const ty_dom* light, const double eye[3], fields* f) 
     ty_result result = take_planes(light, channels, f->fine_cells, f->many);
     if (result == TY_OK) result = take_planes(light, channels, light->cells, sent);
     if (result == TY_OK) result = take_planes(light, channels, light->cells, all);
+    if (result == TY_OK) result = ty_dom_send_parts(light, eye, channels, sent, all);
     if (result == TY_OK) {
-        ty_dom_send_parts(light, eye, channels, sent, all);
         many_job job = {light, single, sent, all, f->many};
         ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], many_row, &job);
         for (int32_t c = 0; c < channels; ++c) single->fluence[c] = f->many[c];

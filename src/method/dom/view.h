@@ -12,9 +12,10 @@ void ty_dom_way(const ty_dom* light, const int32_t cell[3], const double eye[3],
 void ty_dom_mend_lobes(const ty_dom* light, const double eye[3], float* const seen[3]);
 
 /* What parts of lights without fields of their own are turned into for the eye, as fluence that scatters evenly would
- * be, and their fluence itself; either times the same colors. channels: 1: of all together, 3. */
-void ty_dom_send_parts(const ty_dom* light, const double eye[3], int32_t channels, float* const sent[3],
-                       float* const all[3]);
+ * be, and their fluence itself; either times the same colors. channels: 1: of all together, 3. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_dom_send_parts(const ty_dom* light, const double eye[3], int32_t channels, float* const sent[3],
+                            float* const all[3]);
 
 /* Which cells surfaces hide from an eye; NULL where there are no walls. Freed with ty_free_array of as many bytes as
  * there are cells. Errors: TY_ERROR_MEMORY. */
