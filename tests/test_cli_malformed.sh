@@ -214,6 +214,11 @@ test_no_files() {
 test_scenes() {
   : > empty.json
   bad_scene empty.json 'empty'
+  for part in vdb glb GLTF exr; do
+    echo '{"tyndall": 1}' > "part.$part"
+    begin
+    refused "part.$part" 'not a scene but an? (volume|mesh|image)' render "part.$part" -o OUT.exr
+  done
   wrong_scene 3 'expected' ' \n\n  '
   wrong_scene 1 '' '{"tyndall": 1,'
   wrong_scene 2 '' '{"tyndall": 1,\n "media": [}'

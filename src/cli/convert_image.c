@@ -27,7 +27,7 @@ static int check_options(const convert_image_options* options, const char* outpu
     if (!png && !cli_has_extension(output, ".exr"))
         return cli_usage_error("convert", "%s: an image goes to .exr or .png", output);
     if (options->bits != 0 && options->bits != 8 && options->bits != 16)
-        return cli_usage_error("convert", "--bits is %d, neither 8 nor 16", options->bits);
+        return cli_usage_error("convert", "--bits: %d is neither 8 nor 16", options->bits);
     if (options->bits == 16 && !png) return cli_usage_error("convert", "--bits is for .png, and %s is none", output);
     return CLI_GO;
 }

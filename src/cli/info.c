@@ -254,7 +254,7 @@ static int read_head(const char* path, unsigned char head[HEAD_SIZE], size_t* si
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return cli_fail(CLI_USAGE, "%s: not a regular file", path);
     FILE* file = fopen(path, "rb");
-    if (file == NULL) return cli_fail(CLI_USAGE, "%s: %s", path, strerror(errno));
+    if (file == NULL) return cli_fail(CLI_USAGE, "cannot open %s: %s", path, strerror(errno));
     *size = fread(head, 1, HEAD_SIZE, file);
     const bool failed = ferror(file) != 0;
     fclose(file);
@@ -295,11 +295,12 @@ int cli_info(int count, char** arguments) {
         {"json", 0, CLI_FLAG, NULL, "print JSON", &json, 0, 0, NULL},
         {"media", 0, CLI_FLAG, NULL, "the media that have names, or one: wholemilk:1000, fog:50, JSON", &media, 0, 0,
          NULL},
-        {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene first, as for render", &overrides, 0, 0, NULL},
-        {"raw-size", 0, CLI_TEXT, "X,Y,Z", "FILE is a raw volume of so many voxels", &raw_size, 0, 0, NULL},
+        {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)", &overrides, 0, 0,
+         NULL},
+        {"raw-size", 0, CLI_TEXT, "X,Y,Z", "voxels of a raw file", &raw_size, 0, 0, NULL},
         {"raw-type", 0, CLI_TEXT, "TYPE", "int8, uint8 (default) ... uint64, half, float, double", &raw_type, 0, 0,
          NULL},
-        {"big-endian", 0, CLI_FLAG, NULL, "of a raw volume", &raw.raw_big_endian, 0, 0, NULL},
+        {"big-endian", 0, CLI_FLAG, NULL, "of a raw file", &raw.raw_big_endian, 0, 0, NULL},
     };
     const cli_syntax syntax = {"info",
                                "FILE | --media [MEDIUM] [options]",

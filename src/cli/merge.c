@@ -44,7 +44,7 @@ static int merge_files(cli_session* session, const cli_arguments* given, const c
 }
 
 static int check_output(const char* output) {
-    if (output == NULL) return cli_usage_error("merge", "where to? Give -o OUT.exr");
+    if (output == NULL) return cli_usage_error("merge", "where to? Give -o OUT.exr or -o OUT.png");
     if (!cli_has_extension(output, ".exr") && !cli_has_extension(output, ".png"))
         return cli_usage_error("merge", "%s: the extension is not .exr or .png", output);
     return cli_check_output("merge", output);
@@ -55,7 +55,7 @@ int cli_merge(int count, char** arguments) {
     double exposure = 0;
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "FILE", "the image to write: .exr or .png", &output, 0, 0, NULL},
-        {"exposure", 0, CLI_REAL, "STOPS", "of a PNG (default 0)", &exposure, -64, 64, NULL},
+        {"exposure", 0, CLI_REAL, "STOPS", "exposure of a PNG (default 0)", &exposure, -64, 64, NULL},
     };
     const cli_syntax syntax = {"merge",
                                "A.exr B.exr ... -o OUT.exr [options]",

@@ -228,7 +228,7 @@ int cli_render(int count, char** arguments) {
         {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
          &options.overrides, 0, 0, NULL},
         {"png", 0, CLI_TEXT, "FILE", "also write a PNG", &options.png, 0, 0, NULL},
-        {"exposure", 0, CLI_REAL, "STOPS", "of the PNG (default: the camera's)", &options.exposure, -64, 64,
+        {"exposure", 0, CLI_REAL, "STOPS", "exposure of the PNG (default: the camera's)", &options.exposure, -64, 64,
          &options.exposure_given},
         {"aov", 0, CLI_TEXT, "NAME,...", "also write these channels to the EXR (see above)", &options.aov, 0, 0, NULL},
         {"resume", 0, CLI_FLAG, NULL, "go on from FILE.state if it is there, and keep it up to date", &options.resume,

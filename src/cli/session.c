@@ -78,7 +78,7 @@ static int write_stats(const cli_session* session) {
     if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) return cli_fail(CLI_FAILED, "not enough memory");
     int status = CLI_GO;
     if (!write_stats_file(session, temporary) || rename(temporary, path) != 0) {
-        status = cli_fail(CLI_FAILED, "%s: cannot be written: %s", path, strerror(errno));
+        status = cli_fail(CLI_FAILED, "cannot write %s: %s", path, strerror(errno));
         unlink(temporary);
     }
     free(temporary);

@@ -9,6 +9,7 @@
 
 const char* const ty_gltf_extensions[] = {".gltf", ".glb", NULL};
 const char* const ty_mesh_extensions[] = {".gltf", ".glb", ".obj", ".ply", NULL};
+const char* const ty_volume_extensions[] = {".vdb", ".nvdb", ".nrrd", ".nhdr", NULL};
 
 bool ty_has_extension(const char* file, const char* const* extensions) {
     const size_t length = strlen(file);
@@ -128,8 +129,6 @@ ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* place, cons
 /* Room for a name with its #s replaced. */
 enum { NAME_MAX_SIZE = 4096 };
 
-static const char* const volume_extensions[] = {".vdb", ".nvdb", ".nrrd", ".nhdr", NULL};
-
 /* Whether a file may have several grids, told apart by name. */
 static bool has_names(const json_t* volume) {
     static const char* const extensions[] = {".vdb", ".nvdb", NULL};
@@ -141,7 +140,7 @@ static ty_result check_volume_type(const ty_scene_reader* reader, const json_t* 
     const ty_json_path grid = ty_json_path_key(place, "grid");
     if (json_object_get(volume, "grid") != NULL && !has_names(volume))
         return ty_reader_fail(reader, &grid, TY_ERROR_INPUT, "is for .vdb and .nvdb files; others hold one grid");
-    const bool known = ty_has_extension(json_string_value(json_object_get(volume, "file")), volume_extensions);
+    const bool known = ty_has_extension(json_string_value(json_object_get(volume, "file")), ty_volume_extensions);
     const bool raw = json_object_get(volume, "raw") != NULL;
     const ty_json_path key = ty_json_path_key(place, raw ? "raw" : "file");
     if (known && raw)

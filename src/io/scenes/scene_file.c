@@ -225,6 +225,15 @@ static ty_result fail_builtin(ty_context* context, const char* path) {
     return ty_fail(context, TY_ERROR_INPUT, "%s", text);
 }
 
+/* What a file by such a name is in a scene, or NULL: volumes, meshes and images are easily given in its place. */
+static const char* part_of_scene(const char* path) {
+    static const char* const images[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", NULL};
+    if (ty_has_extension(path, ty_volume_extensions))
+        return "a volume; a scene has it as \"file\" of a medium's density";
+    if (ty_has_extension(path, ty_mesh_extensions)) return "a mesh; a scene has it as \"file\" in its geometry";
+    return ty_has_extension(path, images) ? "an image; a scene may have it as \"file\" of an environment light" : NULL;
+}
+
 ty_result ty_scene_load(ty_context* context, const char* path, const char* const* overrides, int32_t override_count,
                         ty_scene** out) {
     if (context == NULL || path == NULL || out == NULL)
@@ -240,6 +249,11 @@ ty_result ty_scene_load(ty_context* context, const char* path, const char* const
     size_t size;
     ty_result result = ty_read_file(context, path, FILE_SIZE_MAX, &bytes, &size);
     if (result != TY_OK) return result;
+    const char* part = part_of_scene(path);
+    if (part != NULL) {
+        ty_free_file(context, bytes, size);
+        return ty_fail(context, TY_ERROR_INPUT, "%s: not a scene but %s (docs/scene.md)", path, part);
+    }
     char* folder = ty_folder_of(context, path);
     result = folder == NULL
                  ? TY_ERROR_MEMORY

@@ -83,9 +83,10 @@ ty_result ty_read_transform(const ty_scene_reader* reader, const json_t* object,
 
 /* Whether the name ends like one of the extensions, ".vdb", whatever the case; the list ends with NULL. */
 bool ty_has_extension(const char* file, const char* const* extensions);
-/* ".gltf" and ".glb", then the other kinds of files with meshes. */
+/* ".gltf" and ".glb"; these and the other kinds of files with meshes; volumes. */
 extern const char* const ty_gltf_extensions[];
 extern const char* const ty_mesh_extensions[];
+extern const char* const ty_volume_extensions[];
 /* The path of a file that is neither image nor volume; its bytes are in the hash. place is that of the key that names
  * the file. The path is the reader's. */
 ty_result ty_find_file(ty_scene_reader* reader, const ty_json_path* place, const char* file, const char** path);
