@@ -19,6 +19,17 @@ double cli_without_noise(double rmse, double noise) {
     return sqrt(fmax(rmse * rmse - noise * noise, 0));
 }
 
+void cli_without_noise_text(const cli_compared* entry, int slot, char out[24]) {
+    const double noise = entry->noise.relative[slot], error = entry->difference.relative_rmse[slot];
+    const double left = cli_without_noise(error, noise);
+    if (!entry->noise.known)
+        out[0] = '\0';
+    else if (error > 0 && 3 * left < noise)
+        snprintf(out, 24, "below noise");
+    else
+        snprintf(out, 24, "%.4g", left);
+}
+
 void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size) {
     const cli_noise* noise = &comparison->reference.noise;
     const cli_compared* nearest = cli_nearest_entry(comparison);

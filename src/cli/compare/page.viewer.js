@@ -95,7 +95,8 @@ const drawScale = () => {
     : number(2 ** (-stopsBelow + t * (stopsBelow + stopsAbove) - view.exposure), 2));
   find("#ticks").replaceChildren(...labels.map(label => make("span", {}, label)));
   find("#scale-says").textContent = display === "error"
-    ? `Blue where ${view.right.name} is darker than ${view.left.name}, red where it is brighter; relative to it, or to a tenth of its mean where that is more.`
+    ? `Blue where ${view.right.name} is darker than ${view.left.name}, red where it is brighter; relative to `
+      + `${view.left.name}, or to a tenth of its mean where that is more.`
     : "Luminance, in the units of the images, one stop a tenth of the scale.";
 };
 
