@@ -124,6 +124,7 @@ static int run_comparison(cli_session* session, const cli_arguments* given, cons
     cli_progress_clear(&session->progress);
     if (status == CLI_GO) status = cli_write_comparison(session, &comparison);
     if (status == CLI_DONE && !session->common.quiet) print_result(&comparison);
+    cli_comparison_free_images(&comparison);
     session->stats = cli_comparison_json;
     session->stats_user = &comparison;
     status = cli_session_close(session, status);

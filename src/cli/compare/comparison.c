@@ -49,15 +49,23 @@ void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size
              share <= comparison->wanted ? "well below it." : "not well below it; more samples would tell more.");
 }
 
-static void free_entry(cli_compared* entry) {
+static void free_images(cli_compared* entry) {
     ty_image_destroy(entry->image);
-    for (int i = 0; i < entry->earlier_count; ++i) ty_image_destroy(entry->earlier[i].image);
-    free(entry->command);
+    entry->image = NULL;
+    for (int i = 0; i < entry->earlier_count; ++i) {
+        ty_image_destroy(entry->earlier[i].image);
+        entry->earlier[i].image = NULL;
+    }
+}
+
+void cli_comparison_free_images(cli_comparison* comparison) {
+    free_images(&comparison->reference);
+    for (int i = 0; comparison->entries != NULL && i < CLI_COMPARE_MAX; ++i) free_images(&comparison->entries[i]);
 }
 
 void cli_comparison_free(cli_comparison* comparison) {
-    free_entry(&comparison->reference);
-    for (int i = 0; comparison->entries != NULL && i < CLI_COMPARE_MAX; ++i) free_entry(&comparison->entries[i]);
+    free(comparison->reference.command);
+    for (int i = 0; comparison->entries != NULL && i < CLI_COMPARE_MAX; ++i) free(comparison->entries[i].command);
     free(comparison->entries);
     free(comparison->skipped);
     free(comparison->scene_text);

@@ -71,6 +71,8 @@ void cli_without_noise_text(const cli_compared* entry, int slot, char out[24]);
 /* One sentence on how large the reference's noise is beside the differences; "" if it is not known. */
 void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size);
 
+/* Images go before the session does, whose context they are of; the rest after it, since --stats tells of it. */
+void cli_comparison_free_images(cli_comparison* comparison);
 void cli_comparison_free(cli_comparison* comparison);
 
 #endif
