@@ -290,6 +290,10 @@ test_interrupt() {
   said out.txt '^tyndall.complete 0$'
   expect 0 compare builtin:cube_g0 --methods fld -o cut --size 24x16 --spp 1 --reference-time 0.001 --progress none
   said cut/errors.json '"stored": true'
+  # So many samples more end what was cut short, too.
+  expect 0 compare builtin:cube_g0 --methods fld -o cut --size 24x16 --spp 1 --reference-noise 0.001 --reference-time 0.2 \
+    --progress none
+  said cut/errors.json '"relative_noise"'
 }
 
 test_scene

@@ -92,9 +92,8 @@ static void print_result(const cli_comparison* comparison) {
     for (int i = 0; i < comparison->count; ++i) {
         const cli_compared* entry = &comparison->entries[i];
         const ty_difference* d = &entry->difference;
-        char without[32] = "-";
-        if (entry->noise.known)
-            snprintf(without, sizeof without, "%.6g", cli_without_noise(d->relative_rmse[3], entry->noise.relative[3]));
+        char without[24];
+        cli_without_noise_text(entry, 3, without);
         printf("%-24s %14.8g %14.6g %14.6g %14s %14.6g\n", entry->name, d->mean_ratio[3], d->rmse[3],
                d->relative_rmse[3], without, d->rel_mse[3]);
     }
@@ -125,6 +124,7 @@ static int run_comparison(cli_session* session, const cli_arguments* given, cons
     cli_progress_clear(&session->progress);
     if (status == CLI_GO) status = cli_write_comparison(session, &comparison);
     if (status == CLI_DONE && !session->common.quiet) print_result(&comparison);
+    cli_comparison_free_images(&comparison);
     session->stats = cli_comparison_json;
     session->stats_user = &comparison;
     status = cli_session_close(session, status);

@@ -19,6 +19,17 @@ double cli_without_noise(double rmse, double noise) {
     return sqrt(fmax(rmse * rmse - noise * noise, 0));
 }
 
+void cli_without_noise_text(const cli_compared* entry, int slot, char out[24]) {
+    const double noise = entry->noise.relative[slot], error = entry->difference.relative_rmse[slot];
+    const double left = cli_without_noise(error, noise);
+    if (!entry->noise.known)
+        out[0] = '\0';
+    else if (error > 0 && 3 * left < noise)
+        snprintf(out, 24, "below noise");
+    else
+        snprintf(out, 24, "%.4g", left);
+}
+
 void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size) {
     const cli_noise* noise = &comparison->reference.noise;
     const cli_compared* nearest = cli_nearest_entry(comparison);
@@ -38,15 +49,23 @@ void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size
              share <= comparison->wanted ? "well below it." : "not well below it; more samples would tell more.");
 }
 
-static void free_entry(cli_compared* entry) {
+static void free_images(cli_compared* entry) {
     ty_image_destroy(entry->image);
-    for (int i = 0; i < entry->earlier_count; ++i) ty_image_destroy(entry->earlier[i].image);
-    free(entry->command);
+    entry->image = NULL;
+    for (int i = 0; i < entry->earlier_count; ++i) {
+        ty_image_destroy(entry->earlier[i].image);
+        entry->earlier[i].image = NULL;
+    }
+}
+
+void cli_comparison_free_images(cli_comparison* comparison) {
+    free_images(&comparison->reference);
+    for (int i = 0; comparison->entries != NULL && i < CLI_COMPARE_MAX; ++i) free_images(&comparison->entries[i]);
 }
 
 void cli_comparison_free(cli_comparison* comparison) {
-    free_entry(&comparison->reference);
-    for (int i = 0; comparison->entries != NULL && i < CLI_COMPARE_MAX; ++i) free_entry(&comparison->entries[i]);
+    free(comparison->reference.command);
+    for (int i = 0; comparison->entries != NULL && i < CLI_COMPARE_MAX; ++i) free(comparison->entries[i].command);
     free(comparison->entries);
     free(comparison->skipped);
     free(comparison->scene_text);

@@ -64,9 +64,15 @@ const cli_compared* cli_nearest_entry(const cli_comparison* comparison);
 /* The relative RMSE, or RMSE, that is left when the noise of the reference is taken out of it; 0 when that is all. */
 double cli_without_noise(double rmse, double noise);
 
+/* That of an entry's relative RMSE in a slot of its difference, as text: "" when the noise is not known, "below noise"
+ * where what is left is less than a third of it, since noise is not known to a tenth of its square. */
+void cli_without_noise_text(const cli_compared* entry, int slot, char out[24]);
+
 /* One sentence on how large the reference's noise is beside the differences; "" if it is not known. */
 void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size);
 
+/* Images go before the session does, whose context they are of; the rest after it, since --stats tells of it. */
+void cli_comparison_free_images(cli_comparison* comparison);
 void cli_comparison_free(cli_comparison* comparison);
 
 #endif

@@ -33,11 +33,26 @@ static double mean_within(const ty_image* image, const float* plane, const windo
     return count > 0 ? sum / (double)count : 0;
 }
 
+bool cli_sample_range(const ty_image* reference, double* fewest, double* most) {
+    const int32_t channel = ty_image_find_channel(reference, "samples.N");
+    if (channel < 0) return false;
+    const float* plane = ty_image_plane_const(reference, channel);
+    const int64_t count = (int64_t)ty_image_width(reference) * ty_image_height(reference);
+    *fewest = *most = (double)plane[0];
+    for (int64_t i = 0; i < count; ++i) {
+        *fewest = fmin(*fewest, (double)plane[i]);
+        *most = fmax(*most, (double)plane[i]);
+    }
+    return true;
+}
+
 cli_noise cli_measure_noise(const ty_image* reference, const ty_image* other) {
     static const char* const names[3] = {"variance.R", "variance.G", "variance.B"};
     cli_noise noise = {.known = true};
     const float* planes[3];
     const window both = common_window(reference, other);
+    double fewest, most;
+    if (cli_sample_range(reference, &fewest, &most) && fewest < 2) return (cli_noise){.known = false};
     if (!ty_image_rgb_planes(reference, planes)) return (cli_noise){.known = false};
     double variance = 0, mean = 0;
     for (int c = 0; c < 3; ++c) {

@@ -8,6 +8,9 @@
  */
 int cli_measure_entry(cli_session* session, const cli_comparison* comparison, cli_compared* entry);
 
+/* Samples of the pixels with the fewest and with the most, by a reference's channel of samples; false without one. */
+bool cli_sample_range(const ty_image* reference, double* fewest, double* most);
+
 /* The noise of the reference where another image has pixels, too. */
 cli_noise cli_measure_noise(const ty_image* reference, const ty_image* other);
 

@@ -4,6 +4,10 @@
 const colorOf = entry => `var(--c${report.images.indexOf(entry) % 8})`;
 const dot = entry => make("span", { class: "dot", style: `--of: ${colorOf(entry)}` });
 
+/* What is left without noise is not told from none below a third of it: noise is not known to a tenth of its square. */
+const belowNoise = (entry, channel) => entry[channel].rmse > 0 &&
+  3 * entry.relative_rmse_without_noise[channel] < report.reference.relative_noise[channel];
+
 const drawErrors = () => {
   const table = find("#errors"), channels = find("#channels").checked ? ["all", "R", "G", "B"] : ["all"];
   const heads = ["image", ...channels.length > 1 ? ["channel"] : [], "relative RMSE", "without noise", "time",
@@ -12,7 +16,7 @@ const drawErrors = () => {
   const row = (entry, channel) => {
     const errors = entry[channel], left = entry.relative_rmse_without_noise?.[channel], all = channel === "all";
     const cells = [...channels.length > 1 ? [channel] : [], percent(errors.relative_rmse),
-      left === undefined ? "" : left === 0 ? "below noise" : percent(left), all ? amount(entry.seconds, seconds) : "",
+      left === undefined ? "" : belowNoise(entry, channel) ? "below noise" : percent(left), all ? amount(entry.seconds, seconds) : "",
       all ? amount(entry.own_seconds, seconds) : "", all && entry.spp > 0 ? samples(entry.spp) : "",
       number(errors.mean_ratio, 4), number(errors.rmse, 4), number(errors.rel_mse)];
     return make("tr", all ? {} : { class: "channel" }, make("td", {}, ...all ? [dot(entry), entry.name] : []),
@@ -83,7 +87,8 @@ const drawPlot = () => {
     text({ x: box.left - 6, y: y.place(tick) + 4, "text-anchor": "end" }, percent(tick));
   }
   text({ x: (box.left + box.right) / 2, y: height - 6, "text-anchor": "middle" }, "time to the image");
-  text({ x: 0, y: 0, transform: `translate(12 ${(box.top + box.bottom) / 2}) rotate(-90)`, "text-anchor": "middle" }, "relative RMSE");
+  const middle = (box.top + box.bottom) / 2;
+  text({ x: 0, y: 0, transform: `translate(12 ${middle}) rotate(-90)`, "text-anchor": "middle" }, "relative RMSE");
   for (const value of floor) {
     parts.push(makeSvg("line", { class: "floor", x1: box.left, x2: box.right, y1: y.place(value), y2: y.place(value) }));
     text({ x: box.left + 6, y: y.place(value) + 15 }, "noise of the reference");
@@ -92,8 +97,10 @@ const drawPlot = () => {
   for (const { entry, points } of entries) {
     const color = colorOf(entry), places = points.map(point => [x.place(point.seconds), y.place(point.relative_rmse)]);
     if (places.length > 1)
-      parts.push(makeSvg("polyline", { points: places.join(" "), fill: "none", style: `stroke: ${color}`, "stroke-width": 2 }));
-    places.forEach(([px, py], i) => parts.push(makeSvg("circle", { cx: px, cy: py, r: i === places.length - 1 ? 6 : 4, style: `fill: ${color}` },
+      parts.push(makeSvg("polyline",
+        { points: places.join(" "), fill: "none", style: `stroke: ${color}`, "stroke-width": 2 }));
+    places.forEach(([cx, cy], i) => parts.push(makeSvg("circle",
+      { cx, cy, r: i === places.length - 1 ? 6 : 4, style: `fill: ${color}` },
       makeSvg("title", {}, `${entry.name}: ${percent(points[i].relative_rmse)} in ${seconds(points[i].seconds)}` +
         (points[i].spp > 0 ? `, ${samples(points[i].spp)} samples per pixel` : "")))));
     const [px, py] = places[places.length - 1];
@@ -109,22 +116,29 @@ const drawPlot = () => {
   for (const label of labels) text({ class: "label", x: label.x, y: label.y, style: `fill: ${label.color}` }, label.name);
   const says = entries.map(({ entry }) =>
     `${entry.name} ${percent(entry.all.relative_rmse)} in ${seconds(entry.seconds)}`).join(", ");
-  find("#plot").replaceChildren(makeSvg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "Error against time: " + says }, ...parts));
+  const label = "Error against time: " + says;
+  find("#plot").replaceChildren(
+    makeSvg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label }, ...parts));
   find("#plot-says").textContent = "Both axes are logarithmic. " + (entries.some(({ points }) => points.length > 1)
-    ? "Paths: the same render at fewer samples, and at all of them. " : "") + "Rings: without the path-traced image that a method takes surfaces from.";
+    ? "Paths: the same render at fewer samples, and at all of them. " : "")
+    + "Rings: without the path-traced image that a method takes surfaces from.";
 };
 
 const drawStages = () => {
   const entries = report.images.filter(entry => entry.stages !== undefined && entry.seconds > 0);
   find("#stages").hidden = entries.length === 0;
   find("#bars").replaceChildren(...entries.map(entry => {
-    const shade = i => `color-mix(in oklab, ${colorOf(entry)} ${100 - 60 * i / Math.max(entry.stages.length - 1, 1)}%, var(--card))`;
+    const last = Math.max(entry.stages.length - 1, 1);
+    const shade = i => `color-mix(in oklab, ${colorOf(entry)} ${100 - 60 * i / last}%, var(--card))`;
+    const bar = (stage, i) => make("span", {
+      style: `flex: ${stage.seconds / entry.seconds} 0 0; background: ${shade(i)}`,
+      title: `${stage.name} ${seconds(stage.seconds)}`,
+    });
     return make("div", { class: "method" },
       make("p", {}, make("span", {}, entry.name), make("span", {}, seconds(entry.seconds))),
-      make("div", { class: "stack", "aria-hidden": "true" }, ...entry.stages.map((stage, i) =>
-        make("span", { style: `flex: ${stage.seconds / entry.seconds} 0 0; background: ${shade(i)}`, title: `${stage.name} ${seconds(stage.seconds)}` }))),
-      make("ul", {}, ...entry.stages.map((stage, i) =>
-        make("li", {}, make("span", { class: "dot", style: `--of: ${shade(i)}` }), `${stage.name} ${seconds(stage.seconds)}`))));
+      make("div", { class: "stack", "aria-hidden": "true" }, ...entry.stages.map(bar)),
+      make("ul", {}, ...entry.stages.map((stage, i) => make("li", {},
+        make("span", { class: "dot", style: `--of: ${shade(i)}` }), `${stage.name} ${seconds(stage.seconds)}`))));
   }));
 };
 

@@ -14,7 +14,7 @@ const ratio = (a, b) => b !== 0 ? number(a / b, 4) : a === 0 ? "1" : "–";
 
 const rowsAt = () => {
   const at = view.y * columns + view.x, { left, right } = view;
-  const pair = value => [covers(left, view.x, view.y) ? value(left) : NaN, covers(right, view.x, view.y) ? value(right) : NaN];
+  const pair = value => [left, right].map(image => covers(image, view.x, view.y) ? value(image) : NaN);
   return [...["R", "G", "B"].map((name, c) => [name, ...pair(image => valueAt(image, c, at))]),
     ["luminance", ...pair(image => luminanceAt(image, at))]];
 };

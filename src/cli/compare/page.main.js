@@ -12,7 +12,7 @@ const drawHeader = () => {
   find("#noise").hidden = !reference.noise_is;
   find("#noise").textContent = reference.noise_is ?? "";
   find("#made").textContent = `Tyndall ${report.version}. Exposure ${number(report.exposure)} stops at first.`;
-  find("#means").textContent = report.shrink > 1 ? ` Each pixel here is the mean of ${report.shrink} × ${report.shrink}.` : "";
+  if (report.shrink > 1) find("#means").textContent = ` Each pixel here is the mean of ${report.shrink} × ${report.shrink}.`;
 };
 
 const change = changes => {
@@ -21,7 +21,8 @@ const change = changes => {
 };
 const fail = error => {
   find("#trouble").hidden = false;
-  find("#trouble").textContent = `This browser cannot show the images (${error.message}). The numbers below are right all the same.`;
+  find("#trouble").textContent =
+    `This browser cannot show the images (${error.message}). The numbers below are right all the same.`;
 };
 const flip = () => change(view.mode === "flip" ? { flipped: !view.flipped } : { mode: "flip", flipped: true });
 const swap = () => change({ left: view.right, right: view.left });

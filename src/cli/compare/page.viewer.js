@@ -2,9 +2,10 @@
 /* ---- the images, side by side or in turn ---- */
 
 const canvas = find("#canvas"), stage = find("#stage"), context = canvas.getContext("2d");
-const lastOnes = report.images.filter(entry => entry.source !== "path");
+/* At first: the reference, and what comes nearest to it of what is not paths. */
+const byError = images.slice(1).sort((a, b) => a.entry.all.rmse - b.entry.all.rmse);
 const view = {
-  left: images[0], right: images[report.images.indexOf(lastOnes[0] ?? report.images[0]) + 1],
+  left: images[0], right: byError.find(image => image.entry.source !== "path") ?? byError[0],
   mode: "slider", flipped: false, cut: 50, display: "color", exposure: report.exposure, range: 0.3,
   x: columns >> 1, y: rows >> 1,
 };
@@ -59,7 +60,7 @@ const number = (value, digits = 3) => {
   return size >= 1e5 || size < 1e-3 ? value.toExponential(digits - 1) : String(Number(value.toPrecision(digits)));
 };
 const percent = (value, digits = 3) => number(100 * value, digits) + " %";
-const samples = value => Number.isInteger(value) ? String(value) : number(value, value < 100 ? 3 : 5);
+const samples = value => Number.isInteger(value) || value >= 100 ? String(Math.round(value)) : number(value);
 const seconds = value => value >= 100 ? Math.round(value) + " s" : value >= 1 ? number(value) + " s"
   : value >= 1e-3 ? number(1000 * value) + " ms" : number(1e6 * value) + " µs";
 
@@ -94,7 +95,8 @@ const drawScale = () => {
     : number(2 ** (-stopsBelow + t * (stopsBelow + stopsAbove) - view.exposure), 2));
   find("#ticks").replaceChildren(...labels.map(label => make("span", {}, label)));
   find("#scale-says").textContent = display === "error"
-    ? `Blue where ${view.right.name} is darker than ${view.left.name}, red where it is brighter; relative to it, or to a tenth of its mean where that is more.`
+    ? `Blue where ${view.right.name} is darker than ${view.left.name}, red where it is brighter; relative to `
+      + `${view.left.name}, or to a tenth of its mean where that is more.`
     : "Luminance, in the units of the images, one stop a tenth of the scale.";
 };
 

@@ -118,17 +118,34 @@ static double samples_needed(const refining* r) {
     return fmin(1.05 * have * (noise / fmax(wanted, 1e-30)) * (noise / fmax(wanted, 1e-30)), GROWTH * have);
 }
 
+/* Samples per pixel to have next; 0: there are enough. A pass that was cut short is ended with the next one. *bounded:
+ * whether time counts, which it does not before each pixel has the two samples that a variance takes. */
+static int32_t next_samples(const refining* r, bool* bounded) {
+    const int32_t bound = r->options->reference_spp_given ? r->options->reference_spp : SPP_MAX;
+    const double have = r->report.path.spp;
+    double fewest = 0, most = 0;
+    *bounded = true;
+    if (r->comparison->reference.image == NULL) return bound < SPP_FIRST ? bound : SPP_FIRST;
+    cli_sample_range(r->comparison->reference.image, &fewest, &most);
+    if (fewest < 2) {
+        *bounded = false;
+        const double next = fmax(fmin(2, bound), most);
+        return next <= fewest ? 0 : (int32_t)next;
+    }
+    const double needed = samples_needed(r);
+    const double next = fmax(fmin(fmax(ceil(needed), floor(have) + 1), bound), most);
+    return needed == 0 || next <= have ? 0 : (int32_t)next;
+}
+
 /* Samples, measures and looks again, until noise, samples or time say that it is enough. */
 static int refine(refining* r) {
-    const int32_t most = r->options->reference_spp_given ? r->options->reference_spp : SPP_MAX;
     int status = r->kept.bytes != NULL ? measure_all(r) : CLI_GO;
     while (status == CLI_GO) {
-        const double have = r->report.path.spp;
-        const double needed = have > 0 ? samples_needed(r) : SPP_FIRST;
-        const double target = fmin(fmax(ceil(needed), floor(have) + 1), most);
+        bool bounded;
+        const int32_t next = next_samples(r, &bounded);
         const double left = r->deadline - cli_wall_seconds();
-        if (needed == 0 || target <= have || (have > 0 && left <= 0)) break;
-        const ty_result result = sample(r, (int32_t)target, r->report.path.seconds + fmax(left, 1e-3));
+        if (next == 0 || (bounded && left <= 0 && r->comparison->reference.image != NULL)) break;
+        const ty_result result = sample(r, next, bounded ? r->report.path.seconds + fmax(left, 1e-3) : 0);
         if (result == TY_CANCELLED) return interrupted(r);
         if (result != TY_OK) return cli_fail_running(r->session, result);
         status = measure_all(r);

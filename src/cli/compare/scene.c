@@ -22,9 +22,11 @@ bool cli_keep_state(void* user, const void* state, size_t size) {
 
 /* ---- which methods ---- */
 
+/* But for auto, which is one of the others. */
 static int name_all_methods(const cli_method* out[CLI_COMPARE_MAX]) {
     int count = 0;
-    for (int i = 0; cli_method_at(i) != NULL; ++i) out[count++] = cli_method_at(i);
+    for (int i = 0; cli_method_at(i) != NULL; ++i)
+        if (strcmp(cli_method_at(i)->name, "auto") != 0) out[count++] = cli_method_at(i);
     return count;
 }
 
@@ -36,9 +38,11 @@ int cli_name_methods(const char* words, const cli_method* out[CLI_COMPARE_MAX]) 
         const size_t length = strcspn(rest, ",");
         snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1), rest);
         rest = rest[length] == ',' ? rest + length + 1 : NULL;
-        if (count == CLI_COMPARE_MAX) return cli_usage_error("compare", "more than %d methods", CLI_COMPARE_MAX), -1;
-        out[count] = cli_find_method("compare", word);
-        if (out[count] == NULL) return -1;
+        const cli_method* method = cli_find_method("compare", word);
+        if (method != NULL && count == CLI_COMPARE_MAX)
+            cli_usage_error("compare", "more than %d methods", CLI_COMPARE_MAX);
+        if (method == NULL || count == CLI_COMPARE_MAX) return -1;
+        out[count] = method;
     }
     return count;
 }
@@ -69,20 +73,21 @@ static int fail_without_methods(const cli_comparison* comparison) {
     return cli_fail(CLI_USAGE, "%s: no method applies; %s: %s", comparison->subject, first->name, first->reason);
 }
 
-/* Takes out those that are not made for the scene, before anything takes its time. */
+/* Takes out those that are not made for the scene, before anything takes its time. CLI_GO, or an exit status. */
 static int choose_methods(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
-                          const cli_method** methods, int count) {
+                          const cli_method** methods, int* count) {
     int kept = 0;
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < *count; ++i) {
         const ty_result result = methods[i]->check != NULL ? methods[i]->check(scene) : TY_OK;
         if (result == TY_OK)
             methods[kept++] = methods[i];
         else if (does_not_apply(methods[i], result))
             skip(session, comparison, methods[i]);
         else
-            return cli_fail_reading(session, result), -1;
+            return cli_fail_reading(session, result);
     }
-    return kept > 0 ? kept : (fail_without_methods(comparison), -1);
+    *count = kept;
+    return kept > 0 ? CLI_GO : fail_without_methods(comparison);
 }
 
 /* ---- names and files ---- */
@@ -183,9 +188,9 @@ int cli_render_methods(cli_session* session, cli_comparison* comparison, const t
                        const cli_compare_request* options, const cli_request* request) {
     const cli_method* methods[CLI_COMPARE_MAX];
     int count = cli_name_methods(options->methods, methods);
-    if (count >= 0) count = choose_methods(session, comparison, scene, methods, count);
     if (count < 0) return CLI_USAGE;
-    int status = cli_make_folder("compare", comparison->folder);
+    int status = choose_methods(session, comparison, scene, methods, &count);
+    if (status == CLI_GO) status = cli_make_folder("compare", comparison->folder);
     for (int i = 0; i < count && status == CLI_GO; ++i)
         status = render_method(session, comparison, methods[i], scene, request);
     if (status == CLI_GO && comparison->count == 0) status = fail_without_methods(comparison);

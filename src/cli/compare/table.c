@@ -23,11 +23,10 @@ static void print_head(FILE* file, const cli_comparison* comparison) {
 static void print_rows(FILE* file, const cli_compared* entry) {
     const ty_difference* d = &entry->difference;
     for (int channel = 0; channel < 4; ++channel) {
-        fprintf(file, "| %s | %s | %.6g | %.6g | %.6g |", entry->name, cli_difference_names[channel],
-                d->mean_ratio[channel], d->rmse[channel], d->relative_rmse[channel]);
-        print_amount(file, entry->noise.known
-                               ? cli_without_noise(d->relative_rmse[channel], entry->noise.relative[channel])
-                               : -1);
+        char without[24];
+        cli_without_noise_text(entry, channel, without);
+        fprintf(file, "| %s | %s | %.6g | %.6g | %.6g | %s |", entry->name, cli_difference_names[channel],
+                d->mean_ratio[channel], d->rmse[channel], d->relative_rmse[channel], without);
         fprintf(file, " %.6g |", d->rel_mse[channel]);
         print_amount(file, entry->spp);
         print_amount(file, entry->seconds);
@@ -48,7 +47,8 @@ ty_result cli_print_comparison_table(ty_context* context, FILE* file, const void
         fprintf(file, "- %s: %s\n", comparison->skipped[i].name, comparison->skipped[i].reason);
     fprintf(file,
             "\nMean ratio: mean / mean of the reference. Relative RMSE: RMSE / mean of the reference; without noise: "
-            "the reference's noise taken out of it, sqrt(error^2 - noise^2). relMSE: mean of error^2 / (reference^2 + "
+            "the reference's noise taken out of it, sqrt(error^2 - noise^2), where that is more than a third of it. "
+            "relMSE: mean of error^2 / (reference^2 + "
             "0.01 mean^2).\n\nHeat maps: red where the image is brighter than the reference, blue where it is darker; "
             "full colour at 100 percent of the reference, or of a tenth of its mean where that is more. Green: not "
             "finite.\n");

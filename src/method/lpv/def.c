@@ -90,6 +90,11 @@ ty_result ty_lpv_check_lights(const ty_scene* scene, const ty_lpv_def* def) {
                            "lpv: lights[%zu] is %s; directional, spot and point lights are all that it takes", i,
                            name_of_kind(kind));
     }
+    if (scene->light_count == 0 && ty_scene_get_info(scene).emitters > 0)
+        return ty_fail(
+            scene->context, TY_ERROR_ARGUMENT,
+            "lpv: all light comes from surfaces that glow; directional, spot and point lights are all that it "
+            "takes");
     if (def->maps == NULL) return TY_OK;
     if (def->map_count < 0 || (size_t)def->map_count != scene->light_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv.maps: %d maps for %zu lights", def->map_count,
