@@ -77,6 +77,7 @@ static void label_element(const json_t* element, size_t index, char label[BENCH_
     for (int i = 0; i < IDENTITIES; ++i) {
         const json_t* value = json_object_get(element, identities[i]);
         if (value != NULL) append_identity(label, value);
+        if (value != NULL && strcmp(identities[i], "threads") == 0) append(label, " ", "threads");
     }
     if (label[0] == '\0') snprintf(label, BENCH_TIMING_NAME, "%zu", index);
 }
