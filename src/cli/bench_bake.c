@@ -327,14 +327,14 @@ static double more(double seconds, const timed* surfaces) {
     return 100 * (seconds / surfaces->seconds - 1);
 }
 
-static void add_quality(bench_table* table, int q, double filling, const timed t[METHODS]) {
-    static const char* const names[QUALITIES][4] = {
-        {"low quality: surfaces alone", "  impulse responses, more", "  light in cells, more", "  with filling them"},
-        {"high quality: surfaces alone", "  impulse responses, more", "  light in cells, more", "  with filling them"}};
+static void add_quality(bench_table* table, int q, const timed t[METHODS]) {
+    static const char* const names[QUALITIES][3] = {
+        {"low quality, surfaces alone", "low quality, impulse responses, more", "low quality, light in cells, more"},
+        {"high quality, surfaces alone", "high quality, impulse responses, more",
+         "high quality, light in cells, more"}};
     add_row(table, names[q][0], "s", t[SURFACES].seconds, 0);
     add_row(table, names[q][1], "%", more(t[IMPULSE].seconds, &t[SURFACES]), 100 * qualities[q].paper);
     add_row(table, names[q][2], "%", more(t[CACHE].seconds, &t[SURFACES]), 0);
-    add_row(table, names[q][3], "%", more(t[CACHE].seconds + filling, &t[SURFACES]), 0);
 }
 
 ty_result bench_bake_table(const bench_session* bench, bench_table* out) {
@@ -348,10 +348,10 @@ ty_result bench_bake_table(const bench_session* bench, bench_table* out) {
     if (result != TY_OK) p = (places){.count = 0}; /* what there was of it is freed */
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
         result = time_methods(bench, scene, &look, &p, qualities[q].spp, PATH, t);
-        if (result == TY_OK) add_quality(out, q, ty_bake_cache_get_info(look.cache).seconds, t);
+        if (result == TY_OK) add_quality(out, q, t);
     }
+    if (result == TY_OK) add_row(out, "filling the cells, once", "s", ty_bake_cache_get_info(look.cache).seconds, 0);
     snprintf(out->titles[0], BENCH_TABLE_TITLE, "measured");
-    snprintf(out->paper_titles[0], BENCH_TABLE_TITLE, "the paper");
     snprintf(out->setting, sizeof out->setting, "%s, %lld receivers, %d and %d paths each", scene_name,
              (long long)p.count, (int)qualities[0].spp, (int)qualities[1].spp);
     free_places(&p);

@@ -270,7 +270,7 @@ static void write_timings(json_writer* json, const bench_result* result) {
 
 static void write_result(json_writer* json, const bench_result* result) {
     json_open_object(json, result->name);
-    json_number(json, "load_before", result->load_before);
+    json_number(json, "load_before", rounded(result->load_before));
     if (result->status == CLI_DONE) {
         json_number(json, "others_busy", rounded(result->others));
         json_number(json, "seconds", rounded(result->seconds));

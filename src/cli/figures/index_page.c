@@ -12,7 +12,7 @@ static const char head[] =
     "body{font:16px/1.5 system-ui,sans-serif;margin:0 auto;max-width:70rem;padding:1.5rem}\n"
     "h2{margin-top:3rem;border-bottom:1px solid #8886}\nh3{margin-top:2.5rem}\n"
     "figure{margin:1rem 0}\nimg{max-width:100%;height:auto;background:#fff;border:1px solid #8884}\n"
-    "figcaption{max-width:50rem}\n.wide{overflow-x:auto}\ntable{border-collapse:collapse;font-size:.92rem}\n"
+    ".wide{overflow-x:auto}\ntable{border-collapse:collapse;font-size:.92rem}\n"
     "th,td{text-align:left;padding:.2rem .9rem .2rem 0;border-bottom:1px solid #8884;vertical-align:top}\n"
     ".no{color:#b3261e;font-weight:600}\n@media(prefers-color-scheme:dark){.no{color:#ff8a80}}\n"
     "</style>\n</head>\n<body>\n";
@@ -97,9 +97,9 @@ static void print_figure(FILE* file, const figure_outcome* outcome) {
     if (figure_is_there(outcome)) {
         fprintf(file, "<figure><a href=\"%s.png\"><img src=\"%s.png\" loading=\"lazy\" alt=\"", name, name);
         cli_print_html(file, title);
-        fputs("\"></a><figcaption>", file);
+        fputs(". ", file);
         cli_print_html(file, outcome->caption);
-        fputs("</figcaption></figure>\n", file);
+        fputs("\"></a></figure>\n", file);
         print_groups(file, outcome);
         fprintf(file, "<p><a href=\"%s.csv\">%s.csv</a>, <a href=\"%s.json\">%s.json</a>: %zu numbers, %.3g s%s.</p>\n",
                 name, name, name, name, outcome->count, outcome->seconds, outcome->quick ? ", with --quick" : "");

@@ -10,7 +10,7 @@ enum { DISTANCES = 12, SHAPES = 3, SIDE = 129, MIDDLE = SIDE / 2, VARIANTS = 3, 
 
 /* The paper's medium. */
 static const double absorption = 0.1, scattering = 0.3, mean_cosine = 0.9; /* 1/m, 1/m, 1 */
-static const double shape_distances[SHAPES] = {4, 10, 30};                 /* m */
+static const double shape_distances[SHAPES] = {6, 10, 20};                 /* m */
 static const double longest = 40;                                          /* m */
 
 static const struct {

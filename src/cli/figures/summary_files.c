@@ -174,10 +174,9 @@ static void print_md_figure(FILE* file, const figure_outcome* outcome) {
         fputc('\n', file);
         return;
     }
-    fprintf(file, "![%s](%s.png)\n\n", entry->name, entry->name);
-    cli_print_markdown(file, outcome->caption);
-    fprintf(file, "\n\n[%s.csv](%s.csv), [%s.json](%s.json): %zu numbers, %.3g s%s.\n", entry->name, entry->name,
-            entry->name, entry->name, outcome->count, outcome->seconds, outcome->quick ? ", with --quick" : "");
+    fprintf(file, "![%s](%s.png)\n\n[%s.csv](%s.csv), [%s.json](%s.json): %zu numbers, %.3g s%s.\n", entry->name,
+            entry->name, entry->name, entry->name, entry->name, entry->name, outcome->count, outcome->seconds,
+            outcome->quick ? ", with --quick" : "");
     if (outcome->checked + outcome->compared == 0) return;
     fputs("\n| what | expected | measured | within |\n|---|---|---|---|\n", file);
     print_md_groups(file, outcome, "");

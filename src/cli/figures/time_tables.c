@@ -4,6 +4,7 @@
 #include "cli/figures/figure.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { RUNS = 5 };
 
@@ -13,8 +14,8 @@ static ty_result note_row(figure_run* run, const bench_table* table, int row) {
         /* What the paper has beside: the same column of as many as it has, counted from the last. */
         const int paper = i - (table->columns - table->paper_columns);
         const double expected = paper >= 0 && table->paper[row][paper] > 0 ? table->paper[row][paper] : NAN;
-        result = figure_expect(run, table->titles[i], table->row_names[row] + (table->row_names[row][0] == ' ' ? 2 : 0),
-                               table->units[row], table->measured[row][i], expected, NAN);
+        result = figure_expect(run, table->titles[i], table->row_names[row], table->units[row], table->measured[row][i],
+                               expected, NAN);
     }
     return result;
 }
@@ -22,12 +23,15 @@ static ty_result note_row(figure_run* run, const bench_table* table, int row) {
 static void set_head(const bench_table* table, plot_table* out) {
     for (int i = 0; i < table->columns; ++i) plot_set_cell(out, 0, 1 + i, "%s", table->titles[i]);
     for (int i = 0; i < table->paper_columns; ++i)
-        plot_set_cell(out, 0, 1 + table->columns + i, "(paper, %s)", table->paper_titles[i]);
+        plot_set_cell(out, 0, 1 + table->columns + i, "(paper%s%s)", table->paper_titles[i][0] != '\0' ? ", " : "",
+                      table->paper_titles[i]);
 }
 
 static void set_row(const bench_table* table, int row, plot_table* out) {
     plot_set_cell(out, 1 + row, 0, "%s, %s", table->row_names[row], table->units[row]);
-    for (int i = 0; i < table->columns; ++i) plot_set_cell(out, 1 + row, 1 + i, "%.2f", table->measured[row][i]);
+    for (int i = 0; i < table->columns; ++i)
+        plot_set_cell(out, 1 + row, 1 + i, "%.*f", strcmp(table->units[row], "s") == 0 ? 3 : 2,
+                      table->measured[row][i]);
     for (int i = 0; i < table->paper_columns; ++i)
         if (table->paper[row][i] > 0) plot_set_cell(out, 1 + row, 1 + table->columns + i, "(%g)", table->paper[row][i]);
 }
