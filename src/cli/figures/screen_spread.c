@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DISTANCES = 12, SHAPES = 3, SIDE = 129, MIDDLE = SIDE / 2, VARIANTS = 3, CURVE_POINTS = 60, SHAPE_POINTS = 41 };
+enum { DISTANCES = 12, SHAPES = 3, SIDE = 97, MIDDLE = SIDE / 2, VARIANTS = 3, CURVE_POINTS = 60, SHAPE_POINTS = 37 };
 
 /* The paper's medium. */
 static const double absorption = 0.1, scattering = 0.3, mean_cosine = 0.9; /* 1/m, 1/m, 1 */
@@ -69,9 +69,9 @@ static ty_screen_image image_of(const dot* d) {
     return image;
 }
 
-/* Pixels a metre at distance s: so many that the spread is 8 pixels wide. */
+/* Pixels a metre at distance s: so many that the spread is 6 pixels wide. */
 static double focal_for(double s) {
-    return 8 * s / width_at(s);
+    return 6 * s / width_at(s);
 }
 
 static ty_screen_def make_def(int variant, double s) {
