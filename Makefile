@@ -1,5 +1,5 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate docs fuzz tsan format format-check clean
+.PHONY: all demo test validate docs figures performance fuzz tsan format format-check clean
 .DEFAULT_GOAL := all
 
 sources = $(shell find include src tests examples -name '*.[ch]' -o -name '*.cpp')
@@ -33,6 +33,26 @@ docs:
 	@scripts/build.sh release tyndall_cli
 	@build/release/bin/tyndall help --markdown > docs/commands.md
 	@scripts/docs.sh
+
+# All of the papers' figures into out/figures, and what they measured into docs/figures.md. Goes on where it was
+# interrupted; TYNDALL_DATA names the folder of third-party data.
+figures:
+	@scripts/setup.sh
+	@scripts/build.sh release tyndall_cli
+	@mkdir -p out
+	@build/release/bin/tyndall figure all -o out/figures --keep
+	@scripts/insert_between_marks.sh docs/figures.md "measured figures" out/figures/summary.md
+
+# All benches, into docs/performance.json and docs/performance.md, beside what that file held before.
+PERFORMANCE = --rounds 3 --runs 1
+performance:
+	@scripts/setup.sh
+	@scripts/build.sh release tyndall_cli
+	@mkdir -p out
+	@build/release/bin/tyndall bench all $(PERFORMANCE) $(if $(wildcard docs/performance.json),--baseline docs/performance.json) \
+	  -o out/performance.json --markdown out/performance.md
+	@cp out/performance.json docs/performance.json
+	@scripts/insert_between_marks.sh docs/performance.md "measured times" out/performance.md
 
 # Every fuzz target for FUZZ_SECONDS (default 600).
 fuzz:

@@ -16,21 +16,22 @@ test_list() {
   said out.txt '--quick'
 }
 
-# figure_files NAME: its three files are there and sound.
+# figure_files NAME [FOLDER]: its three files are there and sound.
 figure_files() {
-  for extension in png csv json; do present "made/$1.$extension"; done
-  valid_json "made/$1.json"
-  said "made/$1.json" "\"figure\": \"$1\""
-  said "made/$1.json" '"seconds": [0-9]'
-  said "made/$1.json" '"measured": [0-9]'
-  said "made/$1.csv" '^item,quantity,unit,measured,expected,tolerance$'
-  expect 0 info "made/$1.png"
+  folder=${2:-made}
+  for extension in png csv json; do present "$folder/$1.$extension"; done
+  valid_json "$folder/$1.json"
+  said "$folder/$1.json" "\"figure\": \"$1\""
+  said "$folder/$1.json" '"seconds": [0-9]'
+  said "$folder/$1.json" '"measured": [0-9]'
+  said "$folder/$1.csv" '^item,quantity,unit,measured,expected,tolerance$'
+  expect 0 info "$folder/$1.png"
   said out.txt '^size +[0-9]+x[0-9]+$'
 }
 
 test_one() {
   expect 0 figure screen-leaking -o made --quick --size 48x32 --stats stats.json
-  said out.txt '^wrote made/screen-leaking.png, .csv and .json$'
+  said out.txt '^wrote made/screen-leaking.png, .csv and .json \([0-9.]+ s\)$'
   figure_files screen-leaking
   said made/screen-leaking.csv '^scatter,energy ratio,1,[01]\.[0-9]+,1,0\.01$'
   valid_json stats.json
@@ -43,7 +44,9 @@ test_one() {
 test_prefix() {
   expect 0 figure screen -o made --quick --size 36x24 --data nowhere
   said err.txt '^tyndall: screen-photo is skipped: nowhere/rgbd/'
-  for name in screen-leaking screen-thickness screen-truth screen-table; do figure_files "$name"; done
+  for name in leaking thickness truth table spread stages; do figure_files "screen-$name"; done
+  said made/screen-spread.csv '^"reference, 10 m",standard deviation,m,1\.8[89][0-9]*,1\.8[89][0-9]*,0\.03'
+  said made/screen-stages.csv '^attenuated and scattered,over what is not absorbed,1,(0\.99|1)'
   said made/screen-table.csv '^"1 Mpixel, gather 4x4",total,ms,[0-9.e-]+,2.6,$'
   absent made/screen-photo.png
 }
@@ -65,7 +68,7 @@ test_diffusion() {
 test_ordinates() {
   expect 0 figure pop -o made --quick --size 24x20 --spp 2
   said err.txt '^tyndall: pop-animation is skipped: it needs volumes/plume'
-  for name in prefilter importance residuum sphere smoke lobes iterations ordinates clouds surfaces; do
+  for name in prefilter importance residuum sphere smoke lobes iterations ordinates clouds surfaces table; do
     figure_files "pop-$name"
   done
   said made/pop-lobes.csv '^"g 0.7, split",mean ratio of fluence,1,[0-9.]+,1,0\.07$'
@@ -79,7 +82,8 @@ test_ordinates() {
 # Light propagation volumes: without Sponza the atrium stands for it.
 test_propagation() {
   expect 0 figure lpv -o made --quick --size 24x20 --spp 2
-  for name in parts leaking truth shafts animation energy dense; do figure_files "lpv-$name"; done
+  for name in parts leaking truth shafts animation energy dense table; do figure_files "lpv-$name"; done
+  said made/lpv-table.csv '^published 32×[0-9×]+,"propagate, 8 times",ms,[0-9.e-]+,1\.49,$'
   said made/lpv-parts.csv '^"published, plain_march",mean,W m\^-2 sr\^-1,[0-9.e-]+,,$'
   said made/lpv-truth.csv '^atrium,mean ratio of full,1,[0-9.e-]+,1,0\.2$'
   unsaid made/lpv-truth.csv Sponza
@@ -112,11 +116,54 @@ test_refusals() {
   absent x
 }
 
+# What several leave together; figures that fail or lack data hinder none of the others.
+test_summary() {
+  mkdir -p bad/rgbd
+  printf 'no picture' > bad/rgbd/tum_fr1_color.png
+  cp bad/rgbd/tum_fr1_color.png bad/rgbd/tum_fr1_depth.png
+  expect 1 figure screen -o all --quick --size 30x20 --data bad
+  said out.txt '^6 made, 0 kept, 0 skipped, 1 failed in [0-9]+ s; [0-9]+ of [0-9]+ numbers within their tolerance'
+  said out.txt '^failed: screen-photo: .*tum_fr1'
+  said err.txt '^figure screen-table \(7 of 7\)'
+  valid_json all/summary.json
+  said all/summary.json '"state": "failed"'
+  said all/summary.json '"number": "Table 1"'
+  said all/summary.csv '^figure,paper,number,state,seconds,item,quantity,unit,measured,expected,tolerance,within$'
+  said all/summary.csv '^screen-spread,Screen-space scattering,Fig. 4,made,[0-9.e-]+,"reference, 10 m",standard deviation,m,.*,yes$'
+  said all/summary.csv '^screen-leaking,.*,naive,energy ratio,1,[0-9.e-]+,1,0.01,(yes|no)$'
+  said all/summary.md '^\| screen-spread \| Fig\. 4 \| standard deviation \| each its own, ± its tolerance \| .* \| all 24 \|$'
+  said all/index.md '^!\[screen-truth\]\(screen-truth.png\)$'
+  said all/index.html '<img src="screen-truth.png" loading="lazy" alt="'
+  unsaid all/index.html '(src|href)="http'
+  # What is there is kept if options are the same, and what is missing or broken is made.
+  rm all/screen-truth.csv
+  printf '{"figure": "screen-stages"' > all/screen-stages.json
+  expect 1 figure screen -o all --quick --size 30x20 --data bad --keep
+  said out.txt '^2 made, 4 kept, 0 skipped, 1 failed'
+  said out.txt '^wrote all/screen-truth.png'
+  said out.txt '^wrote all/screen-stages.png'
+  expect 0 figure screen-spread -o all --quick --size 30x21 --data bad --keep
+  said out.txt '^wrote all/screen-spread.png'
+  expect 0 figure screen-spread -o all --quick --size 30x21 --data bad --keep
+  unsaid out.txt '^wrote'
+}
+
 test_interrupt() {
   start figure screen-truth -o cut --size 64x48
   kill -INT "$process"
   finished 130
   for extension in png csv json; do absent "cut/screen-truth.$extension"; done
+  # Of several, what is done stays, and is listed.
+  start figure fld -o cut --quick --size 24x20 --spp 2
+  for _ in $(seq 300); do
+    [ -s cut/fld-limiters.json ] && break
+    sleep 0.1
+  done
+  kill -INT "$process"
+  finished 130
+  figure_files fld-limiters cut
+  said cut/summary.csv '^fld-limiters,.*,made,'
+  said cut/summary.csv '^fld-fire,Flux-limited diffusion,Fig. 9,not made,,'
 }
 
 test_list
@@ -127,6 +174,7 @@ test_ordinates
 test_propagation
 test_discrete
 test_refusals
+test_summary
 test_interrupt
 no_temporary_files
-finish 255
+finish 340

@@ -72,8 +72,17 @@ typedef struct bench_keeping {
     bool fails;                                      /* fail_slower was given */
 } bench_keeping;
 
-static bool is_wanted(const char* wanted, const char* name) {
-    return strcmp(wanted, "all") == 0 || strcmp(wanted, name) == 0;
+/* Whether a list such as "fld,pop" names it. */
+static bool is_wanted(const char* list, const char* name) {
+    const size_t length = strlen(name);
+    if (strcmp(list, "all") == 0) return true;
+    for (const char* at = list; at != NULL; at = strchr(at, ','), at += at != NULL ? 1 : 0)
+        if (strncmp(at, name, length) == 0 && (at[length] == ',' || at[length] == '\0')) return true;
+    return false;
+}
+
+static bool names_several(const char* list) {
+    return strcmp(list, "all") == 0 || strchr(list, ',') != NULL;
 }
 
 /* ---- benches that print as they go ---- */
@@ -84,7 +93,7 @@ static int print_benches(cli_session* session, const bench_options* options, con
     for (int i = 0; i < BENCH_COUNT && !cli_interrupted(); ++i) {
         if (!is_wanted(name, benches[i].name)) continue;
         const int status = benches[i].run(&bench);
-        if (strcmp(name, benches[i].name) == 0) return status;
+        if (!names_several(name)) return status;
         if (status != CLI_DONE) cli_fail(status, "bench %s was left out", benches[i].name);
         if (status == CLI_FAILED) worst = CLI_FAILED;
     }
@@ -105,19 +114,18 @@ static int judge_results(const bench_results* results) {
     return worst == CLI_DONE && done == 0 ? CLI_USAGE : worst;
 }
 
-/* Leaves only the bench of that name. */
-static int choose_result(const bench_keeping* keeping, const char* name, bench_results* results) {
+/* Leaves only the benches that were asked for. */
+static int choose_results(const bench_keeping* keeping, const char* name, bench_results* results) {
     int count = 0;
-    for (int i = 0; i < results->count; ++i)
-        if (strcmp(results->benches[i].name, name) == 0) ++count;
-    if (strcmp(name, "all") == 0) return CLI_GO;
-    if (count == 0) return cli_fail(CLI_USAGE, "%s: there is nothing of bench %s in it", keeping->from, name);
-    for (int i = 0; i < results->count; ++i)
-        if (strcmp(results->benches[i].name, name) != 0) {
+    for (int i = 0; i < results->count; ++i) {
+        if (is_wanted(name, results->benches[i].name)) {
+            ++count;
+        } else {
             results->benches[i].status = CLI_GO;
             results->benches[i].timing_count = 0;
         }
-    return CLI_GO;
+    }
+    return count > 0 ? CLI_GO : cli_fail(CLI_USAGE, "%s: there is nothing of bench %s in it", keeping->from, name);
 }
 
 static int get_results(cli_session* session, const bench_options* options, const bench_keeping* keeping,
@@ -126,7 +134,7 @@ static int get_results(cli_session* session, const bench_options* options, const
     int count = 0;
     if (keeping->from != NULL) {
         const int status = bench_read_results(session, keeping->from, out);
-        return status == CLI_GO ? choose_result(keeping, name, out) : status;
+        return status == CLI_GO ? choose_results(keeping, name, out) : status;
     }
     for (int i = 0; i < BENCH_COUNT; ++i)
         if (is_wanted(name, benches[i].name)) wanted[count++] = &benches[i];
@@ -180,7 +188,7 @@ static int keep_results(cli_session* session, const bench_options* options, cons
     bench_free_comparison(&comparison);
     if (status == CLI_DONE) status = judge_results(results);
     if (status == CLI_DONE && slower > 0)
-        status = cli_fail(CLI_FAILED, "%zu times are by more than %g %% longer than those of %s", slower,
+        status = cli_fail(CLI_FAILED, "%zu times and rates are by more than %g %% worse than in %s", slower,
                           keeping->fail_slower, keeping->baseline);
     return status;
 }
@@ -207,10 +215,17 @@ static int run_benches(cli_session* session, const bench_options* options, const
 
 /* ---- the command ---- */
 
-static bool is_bench(const char* name) {
-    for (int i = 0; i < BENCH_COUNT; ++i)
-        if (strcmp(name, benches[i].name) == 0) return true;
-    return strcmp(name, "all") == 0;
+/* Every name of a list must be one: CLI_GO, or CLI_USAGE after a message. */
+static int check_names(const char* list) {
+    char name[64];
+    if (strcmp(list, "all") == 0) return CLI_GO;
+    for (const char* at = list; at != NULL; at = strchr(at, ','), at += at != NULL ? 1 : 0) {
+        bool found = false;
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
+        for (int i = 0; i < BENCH_COUNT; ++i) found = found || strcmp(name, benches[i].name) == 0;
+        if (!found) return unknown_bench(name);
+    }
+    return CLI_GO;
 }
 
 static int check_keeping(const bench_keeping* keeping) {
@@ -272,7 +287,7 @@ int cli_bench(int count, char** arguments) {
         snprintf(details + used, sizeof details - used, "\n  %-10s %s", benches[i].name, benches[i].summary);
     }
     const cli_syntax syntax = {"bench",
-                               "NAME|all [options]",
+                               "NAME[,NAME...]|all [options]",
                                "Measures speed on this machine.",
                                details,
                                table,
@@ -281,7 +296,7 @@ int cli_bench(int count, char** arguments) {
                                1};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
-    if (status == CLI_GO && !is_bench(given.positional[0])) status = unknown_bench(given.positional[0]);
+    if (status == CLI_GO) status = check_names(given.positional[0]);
     if (status == CLI_GO) status = check_keeping(&keeping);
     cli_session session;
     if (status == CLI_GO) status = cli_session_open(&session, "bench", &given.common);

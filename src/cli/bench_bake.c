@@ -3,9 +3,9 @@
  * impulse responses; how much sooner both are as free of noise as paths through the media (the square of the relative
  * error times the time); and how many rays a second of a bake traces, beside a bare loop over Embree on the same
  * triangles. Receivers are where a camera's rays end. Methods take turns, run by run. */
-#include "cli/bench.h"
 #include "cli/bench_embree.h"
 #include "cli/bench_ray_sets.h"
+#include "cli/bench_tables.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -285,20 +285,76 @@ static ty_result bench_tracing(const bench_session* bench) {
     return result;
 }
 
-int bench_bake(const bench_session* bench) {
-    ty_context* context = bench->session->context;
+/* The scene, and what its media's light is looked up in. */
+static ty_result open_lookups(ty_context* context, ty_scene** scene, lookups* out) {
     const ty_impulse_def impulse = ty_default_impulse_def();
     ty_bake_def def = ty_default_bake_def();
-    ty_scene* scene = NULL;
-    lookups look = {.tables = NULL};
-    ty_result result = ty_scene_load(context, scene_name, NULL, 0, &scene);
+    *out = (lookups){.tables = NULL};
+    ty_result result = ty_scene_load(context, scene_name, NULL, 0, scene);
     def.scatterings = TY_IMPULSE_BOUNCES_MAX;
-    if (result == TY_OK) result = ty_impulse_create(context, &impulse, &look.tables, NULL);
-    if (result == TY_OK) result = ty_bake_cache_create(scene, &def, &look.cache);
+    if (result == TY_OK) result = ty_impulse_create(context, &impulse, &out->tables, NULL);
+    if (result == TY_OK) result = ty_bake_cache_create(*scene, &def, &out->cache);
+    return result;
+}
+
+static void close_lookups(ty_scene* scene, lookups* look) {
+    ty_bake_cache_destroy(look->cache);
+    ty_impulse_destroy(look->tables);
+    ty_scene_destroy(scene);
+}
+
+int bench_bake(const bench_session* bench) {
+    ty_scene* scene = NULL;
+    lookups look;
+    ty_result result = open_lookups(bench->session->context, &scene, &look);
     if (result == TY_OK) result = bench_methods(bench, scene, &look);
     if (result == TY_OK) result = bench_tracing(bench);
-    ty_bake_cache_destroy(look.cache);
-    ty_impulse_destroy(look.tables);
-    ty_scene_destroy(scene);
+    close_lookups(scene, &look);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
+}
+
+/* ---- the table of a figure ---- */
+
+static void add_row(bench_table* table, const char* name, const char* unit, double measured, double paper) {
+    table->row_names[table->rows] = name;
+    table->units[table->rows] = unit;
+    table->measured[table->rows][0] = measured;
+    table->paper[table->rows++][0] = paper;
+}
+
+/* More than surfaces alone, in percent. */
+static double more(double seconds, const timed* surfaces) {
+    return 100 * (seconds / surfaces->seconds - 1);
+}
+
+static void add_quality(bench_table* table, int q, const timed t[METHODS]) {
+    static const char* const names[QUALITIES][3] = {
+        {"low quality, surfaces alone", "low quality, impulse responses, more", "low quality, light in cells, more"},
+        {"high quality, surfaces alone", "high quality, impulse responses, more",
+         "high quality, light in cells, more"}};
+    add_row(table, names[q][0], "s", t[SURFACES].seconds, 0);
+    add_row(table, names[q][1], "%", more(t[IMPULSE].seconds, &t[SURFACES]), 100 * qualities[q].paper);
+    add_row(table, names[q][2], "%", more(t[CACHE].seconds, &t[SURFACES]), 0);
+}
+
+ty_result bench_bake_table(const bench_session* bench, bench_table* out) {
+    ty_scene* scene = NULL;
+    lookups look;
+    places p = {.count = 0};
+    timed t[METHODS];
+    *out = (bench_table){.columns = 1, .paper_columns = 1, .paper_machine = "a game's level"};
+    ty_result result = open_lookups(bench->session->context, &scene, &look);
+    if (result == TY_OK) result = find_places(bench, scene, &p);
+    if (result != TY_OK) p = (places){.count = 0}; /* what there was of it is freed */
+    for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
+        result = time_methods(bench, scene, &look, &p, qualities[q].spp, PATH, t);
+        if (result == TY_OK) add_quality(out, q, t);
+    }
+    if (result == TY_OK) add_row(out, "filling the cells, once", "s", ty_bake_cache_get_info(look.cache).seconds, 0);
+    snprintf(out->titles[0], BENCH_TABLE_TITLE, "measured");
+    snprintf(out->setting, sizeof out->setting, "%s, %lld receivers, %d and %d paths each", scene_name,
+             (long long)p.count, (int)qualities[0].spp, (int)qualities[1].spp);
+    free_places(&p);
+    close_lookups(scene, &look);
+    return result;
 }

@@ -126,7 +126,8 @@ void bench_format_timing(const char* name, double value, char out[40]) {
     if (strcmp(unit, "s") == 0)
         for (; smaller < 3 && value < 0.9995; ++smaller) value *= 1000;
     const bool time = smaller > 0 || strcmp(unit, "s") == 0;
-    snprintf(out, 40, value >= 1000 && value < 1e6 ? "%.0f %s" : "%.3g %s", value, time ? units[smaller] : unit);
+    if (time) unit = units[smaller];
+    snprintf(out, 40, value >= 1000 && value < 1e6 ? "%.0f%s%s" : "%.3g%s%s", value, unit[0] != '\0' ? " " : "", unit);
 }
 
 static void print_changes(FILE* file, const bench_comparison* comparison, double threshold, bool slower) {

@@ -1,6 +1,6 @@
 /* tyndall bench lpv: injection and propagation as in the paper's Table 1, how propagation grows with cells, and a whole
  * frame. */
-#include "cli/bench.h"
+#include "cli/bench_tables.h"
 #include "cli/lpv_scenes.h"
 #include "cli/report.h"
 #include "method/lpv/lattice.h"
@@ -182,13 +182,18 @@ static void print_table(const bench_session* bench, const char* name, const time
     fflush(stdout);
 }
 
-static ty_result bench_table(const bench_session* bench, const char* name, const ty_scene* scene, double peak) {
-    timed table[COLUMNS];
+static ty_result time_table(const bench_session* bench, const ty_scene* scene, timed table[COLUMNS]) {
     ty_result result = TY_OK;
     for (int i = 0; i < COLUMNS && result == TY_OK; ++i) {
         const ty_lpv_def def = table_def(modes[i / SIZES], sizes[i % SIZES]);
         result = time_def(bench, scene, &def, &table[i]);
     }
+    return result;
+}
+
+static ty_result bench_scene_table(const bench_session* bench, const char* name, const ty_scene* scene, double peak) {
+    timed table[COLUMNS];
+    const ty_result result = time_table(bench, scene, table);
     if (result == TY_OK) print_table(bench, name, table, peak);
     return result;
 }
@@ -300,7 +305,7 @@ static ty_result bench_scene(const bench_session* bench, lpv_scene which, const 
     ty_scene* scene = NULL;
     ty_result result =
         lpv_load_scene(bench->session->context, which, bench->options->data, &change, change != NULL ? 1 : 0, &scene);
-    if (result == TY_OK) result = bench_table(bench, name, scene, peak);
+    if (result == TY_OK) result = bench_scene_table(bench, name, scene, peak);
     if (result == TY_OK && frame) result = bench_frame(bench, name, scene);
     ty_scene_destroy(scene);
     return result;
@@ -322,9 +327,46 @@ int bench_lpv(const bench_session* bench) {
     if (result == TY_OK)
         result = ty_scene_parse(bench->session->context, synthetic_text, strlen(synthetic_text), "bench lpv", NULL,
                                 NULL, 0, &synthetic);
-    if (result == TY_OK) result = bench_table(bench, "synthetic", synthetic, peak);
+    if (result == TY_OK) result = bench_scene_table(bench, "synthetic", synthetic, peak);
     if (result == TY_OK) result = bench_growth(bench, synthetic);
     ty_scene_destroy(synthetic);
     if (result == TY_OK) result = bench_scenes(bench, peak);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
+}
+
+/* ---- the table of a figure ---- */
+
+static void fill_table(const timed table[COLUMNS], bench_table* out) {
+    out->rows = STAGES;
+    out->columns = COLUMNS;
+    out->paper_columns = SIZES;
+    for (int i = 0; i < COLUMNS; ++i) {
+        const int32_t* size = table[i].stats.size[0];
+        snprintf(out->titles[i], BENCH_TABLE_TITLE, "%s %d×%d×%d", mode_names[i / SIZES], (int)size[0], (int)size[1],
+                 (int)size[2]);
+    }
+    for (int i = 0; i < SIZES; ++i) snprintf(out->paper_titles[i], BENCH_TABLE_TITLE, "%d³", (int)sizes[i]);
+    for (int s = 0; s < STAGES; ++s) {
+        out->row_names[s] = stages[s].name;
+        out->units[s] = "ms";
+        for (int i = 0; i < COLUMNS; ++i) out->measured[s][i] = 1e3 * table[i].seconds[s];
+        for (int i = 0; i < SIZES; ++i) out->paper[s][i] = stages[s].paper[i];
+    }
+}
+
+ty_result bench_lpv_table(const bench_session* bench, bench_table* out) {
+    const bool sponza = lpv_has_sponza(bench->options->data);
+    const lpv_scene which = sponza ? LPV_SPONZA : LPV_ATRIUM;
+    const char* change = one_light;
+    ty_scene* scene = NULL;
+    timed table[COLUMNS];
+    *out = (bench_table){.paper_machine = "a GeForce GTX 480"};
+    ty_result result =
+        lpv_load_scene(bench->session->context, which, bench->options->data, &change, sponza ? 1 : 0, &scene);
+    if (result == TY_OK) result = time_table(bench, scene, table);
+    if (result == TY_OK) fill_table(table, out);
+    ty_scene_destroy(scene);
+    snprintf(out->setting, sizeof out->setting, "%s%s, everything anew each time", lpv_scene_names[which],
+             sponza ? ", one light" : "");
+    return result;
 }

@@ -1,6 +1,8 @@
 /* Markdown tables of what benches measured. */
 #include "cli/bench_markdown.h"
 
+#include "cli/text.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -11,12 +13,17 @@ static const char* describe_isa(const char* isa) {
     return "with SSE2 alone";
 }
 
-/* Characters that would end a cell or start markup. */
-static void print_cell_text(FILE* file, const char* text) {
-    for (const char* c = text; *c != '\0'; ++c) {
-        if (*c == '|' || *c == '*' || *c == '<' || *c == '`' || *c == '\\') fputc('\\', file);
-        fputc((unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c, file);
+/* A timing's name without what its unit says anyway. */
+static void print_name(FILE* file, const bench_timing* timing) {
+    static const char* const ends[] = {"/seconds", "_seconds"};
+    char name[BENCH_TIMING_NAME];
+    snprintf(name, sizeof name, "%s", timing->name);
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; ++i) {
+        const size_t length = strlen(name), size = strlen(ends[i]);
+        if (length > size && strcmp(name + length - size, ends[i]) == 0) name[length - size] = '\0';
     }
+    for (char* c = name; *c != '\0'; ++c) *c = *c == '_' ? ' ' : *c;
+    cli_print_markdown(file, name);
 }
 
 static void print_number(FILE* file, double value) {
@@ -40,7 +47,7 @@ static void print_overview(FILE* file, const bench_results* results) {
             print_number(file, bench->others);
         } else {
             fputs(bench->status == CLI_USAGE ? " skipped: " : " failed: ", file);
-            print_cell_text(file, bench->message);
+            cli_print_markdown(file, bench->message);
             fputs(" | | |", file);
         }
         fputc('\n', file);
@@ -68,7 +75,7 @@ static void print_bench(FILE* file, const bench_tables* tables, const bench_resu
         char median[40];
         bench_format_timing(timing->name, timing->median, median);
         fputs("| ", file);
-        print_cell_text(file, timing->name);
+        print_name(file, timing);
         fprintf(file, " | %s |", median);
         if (spread) {
             fputc(' ', file);

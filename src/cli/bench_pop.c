@@ -1,6 +1,6 @@
 /* tyndall bench pop: the paper's typical setting (Fig. 14), stage by stage, as published and by our default mode, and
  * how times grow with ordinates, cells and iterations. */
-#include "cli/bench.h"
+#include "cli/bench_tables.h"
 
 #include <math.h>
 #include <string.h>
@@ -157,15 +157,20 @@ static void print_typical(const bench_session* bench, const timed typical[MODES]
     fflush(stdout);
 }
 
-static ty_result bench_typical(const bench_session* bench, const ty_scene* scene) {
-    timed typical[MODES];
-    const double peak = bench_fma_gflops(bench->session->context);
-    if (!(peak > 0)) return TY_ERROR_MEMORY;
+static ty_result time_typical(const bench_session* bench, const ty_scene* scene, timed typical[MODES]) {
     ty_result result = TY_OK;
     for (int m = 0; m < MODES && result == TY_OK; ++m) {
         const ty_pop_def def = typical_def(bench, modes[m]);
         result = time_def(bench, scene, &def, true, &typical[m]);
     }
+    return result;
+}
+
+static ty_result bench_typical(const bench_session* bench, const ty_scene* scene) {
+    timed typical[MODES];
+    const double peak = bench_fma_gflops(bench->session->context);
+    if (!(peak > 0)) return TY_ERROR_MEMORY;
+    const ty_result result = time_typical(bench, scene, typical);
     if (result == TY_OK) print_typical(bench, typical, peak);
     return result;
 }
@@ -237,12 +242,36 @@ static ty_result bench_scales(const bench_session* bench, const ty_scene* scene)
     return result;
 }
 
+static ty_result load_scene(const bench_session* bench, ty_scene** out) {
+    return ty_scene_parse(bench->session->context, scene_text, strlen(scene_text), "bench pop", NULL, NULL, 0, out);
+}
+
 int bench_pop(const bench_session* bench) {
     ty_scene* scene = NULL;
-    ty_result result =
-        ty_scene_parse(bench->session->context, scene_text, strlen(scene_text), "bench pop", NULL, NULL, 0, &scene);
+    ty_result result = load_scene(bench, &scene);
     if (result == TY_OK) result = bench_typical(bench, scene);
     if (result == TY_OK) result = bench_scales(bench, scene);
     ty_scene_destroy(scene);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
+}
+
+ty_result bench_pop_table(const bench_session* bench, bench_table* out) {
+    ty_scene* scene = NULL;
+    timed typical[MODES];
+    *out = (bench_table){.rows = STAGES, .columns = MODES, .paper_columns = 1, .paper_machine = "a GeForce GTX 770"};
+    ty_result result = load_scene(bench, &scene);
+    if (result == TY_OK) result = time_typical(bench, scene, typical);
+    ty_scene_destroy(scene);
+    for (int m = 0; m < MODES; ++m) snprintf(out->titles[m], BENCH_TABLE_TITLE, "%s", mode_names[m]);
+    snprintf(out->paper_titles[0], BENCH_TABLE_TITLE, "published");
+    for (int s = 0; s < STAGES && result == TY_OK; ++s) {
+        out->row_names[s] = stages[s].name;
+        out->units[s] = "ms";
+        out->paper[s][0] = stages[s].paper;
+        for (int m = 0; m < MODES; ++m) out->measured[s][m] = 1e3 * typical[m].seconds[s];
+    }
+    snprintf(out->setting, sizeof out->setting,
+             "Smoke of noise under a sky, %d ordinates of %d³ cells, %d iterations, RGB coefficients", ORDINATES,
+             RESOLUTION, ITERATIONS);
+    return result;
 }

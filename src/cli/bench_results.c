@@ -77,6 +77,7 @@ static void label_element(const json_t* element, size_t index, char label[BENCH_
     for (int i = 0; i < IDENTITIES; ++i) {
         const json_t* value = json_object_get(element, identities[i]);
         if (value != NULL) append_identity(label, value);
+        if (value != NULL && strcmp(identities[i], "threads") == 0) append(label, " ", "threads");
     }
     if (label[0] == '\0') snprintf(label, BENCH_TIMING_NAME, "%zu", index);
 }
@@ -269,7 +270,7 @@ static void write_timings(json_writer* json, const bench_result* result) {
 
 static void write_result(json_writer* json, const bench_result* result) {
     json_open_object(json, result->name);
-    json_number(json, "load_before", result->load_before);
+    json_number(json, "load_before", rounded(result->load_before));
     if (result->status == CLI_DONE) {
         json_number(json, "others_busy", rounded(result->others));
         json_number(json, "seconds", rounded(result->seconds));

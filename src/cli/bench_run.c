@@ -99,8 +99,9 @@ static void run_round(cli_session* session, const bench_options* options, const 
             snprintf(stage, sizeof stage, "bench %s, round %d of %d", result->name, round + 1, out->rounds);
         else
             snprintf(stage, sizeof stage, "bench %s", result->name);
-        cli_progress_step(&session->progress, stage, i + round * out->count, out->count * out->rounds,
-                          cli_wall_seconds() - session->started);
+        if (out->count * out->rounds > 1)
+            cli_progress_step(&session->progress, stage, i + round * out->count, out->count * out->rounds,
+                              cli_wall_seconds() - session->started);
         run_bench(session, options, entries[i], result);
     }
 }

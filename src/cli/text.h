@@ -8,6 +8,10 @@
  * nor steer a terminal; then blanks up to width. */
 void cli_print_text(FILE* file, const char* text, int width);
 
+/* Text on a page of HTML, also within quotes, and in Markdown, also in a table's cell. */
+void cli_print_html(FILE* file, const char* text);
+void cli_print_markdown(FILE* file, const char* text);
+
 /* "tyndall: " and text, one line on stderr. */
 void cli_print_message(const char* text);
 

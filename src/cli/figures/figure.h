@@ -13,6 +13,7 @@ typedef struct figure_options {
     int32_t size[2];    /* pixels of the pictures; 0: the figure's own choice */
     int32_t samples;    /* per pixel, of path-traced pictures; 0: the figure's own choice */
     bool quick;         /* fewer samples and smaller pictures */
+    bool keep;          /* what is there already, made by this version with these options */
 } figure_options;
 
 /* One number of a figure. NaN: there is none. */
@@ -106,5 +107,10 @@ ty_result figure_screen_truth(figure_run* run);
 ty_result figure_screen_photo(figure_run* run);
 ty_result figure_screen_table(figure_run* run);
 ty_result figure_impulse_tables(figure_run* run);
+ty_result figure_screen_spread(figure_run* run);
+ty_result figure_screen_stages(figure_run* run);
+ty_result figure_lpv_table(figure_run* run);
+ty_result figure_pop_table(figure_run* run);
+ty_result figure_bake_table(figure_run* run);
 
 #endif

@@ -7,15 +7,17 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* What the files are made of. */
 typedef struct figure_text {
     figure_run* run;
-    const char* title;
+    const figure_entry* entry;
+    char title[FIGURE_TITLE_SIZE];
     double seconds;
 } figure_text;
 
-static void write_field(FILE* file, const char* text) {
+void figure_write_csv_text(FILE* file, const char* text) {
     const bool quoted = strpbrk(text, ",\"\n") != NULL;
     if (quoted) fputc('"', file);
     for (const char* c = text; *c != '\0'; ++c) {
@@ -25,7 +27,7 @@ static void write_field(FILE* file, const char* text) {
     if (quoted) fputc('"', file);
 }
 
-static void write_amount(FILE* file, double amount) {
+void figure_write_csv_number(FILE* file, double amount) {
     if (isfinite(amount))
         fprintf(file, ",%.9g", amount);
     else
@@ -38,14 +40,14 @@ static ty_result print_csv(ty_context* context, FILE* file, const void* user) {
     fputs("item,quantity,unit,measured,expected,tolerance\n", file);
     for (size_t i = 0; i < text->run->count; ++i) {
         const figure_quantity* quantity = &text->run->quantities[i];
-        write_field(file, quantity->item);
+        figure_write_csv_text(file, quantity->item);
         fputc(',', file);
-        write_field(file, quantity->name);
+        figure_write_csv_text(file, quantity->name);
         fputc(',', file);
-        write_field(file, quantity->unit);
-        write_amount(file, quantity->measured);
-        write_amount(file, quantity->expected);
-        write_amount(file, quantity->tolerance);
+        figure_write_csv_text(file, quantity->unit);
+        figure_write_csv_number(file, quantity->measured);
+        figure_write_csv_number(file, quantity->expected);
+        figure_write_csv_number(file, quantity->tolerance);
         fputc('\n', file);
     }
     return TY_OK;
@@ -64,14 +66,21 @@ static void write_quantity(json_writer* json, const figure_quantity* quantity) {
 
 static ty_result print_json(ty_context* context, FILE* file, const void* user) {
     const figure_text* text = user;
+    const figure_options* options = text->run->options;
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "figure", text->run->name);
     json_text(&json, "title", text->title);
+    json_text(&json, "paper", figure_papers[text->entry->paper].citation);
+    json_text(&json, "number", text->entry->number);
     json_text(&json, "caption", text->run->caption);
     json_text(&json, "version", ty_version());
     json_integer(&json, "threads", ty_context_threads(context));
-    json_bool(&json, "quick", text->run->options->quick);
+    json_bool(&json, "quick", options->quick);
+    json_numbers(&json, "size", (const double[]){options->size[0], options->size[1]}, 2);
+    json_integer(&json, "spp", options->samples);
+    json_unsigned(&json, "seed", text->run->session->common.seed);
+    json_bool(&json, "data", options->data != NULL && access(options->data, R_OK) == 0);
     json_number(&json, "seconds", text->seconds);
     json_open_array(&json, "quantities");
     for (size_t i = 0; i < text->run->count; ++i) write_quantity(&json, &text->run->quantities[i]);
@@ -90,8 +99,9 @@ static ty_result write_file(const figure_text* text, const char* extension, cli_
     return result;
 }
 
-int figure_write(figure_run* run, const char* title, double seconds) {
-    const figure_text text = {run, title, seconds};
+int figure_write(figure_run* run, const figure_entry* entry, double seconds) {
+    figure_text text = {.run = run, .entry = entry, .seconds = seconds};
+    figure_full_title(entry, text.title);
     ty_result result = write_file(&text, ".png", NULL);
     if (result == TY_OK) result = write_file(&text, ".csv", print_csv);
     if (result == TY_OK) result = write_file(&text, ".json", print_json);

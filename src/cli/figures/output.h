@@ -2,9 +2,13 @@
 #ifndef TY_CLI_FIGURES_OUTPUT_H
 #define TY_CLI_FIGURES_OUTPUT_H
 
-#include "cli/figures/figure.h"
+#include "cli/figures/list.h"
 
 /* NAME.csv, NAME.json and NAME.png, each whole or not at all. Returns CLI_DONE, or an exit status after a message. */
-int figure_write(figure_run* run, const char* title, double seconds);
+int figure_write(figure_run* run, const figure_entry* entry, double seconds);
+
+/* A field of CSV, quoted where it must be; a comma and a number, or nothing after it for NaN. */
+void figure_write_csv_text(FILE* file, const char* text);
+void figure_write_csv_number(FILE* file, double number);
 
 #endif
