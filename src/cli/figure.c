@@ -14,6 +14,7 @@ typedef struct figure_entry {
 } figure_entry;
 
 static const figure_entry figures[] = {
+    {"auto-choice", "Method auto: what its choices cost against the best in their time", figure_auto_choice},
     {"bake-cornell", "Impulse responses: lightmaps in fog, back-scattering (Fig. 9)", figure_bake_cornell},
     {"bake-lights", "Impulse responses: a lamp and the sun in fog (Fig. 12)", figure_bake_lights},
     {"bake-staircase", "Impulse responses: by vertex, media that vary (Fig. 8)", figure_bake_staircase},
