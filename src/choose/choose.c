@@ -59,7 +59,7 @@ static void set(ty_choice* out, const char* method, const char* because) {
     char media[160];
     out->method = method;
     describe(&out->look, media, sizeof media);
-    snprintf(out->reason, sizeof out->reason, "%s: %s", media, because);
+    snprintf(out->reason, sizeof out->reason, "%s; %s", media, because);
 }
 
 /* ---- rules ---- */

@@ -241,6 +241,9 @@ int cli_render(int count, char** arguments) {
         "SCENE -o OUT.exr|OUT.png [options]",
         "Renders a scene to an image.",
         "SCENE is a JSON file, or builtin:NAME. Interrupting (Ctrl-C) writes what there is and exits with 130.\n\n"
+        "Method auto, which scenes have that name none, looks at media, lights and surfaces, and says on stderr what\n"
+        "it chose and why. --time, --error, --resume and --crop ask for path, which alone can do that; so does --spp,\n"
+        "but for --method auto: other methods take it for surfaces.\n\n"
         "With --resume the same command goes on where the last one was interrupted, also by a crash, and ends with\n"
         "the same image; the seconds of all runs count for --time, and --spp may be larger than before.\n\n"
         "--aov: depth, transmittance (of the media before the first surface), single and multiple (radiance that "

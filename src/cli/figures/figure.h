@@ -68,6 +68,7 @@ ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b
 extern const plot_scale figure_error_scale;
 
 /* The figures. */
+ty_result figure_auto_choice(figure_run* run);
 ty_result figure_bake_cornell(figure_run* run);
 ty_result figure_bake_lights(figure_run* run);
 ty_result figure_bake_staircase(figure_run* run);

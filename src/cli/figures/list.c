@@ -16,6 +16,7 @@ const figure_paper figure_papers[FIGURE_PAPERS] = {
     [FIGURE_IMPULSE] = {"Impulse responses", "Dubouchet, Sloan, Jarosz, Nowrouzezahrai: Impulse Responses for "
                                              "Precomputing Light from Volumetric Media (2019)"},
     [FIGURE_DOM] = {"Discrete ordinates", ""},
+    [FIGURE_AUTO] = {"Method auto", ""},
 };
 
 const figure_entry figure_entries[] = {
@@ -65,6 +66,7 @@ const figure_entry figure_entries[] = {
      figure_dom_convergence},
     {"dom-rays", FIGURE_DOM, "", "ray effects and false scattering", figure_dom_rays},
     {"dom-images", FIGURE_DOM, "", "images beside those of other methods", figure_dom_images},
+    {"auto-choice", FIGURE_AUTO, "", "what its choices cost against the best in their time", figure_auto_choice},
 };
 
 const int figure_entry_count = sizeof figure_entries / sizeof figure_entries[0];

@@ -13,6 +13,7 @@ typedef enum figure_paper_index {
     FIGURE_LPV,
     FIGURE_IMPULSE,
     FIGURE_DOM,
+    FIGURE_AUTO,
     FIGURE_PAPERS
 } figure_paper_index;
 

@@ -1,0 +1,196 @@
+/* What method auto is for scenes of each kind, what it says of them, and what it sees of them. */
+#include "fld_maker.h"
+
+/* Numbers of scenes that are put together here. */
+typedef enum light_set { SUN = 1, LAMP = 2, SKY = 4, PANEL = 8 } light_set;
+
+typedef struct setup {
+    float thickness, albedo, g; /* of a cube with sides of 1 m; thickness 0: no medium */
+    uint32_t lights;
+    bool room, floor; /* surfaces all around; a floor some way below */
+} setup;
+
+static void add_quad(ty_scene* scene, const double origin[3], const double u[3], const double v[3]) {
+    ty_shape_def quad = ty_default_shape_def();
+    for (int a = 0; a < 3; ++a) {
+        quad.origin[a] = origin[a];
+        quad.u[a] = u[a];
+        quad.v[a] = v[a];
+    }
+    check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &quad));
+}
+
+static void add_surfaces(ty_scene* scene, const setup* with) {
+    static const double edges[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    static const double floor_corner[3] = {-20, -1.5, -20}, floor_u[3] = {0, 0, 40}, floor_v[3] = {40, 0, 0};
+    if (with->floor) add_quad(scene, floor_corner, floor_u, floor_v);
+    for (int a = 0; a < 3 && with->room; ++a)
+        for (int side = 0; side < (a == 2 ? 1 : 2); ++side) {
+            double corner[3] = {-0.5, -0.5, -0.5};
+            corner[a] += side;
+            add_quad(scene, corner, edges[(a + 1) % 3], edges[(a + 2) % 3]);
+        }
+}
+
+static void add_lights(ty_scene* scene, uint32_t lights) {
+    const ty_light_def sun = sun_light(1, 1, 1), lamp = point_light(0.2, 0.3, 0, 1, 1, 1);
+    ty_light_def sky = ty_default_light_def(), panel = sky;
+    sky.kind = TY_LIGHT_ENVIRONMENT;
+    panel.kind = TY_LIGHT_AREA;
+    set3(panel.position, -0.1, 0.4, -0.1);
+    set3(panel.u, 0.2, 0, 0);
+    set3(panel.v, 0, 0, 0.2);
+    if (lights & SUN) add_light(scene, &sun);
+    if (lights & LAMP) add_light(scene, &lamp);
+    if (lights & SKY) add_light(scene, &sky);
+    if (lights & PANEL) add_light(scene, &panel);
+}
+
+static ty_scene* set_up(ty_context* context, const setup* with) {
+    static const double lower[3] = {-0.5, -0.5, -0.5}, upper[3] = {0.5, 0.5, 0.5};
+    ty_scene* scene = make_scene(context);
+    ty_medium_def medium =
+        box_medium(lower, upper, with->thickness * with->albedo, with->thickness * (1 - with->albedo));
+    ty_camera_def camera = ty_default_camera_def();
+    set3f(medium.g, with->g, with->g, with->g);
+    set3(camera.position, 0, 0, 3);
+    camera.fov_y = 24;
+    check_result(context, ty_scene_set_camera(scene, &camera));
+    if (with->thickness > 0) add_medium(scene, &medium);
+    add_surfaces(scene, with);
+    add_lights(scene, with->lights);
+    commit(scene);
+    return scene;
+}
+
+static ty_choice choose(const ty_scene* scene, uint32_t asks, uint32_t aovs) {
+    ty_choose_def def = ty_default_choose_def();
+    ty_choice choice;
+    def.asks = asks;
+    def.aovs = aovs;
+    check_result(ty_scene_context(scene), ty_choose_method(scene, &def, &choice));
+    assert_true(choice.reason[0] != '\0');
+    return choice;
+}
+
+static void test_rules(void** state) {
+    static const struct {
+        setup with;
+        const char *method, *words;
+    } cases[] = {
+        {{0, 0, 0, SUN, true, false}, "path", "no media"},
+        {{0.001f, 1, 0, SUN, false, false}, "path", "no media"},
+        {{4, 1, 0.5f, SUN, false, false}, "dom", "lit by the sun"},
+        {{4, 1, 0.5f, SUN | LAMP | SKY, false, false}, "dom", "lit by the sun, lamps and an environment"},
+        {{40, 1, 0, PANEL, false, false}, "dom", "glowing surfaces"},
+        {{1, 1, 0.3f, LAMP, true, false}, "lpv", "surfaces all around"},
+        {{1, 1, 0.3f, SUN | LAMP, true, false}, "lpv", "surfaces all around"},
+        {{1, 1, 0.3f, PANEL, true, false}, "path", "surfaces all around"},
+        {{1, 1, 0.3f, LAMP | SKY, true, false}, "path", "surfaces all around"},
+        {{4000, 1, 0, SUN, false, false}, "path", "dense"},
+        {{4, 1, 0.9f, SKY, false, false}, "pop", "narrow"},
+        {{4, 1, 0.9f, SUN, false, false}, "dom", "g 0.9"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        ty_scene* scene = set_up(*state, &cases[i].with);
+        const ty_choice choice = choose(scene, 0, 0);
+        if (strcmp(choice.method, cases[i].method) != 0 || strstr(choice.reason, cases[i].words) == NULL)
+            fail_msg("case %zu is %s (%s)", i, choice.method, choice.reason);
+        ty_scene_destroy(scene);
+    }
+}
+
+/* What path tracing alone does is asked of it. */
+static void test_asks(void** state) {
+    const setup cloud = {4, 1, 0.5f, SUN, false, false};
+    static const uint32_t asks[] = {TY_ASK_CROP, TY_ASK_TIME, TY_ASK_ERROR, TY_ASK_RESUME, TY_ASK_SAMPLES};
+    static const uint32_t others[] = {TY_AOV_VARIANCE, TY_AOV_NORMAL, TY_AOV_ALBEDO | TY_AOV_DEPTH};
+    ty_scene* scene = set_up(*state, &cloud);
+    for (size_t i = 0; i < sizeof asks / sizeof asks[0]; ++i)
+        assert_string_equal(choose(scene, asks[i], 0).method, "path");
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i)
+        assert_string_equal(choose(scene, 0, others[i]).method, "path");
+    assert_string_equal(choose(scene, 0, TY_AOV_DEPTH | TY_AOV_SINGLE | TY_AOV_SAMPLES).method, "dom");
+    ty_scene_destroy(scene);
+}
+
+/* Numbers that are known: the cube fills the middle of the frame. */
+static void test_look(void** state) {
+    const setup cloud = {4, 0.75f, 0.5f, SUN | SKY, false, false}, with_floor = {4, 0.75f, 0.5f, LAMP, false, true};
+    ty_scene* scene = set_up(*state, &cloud);
+    ty_look look = choose(scene, 0, 0).look;
+    assert_close(look.thickness, 4.05, 0.1);
+    assert_close(look.g, 0.5, 1e-5);
+    assert_close(look.albedo, 0.75, 1e-5);
+    assert_close(look.cell, 0.1, 1e-5);
+    assert_in_range((int)(100 * look.media), 40, 75);
+    assert_close(look.opacity / look.media, 0.9, 0.08); /* 1 - exp(-4) but for edges */
+    assert_true(look.surfaces == 0 && look.enclosed == 0);
+    assert_false(look.varies || look.glows || look.inside);
+    assert_int_equal(look.lights, 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_ENVIRONMENT);
+    ty_scene_destroy(scene);
+    scene = set_up(*state, &with_floor);
+    look = choose(scene, 0, 0).look;
+    assert_true(look.enclosed == 0); /* the floor is farther off than the cube is long */
+    assert_true(look.surfaces > 0.05 && look.surfaces < 0.6);
+    ty_scene_destroy(scene);
+}
+
+/* Of two media in one place both count; a camera within is noticed. */
+static void test_overlapping_media(void** state) {
+    const double lower[3] = {-10, -10, -10}, upper[3] = {10, 10, 10};
+    const setup cloud = {4, 1, 0, SUN, false, false};
+    ty_medium_def haze = box_medium(lower, upper, 0, 0.01f);
+    haze.emission[1] = 1;
+    ty_scene* scene = set_up(*state, &cloud);
+    add_medium(scene, &haze);
+    commit(scene);
+    const ty_choice choice = choose(scene, 0, 0);
+    assert_true(choice.look.inside && choice.look.glows);
+    assert_close(choice.look.thickness, 4.05 + 0.13, 0.1);
+    assert_close(choice.look.media, 1, 1e-6);
+    assert_close(choice.look.albedo, 1, 0.01);
+    assert_non_null(strstr(choice.reason, "glow"));
+    ty_scene_destroy(scene);
+}
+
+/* The same whatever the number of threads. */
+static void test_threads(void** state) {
+    const setup room = {1, 1, 0.3f, LAMP, true, true};
+    ty_context* one = make_context(1);
+    ty_scene *scene = set_up(*state, &room), *same = set_up(one, &room);
+    const ty_choice a = choose(scene, 0, 0), b = choose(same, 0, 0);
+    assert_string_equal(a.reason, b.reason);
+    assert_memory_equal(&a.look, &b.look, sizeof a.look);
+    ty_scene_destroy(scene);
+    ty_scene_destroy(same);
+    ty_context_destroy(one);
+}
+
+static void test_errors(void** state) {
+    const setup cloud = {4, 1, 0, SUN, false, false};
+    ty_scene* scene = set_up(*state, &cloud);
+    ty_choose_def def = ty_default_choose_def();
+    ty_choice choice = {.method = "untouched"};
+    def.cookie = 0;
+    assert_int_equal(ty_choose_method(scene, &def, &choice), TY_ERROR_ARGUMENT);
+    assert_error(*state, "ty_default_choose_def");
+    def = ty_default_choose_def();
+    add_lights(scene, SKY);
+    assert_int_equal(ty_choose_method(scene, &def, &choice), TY_ERROR_ARGUMENT);
+    assert_error(*state, "not committed");
+    assert_string_equal(choice.method, "untouched");
+    ty_scene_destroy(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_rules, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(test_asks, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(test_look, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(test_overlapping_media, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(test_threads, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(test_errors, start_context, stop_context),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
