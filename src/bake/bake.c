@@ -6,10 +6,18 @@
 
 #include <string.h>
 
+/* Light in cells has rays of its own for what media scattered. */
+static double samples_of(const ty_bake_run* run, int64_t receiver, int layer) {
+    const ty_bake_sums* sums = &run->sums[receiver];
+    const bool fog = run->request.cache.light != NULL && (layer == TY_BAKE_SINGLE || layer == TY_BAKE_MULTIPLE);
+    return fog ? sums->asked + sums->borrowed : sums->count;
+}
+
 static double mean_of(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term) {
     const int32_t terms = run->request.terms;
     const size_t at = (((size_t)receiver * TY_BAKE_LAYERS + (size_t)layer) * 3 + (size_t)channel) * (size_t)terms;
-    return run->sums[receiver].count > 0 ? run->light[at + (size_t)term] / run->sums[receiver].count : 0;
+    const double samples = samples_of(run, receiver, layer);
+    return samples > 0 ? run->light[at + (size_t)term] / samples : 0;
 }
 
 ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const ty_bake_receiver* receivers,

@@ -10,17 +10,24 @@
 #include <string.h>
 
 enum { CELLS_DEFAULT = 32, PATHS_DEFAULT = 64, BLOCK = 8, CHUNK_FIRST = 64 };
+/* A wall takes as much; as many of them as this times the square of cells on one side of a lattice are counted on: six
+ * sides, and as much again within. */
+enum { WALL_BYTES = TY_WALL_FLOATS * (int)sizeof(float), WALLS_TYPICAL = 12 };
 
 static const double chunk_seconds = 0.1;
+/* Of the time that filling takes, what light in cells does; walls take the rest. */
+static const double cells_share = 0.75;
 /* Of the seed, so that no cell's random numbers are a receiver's. */
 static const uint64_t seed_salt = 0x9d8f3c5a1b7e2460u;
 
-static ty_cache_kernel choose_kernel(void) {
+static ty_cache_kernel choose_kernel(bool walls) {
 #if TY_ISA_X86
-    static const ty_cache_kernel kernels[TY_ISA_COUNT] = {ty_cache_kernel_v1, ty_cache_kernel_v3, ty_cache_kernel_v4};
-    return kernels[ty_best_isa()];
+    static const ty_cache_kernel kernels[TY_ISA_COUNT][2] = {{ty_cache_kernel_v1, ty_wall_kernel_v1},
+                                                             {ty_cache_kernel_v3, ty_wall_kernel_v3},
+                                                             {ty_cache_kernel_v4, ty_wall_kernel_v4}};
+    return kernels[ty_best_isa()][walls];
 #else
-    return ty_cache_kernel_v1;
+    return walls ? ty_wall_kernel_v1 : ty_cache_kernel_v1;
 #endif
 }
 
@@ -66,7 +73,7 @@ static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_
     double lower[3], upper[3], side = 0;
     const int32_t longest = def->cells > 0 ? def->cells : CELLS_DEFAULT;
     view->floats = !turns(media) ? TY_CACHE_EVEN : is_colored(media) ? TY_CACHE_COLORED : TY_CACHE_GRAY;
-    info->bytes = (double)(TY_CACHE_SIDES * (TY_CACHE_KINDS * view->floats + 3)) * sizeof(float) + 1;
+    info->bytes = (double)(TY_CACHE_SIDES * (TY_CACHE_KINDS * view->floats + 3)) * sizeof(float) + 6;
     find_box(scene, lower, upper);
     for (int a = 0; a < 3; ++a) side = fmax(side, upper[a] - lower[a]);
     const double cell = side / longest;
@@ -78,6 +85,8 @@ static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_
         info->bytes *= count;
         view->lower[a] = (float)(0.5 * (lower[a] + upper[a] - cell * count));
     }
+    const double cells = (double)info->size[0] * info->size[1] * info->size[2];
+    info->bytes += fmin(cells, WALLS_TYPICAL * cbrt(cells) * cbrt(cells)) * (double)WALL_BYTES;
 }
 
 /* ---- where anything scatters ---- */
@@ -169,8 +178,7 @@ static void fill_block(void* user, int64_t block, int32_t worker) {
     f->rays += f->kernel(&f->request, begin, end, f->known);
 }
 
-static bool tell(const ty_bake_def* def, double seconds, int64_t done, int64_t all) {
-    const double fraction = (double)done / (double)all;
+static bool tell(const ty_bake_def* def, double seconds, double fraction) {
     const ty_progress progress = {
         .stage = "fog",
         .fraction = fraction,
@@ -180,30 +188,62 @@ static bool tell(const ty_bake_def* def, double seconds, int64_t done, int64_t a
     return def->progress == NULL || def->progress(def->progress_user, &progress);
 }
 
-static ty_result fill_cells(ty_bake_cache* cache, const ty_bake_run* run, const int32_t* cells, int64_t count) {
-    const ty_bake_def* def = run->def;
-    const double begun = ty_wall_seconds();
-    fill f = {.kernel = choose_kernel(), .known = cache->known};
-    f.request = (ty_cache_request){.path = run->request.path, .view = cache->view, .cells = cells};
-    f.request.path.seed ^= seed_salt;
-    f.request.paths = (uint32_t)(def->cell_paths > 0 ? def->cell_paths : PATHS_DEFAULT);
+/* The first `count` of the request's cells, or of walls, as the kernel does; from, to: parts of the whole progress. */
+static ty_result fill_all_of(ty_bake_cache* cache, const ty_bake_def* def, fill* f, int64_t count, double from,
+                             double to) {
+    const double begun = ty_wall_seconds(), before = cache->info.seconds;
     int64_t chunk = CHUNK_FIRST;
+    f->rays = 0;
     for (int64_t at = 0; at < count;) {
         const double start = ty_wall_seconds();
-        f.begin = at;
-        f.end = at + chunk < count ? at + chunk : count;
-        ty_parallel_for(cache->context, (f.end - f.begin + BLOCK - 1) / BLOCK, fill_block, &f);
+        f->begin = at;
+        f->end = at + chunk < count ? at + chunk : count;
+        ty_parallel_for(cache->context, (f->end - f->begin + BLOCK - 1) / BLOCK, fill_block, f);
         const double now = ty_wall_seconds();
-        at = f.end;
+        at = f->end;
         if (now - start < 0.5 * chunk_seconds) chunk *= 2;
         if (now - start > 2 * chunk_seconds && chunk > CHUNK_FIRST) chunk /= 2;
-        if (!tell(def, now - begun, at, count)) return TY_CANCELLED;
+        cache->info.seconds = before + now - begun;
+        const double fraction = from + (to - from) * (double)at / (double)count;
+        if (!tell(def, cache->info.seconds, fraction)) return TY_CANCELLED;
     }
-    cache->info.filled = count;
-    cache->info.paths = count * f.request.paths;
-    cache->info.rays = (int64_t)f.rays;
-    cache->info.seconds = ty_wall_seconds() - begun;
+    cache->info.paths += count * f->request.paths;
+    cache->info.rays += (int64_t)f->rays;
     return TY_OK;
+}
+
+/* Numbers the walls of cells that paths met surfaces in. The cells come to stand first in `cells`; returns their
+ * count. */
+static int64_t list_walls(ty_bake_cache* cache, const _Atomic uint8_t* met, int32_t* cells) {
+    int64_t count = 0;
+    for (size_t i = 0; i < cache->cells; ++i) {
+        cache->ways[i] = met[i];
+        cache->first[i] = (int32_t)cache->walls;
+        cache->walls += (size_t)__builtin_popcount(cache->ways[i]);
+        if (cache->ways[i] != 0) cells[count++] = (int32_t)i;
+    }
+    return count;
+}
+
+/* Light on the surfaces in cells. */
+static ty_result fill_walls(ty_bake_cache* cache, const ty_bake_run* run, fill* f, int32_t* cells) {
+    ty_bake_request bake = run->request;
+    ty_cache_view* view = &cache->view;
+    const int64_t count = list_walls(cache, f->request.met, cells);
+    if (count == 0) return TY_OK;
+    const double bytes = (double)cache->walls * (double)WALL_BYTES;
+    const ty_result result = ty_check_memory(cache->context, bytes, "light in media");
+    if (result != TY_OK) return result;
+    view->walls = ty_alloc_array(cache->context, cache->walls, WALL_BYTES, true);
+    if (view->walls == NULL) return TY_ERROR_MEMORY;
+    bake.cache = *view;
+    bake.terms = TY_BAKE_SURFACE_TERMS;
+    view->ways = cache->ways;
+    view->first = cache->first;
+    f->request.view = *view;
+    f->request.bake = &bake;
+    f->kernel = choose_kernel(true);
+    return fill_all_of(cache, run->def, f, count, cells_share, 1);
 }
 
 /* ---- the whole ---- */
@@ -218,17 +258,34 @@ static ty_result take_cells(ty_bake_cache* cache) {
     view->other = ty_alloc_array(cache->context, cache->cells, floats * sizeof(float), true);
     view->anchor = ty_alloc_array(cache->context, cache->cells, 3 * TY_CACHE_SIDES * sizeof(float), true);
     view->known = cache->known = ty_alloc_array(cache->context, cache->cells, 1, true);
-    const bool all = view->light != NULL && view->other != NULL && view->anchor != NULL && cache->known != NULL;
+    cache->ways = ty_alloc_array(cache->context, cache->cells, 1, false);
+    cache->first = ty_alloc_array(cache->context, cache->cells, sizeof *cache->first, false);
+    const bool all = view->light != NULL && view->other != NULL && view->anchor != NULL && cache->known != NULL &&
+                     cache->ways != NULL && cache->first != NULL;
     return all ? TY_OK : TY_ERROR_MEMORY;
 }
 
-static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
-    int32_t* cells = ty_alloc_array(cache->context, cache->cells, sizeof *cells, false);
-    if (cells == NULL) return TY_ERROR_MEMORY;
+static ty_result fill_both(ty_bake_cache* cache, const ty_bake_run* run, fill* f, int32_t* cells) {
     const int64_t count = list_cells(cache, &run->path.view, cells);
-    const ty_result result = fill_cells(cache, run, cells, count);
+    f->request.cells = cells;
+    ty_result result = fill_all_of(cache, run->def, f, count, 0, cells_share);
+    cache->info.filled = count;
+    if (result == TY_OK) result = ty_cache_part(cache, run->path.view.mesh);
+    return result == TY_OK && run->path.view.mesh != NULL ? fill_walls(cache, run, f, cells) : result;
+}
+
+static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
+    fill f = {.kernel = choose_kernel(false), .known = cache->known};
+    f.request = (ty_cache_request){.path = run->request.path, .view = cache->view};
+    f.request.path.seed ^= seed_salt;
+    f.request.paths = (uint32_t)(run->def->cell_paths > 0 ? run->def->cell_paths : PATHS_DEFAULT);
+    f.request.met = ty_alloc_array(cache->context, cache->cells, sizeof *f.request.met, true);
+    int32_t* cells = ty_alloc_array(cache->context, cache->cells, sizeof *cells, false);
+    const ty_result result =
+        cells != NULL && f.request.met != NULL ? fill_both(cache, run, &f, cells) : TY_ERROR_MEMORY;
     ty_free_array(cache->context, cells, cache->cells, sizeof *cells);
-    return result == TY_OK ? ty_cache_part(cache, run->path.view.mesh) : result;
+    ty_free_array(cache->context, f.request.met, cache->cells, sizeof *f.request.met);
+    return result;
 }
 
 ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out) {
@@ -275,6 +332,9 @@ void ty_bake_cache_destroy(ty_bake_cache* cache) {
     ty_free_array(cache->context, cache->view.other, cache->cells, floats);
     ty_free_array(cache->context, cache->view.anchor, cache->cells, 3 * TY_CACHE_SIDES * sizeof(float));
     ty_free_array(cache->context, cache->known, cache->cells, 1);
+    ty_free_array(cache->context, cache->ways, cache->cells, 1);
+    ty_free_array(cache->context, cache->first, cache->cells, sizeof *cache->first);
+    if (cache->view.walls != NULL) ty_free_array(cache->context, cache->view.walls, cache->walls, WALL_BYTES);
     ty_free_array(cache->context, cache, 1, sizeof *cache);
 }
 

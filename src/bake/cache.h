@@ -15,6 +15,13 @@ enum { TY_CACHE_CELLS_MAX = 512 };
 enum { TY_CACHE_EVEN = 3, TY_CACHE_GRAY = 7, TY_CACHE_COLORED = 9 };
 enum { TY_CACHE_ONCE = 0, TY_CACHE_REST = 1, TY_CACHE_KINDS = 2 };
 
+/* What is known of light on surfaces in a cell that media scattered (once and never touched by anything else, and
+ * other), apart for surfaces that face along each of six axes: the mean of walks from points on them. Floats: the mean
+ * place and normal; per kind and channel irradiance and vector irradiance; how many walks that is the mean of. */
+enum { TY_WALL_SINGLE = 0, TY_WALL_MULTIPLE = 1, TY_WALL_KINDS = 2, TY_WALL_TERMS = 4, TY_WALL_WAYS = 6 };
+enum { TY_WALL_PLACE = 0, TY_WALL_NORMAL = 3, TY_WALL_LIGHT = 6 };
+enum { TY_WALL_WALKS = TY_WALL_LIGHT + TY_WALL_KINDS * 3 * TY_WALL_TERMS, TY_WALL_FLOATS = TY_WALL_WALKS + 1 };
+
 /* A cell that surfaces cut has two sides: what its middle sees, and the rest, of which one point is the anchor. What is
  * known of a cell: the light on either side (bits of known), and whether who looks there has to see an anchor first. */
 enum { TY_CACHE_SIDES = 2, TY_CACHE_CUT = 1 << TY_CACHE_SIDES };
@@ -27,21 +34,28 @@ typedef struct ty_cache_view {
     float* other;         /* of the other */
     float* anchor;        /* per cell the anchors of both sides, 3 floats each */
     const uint8_t* known; /* per cell */
+    const uint8_t* ways;  /* per cell, bits of the ways that surfaces in it face; NULL: not known yet */
+    const int32_t* first; /* per cell, which is the first of its walls, one per bit */
+    float* walls;         /* TY_WALL_FLOATS each */
 } ty_cache_view;
 
 struct ty_bake_cache {
     ty_context* context;
     ty_cache_view view;
     uint8_t* known; /* view's */
-    size_t cells;
+    uint8_t* ways;  /* view's */
+    int32_t* first; /* view's */
+    size_t cells, walls;
     ty_bake_cache_info info;
 };
 
 typedef struct ty_cache_request {
     ty_path_request path; /* scene and random numbers */
     ty_cache_view view;
-    const int32_t* cells; /* those that are filled */
-    uint32_t paths;       /* per cell */
+    const int32_t* cells;               /* those that are filled */
+    uint32_t paths;                     /* per cell */
+    _Atomic uint8_t* met;               /* per cell, bits of the ways that surfaces in it were found to face */
+    const struct ty_bake_request* bake; /* of walls: what walks look at */
 } ty_cache_request;
 
 /* Fills cells[begin..end), what is known but TY_CACHE_CUT of light from other cells; returns rays. */
@@ -50,5 +64,9 @@ typedef TY_CACHE_KERNEL((*ty_cache_kernel));
 TY_CACHE_KERNEL(ty_cache_kernel_v1);
 TY_CACHE_KERNEL(ty_cache_kernel_v3);
 TY_CACHE_KERNEL(ty_cache_kernel_v4);
+/* Fills the walls of cells[begin..end), once light in all cells is known. */
+TY_CACHE_KERNEL(ty_wall_kernel_v1);
+TY_CACHE_KERNEL(ty_wall_kernel_v3);
+TY_CACHE_KERNEL(ty_wall_kernel_v4);
 
 #endif

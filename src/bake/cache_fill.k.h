@@ -5,6 +5,8 @@
 #include "bake/cache_look.k.h"
 #include "method/path/path.k.h"
 
+#include <stdatomic.h>
+
 /* Sums over paths of a cell. */
 typedef struct ty_cache_sums {
     double radiance[TY_CACHE_KINDS][3];
@@ -58,6 +60,15 @@ TY_FN ty_cache_side_sums* ty_cache_find_side(const ty_mesh* mesh, ty_cache_cell_
     return side;
 }
 
+/* Notes that a cell has a surface, and the way that this faces. */
+TY_FN void ty_cache_meet(const ty_cache_request* request, const ty_hit* hit, ty_vec direction) {
+    const ty_cache_view* view = &request->view;
+    if (!ty_cache_holds(view, hit->position)) return;
+    const ty_vec facing = ty_dot(hit->normal, direction) > 0.0f ? ty_scale(hit->normal, -1.0f) : hit->normal;
+    atomic_fetch_or_explicit(&request->met[ty_cache_cell(view, hit->position)], (uint8_t)(1u << ty_wall_way(facing)),
+                             memory_order_relaxed);
+}
+
 /* One path from where light is to be scattered, which is the first scattering of its run. Returns rays. */
 TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, uint32_t number,
                                ty_cache_cell_sums* sums) {
@@ -79,8 +90,9 @@ TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, ui
     memset(path.radiance, 0, sizeof path.radiance);
     ty_path_turn_anywhere(&path);
     const ty_vec direction = path.direction;
-    const bool back = mesh != NULL && ty_mesh_intersect(mesh, path.origin, direction, TY_FLOAT_MAX, &hit) &&
-                      ty_dot(hit.normal, direction) > 0.0f;
+    const bool met = mesh != NULL && ty_mesh_intersect(mesh, path.origin, direction, TY_FLOAT_MAX, &hit),
+               back = met && ty_dot(hit.normal, direction) > 0.0f;
+    if (met) ty_cache_meet(request, &hit, direction);
     const uint64_t rays = 4 + 2 * ty_path_follow(&path);
     ty_cache_sums* sum = back ? &side->backs : &side->fronts;
     for (int c = 0; c < 3; ++c)

@@ -1,90 +1,60 @@
-/* One path from a receiver over surfaces, through media whose light is known in cells. */
+/* Light of media that is known in cells, as it arrives at receivers: paths over surfaces know nothing of it, and rays of
+ * its own gather it. docs/bake.md explains it. */
 #ifndef TY_BAKE_CACHED_K_H
 #define TY_BAKE_CACHED_K_H
 
 #include "bake/cache_look.k.h"
 #include "bake/gather.k.h"
 
-/* What the media along one ray of a path send back to where it began. */
+/* What the media along one ray scatter back to where it began: light straight from lights, and other. */
 typedef struct ty_cached_fog {
-    float glow[3];
-    float once[3], rest[3]; /* scattered: light straight from lights, and other */
+    float once[3], rest[3];
 } ty_cached_fog;
 
-/* What a point of the media sends, in the place of all of them. */
-TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, ty_cached_fog* fog) {
+/* Places along a ray where light in cells is looked up. */
+enum { TY_FOG_PLACES = 4 };
+
+/* What a point of the media sends, in the place of all of them; times share. */
+TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, float share, ty_cached_fog* fog) {
     const ty_bake_request* request = g->request;
-    const ty_scene_view* scene = request->path.scene;
-    const ty_path* path = &g->path;
-    float weight[3], left[3], albedo[3], turn[3], once[3], rest[3];
-    const float t = ty_fog_point_place(point, weight, left);
-    const ty_vec at = ty_mad(path->origin, path->direction, t);
-    if (scene->medium_count > 1) {
-        ty_segment before;
-        before.point = NULL;
-        ty_segment_find(&before, scene->media, scene->medium_count, path->origin, path->direction, t);
-        for (int c = 0; c < 3; ++c) weight[c] *= left[c] > 0.0f ? before.transmittance[c] / left[c] : 0.0f;
-    }
-    ty_medium_albedo(point->medium, at, albedo);
-    if (point->medium->emits != 0) {
-        ty_medium_emission(point->medium, at, fog->glow);
-        for (int c = 0; c < 3; ++c) fog->glow[c] *= weight[c] * (1.0f - albedo[c]);
-    }
-    if (request->cache.light == NULL) return;
-    const float* light = ty_cache_look(&request->cache, scene->mesh, at, &g->path.random);
+    float weight[3], albedo[3], turn[3], once[3], rest[3];
+    const ty_vec at = ty_gather_fog_place(g, point, weight, albedo);
+    const float* light = ty_cache_look(&request->cache, request->path.scene->mesh, at, &g->path.random);
     ty_medium_g(point->medium, at, turn);
-    ty_cache_scatter(&request->cache, light, path->direction, turn, once);
-    ty_cache_scatter(&request->cache, light + request->cache.floats, path->direction, turn, rest);
+    ty_cache_scatter(&request->cache, light, g->path.direction, turn, once);
+    ty_cache_scatter(&request->cache, light + request->cache.floats, g->path.direction, turn, rest);
     for (int c = 0; c < 3; ++c) {
-        fog->once[c] = weight[c] * albedo[c] * once[c];
-        fog->rest[c] = weight[c] * albedo[c] * rest[c];
+        fog->once[c] += share * weight[c] * albedo[c] * once[c];
+        fog->rest[c] += share * weight[c] * albedo[c] * rest[c];
     }
 }
 
-/* The path's ray to its end (false where it meets no surface), and the media on it, at the place that u picks. */
-TY_FN bool ty_cached_trace(ty_gather* g, float u, ty_encounter* end, ty_segment* segment, ty_cached_fog* fog) {
-    const ty_scene_view* scene = g->request->path.scene;
-    ty_path* path = &g->path;
-    ty_fog_point point = ty_fog_point_begin(u, &path->random);
-    ++g->rays;
-    const bool hit =
-        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
-    if (hit) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
+/* The path's ray to its end (false where it meets no surface), and the media on it, at places that u picks. */
+TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_encounter* end, ty_segment* segment, ty_cached_fog* fog) {
+    ty_fog_point point = ty_fog_point_begin(u, &g->path.random);
     segment->point = &point;
-    ty_segment_find(segment, scene->media, scene->medium_count, path->origin, path->direction,
-                    hit ? end->hit.distance : TY_FLOAT_MAX);
+    const bool hit = ty_gather_find_end(g, end, segment);
     memset(fog, 0, sizeof *fog);
-    if (point.medium != NULL) ty_cached_fog_at(g, &point, fog);
+    for (int32_t i = 0; i < places && point.medium != NULL; ++i) {
+        point.u = (u + (float)i) / (float)places;
+        ty_cached_fog_at(g, &point, 1.0f / (float)places, fog);
+    }
     return hit;
 }
 
-/* Light that comes straight along the path's ray from its end, on a surface or beyond all (NULL). */
-TY_FN void ty_cached_meet(const ty_gather* g, const ty_encounter* end, float radiance[3]) {
-    if (end == NULL) {
-        ty_gather_sky(g, true, radiance);
-        return;
-    }
-    const bool glows = ty_max3(end->point.emission) > 0.0f;
-    const float weight = glows ? ty_path_met_weight(&g->path, end) : 0.0f;
-    for (int c = 0; c < 3; ++c) radiance[c] = end->point.emission[c] * weight;
-}
-
-/* Radiance that leaves a surface: of light that only surfaces reflected, and of all. */
-typedef struct ty_leaving {
-    float clear[3], all[3];
-} ty_leaving;
-
-/* Follows the path from the surface at *start, which it has just reached: radiance that leaves it. */
-TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, ty_leaving* out) {
+/* Light that media scattered and the surface at *start reflects. It is known where walls are (looks); else the path goes
+ * on from there. */
+TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks, float out[3]) {
+    const ty_bake_request* request = g->request;
     ty_path* path = &g->path;
     const int32_t most = path->request->max_depth;
     ty_encounter end = *start;
     ty_segment segment;
-    ty_seen_light seen;
     ty_cached_fog fog;
-    float met[3];
-    memset(out, 0, sizeof *out);
-    for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f;
+    for (int c = 0; c < 3; ++c) {
+        path->beta[c] = 1.0f;
+        out[c] = 0.0f;
+    }
     path->survival = 1.0f;
     path->depth = 0;
     while (ty_max3(end.point.albedo) > 0.0f && (most == 0 || path->depth < most)) {
@@ -93,81 +63,106 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, ty_leaving*
         ++path->depth;
         const float before = ty_sum3(path->beta);
         for (int c = 0; c < 3; ++c) path->beta[c] *= end.point.albedo[c];
-        if (ty_gather_see_light(g, end.point.facing, &seen))
-            for (int c = 0; c < 3; ++c) {
-                const float light = path->beta[c] * (1.0f / TY_PI) * seen.sample.radiance[c] * seen.weight *
-                                    seen.cosine * seen.segment.transmittance[c];
-                out->clear[c] += light;
-                out->all[c] += light;
-            }
+        const float* wall = looks ? ty_cache_look_wall(&request->cache, request->path.scene->mesh, path->origin,
+                                                       path->normal, &path->random)
+                                  : NULL;
+        if (wall != NULL) {
+            const float *single = wall + TY_WALL_LIGHT, *multiple = single + TY_WALL_MULTIPLE * 3 * TY_WALL_TERMS;
+            for (int c = 0; c < 3; ++c)
+                out[c] += path->beta[c] * (1.0f / TY_PI) * (single[c * TY_WALL_TERMS] + multiple[c * TY_WALL_TERMS]);
+            return;
+        }
         path->survival *= ty_max3(end.point.albedo);
         ty_path_turn(path);
         if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
-        const bool hit = ty_cached_trace(g, ty_random_white(&path->random), &end, &segment, &fog);
-        ty_cached_meet(g, hit ? &end : NULL, met);
+        const bool hit = ty_cached_trace(g, ty_random_next(&path->random), 1, &end, &segment, &fog);
         for (int c = 0; c < 3; ++c) {
-            const float sent = fog.glow[c] + segment.transmittance[c] * met[c];
-            out->clear[c] += path->beta[c] * sent;
-            out->all[c] += path->beta[c] * (sent + fog.once[c] + fog.rest[c]);
+            out[c] += path->beta[c] * (fog.once[c] + fog.rest[c]);
             path->beta[c] *= segment.transmittance[c];
         }
         if (!hit || !ty_path_survives(path, before)) return;
     }
 }
 
-/* Evenly spread over [0, 1) for successive samples: multiples of the golden ratio. */
-TY_FN float ty_cached_stratum(uint64_t item, uint32_t number) {
-    return ty_unit_float((uint32_t)ty_mix64(item + 0x51ed270b7f0a92c5u) + number * 0x9e3779b9u);
-}
-
-/* One sample of a receiver; true where its ray met the back of a surface. */
-TY_FN bool ty_cached_sample(ty_gather* g, uint64_t item, uint32_t number) {
-    ty_path* path = &g->path;
-    const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
-    float basis[TY_BAKE_TERMS_MAX], part[3];
+/* Radiance that media scattered, along the path's ray: once and never touched by anything else, and other. */
+TY_FN void ty_cached_walk(ty_gather* g, bool looks, float single[3], float multiple[3]) {
     ty_encounter end;
     ty_segment segment;
-    ty_seen_light seen;
     ty_cached_fog fog;
-    ty_leaving leaving;
-    ty_path_begin(path, &g->request->path, item, number);
-    path->origin = ty_mad(g->position, g->face, g->receiver->margin);
-    path->normal = g->normal;
-    if (ty_gather_see_light(g, g->face, &seen)) {
-        ty_gather_basis(g, seen.sample.look, basis);
-        for (int c = 0; c < 3; ++c) part[c] = seen.sample.radiance[c] * seen.weight * seen.segment.transmittance[c];
-        ty_gather_keep_all(g, TY_BAKE_DIRECT, part, basis);
+    float reflected[3] = {0.0f, 0.0f, 0.0f};
+    const bool hit = ty_cached_trace(g, ty_random_next(&g->path.random), TY_FOG_PLACES, &end, &segment, &fog);
+    if (hit) ty_cached_follow(g, &end, looks, reflected);
+    for (int c = 0; c < 3; ++c) {
+        single[c] = fog.once[c];
+        multiple[c] = fog.rest[c] + segment.transmittance[c] * reflected[c];
     }
+}
+
+/* ---- at receivers ---- */
+
+/* Numbers of a receiver's fog rays are apart from those of its paths. */
+#define TY_FOG_ITEM 0x8000000000000000u
+
+/* What cells near a receiver know of its light counts as so many of its fog rays as they are made of. */
+TY_FN void ty_cached_borrow(ty_gather* g) {
+    const ty_bake_request* request = g->request;
+    ty_bake_sums* sums = g->sums;
+    float light[TY_WALL_WALKS - TY_WALL_LIGHT];
+    if (request->terms == TY_BAKE_SH_TERMS) return;
+    const float walks =
+        ty_cache_mean_wall(&request->cache, request->path.scene->mesh, g->from, g->normal, light);
+    if (!(walks > 0.0f)) return;
+    sums->borrowed = (double)walks;
+    for (int kind = 0; kind < TY_WALL_KINDS; ++kind)
+        for (int c = 0; c < 3; ++c)
+            ty_gather_keep(g, kind == TY_WALL_SINGLE ? TY_BAKE_SINGLE : TY_BAKE_MULTIPLE, c, walks,
+                           light + (kind * 3 + c) * TY_WALL_TERMS);
+}
+
+/* One ray of a receiver that gathers what media scattered. */
+TY_FN void ty_cached_ask(ty_gather* g, uint64_t item, uint32_t number) {
+    const ty_bake_request* request = g->request;
+    const bool probe = request->terms == TY_BAKE_SH_TERMS;
+    ty_path* path = &g->path;
+    ty_bake_sums* sums = g->sums;
+    float basis[TY_BAKE_TERMS_MAX], single[3], multiple[3];
+    ty_path_begin(path, &request->path, item | TY_FOG_ITEM, number);
+    path->origin = g->from;
+    path->normal = g->normal;
+    for (int c = 0; c < 3; ++c) g->sample[c] = 0.0f;
     if (probe)
         ty_path_turn_anywhere(path);
     else
         ty_path_turn(path);
-    if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
-    const float weight = 1.0f / path->pdf;
-    ty_gather_basis(g, path->direction, basis);
-    const bool hit = ty_cached_trace(g, ty_cached_stratum(item, number), &end, &segment, &fog);
-    ty_cached_meet(g, hit ? &end : NULL, part);
+    if (probe || ty_dot(g->face, path->direction) > 0.0f) {
+        const float weight = 1.0f / path->pdf;
+        ty_gather_basis(g, path->direction, basis);
+        ty_cached_walk(g, true, single, multiple);
+        for (int c = 0; c < 3; ++c) {
+            single[c] *= weight;
+            multiple[c] *= weight;
+        }
+        ty_gather_keep_all(g, TY_BAKE_SINGLE, single, basis);
+        ty_gather_keep_all(g, TY_BAKE_MULTIPLE, multiple, basis);
+    }
     for (int c = 0; c < 3; ++c) {
-        part[c] = weight * (segment.transmittance[c] * part[c] + fog.glow[c]);
-        fog.once[c] *= weight;
-        fog.rest[c] *= weight;
+        sums->fog_mean[c] += (double)g->sample[c];
+        sums->fog_square[c] += (double)g->sample[c] * (double)g->sample[c];
     }
-    ty_gather_keep_all(g, TY_BAKE_DIRECT, part, basis);
-    ty_gather_keep_all(g, TY_BAKE_SINGLE, fog.once, basis);
-    if (!hit) {
-        ty_gather_keep_all(g, TY_BAKE_MULTIPLE, fog.rest, basis);
-        return false;
-    }
-    const bool blocked = ty_dot(end.hit.normal, path->direction) > 0.0f;
-    ty_cached_follow(g, &end, &leaving);
-    for (int c = 0; c < 3; ++c) {
-        const float passing = weight * segment.transmittance[c];
-        part[c] = passing * leaving.clear[c];
-        fog.rest[c] += passing * (leaving.all[c] - leaving.clear[c]);
-    }
-    ty_gather_keep_all(g, TY_BAKE_INDIRECT, part, basis);
-    ty_gather_keep_all(g, TY_BAKE_MULTIPLE, fog.rest, basis);
-    return blocked;
+    ++sums->asked;
+}
+
+/* Fog rays of a receiver after so many paths. */
+TY_FN uint32_t ty_cached_rays(const ty_bake_sums* sums, uint32_t paths) {
+    const uint32_t every = sums->borrowed > 0 ? TY_FOG_EVERY : 1;
+    return (paths + every - 1) / every;
+}
+
+/* What goes with a receiver's paths [first, first + count). */
+TY_FN void ty_cached_gather(ty_gather* g, uint64_t item, uint32_t first, uint32_t count) {
+    if (first == 0) ty_cached_borrow(g);
+    const uint32_t end = ty_cached_rays(g->sums, first + count);
+    for (uint32_t i = ty_cached_rays(g->sums, first); i < end; ++i) ty_cached_ask(g, item, i);
 }
 
 #endif

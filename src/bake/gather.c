@@ -88,6 +88,8 @@ static ty_result take_cache(ty_bake_run* run, const ty_scene* scene) {
         run->stats.cache_seconds = run->cache->info.seconds;
     }
     run->request.cache = (def->cache != NULL ? def->cache : run->cache)->view;
+    for (int32_t i = 0; i < run->path.view.medium_count; ++i)
+        if (run->media[i].emits != 0) run->request.glows = 1;
     return TY_OK;
 }
 
@@ -173,8 +175,9 @@ static double variance_of(double sum, double square, int32_t n) {
 
 double ty_bake_variance(const ty_bake_sums* sums, int channel) {
     if (sums->count < 2) return 0;
+    const double own = sums->asked > 0 ? sums->asked / (sums->asked + sums->borrowed) : 0;
     return variance_of(sums->mean[channel], sums->square[channel], sums->count) +
-           variance_of(sums->fog_mean[channel], sums->fog_square[channel], sums->asked);
+           own * own * variance_of(sums->fog_mean[channel], sums->fog_square[channel], sums->asked);
 }
 
 /* ---- passes ---- */

@@ -34,6 +34,7 @@ typedef struct ty_gather {
     float far;            /* which sees as far as this, m */
     const float* chances; /* of senders: cumulative, of this receiver */
     uint64_t rays;
+    float glow[3]; /* of media along the path's last ray, per throughput at its origin */
     ty_path path;
 } ty_gather;
 
@@ -142,15 +143,50 @@ TY_FN void ty_gather_segment(const ty_gather* g, ty_vec from, ty_vec direction, 
     ty_segment_find(segment, scene->media, scene->medium_count, from, direction, far);
 }
 
-/* The path's ray to its end, and the media on it; false where it meets no surface. */
-TY_FN bool ty_gather_trace(ty_gather* g, ty_encounter* end, ty_segment* segment) {
+/* Where along the path's ray a point of the media is; what goes with it: what light from there, in the place of all,
+ * weighs, up to the share that it was scattered, or sent, with. */
+TY_FN ty_vec ty_gather_fog_place(const ty_gather* g, const ty_fog_point* point, float weight[3], float albedo[3]) {
+    const ty_scene_view* scene = g->request->path.scene;
+    const ty_path* path = &g->path;
+    float left[3];
+    const float t = ty_fog_point_place(point, weight, left);
+    const ty_vec at = ty_mad(path->origin, path->direction, t);
+    if (scene->medium_count > 1) {
+        ty_segment before;
+        before.point = NULL;
+        ty_segment_find(&before, scene->media, scene->medium_count, path->origin, path->direction, t);
+        for (int c = 0; c < 3; ++c) weight[c] *= left[c] > 0.0f ? before.transmittance[c] / left[c] : 0.0f;
+    }
+    ty_medium_albedo(point->medium, at, albedo);
+    return at;
+}
+
+/* The path's ray to its end, and the media on it, which segment->point is offered; false where it meets no surface. */
+TY_FN bool ty_gather_find_end(ty_gather* g, ty_encounter* end, ty_segment* segment) {
     const ty_scene_view* scene = g->request->path.scene;
     const ty_path* path = &g->path;
     ++g->rays;
     const bool hit =
         scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (hit) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
-    ty_gather_segment(g, path->origin, path->direction, hit ? end->hit.distance : TY_FLOAT_MAX, segment);
+    ty_segment_find(segment, scene->media, scene->medium_count, path->origin, path->direction,
+                    hit ? end->hit.distance : TY_FLOAT_MAX);
+    return hit;
+}
+
+/* The same, and what glows on the way. */
+TY_FN bool ty_gather_trace(ty_gather* g, ty_encounter* end, ty_segment* segment) {
+    float weight[3], albedo[3];
+    segment->point = NULL;
+    if (g->request->glows == 0) return ty_gather_find_end(g, end, segment);
+    ty_fog_point point = ty_fog_point_begin(ty_random_white(&g->path.random), &g->path.random);
+    segment->point = &point;
+    const bool hit = ty_gather_find_end(g, end, segment);
+    for (int c = 0; c < 3; ++c) g->glow[c] = 0.0f;
+    if (point.medium == NULL || point.medium->emits == 0) return hit;
+    const ty_vec at = ty_gather_fog_place(g, &point, weight, albedo);
+    ty_medium_emission(point.medium, at, g->glow);
+    for (int c = 0; c < 3; ++c) g->glow[c] *= weight[c] * (1.0f - albedo[c]);
     return hit;
 }
 
@@ -198,17 +234,16 @@ TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, float o
                   seen.cosine * seen.segment.transmittance[c];
 }
 
-/* Light that the path's ray meets, on a surface (end) or beyond all (NULL). */
+/* Light that the path's ray meets, on a surface (end) or beyond all (NULL), and on the way. */
 TY_FN void ty_gather_meet(const ty_gather* g, const ty_encounter* end, const ty_segment* segment, float out[3]) {
-    float radiance[3];
-    if (end != NULL) {
-        if (!(ty_max3(end->point.emission) > 0.0f)) return;
+    float radiance[3] = {0.0f, 0.0f, 0.0f};
+    if (end == NULL)
+        ty_gather_sky(g, true, radiance);
+    else if (ty_max3(end->point.emission) > 0.0f) {
         const float weight = ty_path_met_weight(&g->path, end);
         for (int c = 0; c < 3; ++c) radiance[c] = end->point.emission[c] * weight;
-    } else {
-        ty_gather_sky(g, true, radiance);
     }
-    for (int c = 0; c < 3; ++c) out[c] += g->path.beta[c] * segment->transmittance[c] * radiance[c];
+    for (int c = 0; c < 3; ++c) out[c] += g->path.beta[c] * (segment->transmittance[c] * radiance[c] + g->glow[c]);
 }
 
 /* Radiance that a surface reflects of light that media only took from: the path goes on from there. */

@@ -19,7 +19,7 @@ static void begin_receiver(ty_gather* g, const ty_bake_receiver* receiver, ty_ba
 TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
     const unsigned thread_state = ty_flush_denormals();
     ty_gather g = {.request = request};
-    const bool cached = request->method == TY_BAKE_CACHE && request->path.scene->medium_count > 0;
+    const bool cached = request->cache.light != NULL;
     float chances[TY_SENDERS_MAX];
     for (int64_t item = begin; item < end; ++item) {
         ty_bake_sums* sum = &sums[item];
@@ -28,13 +28,13 @@ TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
         g.light = light + item * (TY_BAKE_LAYERS * 3) * request->terms;
         for (uint32_t i = first; i < first + count; ++i) {
             for (int c = 0; c < 3; ++c) g.sample[c] = 0.0f;
-            if (cached ? ty_cached_sample(&g, (uint64_t)item, i) : ty_gather_sample(&g, (uint64_t)item, i))
-                sum->blocked += 1;
+            if (ty_gather_sample(&g, (uint64_t)item, i)) sum->blocked += 1;
             for (int c = 0; c < 3; ++c) {
                 sum->mean[c] += (double)g.sample[c];
                 sum->square[c] += (double)g.sample[c] * (double)g.sample[c];
             }
         }
+        if (cached) ty_cached_gather(&g, (uint64_t)item, first, count);
         sum->paths += count;
         sum->rays += g.rays;
         sum->count += (int32_t)count;

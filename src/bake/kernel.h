@@ -8,7 +8,8 @@
 
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
-    TY_BAKE_TERMS_MAX = TY_BAKE_SH_TERMS
+    TY_BAKE_TERMS_MAX = TY_BAKE_SH_TERMS,
+    TY_FOG_EVERY = 16 /* TY_BAKE_CACHE: paths per ray that gathers what media scattered, where cells know of it, too */
 };
 
 typedef struct ty_bake_request {
@@ -18,7 +19,8 @@ typedef struct ty_bake_request {
     int32_t back_scattering;
     int32_t gray; /* whether media do the same to all channels */
     const ty_impulse* tables;
-    ty_cache_view cache; /* TY_BAKE_CACHE */
+    ty_cache_view cache; /* TY_BAKE_CACHE; light NULL: no media */
+    int32_t glows;       /* TY_BAKE_CACHE: whether media send light of their own, which paths look for */
     const ty_bake_receiver* receivers;
     int32_t terms; /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
     /* TY_BAKE_IMPULSE */
@@ -33,11 +35,13 @@ typedef struct ty_bake_request {
 typedef struct ty_bake_sums {
     double mean[3], square[3]; /* of what variance is told of */
     double blocked;            /* rays that met the back of a surface */
-    /* The same of what media make of emitters, over the samples that ask: it is not in mean and square. */
+    /* The same of what media make of emitters, over the samples that ask, or of fog rays: it is not in mean and square.
+     */
     double fog_mean[3], fog_square[3];
+    double borrowed; /* TY_BAKE_CACHE: fog rays that what cells know counts as */
     uint64_t paths, rays;
-    int32_t count; /* samples, */
-    int32_t asked; /* of which so many asked what media make of emitters */
+    int32_t count; /* samples */
+    int32_t asked; /* TY_BAKE_IMPULSE: of which so many asked what media make of emitters; TY_BAKE_CACHE: fog rays */
     int32_t done;
 } ty_bake_sums;
 
