@@ -21,7 +21,7 @@ typedef struct ty_forward {
 TY_FN float ty_hg_slope(float mu, float x) {
     const float base = ty_maxf((1.0f - x) * (1.0f - x) + 2.0f * x * (1.0f - mu), 1e-10f);
     const float u = sqrtf(base), cube = base * u;
-    return ((2.0f * mu - x) * (1.0f + u + base) / (1.0f + u) - x) / cube;
+    return ((2.0f * mu - x) * (1.0f + u + base) - x * (1.0f + u)) / ((1.0f + u) * cube);
 }
 
 /* The mean cosine of light that has scattered and kept its direction (above): u, r, s are U, R, S. */

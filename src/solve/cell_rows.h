@@ -149,7 +149,12 @@ INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, con
 INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* phi, float* diff, REAL omega,
                             int32_t color, int32_t y, int32_t z, NAME(sor_block) * block) {
     const int32_t first = (color + y + z) & 1;
-    const row_view view = with_x_values(cells, view_row(cells, y, z), y, z);
+    row_view view;
+    set_row(cells, y, z, &view);
+    for (int side = 0; side < 2; ++side) { /* with what is at both ends, but the couplings of all cells */
+        set_x_side(cells, y, z, side, &view);
+        view.k[side] = cells->coupling[0];
+    }
     REAL* row = phi + ty_box_at(&cells->box, y, z);
     float* d = diff + ty_box_at(&cells->box, y, z);
     return is_edge(cells, y, z) ? NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, true, block)

@@ -27,40 +27,31 @@ INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t 
     view->value[side] = cells->sides[side].value + face;
 }
 
-/* Without boundaries along x. */
-INLINE row_view view_row(const ty_cells* cells, int32_t y, int32_t z) {
+INLINE void open_side(const ty_cells* cells, row_view* view, int side) {
+    view->k[side] = cells->coupling[side / 2];
+    view->a[side] = view->b[side] = 0;
+    view->value[side] = cells->zeros;
+}
+
+/* Without boundaries along x. Rows are set in place: copies of views would wait for what was just written. */
+INLINE void set_row(const ty_cells* cells, int32_t y, int32_t z, row_view* view) {
     const ptrdiff_t at = ty_box_dense(&cells->box, y, z);
-    row_view view = {.extinction = cells->extinction + at,
-                     .absorption = cells->absorption != NULL ? cells->absorption + at : cells->zeros,
-                     .source = cells->source + at};
-    for (int side = 0; side < 6; ++side) {
-        view.k[side] = cells->coupling[side / 2];
-        view.value[side] = cells->zeros;
-    }
-    if (y == 0) set_side(cells, &view, 2, cells->sides[2].step * z);
-    if (y == cells->box.size[1] - 1) set_side(cells, &view, 3, cells->sides[3].step * z);
-    if (z == 0) set_side(cells, &view, 4, cells->sides[4].step * y);
-    if (z == cells->box.size[2] - 1) set_side(cells, &view, 5, cells->sides[5].step * y);
-    return view;
+    view->extinction = cells->extinction + at;
+    view->absorption = cells->absorption != NULL ? cells->absorption + at : cells->zeros;
+    view->source = cells->source + at;
+    for (int side = 0; side < 6; ++side) open_side(cells, view, side);
+    if (y == 0) set_side(cells, view, 2, cells->sides[2].step * z);
+    if (y == cells->box.size[1] - 1) set_side(cells, view, 3, cells->sides[3].step * z);
+    if (z == 0) set_side(cells, view, 4, cells->sides[4].step * y);
+    if (z == cells->box.size[2] - 1) set_side(cells, view, 5, cells->sides[5].step * y);
 }
 
-INLINE row_view with_x_sides(const ty_cells* cells, row_view view, int32_t y, int32_t z, bool low, bool high) {
-    if (low) set_side(cells, &view, 0, cells->sides[0].step * z + y);
-    if (high) set_side(cells, &view, 1, cells->sides[1].step * z + y);
-    return view;
-}
-
-/* The same with what is at both ends of the row, but the couplings of all its cells. */
-INLINE row_view with_x_values(const ty_cells* cells, row_view view, int32_t y, int32_t z) {
-    for (int side = 0; side < 2; ++side) {
-        set_side(cells, &view, side, cells->sides[side].step * z + y);
-        view.k[side] = cells->coupling[0];
-    }
-    return view;
+INLINE void set_x_side(const ty_cells* cells, int32_t y, int32_t z, int side, row_view* view) {
+    set_side(cells, view, side, cells->sides[side].step * z + y);
 }
 
 /* Cells of a colour that Algorithm 1 has at hand, and those that it relaxes at once. */
-enum { SOR_BLOCK = 64, SOR_LANES = 8 };
+enum { SOR_BLOCK = 64, SOR_LANES = 16 };
 
 #define REAL float
 #define NAME(name) name##_float
@@ -173,13 +164,17 @@ static double assemble(const ty_cells* cells, const double* phi, const float* di
         const ptrdiff_t at = ty_box_at(&cells->box, y, z);
         const double* row = phi + at;
         const float* diff = diffusivity + at;
-        const row_view view = view_row(cells, y, z), low = with_x_sides(cells, view, y, z, true, nx == 1);
-        sum += assemble_range(cells, &low, row, diff, level, at, 0, 1, true);
+        row_view view;
+        set_row(cells, y, z, &view);
+        set_x_side(cells, y, z, 0, &view);
+        if (nx == 1) set_x_side(cells, y, z, 1, &view);
+        sum += assemble_range(cells, &view, row, diff, level, at, 0, 1, true);
+        open_side(cells, &view, 0);
         sum += is_edge(cells, y, z) ? assemble_range(cells, &view, row, diff, level, at, 1, nx - 1, true)
                                     : assemble_range(cells, &view, row, diff, level, at, 1, nx - 1, false);
         if (nx == 1) continue;
-        const row_view high = with_x_sides(cells, view, y, z, false, true);
-        sum += assemble_range(cells, &high, row, diff, level, at, nx - 1, nx, true);
+        set_x_side(cells, y, z, 1, &view);
+        sum += assemble_range(cells, &view, row, diff, level, at, nx - 1, nx, true);
     }
     return sum;
 }

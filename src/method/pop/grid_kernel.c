@@ -353,7 +353,7 @@ static void take(const ty_pop_take* take) {
         const float along = pass_along[i] * (front[i] + back[i]);
         const float turned_along = keep_along[i] * pass_along[i] * (front_turned[i] + back_turned[i]);
         const float all = along + across;
-        const float a = (turned_along + turned_across) / ty_maxf(all, 1e-30f);
+        const float a = (turned_along + turned_across) / (all + 1e-30f);
         light[i] = all;
         cosine[i] = a;
         fluence[i] += all;

@@ -38,7 +38,7 @@ typedef struct ty_pop_look {
 } ty_pop_look;
 
 /* Modes published and collided. Slices of cells have a ring around them, in which factors and light are 0. */
-enum { TY_POP_WALK_PLANE_ARRAYS = 7, TY_POP_WALK_ARRAYS = 4, TY_POP_WALK_SLICES = 19 };
+enum { TY_POP_WALK_PLANE_ARRAYS = 7, TY_POP_WALK_ARRAYS = 4, TY_POP_WALK_SLICES = 13 };
 
 /* What half a cell does to light that comes in or goes out, along k and across: how much absorption leaves, and how
  * much scattering leaves of mean cosines. */

@@ -13,9 +13,17 @@ TY_FN float ty_pop_root_inverse(float x) {
     return y * (1.5f - half * y * y);
 }
 
-/* The phase function as ty_hg, to 2e-5; lines are seen as lobes of 0.9999. tilt: 2 (1 - mu). */
+/* Lines are seen as lobes of +-0.9999. Floats of one sign are in the order of their bits, and of whole numbers
+ * compilers have minima where of floats they make choices and masks. */
+TY_FN float ty_pop_seen_cosine(float cosine) {
+    const int32_t most = 0x3f7ff972, bits = (int32_t)ty_bits_from_float(cosine);
+    const uint32_t least = 0xbf7ff972u, below = (uint32_t)(bits < most ? bits : most);
+    return ty_float_from_bits(below < least ? below : least);
+}
+
+/* The phase function as ty_hg, to 2e-5. tilt: 2 (1 - mu). */
 TY_FN float ty_pop_hg_tilted(float tilt, float cosine) {
-    const float g = ty_clampf(cosine, -0.9999f, 0.9999f), less = 1.0f - g;
+    const float g = ty_pop_seen_cosine(cosine), less = 1.0f - g;
     const float y = ty_pop_root_inverse(less * less + g * tilt);
     return TY_INV_4PI * (1.0f + g) * less * y * y * y;
 }
@@ -39,19 +47,29 @@ TY_FN float ty_pop_disc_share(float mu, float width) {
 }
 
 TY_FN float ty_pop_disc_root(float x, float width) {
-    return sqrtf((1.0f - x) * (1.0f - x) + 2.0f * x * width);
+    const float square = (1.0f - x) * (1.0f - x) + 2.0f * x * width;
+    return square * ty_pop_root_inverse(square);
 }
 
-/* What flattening takes from the mean cosine of HG(x), over x. */
-TY_FN float ty_pop_disc_loss(float x, float width) {
-    const float sum = 1.0f - x + ty_pop_disc_root(x, width), part = width / (sum * sum);
-    return (2.0f / 3.0f) * (1.0f + x) * part * part * width;
+/* What HG(x) that is flattened has of its mean cosine, in parts: the first over the second. */
+TY_FN float ty_pop_disc_left(float x, float width, float* whole) {
+    const float sum = 1.0f - x + ty_pop_disc_root(x, width), square = sum * sum;
+    *whole = square * square;
+    return *whole - (2.0f / 3.0f) * (1.0f + x) * width * width * width;
+}
+
+/* What the mean cosine of a lobe must be so that it has that of HG(a) times the disc's where it is flattened as HG(x)
+ * is. */
+TY_FN float ty_pop_disc_spread(float a, float disc, float x, float width) {
+    float whole;
+    const float left = ty_pop_disc_left(x, width, &whole);
+    return ty_minf(a * disc * whole / left, a);
 }
 
 /* The mean cosine of the HG that, flattened, has that of HG(a) times the disc's, for a >= 0. */
 TY_FN float ty_pop_disc_lobe(float a, float disc, float width) {
     float x = a;
-    for (int n = 0; n < 4; ++n) x = ty_minf(a * disc / (1.0f - ty_pop_disc_loss(x, width)), a);
+    for (int n = 0; n < 4; ++n) x = ty_pop_disc_spread(a, disc, x, width);
     return x;
 }
 
@@ -63,8 +81,9 @@ TY_FN float ty_pop_disc_mean(float x, float width) {
 
 /* (4 pi ty_pop_disc_mean(x) - 1) / x, also where x is 0. */
 TY_FN float ty_pop_disc_slope(float x, float width) {
-    const float q = (x - 2.0f + 2.0f * width) / (1.0f + ty_pop_disc_root(x, width)) - 1.0f, sum = 2.0f + x * q;
-    return (4.0f - 4.0f * q - x * q * q) / (sum * sum);
+    const float one = 1.0f + ty_pop_disc_root(x, width), q = x - 2.0f + 2.0f * width - one;
+    const float sum = 2.0f * one + x * q; /* all as they are without divisions by `one` */
+    return (4.0f * one * (one - q) - x * q * q) / (sum * sum);
 }
 
 /* What of a disc's light scatters once; lobe and mean: ty_pop_disc_lobe of |g|, and its ty_pop_disc_mean. */
@@ -77,7 +96,7 @@ TY_FN float ty_pop_disc_once(float mu, float g, float width, float lobe, float m
 /* What of its light that has scattered and kept its direction does so once more: ty_forward_lobe, flattened. */
 TY_FN float ty_pop_disc_forward(float mu, float u, float r, float s, float g, float disc, float width, float lobe) {
     const float a = fabsf(g), along = g < 0.0f ? -mu : mu, b = ty_forward_cosine(u, r, s);
-    const float spread = ty_minf(a * disc / (1.0f - ty_pop_disc_loss(b * lobe, width)), a), x = b * spread;
+    const float spread = ty_pop_disc_spread(a, disc, b * lobe, width), x = b * spread;
     const float share = ty_pop_disc_share(along, width);
     const float slope = (1.0f - share) * ty_hg_slope(along, x) + share * ty_pop_disc_slope(x, width);
     return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * slope);

@@ -58,8 +58,7 @@ typedef struct walk {
     size_t slice, all; /* floats of a slice and of an array */
     plane_arrays planes[3];
     float *cosine, *fluence, *seen, *tilt;
-    ty_pop_handed handed[3]; /* of slices, by turns */
-    ty_pop_handed nothing;   /* what comes from beyond the ends of the grid */
+    float* handed; /* slices of what is handed on (handed_by), and one of nothing */
     ty_pop_columns columns;
     ty_pop_slab slab;
     ty_pop_transmittance through;
@@ -100,13 +99,22 @@ static void lay_out(walk* w, float* scratch) {
     }
     float** const shared[TY_POP_WALK_ARRAYS] = {&w->cosine, &w->fluence, &w->seen, &w->tilt};
     for (int a = 0; a < TY_POP_WALK_ARRAYS; ++a) *shared[a] = take_floats(&scratch, w->all);
-    for (int i = 0; i < 3; ++i) {
-        ty_pop_handed* h = &w->handed[i];
-        float** const handed[6] = {&h->front, &h->side, &h->back, &h->front_turned, &h->side_turned, &h->back_turned};
-        for (int a = 0; a < 6; ++a) *handed[a] = take_floats(&scratch, w->slice);
-    }
-    float* nothing = take_floats(&scratch, w->slice);
-    w->nothing = (ty_pop_handed){nothing, nothing, nothing, nothing, nothing, nothing};
+    w->handed = scratch;
+}
+
+/* What slice k hands on is kept while others wait for it, three slices to the front, two to the sides and one to the
+ * back: more of the rest stays in the caches. */
+static ty_pop_handed handed_by(const walk* w, int32_t k) {
+    enum { FRONTS = 3, SIDES = 2 };
+    float *front = w->handed + 2 * w->slice * (size_t)(k % FRONTS), *sides = w->handed + 2 * FRONTS * w->slice;
+    float *side = sides + 2 * w->slice * (size_t)(k % SIDES), *back = sides + 2 * SIDES * w->slice;
+    return (ty_pop_handed){front, side, back, front + w->slice, side + w->slice, back + w->slice};
+}
+
+/* What comes from beyond the ends of the grid. */
+static ty_pop_handed handed_by_nobody(const walk* w) {
+    float* nothing = w->handed + (TY_POP_WALK_SLICES - 1) * w->slice;
+    return (ty_pop_handed){nothing, nothing, nothing, nothing, nothing, nothing};
 }
 
 /* Where a row of cells is. */
@@ -175,13 +183,13 @@ static ty_pop_half_cells half_cells(const plane_arrays* plane, size_t at) {
 }
 
 static void give_slice(const walk* w, const plane_arrays* plane, int32_t k) {
-    const ty_pop_handed* out = &w->handed[k % 3];
+    const ty_pop_handed out = handed_by(w, k);
     const size_t at = w->slice * (size_t)k;
-    const ty_pop_give give = {(int32_t)w->slice, half_cells(plane, at), plane->light + at, w->cosine + at, *out};
+    const ty_pop_give give = {(int32_t)w->slice, half_cells(plane, at), plane->light + at, w->cosine + at, out};
     w->kernels->give(&give);
     if (w->light->frame.kind == TY_LIGHT_PART_PARALLEL) return;
-    wrap_side(w, out->side);
-    wrap_side(w, out->side_turned);
+    wrap_side(w, out.side);
+    wrap_side(w, out.side_turned);
 }
 
 /* Whole vectors, about all rows but the first and last: what they read beyond a slice's sides is in arrays next to it,
@@ -193,9 +201,9 @@ static void take_slice(const walk* w, const plane_arrays* plane, int32_t k) {
                               .begin = w->row / LANES * LANES,
                               .end = (end + LANES - 1) / LANES * LANES,
                               .half = half_cells(plane, at),
-                              .before = k > 0 ? w->handed[(k + 2) % 3] : w->nothing,
-                              .beside = w->handed[k % 3],
-                              .after = k < last ? w->handed[(k + 1) % 3] : w->nothing,
+                              .before = k > 0 ? handed_by(w, k - 1) : handed_by_nobody(w),
+                              .beside = handed_by(w, k),
+                              .after = k < last ? handed_by(w, k + 1) : handed_by_nobody(w),
                               .tilt = w->tilt + at,
                               .again = plane->again + at,
                               .light = plane->light + at,
@@ -264,14 +272,15 @@ static void begin_plane(const walk* w, int32_t p) {
 /* A row of channel c's share of `seen`. */
 static void write_row(const walk* w, int32_t c, size_t at, float* seen) {
     const ty_pop_light* light = w->light;
-    const float *left = w->planes[light->planes == 3 ? c : 0].light + at, *radiance = w->seen + at;
-    const float *fluence = w->fluence + at, color = light->ordinate.color[c];
-    const int32_t n = light->frame.size[0], floats = light->floats;
-    for (int32_t i = 0; i < n; ++i) {
-        seen[floats * i + c] = color * radiance[i];
-        seen[floats * i + 3 + c] = color * fluence[i];
+    const float* restrict left = w->planes[light->planes == 3 ? c : 0].light + at;
+    const float* restrict radiance = w->seen + at, * restrict fluence = w->fluence + at;
+    const float color = light->ordinate.color[c];
+    float* restrict cell = seen + c;
+    for (int32_t i = 0; i < light->frame.size[0]; ++i, cell += TY_POP_SEEN_LEFT) {
+        cell[0] = color * radiance[i];
+        cell[3] = color * fluence[i];
+        cell[8] = color * left[i];
     }
-    for (int32_t i = 0; i < n && floats == TY_POP_SEEN_LEFT; ++i) seen[floats * i + 8 + c] = color * left[i];
 }
 
 static void end_plane(const walk* w, int32_t p) {
