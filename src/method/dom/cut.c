@@ -1,15 +1,14 @@
 /* Cells that a surface cuts belong to one side of it, that of their middles. What scatters in the rest of them for the
  * first time is a source of the cell that the rest is before. */
 #include "base/context.h"
-#include "direct/cover.h"
 #include "method/dom/job.h"
 
+#include <math.h>
 #include <string.h>
 
-/* Uncollided fluence, mean of the channels. */
 typedef struct cut_job {
     ty_dom_job* job;
-    float *fine, *mean; /* of fine cells, and of cells of ordinates */
+    float* fine; /* uncollided fluence of fine cells, sum of the channels */
 } cut_job;
 
 static void sum_lights(const ty_dom* light, size_t cells, float* sum) {
@@ -34,19 +33,37 @@ static float middle_of(const cut_job* cut, const int32_t cell[3]) {
     return cut->fine[at];
 }
 
-/* Of what scatters in a cell, the part on its side of the surfaces that cut it; *beyond: sum of the parts of the cell
- * behind them. */
-static float own_part(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end, float* beyond) {
-    const ty_walls* walls = cut->job->walls;
-    float volume = 1;
-    *beyond = 0;
-    for (int32_t side = first; side < end; ++side) {
-        const float behind = ty_maxf(0, 0.5f - walls->sides[side].depth);
-        volume *= 1 - behind;
-        *beyond += behind;
+/* How much of a cell is behind a plane, which is at `depth` cells from its middle along an axis: what the plane cuts off
+ * its farthest corner is a tetrahedron, less those beyond the cell's other faces. normal: times the cell's edges. */
+static float behind_plane(const double normal[3], int axis, double depth) {
+    double m[3], reach = 0, volume = 0;
+    for (int a = 0; a < 3; ++a) m[a] = fabs(normal[a]);
+    const double most = fmax(m[0], fmax(m[1], m[2]));
+    for (int a = 0; a < 3; ++a) {
+        m[a] = fmax(m[a], 1e-2 * most);
+        reach += m[a] / 2;
     }
-    if (!(cut->mean[at] > 0)) return 1;
-    return ty_minf(1, volume * middle_of(cut, cell) / cut->mean[at]);
+    const double off = reach - m[axis] * depth;
+    for (int corner = 0; corner < 8; ++corner) {
+        double from = off;
+        for (int a = 0; a < 3; ++a) from -= (corner >> a & 1) != 0 ? m[a] : 0;
+        const int odd = (corner & 1) ^ (corner >> 1 & 1) ^ (corner >> 2);
+        if (from > 0) volume += (odd != 0 ? -1 : 1) * from * from * from;
+    }
+    return (float)fmin(1, fmax(0, volume / (6 * m[0] * m[1] * m[2])));
+}
+
+/* Of a cell, the part behind a side's surface that is before the cell there: where a surface has several sides of the
+ * cell, by how much it faces each. */
+static float behind_side(const ty_dom_job* job, int32_t side) {
+    const ty_wall* wall = &job->walls->sides[side];
+    const double* edge = job->coarse->cell;
+    const double normal[3] = {(double)wall->normal.x * edge[0], (double)wall->normal.y * edge[1],
+                              (double)wall->normal.z * edge[2]};
+    const int axis = job->walls->face[side] / 2;
+    const double sum = fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]);
+    if (!(fabs(normal[axis]) > 0.05 * sum)) return 0;
+    return (float)(fabs(normal[axis]) / sum) * behind_plane(normal, axis, (double)wall->depth);
 }
 
 /* Gives a share of a cell's source to the one behind a face. */
@@ -72,17 +89,29 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
     const ty_walls* walls = cut->job->walls;
     const int32_t* size = walls->size;
     const ptrdiff_t steps[3] = {1, size[0], (ptrdiff_t)size[0] * size[1]};
-    float beyond, given = 0;
-    const float own = own_part(cut, cell, at, first, end, &beyond);
-    if (!(beyond > 0) || own >= 1) return;
+    float light[6], all = 0, left = 1;
     for (int32_t side = first; side < end; ++side) {
         const int axis = walls->face[side] / 2, way = (walls->face[side] & 1) != 0 ? 1 : -1;
-        const float behind = ty_maxf(0, 0.5f - walls->sides[side].depth);
-        if (!(behind > 0) || cell[axis] + way < 0 || cell[axis] + way >= size[axis]) continue;
-        give(cut, at, (size_t)((ptrdiff_t)at + way * steps[axis]), (1 - own) * behind / beyond);
-        given += behind / beyond;
+        int32_t next[3] = {cell[0], cell[1], cell[2]};
+        next[axis] += way;
+        light[side - first] = 0;
+        if (next[axis] < 0 || next[axis] >= size[axis]) continue;
+        const float behind = behind_side(cut->job, side);
+        light[side - first] = behind * middle_of(cut, next);
+        all += light[side - first];
+        left -= behind;
     }
-    keep(cut, at, 1 - (1 - own) * given);
+    if (!(all > 0)) return;
+    all += ty_maxf(0, left) * middle_of(cut, cell);
+    float kept = 1;
+    for (int32_t side = first; side < end; ++side) {
+        const float share = light[side - first] / all;
+        const ptrdiff_t step = steps[walls->face[side] / 2];
+        if (!(share > 0)) continue;
+        give(cut, at, (size_t)((ptrdiff_t)at + ((walls->face[side] & 1) != 0 ? step : -step)), share);
+        kept -= share;
+    }
+    keep(cut, at, ty_maxf(0, kept));
 }
 
 static void cut_cells(const cut_job* cut) {
@@ -99,16 +128,10 @@ static void cut_cells(const cut_job* cut) {
 ty_result ty_dom_cut_sources(ty_dom_job* job) {
     const ty_dom* light = job->light;
     const size_t cells = job->fine->cells;
-    cut_job cut = {.job = job,
-                   .fine = ty_alloc_array(job->context, cells, sizeof(float), false),
-                   .mean = ty_alloc_array(job->context, light->cells, sizeof(float), false)};
-    const bool whole = cut.fine != NULL && cut.mean != NULL;
-    if (whole) {
-        sum_lights(light, cells, cut.fine);
-        ty_grid_average(job->context, cut.fine, light->fine_box.size, light->box.size, cut.mean);
-        cut_cells(&cut);
-    }
+    cut_job cut = {.job = job, .fine = ty_alloc_array(job->context, cells, sizeof(float), false)};
+    if (cut.fine == NULL) return TY_ERROR_MEMORY;
+    sum_lights(light, cells, cut.fine);
+    cut_cells(&cut);
     ty_free_array(job->context, cut.fine, cells, sizeof(float));
-    ty_free_array(job->context, cut.mean, light->cells, sizeof(float));
-    return whole ? TY_OK : TY_ERROR_MEMORY;
+    return TY_OK;
 }

@@ -88,7 +88,7 @@ typedef struct ty_dom_job {
     int32_t source_count, source_capacity;
     const ty_walls* walls; /* of the light, between coarse cells; NULL: there are none */
     float* wall_albedo[3]; /* of each side, for as many channels as are solved for */
-    float* wall_light[3];  /* radiance of uncollided light that walls send, without what virtual lamps stand for */
+    float* wall_light[3];  /* radiance of uncollided light that walls send */
     float* source[3]; /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
     ty_dom* light;
     ty_dom_stats stats;
@@ -113,6 +113,8 @@ ty_result ty_dom_find_walls(ty_dom_job* job);
 void ty_dom_free_walls(ty_dom_job* job);
 /* Whether walls reflect all channels alike and send nothing by themselves. */
 bool ty_dom_walls_share(const ty_dom_job* job);
+/* Whether surfaces at a point are walls. */
+bool ty_dom_is_walled(const ty_dom_job* job, ty_vec point);
 /* What uncollided light walls send; and takes from q_lm what is in dark cells. */
 ty_result ty_dom_light_walls(ty_dom_job* job);
 /* Gives what is in cells' parts behind surfaces to the cells there. Errors: TY_ERROR_MEMORY. */

@@ -66,7 +66,7 @@ static ty_result add_environments(ty_dom_job* job) {
     return result;
 }
 
-/* What surfaces send back of directional, point and spot lights: so many lamps at most. */
+/* What surfaces that are no walls send back of directional, point and spot lights: so many lamps at most. */
 enum { REFLECTIONS = 32 };
 
 static const ty_light_view reflection = {.kind = TY_KIND_AREA};
@@ -91,7 +91,7 @@ static void add_reflections(ty_dom_job* job, const ty_light_part* lamps, int32_t
                               .area = lamps[i].least * lamps[i].least,
                               .cosine = 1};
         memcpy(source->color, lamps[i].color, sizeof source->color);
-        if (!is_black(source->color)) ++job->source_count;
+        if (!is_black(source->color) && !ty_dom_is_walled(job, source->position)) ++job->source_count;
     }
 }
 

@@ -52,30 +52,26 @@ void ty_dom_free_walls(ty_dom_job* job) {
 
 /* ---- uncollided light ---- */
 
-/* Virtual lamps stand for what walls send of these. */
-static bool has_reflections(const ty_dom_job* job, const ty_source* source) {
-    const int32_t kind = ty_scene_get_view(job->scene)->lights.lights[source->light].kind;
-    return source->stand_in == NULL &&
-           (kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT);
+bool ty_dom_is_walled(const ty_dom_job* job, ty_vec point) {
+    const float at[3] = {point.x, point.y, point.z};
+    const ty_grid_medium* medium = job->coarse;
+    bool inside = job->walls != NULL;
+    for (int a = 0; a < 3; ++a)
+        inside = inside && (double)at[a] > medium->box.lower[a] - 0.5 * medium->cell[a] &&
+                 (double)at[a] < medium->box.upper[a] + 0.5 * medium->cell[a];
+    return inside;
 }
 
-/* What each side gets, of all channels: by light whose reflections are to be sent, by other light, and the part of
- * both that has scattered nearly straight on. */
+/* What each side gets, of all channels, and the part of it that has scattered nearly straight on. */
 typedef struct wall_sums {
-    float *sent[3], *other[3], *forward[3];
+    float *all[3], *forward[3];
 } wall_sums;
 
-enum { SUMS = 9 };
+enum { SUMS = 6 };
 
 static void light_walls(const ty_dom_job* job, float* const extinction[3], const wall_sums* sums) {
-    float* const* forward = job->light->even ? NULL : sums->forward;
-    for (int32_t begin = 0, end; begin < job->source_count; begin = end) {
-        const bool left_out = has_reflections(job, &job->sources[begin]);
-        for (end = begin + 1; end < job->source_count && has_reflections(job, &job->sources[end]) == left_out;) ++end;
-        if (left_out && forward == NULL) continue;
-        ty_walls_light(job->scene, job->walls, job->coarse, extinction, job->sources + begin, end - begin,
-                       left_out ? sums->other : sums->sent, forward);
-    }
+    ty_walls_light(job->scene, job->walls, job->coarse, extinction, job->sources, job->source_count, sums->all,
+                   job->light->even ? NULL : sums->forward);
 }
 
 static float in_units(const ty_dom* light, float* const rgb[3], int32_t channel, int32_t side) {
@@ -88,7 +84,7 @@ static void send_light(const ty_dom_job* job, int32_t channel, const wall_sums* 
     const ty_dom* light = job->light;
     for (int32_t i = 0; i < job->walls->count; ++i) {
         const ty_wall* side = &job->walls->sides[i];
-        const float arrived = in_units(light, sums->sent, channel, i);
+        const float arrived = in_units(light, sums->all, channel, i);
         float share;
         ty_wall_of_stairs(side, side->albedo[channel], &job->wall_albedo[channel][i], &share);
         job->wall_light[channel][i] = share * (side->albedo[channel] * arrived / TY_PI + side->emission[channel]);
@@ -138,9 +134,8 @@ ty_result ty_dom_light_walls(ty_dom_job* job) {
     if (result == TY_OK) {
         wall_sums sums;
         for (size_t c = 0; c < 3; ++c) {
-            sums.sent[c] = irradiance + count * c;
-            sums.other[c] = irradiance + count * (3 + c);
-            sums.forward[c] = irradiance + count * (6 + c);
+            sums.all[c] = irradiance + count * c;
+            sums.forward[c] = irradiance + count * (3 + c);
         }
         float* planes[3] = {reduced, NULL, NULL};
         for (int32_t p = 1; p < job->coarse->planes; ++p) planes[p] = reduced + cells * (size_t)p;
