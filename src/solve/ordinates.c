@@ -13,6 +13,9 @@ static const double THINNEST = 6;
  * the thickness, would be more than they mend: there D is larger, and what varies slowly remains what diffusion made of
  * it to start from, which in media so thick is the solution. */
 static const double THICKEST = 25;
+/* The same where thick cells lie beside much thinner ones, of less than this share of their extinction: light comes out
+ * of their faces in waves from cell to cell that differences do not dampen, and corrections would raise them. */
+static const double THICKEST_EDGED = 10, EDGE = 0.25;
 
 ty_ordinates_def ty_default_ordinates_def(void) {
     return (ty_ordinates_def){.bands = 4, .kept = 4, .source_terms = 1, .accelerated = true, .tolerance = 1e-3};
@@ -169,10 +172,30 @@ static void end_correction(ty_ordinates_job* job) {
     job->correction = NULL;
 }
 
-static bool is_thick(const ty_ordinates_job* job) {
-    const double edge = longest_edge(job->def);
+static bool is_thick(const ty_ordinates_job* job, int64_t cell) {
+    return (double)job->extinction[cell] * longest_edge(job->def) > THICKEST;
+}
+
+static bool has_thick_cells(const ty_ordinates_job* job) {
     for (int64_t i = 0; i < job->cells; ++i)
-        if ((double)job->extinction[i] * edge > THICKEST) return true;
+        if (is_thick(job, i)) return true;
+    return false;
+}
+
+/* Whether a thick cell and the one after it along an axis, or before it, are that unlike. */
+static bool are_edge(const ty_ordinates_job* job, int64_t cell, int64_t after) {
+    const double a = (double)job->extinction[cell], b = (double)job->extinction[after];
+    return (is_thick(job, cell) && b < EDGE * a) || (is_thick(job, after) && a < EDGE * b);
+}
+
+static bool has_edges(const ty_ordinates_job* job) {
+    const int32_t* size = job->def->size;
+    const int64_t steps[3] = {1, size[0], (int64_t)size[0] * size[1]};
+    for (int64_t i = 0; i < job->cells; ++i) {
+        const int64_t place[3] = {i % size[0], i / steps[1] % size[1], i / steps[2]};
+        for (int a = 0; a < 3; ++a)
+            if (place[a] + 1 < size[a] && are_edge(job, i, i + steps[a])) return true;
+    }
     return false;
 }
 
@@ -180,7 +203,7 @@ static bool is_thick(const ty_ordinates_job* job) {
  * they would not mend what of the former varies slowly. */
 static ty_result begin(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
-    job->limited = job->correction != NULL && is_thick(job);
+    job->limited = job->correction != NULL && has_thick_cells(job);
     if (def->start != NULL && !job->limited) {
         ty_ordinates_gather(job, def->start, job->terms, job->terms, job->moments[0]);
         ty_ordinates_take_low(job);
@@ -194,7 +217,7 @@ static ty_result begin(ty_ordinates_job* job) {
     if (!job->limited) return TY_OK;
     end_correction(job);
     job->emitted = ty_ordinates_balance(job, job->moments[0], job->terms).emitted;
-    return scale(job, THICKEST);
+    return scale(job, has_edges(job) ? THICKEST_EDGED : THICKEST);
 }
 
 static ty_result prepare(ty_ordinates_job* job) {
