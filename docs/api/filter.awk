@@ -49,7 +49,7 @@ BEGIN {
     sub(/.*\//, "", file)
 }
 open {
-    star = match($0, /^ +\* ?/) && substr($0, RLENGTH, 1) != "/" ? RLENGTH : 0
+    star = /^ *\*\/$/ ? index($0, "*") - 1 : match($0, /^ +\* ?/) ? RLENGTH : 0
     text = text "\n" substr($0, 1, star)
     comment(substr($0, star + 1))
     next

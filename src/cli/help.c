@@ -49,9 +49,9 @@ static ty_result print_man(ty_context* context, FILE* file, const void* user) {
 
 /* A command's own help, in a form, to a file or to stdout. */
 static int help_of(const cli_command* command, const char* form, const char* path) {
-    char arguments[5][16] = {"--help", "--help-as", "", "--help-to"};
-    snprintf(arguments[2], sizeof arguments[2], "%s", form);
-    char* list[] = {arguments[0], arguments[1], arguments[2], arguments[3], (char*)path};
+    char help[] = "--help", as[] = "--help-as", word[16], to[] = "--help-to";
+    snprintf(word, sizeof word, "%s", form);
+    char* list[] = {help, as, word, to, (char*)path};
     return command->run(path != NULL ? 5 : 3, list);
 }
 
