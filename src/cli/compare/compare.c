@@ -175,7 +175,8 @@ int cli_compare(int count, char** arguments) {
          &scene->reference_spp, 1, SPP_MAX, &scene->reference_spp_given},
         {"size", 0, CLI_SIZE, "WxH", "pixels (default: the reference's or what the scene says)", scene->size, 0, 0,
          NULL},
-        {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene, as for render", &options.overrides, 0, 0, NULL},
+        {"define", 'D', CLI_LIST, "KEY=VALUE", "change the scene: -D media[0].g=0.5 (again for more)",
+         &options.overrides, 0, 0, NULL},
         {"exposure", 0, CLI_REAL, "STOPS", "of what is shown (default: the camera's, or 0)", &options.exposure, -64, 64,
          &options.exposure_given},
     };
