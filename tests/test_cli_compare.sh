@@ -148,6 +148,9 @@ test_reference() {
   expect 0 compare builtin:cube_g0 --methods fld -o kept $small --reference-spp 48 --progress none
   said kept/errors.json '"stored": false'
   said kept/errors.json '"spp": 48,'
+  said kept/errors.json '"nearest": "fld",'
+  said kept/errors.json '"noise_share": [0-9.]+,'
+  said kept/errors.json '"noise_share_wanted": 0\.001'
   said out.txt 'noise is [0-9.]+ % of its mean, [0-9.e-]+ of the smallest difference \(fld, [0-9.]+ %\): not well below'
   # shellcheck disable=SC2086
   expect 0 compare builtin:cube_g0 --methods fld -o kept $small --reference-spp 80 --progress none

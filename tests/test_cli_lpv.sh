@@ -85,8 +85,8 @@ test_lights() {
     render builtin:cornell_fog -o no.exr --method lpv
   usage_error 'lpv: lights\[1\] is an environment; directional, spot and point lights are all' \
     render fog.json -o no.exr --method lpv -D 'lights[1]={"type": "environment", "radiance": 1}'
-  usage_error 'lpv: all light comes from surfaces that glow' render room.json -o no.exr --method lpv -D 'lights=[]' \
-    -D 'geometry[0].material.emission=1'
+  usage_error 'lpv: all light comes from surfaces that glow' render fog.json -o no.exr --method lpv -D 'lights=[]' \
+    -D 'geometry=[{"sphere": {"center": [0, 0, 0], "radius": 1}, "material": {"albedo": 0, "emission": 1}}]'
   absent no.exr
 }
 

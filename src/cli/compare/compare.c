@@ -160,8 +160,8 @@ int cli_compare(int count, char** arguments) {
     cli_compare_request* scene = &options.scene;
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
-        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with (default: all that apply)", &scene->methods,
-         0, 0, NULL},
+        {"methods", 0, CLI_TEXT, "NAME,...", "what to render the scene with (default: all, as far as they apply)",
+         &scene->methods, 0, 0, NULL},
         {"reference", 0, CLI_TEXT, "FILE", "the true image (default: path, rendered for longer)", &scene->reference, 0,
          0, NULL},
         {"spp", 0, CLI_INT, "N", "samples per pixel (default: what the scene says)", &scene->spp, 1, SPP_MAX,

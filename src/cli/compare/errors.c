@@ -37,6 +37,12 @@ static void reference_json(json_writer* json, const cli_comparison* comparison) 
         slots_json(json, "noise", reference->noise.rmse);
         slots_json(json, "relative_noise", reference->noise.relative);
         json_text(json, "noise_is", sentence);
+        const cli_compared* nearest = cli_nearest_entry(comparison);
+        if (nearest != NULL && nearest->difference.rmse[3] > 0) {
+            json_text(json, "nearest", nearest->name);
+            json_number(json, "noise_share", reference->noise.rmse[3] / nearest->difference.rmse[3]);
+        }
+        if (comparison->hash[0] != '\0') json_number(json, "noise_share_wanted", comparison->wanted);
     }
     json_close_object(json);
 }

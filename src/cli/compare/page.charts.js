@@ -110,10 +110,13 @@ const drawPlot = () => {
         makeSvg("circle", { cx: own, cy: py, r: 4, style: `stroke: ${color}`, "stroke-width": 2, fill: "none" },
           makeSvg("title", {}, `${entry.name}: ${seconds(entry.own_seconds)} without the paths' image`)));
     }
-    labels.push({ x: px + 10, y: py + 5, color, name: entry.name });
+    const fits = px + 10 + 8 * entry.name.length < width;
+    const side = fits ? { anchor: "start", x: px + 10 } : { anchor: "end", x: px - 10 };
+    labels.push({ ...side, y: py + 5, color, name: entry.name });
   }
   spreadLabels(labels);
-  for (const label of labels) text({ class: "label", x: label.x, y: label.y, style: `fill: ${label.color}` }, label.name);
+  for (const { x, y, anchor, color, name } of labels)
+    text({ class: "label", x, y, "text-anchor": anchor, style: `fill: ${color}` }, name);
   const says = entries.map(({ entry }) =>
     `${entry.name} ${percent(entry.all.relative_rmse)} in ${seconds(entry.seconds)}`).join(", ");
   const label = "Error against time: " + says;
