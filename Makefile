@@ -36,7 +36,7 @@ figures:
 	@scripts/insert_between_marks.sh docs/figures.md "measured figures" out/figures/summary.md
 
 # All benches, into docs/performance.json and docs/performance.md, beside what that file held before.
-PERFORMANCE = --rounds 3 --runs 1
+PERFORMANCE = --rounds 3 --runs 1 --spp 16
 performance:
 	@scripts/setup.sh
 	@scripts/build.sh release tyndall_cli

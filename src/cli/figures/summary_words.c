@@ -9,6 +9,8 @@ void figure_describe_expected(const figure_group* group, char out[FIGURE_WORDS_S
     const char* gap = unit[0] != '\0' ? " " : "";
     if (!group->same)
         snprintf(out, FIGURE_WORDS_SIZE, "each its own%s", group->checked ? ", ± its tolerance" : "");
+    else if (group->checked && group->first->expected == 0)
+        snprintf(out, FIGURE_WORDS_SIZE, "at most %.4g%s%s", group->first->tolerance, gap, unit);
     else if (group->checked)
         snprintf(out, FIGURE_WORDS_SIZE, "%.4g ± %.4g%s%s", group->first->expected, group->first->tolerance, gap, unit);
     else
