@@ -52,6 +52,7 @@ test_baseline() {
   said err.txt '^  slower '
   # A measurement against it, too.
   expect 0 bench load --side 12 --runs 1 --baseline slow.json
+  unsaid err.txt warning
   said out.txt '^  faster .*nrrd raw'
 }
 
@@ -83,6 +84,8 @@ test_refusals() {
   usage_error 'rounds' bench load --rounds 0
   expect 0 bench load --from now.json --baseline older.json
   said err.txt '^tyndall: warning: older.json is of version 0.0.9'
+  expect 0 bench load --side 10 --runs 1 --baseline now.json
+  said err.txt '^tyndall: warning: now.json was measured with other options'
 }
 
 # What was measured until then is kept.

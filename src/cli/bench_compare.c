@@ -112,9 +112,12 @@ void bench_warn_differences(cli_session* session, const bench_comparison* compar
                  path, before->threads, before->processors, before->isa, now->threads, now->processors, now->isa);
         cli_progress_warn(&session->progress, text);
     }
-    if (now->quick != before->quick) {
-        snprintf(text, sizeof text, "%s was measured %s --quick: sizes differ, and so do times", path,
-                 before->quick ? "with" : "without");
+    if (now->quick != before->quick || now->spp != before->spp || now->side != before->side ||
+        now->size[0] != before->size[0] || now->size[1] != before->size[1]) {
+        snprintf(text, sizeof text,
+                 "%s was measured with other options (--spp %d, --side %d, %s size%s): some times mean other things",
+                 path, before->spp, before->side, before->size[0] > 0 ? "a given" : "no given",
+                 before->quick ? ", --quick" : "");
         cli_progress_warn(&session->progress, text);
     }
 }
