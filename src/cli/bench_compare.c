@@ -164,9 +164,10 @@ void bench_print_comparison(FILE* file, const bench_comparison* comparison, cons
     for (int i = 0; i < comparison->now->count; ++i) {
         const bench_result* bench = &comparison->now->benches[i];
         const summary s = summarize(comparison, bench, threshold, ratios);
-        if (s.count > 0)
-            fprintf(file, "%-10s %8zu %18.2f %10.2f to %4.2f %8zu %8zu\n", bench->name, s.count, s.median, s.lower,
-                    s.upper, s.slower, s.faster);
+        if (s.count == 0) continue;
+        cli_print_text(file, bench->name, 10);
+        fprintf(file, " %8zu %18.2f %10.2f to %4.2f %8zu %8zu\n", s.count, s.median, s.lower, s.upper, s.slower,
+                s.faster);
     }
     free(ratios);
     fprintf(file, "by more than %.3g %%, and by more than rounds differ:\n", 100 * threshold);

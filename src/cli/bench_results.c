@@ -248,6 +248,7 @@ static void write_value(json_writer* json, const char* name, const json_t* value
     double numbers[16];
     const char* key;
     json_t* member;
+    if (json->depth + 2 >= JSON_DEPTH_MAX) return; /* a file has what no bench writes */
     switch (json_typeof(value)) {
     case JSON_OBJECT:
         json_open_object(json, name);
@@ -327,9 +328,13 @@ void bench_write_results(json_writer* json, const bench_results* results) {
 
 /* ---- reading ---- */
 
+static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-+.:";
+
+/* Up to where it stops to look like a version or a date. */
 static void copy_text(const json_t* file, const char* key, char* out, size_t size) {
     const char* text = json_string_value(json_object_get(file, key));
     snprintf(out, size, "%s", text != NULL ? text : "");
+    out[strspn(out, plain)] = '\0';
 }
 
 static double number_or_nan(const json_t* object, const char* key) {
@@ -352,6 +357,7 @@ static bool read_result(const char* name, const json_t* value, bench_result* out
     const char *key, *skipped = json_string_value(json_object_get(value, "skipped"));
     const char* failed = json_string_value(json_object_get(value, "failed"));
     json_t* timing;
+    if (name[0] == '\0' || name[strspn(name, plain)] != '\0') return false;
     *out = (bench_result){.name = name,
                           .load_before = number_or_nan(value, "load_before"),
                           .others = number_or_nan(value, "others_busy"),
