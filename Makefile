@@ -35,16 +35,17 @@ docs:
 	@scripts/docs.sh
 
 # All of the papers' figures into out/figures, and what they measured into docs/figures.md. Goes on where it was
-# interrupted; TYNDALL_DATA names the folder of third-party data.
+# interrupted; TYNDALL_DATA names the folder of third-party data, and FIGURES has further options.
+FIGURES =
 figures:
 	@scripts/setup.sh
 	@scripts/build.sh release tyndall_cli
 	@mkdir -p out
-	@build/release/bin/tyndall figure all -o out/figures --keep
+	@build/release/bin/tyndall figure all -o out/figures --keep $(FIGURES)
 	@scripts/insert_between_marks.sh docs/figures.md "measured figures" out/figures/summary.md
 
 # All benches, into docs/performance.json and docs/performance.md, beside what that file held before.
-PERFORMANCE = --rounds 3 --runs 1
+PERFORMANCE = --rounds 3 --runs 1 --spp 16
 performance:
 	@scripts/setup.sh
 	@scripts/build.sh release tyndall_cli

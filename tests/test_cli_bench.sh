@@ -52,6 +52,7 @@ test_baseline() {
   said err.txt '^  slower '
   # A measurement against it, too.
   expect 0 bench load --side 12 --runs 1 --baseline slow.json
+  unsaid err.txt warning
   said out.txt '^  faster .*nrrd raw'
 }
 
@@ -76,6 +77,8 @@ test_refusals() {
   usage_error 'newer.json: is of format version 7, and this program reads 1' bench load --baseline newer.json --json
   usage_error 'short.json: its benches are not' bench load --baseline short.json --json
   usage_error 'order.json: its benches are not' bench load --baseline order.json --json
+  sed 's/"load": {/"lo\\u001bad": {/' now.json > odd.json
+  usage_error 'odd.json: its benches are not' bench load --baseline odd.json --json
   usage_error 'nothing of bench fld' bench fld --from now.json
   usage_error "did you mean 'load'" bench path,laod
   usage_error '--baseline' bench load --fail-slower 5
@@ -83,9 +86,19 @@ test_refusals() {
   usage_error 'rounds' bench load --rounds 0
   expect 0 bench load --from now.json --baseline older.json
   said err.txt '^tyndall: warning: older.json is of version 0.0.9'
+  expect 0 bench load --side 10 --runs 1 --baseline now.json
+  said err.txt '^tyndall: warning: now.json was measured with other options'
 }
 
 # What was measured until then is kept.
+# No bench writes lists as deep as this.
+test_deep() {
+  deep=$(printf '[%.0s' $(seq 40))$(printf ']%.0s' $(seq 40))
+  sed "s|\"results\": {|\"results\": {\"deep\": $deep,|" now.json > deep.json
+  expect 0 bench load --from deep.json --json -q
+  valid_json out.txt
+}
+
 test_interrupt() {
   start bench load --side 24 --runs 20 --rounds 32 -o cut_short.json
   sleep 0.5
@@ -100,6 +113,7 @@ test_keeping
 test_baseline
 test_markdown
 test_refusals
+test_deep
 test_interrupt
 no_temporary_files
-finish 79
+finish 80

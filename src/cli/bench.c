@@ -94,7 +94,7 @@ static int print_benches(cli_session* session, const bench_options* options, con
         if (!is_wanted(name, benches[i].name)) continue;
         const int status = benches[i].run(&bench);
         if (!names_several(name)) return status;
-        if (status != CLI_DONE) cli_fail(status, "bench %s was left out", benches[i].name);
+        if (status != CLI_DONE && !cli_interrupted()) cli_fail(status, "bench %s was left out", benches[i].name);
         if (status == CLI_FAILED) worst = CLI_FAILED;
     }
     return cli_interrupted() ? CLI_INTERRUPTED : worst;
@@ -103,14 +103,14 @@ static int print_benches(cli_session* session, const bench_options* options, con
 /* ---- benches whose numbers are kept ---- */
 
 /* What all that ran make of the exit status: one that lacks what it needs is no failure unless it is all there is. */
-static int judge_results(const bench_results* results) {
+static int judge_results(const bench_keeping* keeping, const bench_results* results) {
     int worst = CLI_DONE, done = 0;
     for (int i = 0; i < results->count; ++i) {
         const int status = results->benches[i].status;
         done += status == CLI_DONE ? 1 : 0;
         if (status == CLI_FAILED) worst = CLI_FAILED;
     }
-    if (!results->complete) return CLI_INTERRUPTED;
+    if (keeping->from == NULL && !results->complete) return CLI_INTERRUPTED;
     return worst == CLI_DONE && done == 0 ? CLI_USAGE : worst;
 }
 
@@ -186,7 +186,7 @@ static int keep_results(cli_session* session, const bench_options* options, cons
     }
     const size_t slower = keeping->fails ? bench_count_slower(&comparison, 0.01 * keeping->fail_slower) : 0;
     bench_free_comparison(&comparison);
-    if (status == CLI_DONE) status = judge_results(results);
+    if (status == CLI_DONE) status = judge_results(keeping, results);
     if (status == CLI_DONE && slower > 0)
         status = cli_fail(CLI_FAILED, "%zu times and rates are by more than %g %% worse than in %s", slower,
                           keeping->fail_slower, keeping->baseline);

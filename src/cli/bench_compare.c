@@ -112,9 +112,12 @@ void bench_warn_differences(cli_session* session, const bench_comparison* compar
                  path, before->threads, before->processors, before->isa, now->threads, now->processors, now->isa);
         cli_progress_warn(&session->progress, text);
     }
-    if (now->quick != before->quick) {
-        snprintf(text, sizeof text, "%s was measured %s --quick: sizes differ, and so do times", path,
-                 before->quick ? "with" : "without");
+    if (now->quick != before->quick || now->spp != before->spp || now->side != before->side ||
+        now->size[0] != before->size[0] || now->size[1] != before->size[1]) {
+        snprintf(text, sizeof text,
+                 "%s was measured with other options (--spp %d, --side %d, %s size%s): some times mean other things",
+                 path, before->spp, before->side, before->size[0] > 0 ? "a given" : "no given",
+                 before->quick ? ", --quick" : "");
         cli_progress_warn(&session->progress, text);
     }
 }
@@ -161,9 +164,10 @@ void bench_print_comparison(FILE* file, const bench_comparison* comparison, cons
     for (int i = 0; i < comparison->now->count; ++i) {
         const bench_result* bench = &comparison->now->benches[i];
         const summary s = summarize(comparison, bench, threshold, ratios);
-        if (s.count > 0)
-            fprintf(file, "%-10s %8zu %18.2f %10.2f to %4.2f %8zu %8zu\n", bench->name, s.count, s.median, s.lower,
-                    s.upper, s.slower, s.faster);
+        if (s.count == 0) continue;
+        cli_print_text(file, bench->name, 10);
+        fprintf(file, " %8zu %18.2f %10.2f to %4.2f %8zu %8zu\n", s.count, s.median, s.lower, s.upper, s.slower,
+                s.faster);
     }
     free(ratios);
     fprintf(file, "by more than %.3g %%, and by more than rounds differ:\n", 100 * threshold);

@@ -71,6 +71,17 @@ static void append_identity(char label[BENCH_TIMING_NAME], const json_t* value) 
     append(label, " ", text);
 }
 
+/* An array of numbers beside another that says what they are for: "16" of values, "2 threads". */
+static const json_t* find_labels(const json_t* object, const json_t* array, const char** unit) {
+    static const struct { const char *key, *unit; } kinds[] = {{"values", ""}, {"threads", " threads"}};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        const json_t* labels = json_object_get(object, kinds[i].key);
+        *unit = kinds[i].unit;
+        if (json_is_array(labels) && json_array_size(labels) == json_array_size(array)) return labels;
+    }
+    return NULL;
+}
+
 /* "limited beam 64", or the index of an element that has nothing of its own. */
 static void label_element(const json_t* element, size_t index, char label[BENCH_TIMING_NAME]) {
     label[0] = '\0';
@@ -115,11 +126,18 @@ static void add_timing(timing_list* list, const char* name, double value) {
 
 static void collect(timing_list* list, const json_t* value, const char* name, int depth);
 
-static void collect_elements(timing_list* list, const json_t* array, const char* name, int depth) {
+/* object: what the array is in. */
+static void collect_elements(timing_list* list, const json_t* array, const json_t* object, const char* name,
+                             int depth) {
+    const char* unit;
+    const json_t* labels = find_labels(object, array, &unit);
     for (size_t i = 0; i < json_array_size(array); ++i) {
         const json_t* element = json_array_get(array, i);
         char label[BENCH_TIMING_NAME], own[BENCH_TIMING_NAME];
-        label_element(element, i, label);
+        if (labels != NULL)
+            snprintf(label, sizeof label, "%.6g%s", json_number_value(json_array_get(labels, i)), unit);
+        else
+            label_element(element, i, label);
         snprintf(own, sizeof own, "%s", name);
         append(own, "/", label);
         collect(list, element, own, depth + 1);
@@ -140,14 +158,18 @@ static void collect_members(timing_list* list, const json_t* object, const char*
         char own[BENCH_TIMING_NAME];
         snprintf(own, sizeof own, "%s", name);
         append(own, "/", key);
-        if (!is_repeated(object, key)) collect(list, value, own, depth + 1);
+        if (is_repeated(object, key)) continue;
+        if (json_is_array(value))
+            collect_elements(list, value, object, own, depth + 1);
+        else
+            collect(list, value, own, depth + 1);
     }
 }
 
 static void collect(timing_list* list, const json_t* value, const char* name, int depth) {
     if (depth > DEPTH_MAX) return;
     if (json_is_object(value)) collect_members(list, value, name, depth);
-    if (json_is_array(value)) collect_elements(list, value, name, depth);
+    if (json_is_array(value)) collect_elements(list, value, NULL, name, depth);
     if (json_is_number(value) && (bench_is_rate(name) || is_time(name)))
         add_timing(list, name, json_number_value(value));
 }
@@ -226,6 +248,7 @@ static void write_value(json_writer* json, const char* name, const json_t* value
     double numbers[16];
     const char* key;
     json_t* member;
+    if (json->depth + 2 >= JSON_DEPTH_MAX) return; /* a file has what no bench writes */
     switch (json_typeof(value)) {
     case JSON_OBJECT:
         json_open_object(json, name);
@@ -291,6 +314,9 @@ void bench_write_results(json_writer* json, const bench_results* results) {
     json_integer(json, "threads", results->threads);
     json_text(json, "isa", results->isa);
     json_bool(json, "quick", results->quick);
+    json_integer(json, "spp", results->spp);
+    json_numbers(json, "size", (const double[]){results->size[0], results->size[1]}, 2);
+    json_integer(json, "side", results->side);
     json_integer(json, "runs", results->runs);
     json_integer(json, "rounds", results->rounds);
     json_bool(json, "complete", results->complete);
@@ -302,9 +328,13 @@ void bench_write_results(json_writer* json, const bench_results* results) {
 
 /* ---- reading ---- */
 
+static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-+.:";
+
+/* Up to where it stops to look like a version or a date. */
 static void copy_text(const json_t* file, const char* key, char* out, size_t size) {
     const char* text = json_string_value(json_object_get(file, key));
     snprintf(out, size, "%s", text != NULL ? text : "");
+    out[strspn(out, plain)] = '\0';
 }
 
 static double number_or_nan(const json_t* object, const char* key) {
@@ -327,6 +357,7 @@ static bool read_result(const char* name, const json_t* value, bench_result* out
     const char *key, *skipped = json_string_value(json_object_get(value, "skipped"));
     const char* failed = json_string_value(json_object_get(value, "failed"));
     json_t* timing;
+    if (name[0] == '\0' || name[strspn(name, plain)] != '\0') return false;
     *out = (bench_result){.name = name,
                           .load_before = number_or_nan(value, "load_before"),
                           .others = number_or_nan(value, "others_busy"),
@@ -374,6 +405,10 @@ static int take_file(const char* path, bench_results* out) {
     copy_text(out->file, "isa", out->isa, sizeof out->isa);
     out->processors = (int)json_integer_value(json_object_get(out->file, "processors"));
     out->threads = (int)json_integer_value(json_object_get(out->file, "threads"));
+    out->spp = (int)json_integer_value(json_object_get(out->file, "spp"));
+    out->side = (int)json_integer_value(json_object_get(out->file, "side"));
+    for (size_t i = 0; i < 2; ++i)
+        out->size[i] = (int)json_integer_value(json_array_get(json_object_get(out->file, "size"), i));
     out->runs = (int)json_integer_value(json_object_get(out->file, "runs"));
     out->rounds = (int)json_integer_value(json_object_get(out->file, "rounds"));
     out->quick = json_is_true(json_object_get(out->file, "quick"));

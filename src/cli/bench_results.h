@@ -32,7 +32,8 @@ typedef struct bench_result {
 typedef struct bench_results {
     char version[32], date[32], isa[32]; /* date: UTC, ISO 8601 */
     int processors, threads, runs, rounds;
-    bool quick, complete; /* complete: not interrupted */
+    int spp, size[2], side; /* as bench_options has them; size 0: not given */
+    bool quick, complete;   /* complete: not interrupted */
     bench_result* benches;
     int count;
     struct json_t* file; /* what was read; NULL: nothing was */

@@ -86,6 +86,9 @@ static void describe_run(cli_session* session, const bench_options* options, int
     out->threads = ty_context_threads(session->context);
     out->quick = options->quick;
     out->runs = options->runs;
+    out->spp = options->spp;
+    out->side = options->side;
+    for (int i = 0; i < 2; ++i) out->size[i] = options->size_given ? options->size[i] : 0;
     out->rounds = rounds;
 }
 

@@ -1,6 +1,7 @@
 /* Words for what figures measured. */
 #include "cli/figures/summary_words.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,6 +10,8 @@ void figure_describe_expected(const figure_group* group, char out[FIGURE_WORDS_S
     const char* gap = unit[0] != '\0' ? " " : "";
     if (!group->same)
         snprintf(out, FIGURE_WORDS_SIZE, "each its own%s", group->checked ? ", ± its tolerance" : "");
+    else if (group->checked && group->first->expected == 0)
+        snprintf(out, FIGURE_WORDS_SIZE, "at most %.4g%s%s", group->first->tolerance, gap, unit);
     else if (group->checked)
         snprintf(out, FIGURE_WORDS_SIZE, "%.4g ± %.4g%s%s", group->first->expected, group->first->tolerance, gap, unit);
     else
@@ -21,16 +24,20 @@ void figure_describe_measured(const figure_group* group, char out[FIGURE_WORDS_S
         snprintf(out, FIGURE_WORDS_SIZE, "below the noise");
     else if (!group->same && group->checked)
         snprintf(out, FIGURE_WORDS_SIZE, "at most %.3g%s", group->most, what);
-    else if (group->least == group->most)
+    else if (group->most - group->least <= 1e-4 * fabs(group->most))
         snprintf(out, FIGURE_WORDS_SIZE, "%.4g%s", group->least, what);
     else
         snprintf(out, FIGURE_WORDS_SIZE, "%.4g to %.4g%s", group->least, group->most, what);
 }
 
 void figure_describe_within(size_t within, size_t unknown, size_t count, char out[FIGURE_WORDS_SIZE]) {
-    if (count == 0)
-        out[0] = '\0';
-    else if (within == count)
+    out[0] = '\0';
+    if (count == 0) return;
+    if (unknown == count) {
+        snprintf(out, FIGURE_WORDS_SIZE, "below the noise");
+        return;
+    }
+    if (within == count)
         snprintf(out, FIGURE_WORDS_SIZE, count == 1 ? "yes" : "all %zu", count);
     else
         snprintf(out, FIGURE_WORDS_SIZE, "%zu of %zu", within, count);
