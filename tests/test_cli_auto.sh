@@ -67,7 +67,7 @@ test_wishes() {
 }
 
 test_words() {
-  usage_error 'unknown method .avto.; known: auto, path' render fog.json -o out.exr --method avto
+  usage_error 'unknown method .avto.; known: path, .*dom, auto' render fog.json -o out.exr --method avto
   expect 0 render --help
   said out.txt 'auto, path, screen'
 }
