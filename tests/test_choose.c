@@ -90,6 +90,10 @@ static void test_rules(void** state) {
         {{4000, 1, 0, SUN, false, false}, "path", "dense"},
         {{4, 1, 0.9f, SKY, false, false}, "pop", "narrow"},
         {{4, 1, 0.9f, SUN, false, false}, "dom", "g 0.9"},
+        {{4, 1, 0.96f, SUN, false, false}, "path", "nearly straight on"},
+        {{400, 1, 0.96f, SUN, false, false}, "dom", "g 0.96"},
+        {{4, 0.8f, 0, SUN, false, true}, "path", "scatters seldom"},
+        {{200, 1, 0, SUN, false, true}, "dom", "few surfaces near"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         ty_scene* scene = set_up(*state, &cases[i].with);

@@ -66,8 +66,20 @@ test_wishes() {
   chosen path fog.json --error 0.5 --method auto
 }
 
+# What the chosen method has no memory for is path-traced.
+test_refusal() {
+  what='tyndall render, without memory'
+  # shellcheck disable=SC2086 # options
+  (ulimit -v 900000; "$tyndall" render fog.json -o out.exr $small -D render.dom.resolution=512 -D render.dom.direct=1024 \
+    -D render.spp=1 --threads 1 > out.txt 2> err.txt)
+  said err.txt '^method: dom '
+  said err.txt '^method: path \(dom refused: .*not enough memory'
+  expect 0 info out.exr
+  said out.txt 'tyndall.method +path$'
+}
+
 test_words() {
-  usage_error 'unknown method .avto.; known: auto, path' render fog.json -o out.exr --method avto
+  usage_error 'unknown method .avto.; known: path, .*dom, auto' render fog.json -o out.exr --method avto
   expect 0 render --help
   said out.txt 'auto, path, screen'
 }
@@ -77,6 +89,7 @@ test_scenes_that_name_none
 test_scenes_that_name_one
 test_same_picture
 test_wishes
+test_refusal
 test_words
 no_temporary_files
 finish 90

@@ -10,8 +10,11 @@
 /* What rules ask of a look, found by `tyndall figure auto-choice`. */
 static const double faint = 2e-3;        /* opacity below which media do not count */
 static const double enclosed_most = 0.5; /* of what scatters; above it, surfaces and media light each other */
-static const double cell_most = 10;      /* mean free paths of a cell */
+static const double surfaces_most = 0.3; /* of the frame; above it, the paths that others take for surfaces count */
+static const double seldom = 4;          /* scatterings below which paths are cheap */
+static const double cell_most = 10;      /* mean free paths of a cell, times 1 - g */
 static const double narrow = 0.85;       /* g from which lobes tell the parts of an environment apart */
+static const double needle = 0.94;       /* g from which no method but path tracing knows where light comes from */
 
 enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
 
@@ -86,18 +89,27 @@ static bool asks_path(const ty_choose_def* def, ty_choice* out) {
     return true;
 }
 
+/* How often light scatters before it is absorbed or leaves, about, turns that are nearly none not counted. */
+static double scatterings(const ty_look* look) {
+    const double reduced = look->thickness * (1 - look->g);
+    return 1 / (1 / (1 + reduced) + 1 - look->albedo);
+}
+
 static void choose_by_look(ty_choice* out) {
     const ty_look* look = &out->look;
-    if (look->opacity < faint) {
+    const bool is_seldom = scatterings(look) < seldom;
+    if (look->opacity < faint)
         snprintf(out->reason, sizeof out->reason, "no media are in view");
-        return;
-    }
-    if (look->enclosed > enclosed_most && (look->lights & ~(uint32_t)LPV_LIGHTS) == 0)
-        set(out, "lpv", "surfaces all around, which media and lamps light");
+    else if (look->enclosed > enclosed_most && (look->lights & ~(uint32_t)LPV_LIGHTS) == 0)
+        set(out, "lpv", "surfaces all around, which lamps or the sun light");
     else if (look->enclosed > enclosed_most)
-        set(out, "path", "surfaces all around, which no faster method lights so");
-    else if (look->cell > cell_most)
-        set(out, "fld", "so dense that light diffuses");
+        set(out, "path", "surfaces all around, lit so as no faster method has it");
+    else if (look->cell * (1 - look->g) > cell_most)
+        set(out, "path", "too dense for the cells of faster methods");
+    else if (look->surfaces > surfaces_most && is_seldom)
+        set(out, "path", "much of the frame is surfaces, and light scatters seldom");
+    else if (look->g > needle && is_seldom)
+        set(out, "path", "light goes nearly straight on");
     else if (look->g > narrow && look->lights == 1u << TY_LIGHT_ENVIRONMENT)
         set(out, "pop", "narrow lobes in light from all around");
     else

@@ -1,8 +1,6 @@
 /* The method that the library chooses for a scene; path tracing where that one does not take it after all. */
 #include "cli/methods.h"
 
-#include <string.h>
-
 /* One line on stderr. */
 static void say(cli_session* session, const cli_report* report) {
     if (session->common.quiet) return;
@@ -27,15 +25,21 @@ static ty_result choose(cli_session* session, const ty_scene* scene, const cli_r
     return TY_OK;
 }
 
+/* Whether path tracing may do what another method did not. */
+static bool is_refusal(ty_result result) {
+    return result == TY_ERROR_ARGUMENT || result == TY_ERROR_UNSUPPORTED || result == TY_ERROR_MEMORY;
+}
+
 static ty_result render(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
                         cli_report* report) {
     ty_result result = choose(session, scene, request, report);
     if (result != TY_OK) return result;
     const cli_method* method = cli_find_method(session->command, report->method);
     result = method->render(session, scene, request, out, report);
-    if (result != TY_ERROR_ARGUMENT || method == &cli_method_path) return result;
+    if (!is_refusal(result) || method == &cli_method_path) return result;
     report->method = cli_method_path.name;
     snprintf(report->choice, sizeof report->choice, "%s refused: %s", method->name, ty_last_error(session->context));
+    ty_clear_error(session->context);
     say(session, report);
     return cli_method_path.render(session, scene, request, out, report);
 }

@@ -4,18 +4,20 @@
 
 #include <string.h>
 
-static const cli_method* const methods[] = {&cli_method_auto, &cli_method_path, &cli_method_screen, &cli_method_fld,
-                                            &cli_method_cda,  &cli_method_pop,  &cli_method_lpv,    &cli_method_dom};
+/* All but auto, which is one of them. */
+static const cli_method* const methods[] = {&cli_method_path, &cli_method_screen, &cli_method_fld, &cli_method_cda,
+                                            &cli_method_pop,  &cli_method_lpv,    &cli_method_dom};
 enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
 const cli_method* cli_find_method(const char* command, const char* name) {
     char known[128] = "";
+    if (strcmp(name, cli_method_auto.name) == 0) return &cli_method_auto;
     for (int i = 0; i < METHOD_COUNT; ++i) {
         if (strcmp(name, methods[i]->name) == 0) return methods[i];
         const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i == 0 ? "" : ", ", methods[i]->name);
+        snprintf(known + used, sizeof known - used, "%s, ", methods[i]->name);
     }
-    cli_usage_error(command, "unknown method '%s'; known: %s", name, known);
+    cli_usage_error(command, "unknown method '%s'; known: %s%s", name, known, cli_method_auto.name);
     return NULL;
 }
 
