@@ -61,8 +61,8 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks,
         path->origin = ty_hit_leave(&end.hit, end.point.facing);
         path->normal = end.point.normal;
         ++path->depth;
-        const float before = ty_sum3(path->beta);
         for (int c = 0; c < 3; ++c) path->beta[c] *= end.point.albedo[c];
+        const float before = ty_sum3(path->beta);
         const float* wall = looks ? ty_cache_look_wall(&request->cache, request->path.scene->mesh, path->origin,
                                                        path->normal, &path->random)
                                   : NULL;
