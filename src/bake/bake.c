@@ -6,20 +6,6 @@
 
 #include <string.h>
 
-/* Light in cells has rays of its own for what media scattered. */
-static double samples_of(const ty_bake_run* run, int64_t receiver, int layer) {
-    const ty_bake_sums* sums = &run->sums[receiver];
-    const bool fog = run->request.cache.light != NULL && (layer == TY_BAKE_SINGLE || layer == TY_BAKE_MULTIPLE);
-    return fog ? sums->asked + sums->borrowed : sums->count;
-}
-
-static double mean_of(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term) {
-    const int32_t terms = run->request.terms;
-    const size_t at = (((size_t)receiver * TY_BAKE_LAYERS + (size_t)layer) * 3 + (size_t)channel) * (size_t)terms;
-    const double samples = samples_of(run, receiver, layer);
-    return samples > 0 ? run->light[at + (size_t)term] / samples : 0;
-}
-
 ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const ty_bake_receiver* receivers,
                            int64_t count, ty_bake_light* light, ty_bake_stats* stats) {
     ty_bake_run run;
@@ -31,8 +17,8 @@ ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const 
             for (int c = 0; c < 3; ++c) {
                 light[i].variance[c] = (float)ty_bake_variance(&run.sums[i], c);
                 for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) {
-                    light[i].irradiance[layer][c] = (float)mean_of(&run, i, layer, c, 0);
-                    for (int a = 0; a < 3; ++a) light[i].toward[layer][c][a] = (float)mean_of(&run, i, layer, c, 1 + a);
+                    light[i].irradiance[layer][c] = (float)ty_bake_mean(&run, i, layer, c, 0);
+                    for (int a = 0; a < 3; ++a) light[i].toward[layer][c][a] = (float)ty_bake_mean(&run, i, layer, c, 1 + a);
                 }
             }
         }
@@ -48,7 +34,7 @@ static void take_probe(const ty_bake_run* run, int64_t i, ty_bake_probe* out) {
     for (int c = 0; c < 3; ++c) {
         out->variance[c] = (float)ty_bake_variance(&run->sums[i], c);
         for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer)
-            for (int t = 0; t < TY_BAKE_SH_TERMS; ++t) out->sh[layer][c][t] = (float)mean_of(run, i, layer, c, t);
+            for (int t = 0; t < TY_BAKE_SH_TERMS; ++t) out->sh[layer][c][t] = (float)ty_bake_mean(run, i, layer, c, t);
     }
 }
 

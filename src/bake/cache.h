@@ -17,10 +17,12 @@ enum { TY_CACHE_ONCE = 0, TY_CACHE_REST = 1, TY_CACHE_KINDS = 2 };
 
 /* What is known of light on surfaces in a cell that media scattered (once and never touched by anything else, and
  * other), apart for surfaces that face along each of six axes: the mean of walks from points on them. Floats: the mean
- * place and normal; per kind and channel irradiance and vector irradiance; how many walks that is the mean of. */
+ * place and normal; per kind and channel irradiance and vector irradiance; per channel the variance of all irradiance;
+ * how many walks that is the mean of. */
 enum { TY_WALL_SINGLE = 0, TY_WALL_MULTIPLE = 1, TY_WALL_KINDS = 2, TY_WALL_TERMS = 4, TY_WALL_WAYS = 6 };
 enum { TY_WALL_PLACE = 0, TY_WALL_NORMAL = 3, TY_WALL_LIGHT = 6 };
-enum { TY_WALL_WALKS = TY_WALL_LIGHT + TY_WALL_KINDS * 3 * TY_WALL_TERMS, TY_WALL_FLOATS = TY_WALL_WALKS + 1 };
+enum { TY_WALL_LIGHTS = TY_WALL_KINDS * 3 * TY_WALL_TERMS, TY_WALL_VARIANCE = TY_WALL_LIGHT + TY_WALL_LIGHTS };
+enum { TY_WALL_WALKS = TY_WALL_VARIANCE + 3, TY_WALL_FLOATS = TY_WALL_WALKS + 1 };
 
 /* A cell that surfaces cut has two sides: what its middle sees, and the rest, of which one point is the anchor. What is
  * known of a cell: the light on either side (bits of known), and whether who looks there has to see an anchor first. */

@@ -129,39 +129,42 @@ TY_FN const float* ty_cache_look_wall(const ty_cache_view* view, const ty_mesh* 
     return ty_wall_counts(view, mesh, wall, at, normal, open) > 0.0f ? wall : NULL;
 }
 
-/* The trilinear mean of the walls around a point on a surface: light[kind][channel][term]. Returns how many walks from
+/* The trilinear mean of the walls around a point on a surface: light[kind][channel][term], and the variance of that. Returns how many walks from
  * that point would have as much noise; 0: nothing is known. */
 TY_FN float ty_cache_mean_wall(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_vec normal,
-                               float light[TY_WALL_WALKS - TY_WALL_LIGHT]) {
+                               float light[TY_WALL_LIGHTS], float variance[3]) {
     float part[3], weights = 0.0f, squares = 0.0f;
     int32_t low[3];
     if (view->ways == NULL || !ty_cache_holds(view, at)) return 0.0f;
     const float place[3] = {at.x, at.y, at.z};
     for (int a = 0; a < 3; ++a) {
-        const float p = (place[a] - view->lower[a]) * view->per_metre - 0.5f;
-        low[a] = (int32_t)floorf(p);
-        part[a] = p - (float)low[a];
+        const float p = (place[a] - view->lower[a]) * view->per_metre - 0.5f, last = (float)(view->size[a] - 1);
+        low[a] = (int32_t)floorf(ty_clampf(p, 0.0f, last));
+        part[a] = ty_clampf(p - (float)low[a], 0.0f, (float)(view->size[a] - 1 - low[a]));
     }
     const bool open = ty_cache_is_open(view, at);
     const int32_t way = ty_wall_way(normal);
-    for (int t = 0; t < TY_WALL_WALKS - TY_WALL_LIGHT; ++t) light[t] = 0.0f;
+    for (int t = 0; t < TY_WALL_LIGHTS; ++t) light[t] = 0.0f;
+    for (int c = 0; c < 3; ++c) variance[c] = 0.0f;
     for (int corner = 0; corner < 8; ++corner) {
         float weight = 1.0f;
         int32_t cell = 0;
         for (int a = 2; a >= 0; --a) {
-            const int32_t up = corner >> a & 1, most = view->size[a] - 1, i = low[a] + up;
+            const int32_t up = corner >> a & 1;
             weight *= up != 0 ? part[a] : 1.0f - part[a];
-            cell = cell * view->size[a] + (i < 0 ? 0 : i > most ? most : i);
+            cell = cell * view->size[a] + low[a] + up;
         }
         const float* wall = weight > 0.0f ? ty_wall_of(view, cell, way) : NULL;
         weight *= ty_wall_counts(view, mesh, wall, at, normal, open);
         if (!(weight > 0.0f)) continue;
         weights += weight;
         squares += weight * weight / wall[TY_WALL_WALKS];
-        for (int t = 0; t < TY_WALL_WALKS - TY_WALL_LIGHT; ++t) light[t] += weight * wall[TY_WALL_LIGHT + t];
+        for (int t = 0; t < TY_WALL_LIGHTS; ++t) light[t] += weight * wall[TY_WALL_LIGHT + t];
+        for (int c = 0; c < 3; ++c) variance[c] += weight * weight * wall[TY_WALL_VARIANCE + c];
     }
     if (!(weights > 0.0f)) return 0.0f;
-    for (int t = 0; t < TY_WALL_WALKS - TY_WALL_LIGHT; ++t) light[t] /= weights;
+    for (int t = 0; t < TY_WALL_LIGHTS; ++t) light[t] /= weights;
+    for (int c = 0; c < 3; ++c) variance[c] /= weights * weights;
     /* A flat surface is in half of the eight cells. */
     return ty_minf(1.0f, 2.0f * weights) * weights * weights / squares;
 }

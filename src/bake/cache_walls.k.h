@@ -7,10 +7,11 @@
 #include "bake/cached.k.h"
 
 /* Random rays within a cell that look for its surfaces, per walk that each wall should have. */
-enum { TY_WALL_TRIES = 4 };
+enum { TY_WALL_TRIES = 16 };
 
 typedef struct ty_wall_sums {
     double light[TY_WALL_KINDS][3][TY_WALL_TERMS];
+    double square[3]; /* of irradiance */
     double place[3], normal[3], walks;
     ty_vec first, facing; /* the first point's place and normal */
 } ty_wall_sums;
@@ -42,11 +43,14 @@ TY_FN void ty_wall_walk(ty_gather* g, const ty_cache_request* request, int32_t w
     ty_gather_basis(g, path->direction, basis);
     const float weight = 1.0f / path->pdf;
     if (ty_dot(facing, path->direction) > 0.0f) ty_cached_walk(g, false, single, multiple);
-    for (int c = 0; c < 3; ++c)
+    for (int c = 0; c < 3; ++c) {
+        const double irradiance = (double)(weight * (single[c] + multiple[c]) * basis[0]);
+        sums->square[c] += irradiance * irradiance;
         for (int t = 0; t < TY_WALL_TERMS; ++t) {
             sums->light[TY_WALL_SINGLE][c][t] += (double)(weight * single[c] * basis[t]);
             sums->light[TY_WALL_MULTIPLE][c][t] += (double)(weight * multiple[c] * basis[t]);
         }
+    }
     const float place[3] = {at.x, at.y, at.z}, normal[3] = {g->normal.x, g->normal.y, g->normal.z};
     for (int a = 0; a < 3; ++a) {
         sums->place[a] += (double)place[a];
@@ -72,6 +76,11 @@ TY_FN void ty_wall_keep(const ty_wall_sums* sums, float* out) {
     for (int kind = 0; kind < TY_WALL_KINDS; ++kind)
         for (int c = 0; c < 3; ++c)
             for (int t = 0; t < TY_WALL_TERMS; ++t) *light++ = (float)(sums->light[kind][c][t] / sums->walks);
+    for (int c = 0; c < 3; ++c) {
+        const double n = sums->walks, sum = sums->light[TY_WALL_SINGLE][c][0] + sums->light[TY_WALL_MULTIPLE][c][0];
+        out[TY_WALL_VARIANCE + c] =
+            (float)(n > 1 ? fmax(0, (sums->square[c] - sum * sum / n) / (n * (n - 1))) : sums->square[c]);
+    }
     out[TY_WALL_WALKS] = (float)sums->walks;
 }
 

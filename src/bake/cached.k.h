@@ -61,8 +61,8 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks,
         path->origin = ty_hit_leave(&end.hit, end.point.facing);
         path->normal = end.point.normal;
         ++path->depth;
-        const float before = ty_sum3(path->beta);
         for (int c = 0; c < 3; ++c) path->beta[c] *= end.point.albedo[c];
+        const float before = ty_sum3(path->beta);
         const float* wall = looks ? ty_cache_look_wall(&request->cache, request->path.scene->mesh, path->origin,
                                                        path->normal, &path->random)
                                   : NULL;
@@ -107,12 +107,13 @@ TY_FN void ty_cached_walk(ty_gather* g, bool looks, float single[3], float multi
 TY_FN void ty_cached_borrow(ty_gather* g) {
     const ty_bake_request* request = g->request;
     ty_bake_sums* sums = g->sums;
-    float light[TY_WALL_WALKS - TY_WALL_LIGHT];
+    float light[TY_WALL_LIGHTS], variance[3];
     if (request->terms == TY_BAKE_SH_TERMS) return;
-    const float walks =
-        ty_cache_mean_wall(&request->cache, request->path.scene->mesh, g->from, g->normal, light);
+    const ty_mesh* mesh = request->path.scene->mesh;
+    const float walks = ty_cache_mean_wall(&request->cache, mesh, g->from, g->normal, light, variance);
     if (!(walks > 0.0f)) return;
     sums->borrowed = (double)walks;
+    for (int c = 0; c < 3; ++c) sums->borrowed_variance[c] = (double)variance[c];
     for (int kind = 0; kind < TY_WALL_KINDS; ++kind)
         for (int c = 0; c < 3; ++c)
             ty_gather_keep(g, kind == TY_WALL_SINGLE ? TY_BAKE_SINGLE : TY_BAKE_MULTIPLE, c, walks,
@@ -152,10 +153,11 @@ TY_FN void ty_cached_ask(ty_gather* g, uint64_t item, uint32_t number) {
     ++sums->asked;
 }
 
-/* Fog rays of a receiver after so many paths. */
+/* Fog rays of a receiver after so many paths: as many where cells know little. What they know else is as good as many
+ * rays, which only long bakes better. */
 TY_FN uint32_t ty_cached_rays(const ty_bake_sums* sums, uint32_t paths) {
-    const uint32_t every = sums->borrowed > 0 ? TY_FOG_EVERY : 1;
-    return (paths + every - 1) / every;
+    if (sums->borrowed < TY_FOG_LEAST) return paths;
+    return paths > TY_FOG_ENOUGH ? (paths - TY_FOG_ENOUGH) / TY_FOG_EVERY : 0;
 }
 
 /* What goes with a receiver's paths [first, first + count). */

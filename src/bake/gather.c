@@ -168,6 +168,20 @@ void ty_bake_run_end(ty_bake_run* run) {
     if (run->path.items != NULL) ty_path_run_end(&run->path);
 }
 
+/* Light in cells has rays of its own for what media scattered. */
+static double samples_of(const ty_bake_run* run, int64_t receiver, int layer) {
+    const ty_bake_sums* sums = &run->sums[receiver];
+    const bool fog = run->request.cache.light != NULL && (layer == TY_BAKE_SINGLE || layer == TY_BAKE_MULTIPLE);
+    return fog ? sums->asked + sums->borrowed : sums->count;
+}
+
+double ty_bake_mean(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term) {
+    const int32_t terms = run->request.terms;
+    const size_t at = (((size_t)receiver * TY_BAKE_LAYERS + (size_t)layer) * 3 + (size_t)channel) * (size_t)terms;
+    const double samples = samples_of(run, receiver, layer);
+    return samples > 0 ? run->light[at + (size_t)term] / samples : 0;
+}
+
 /* Of a mean of n samples, by their sum and that of their squares. */
 static double variance_of(double sum, double square, int32_t n) {
     return n < 2 ? square : fmax(0, (square - sum * sum / n) / (n - 1)) / n;
@@ -175,9 +189,10 @@ static double variance_of(double sum, double square, int32_t n) {
 
 double ty_bake_variance(const ty_bake_sums* sums, int channel) {
     if (sums->count < 2) return 0;
-    const double own = sums->asked > 0 ? sums->asked / (sums->asked + sums->borrowed) : 0;
+    const double rays = sums->asked + sums->borrowed, own = rays > 0 ? sums->asked / rays : 0;
     return variance_of(sums->mean[channel], sums->square[channel], sums->count) +
-           own * own * variance_of(sums->fog_mean[channel], sums->fog_square[channel], sums->asked);
+           own * own * variance_of(sums->fog_mean[channel], sums->fog_square[channel], sums->asked) +
+           (1 - own) * (1 - own) * sums->borrowed_variance[channel];
 }
 
 /* ---- passes ---- */
@@ -225,12 +240,10 @@ static ty_result sample_pass(ty_bake_run* run, uint32_t first, uint32_t count, d
     return TY_OK;
 }
 
-static double brightness(const ty_bake_sums* sums) {
+static double brightness(const ty_bake_run* run, int64_t receiver) {
     double sum = 0;
-    for (int c = 0; c < 3; ++c) {
-        if (sums->count > 0) sum += sums->mean[c] / sums->count;
-        if (sums->asked > 0) sum += sums->fog_mean[c] / sums->asked;
-    }
+    for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer)
+        for (int c = 0; c < 3; ++c) sum += ty_bake_mean(run, receiver, layer, c, 0);
     return sum / 3;
 }
 
@@ -239,12 +252,12 @@ static bool end_receivers(ty_bake_run* run) {
     if (!(run->def->error > 0)) return false;
     double mean = 0;
     bool all = true;
-    for (int64_t i = 0; i < run->count; ++i) mean += brightness(&run->sums[i]) / (double)run->count;
+    for (int64_t i = 0; i < run->count; ++i) mean += brightness(run, i) / (double)run->count;
     for (int64_t i = 0; i < run->count; ++i) {
         ty_bake_sums* sums = &run->sums[i];
         double variance = 0;
         for (int c = 0; c < 3; ++c) variance += ty_bake_variance(sums, c) / 3;
-        if (sqrt(variance) <= run->def->error * fmax(mean, brightness(sums))) sums->done = 1;
+        if (sqrt(variance) <= run->def->error * fmax(mean, brightness(run, i))) sums->done = 1;
         if (sums->done == 0) all = false;
     }
     return all;

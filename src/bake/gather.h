@@ -46,7 +46,9 @@ void ty_bake_run_end(ty_bake_run* run);
 ty_result ty_bake_senders_make(ty_bake_run* run);
 void ty_bake_senders_free(ty_bake_run* run);
 
-/* Of the mean of a receiver's samples; 0 from fewer than two. */
+/* The mean of a receiver's samples. */
+double ty_bake_mean(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term);
+/* Of that, all layers' first term; 0 from fewer than two. */
 double ty_bake_variance(const ty_bake_sums* sums, int channel);
 
 #endif

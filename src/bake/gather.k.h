@@ -260,8 +260,8 @@ TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* start, float out[3
         path->normal = end.point.normal;
         ++path->depth;
         ty_gather_reflect_light(g, &end, out);
-        const float before = ty_sum3(path->beta);
         for (int c = 0; c < 3; ++c) path->beta[c] *= end.point.albedo[c];
+        const float before = ty_sum3(path->beta); /* survival knows of albedo by itself */
         path->survival *= ty_max3(end.point.albedo);
         ty_path_turn(path);
         if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;

@@ -9,7 +9,11 @@
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
     TY_BAKE_TERMS_MAX = TY_BAKE_SH_TERMS,
-    TY_FOG_EVERY = 16 /* TY_BAKE_CACHE: paths per ray that gathers what media scattered, where cells know of it, too */
+    /* TY_BAKE_CACHE: rays that gather what media scattered are as many as paths where cells know less of it than so many
+     * would tell; else there is none for the first paths, and then one for so many more. */
+    TY_FOG_LEAST = 16,
+    TY_FOG_ENOUGH = 64,
+    TY_FOG_EVERY = 32
 };
 
 typedef struct ty_bake_request {
@@ -38,7 +42,8 @@ typedef struct ty_bake_sums {
     /* The same of what media make of emitters, over the samples that ask, or of fog rays: it is not in mean and square.
      */
     double fog_mean[3], fog_square[3];
-    double borrowed; /* TY_BAKE_CACHE: fog rays that what cells know counts as */
+    double borrowed; /* TY_BAKE_CACHE: fog rays that what cells know counts as; its variance, as a mean */
+    double borrowed_variance[3];
     uint64_t paths, rays;
     int32_t count; /* samples */
     int32_t asked; /* TY_BAKE_IMPULSE: of which so many asked what media make of emitters; TY_BAKE_CACHE: fog rays */

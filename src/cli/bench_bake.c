@@ -1,7 +1,7 @@
 /* tyndall bench bake: what light from media costs on top of a bake without them, at equal paths per receiver (paper:
  * 4.7 % at low and 14.6 % at high quality), by a cache of the media's light, whose filling is told apart, and by
- * impulse responses; how much sooner both are as free of noise as paths through the media (the square of the relative
- * error times the time); and how many rays a second of a bake traces, beside a bare loop over Embree on the same
+ * impulse responses; how much sooner than by paths through the media either has as small an error, of all light and of
+ * what media scattered; and how many rays a second of a bake traces, beside a bare loop over Embree on the same
  * triangles. Receivers are where a camera's rays end. Methods take turns, run by run. */
 #include "cli/bench_embree.h"
 #include "cli/bench_ray_sets.h"
@@ -13,11 +13,14 @@
 #include <tyndall/bake.h>
 
 enum { SIDE = 48, RUNS_MAX = 99, QUALITIES = 2, BLOCK_RAYS = 4096, EMBREE_PIXELS = 512 };
-enum { SURFACES = 0, CACHE = 1, IMPULSE = 2, PATH = 3, METHODS = 4 };
+enum { SURFACES = 0, ATTENUATION = 1, CACHE = 2, IMPULSE = 3, PATH = 4, METHODS = 5 };
+/* Bakes of independent seeds: of a method, and of the truth. */
+enum { SEEDS = 2, TRUTH_SPP = 2048 };
 
 static const char scene_name[] = "builtin:cornell_fog";
-static const char* const method_names[METHODS] = {"surfaces", "cache", "impulse", "path"};
-static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_CACHE, TY_BAKE_IMPULSE, TY_BAKE_PATH};
+static const char* const method_names[METHODS] = {"surfaces", "attenuation", "cache", "impulse", "path"};
+static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_CACHE,
+                                                TY_BAKE_IMPULSE, TY_BAKE_PATH};
 
 static const struct {
     const char* name;
@@ -38,14 +41,15 @@ static void free_places(places* p) {
     free(p->light);
 }
 
-/* Where rays end on fronts. */
+/* Where rays end on fronts. What is less than 0.3 m beside the box's lamp, or on it, is left out. */
 static ty_result take_hits(const ty_scene* scene, const ty_ray* rays, int64_t count, places* out) {
     *out = (places){.at = malloc((size_t)count * sizeof *out->at), .light = calloc((size_t)count, sizeof *out->light)};
     ty_ray_hit* hits = malloc((size_t)count * sizeof *hits);
     ty_result result = out->at == NULL || out->light == NULL || hits == NULL ? TY_ERROR_MEMORY : TY_OK;
     if (result == TY_OK) result = ty_scene_trace(scene, rays, count, false, hits);
     for (int64_t i = 0; i < count && result == TY_OK; ++i) {
-        if (hits[i].surface < 0) continue;
+        const float* at = hits[i].position;
+        if (hits[i].surface < 0 || (at[2] > 0.99f && at[2] < 1.01f && hypotf(at[0], at[1]) < 0.3f)) continue;
         ty_bake_receiver* receiver = &out->at[out->count++];
         memcpy(receiver->position, hits[i].position, sizeof receiver->position);
         memcpy(receiver->normal, hits[i].normal, sizeof receiver->normal);
@@ -80,26 +84,28 @@ static ty_result find_places(const bench_session* bench, const ty_scene* scene, 
 /* ---- methods ---- */
 
 typedef struct timed {
-    double seconds, error; /* median; standard errors' root mean square over the mean */
+    double seconds; /* median */
     ty_bake_stats stats;
 } timed;
-
-static double relative_error(const places* p) {
-    double mean = 0, variance = 0;
-    for (int64_t i = 0; i < p->count; ++i)
-        for (int c = 0; c < 3; ++c) {
-            for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) mean += (double)p->light[i].irradiance[layer][c];
-            variance += (double)p->light[i].variance[c];
-        }
-    const double values = 3 * (double)p->count;
-    return sqrt(variance / values) / (mean / values);
-}
 
 /* What media's light is looked up in. */
 typedef struct lookups {
     ty_impulse* tables;
-    ty_bake_cache* cache;
+    ty_bake_cache* cache[SEEDS];
 } lookups;
+
+static ty_result bake(const ty_scene* scene, const lookups* look, const places* p, int method, int32_t spp, int seed,
+                      ty_bake_stats* stats) {
+    ty_bake_def def = ty_default_bake_def();
+    def.method = methods[method];
+    def.spp = spp;
+    def.seed = (uint64_t)seed;
+    def.tables = look->tables;
+    def.cache = look->cache[seed % SEEDS];
+    def.scatterings = method == IMPULSE ? def.scatterings : TY_IMPULSE_BOUNCES_MAX;
+    const ty_result result = ty_bake_surfaces(scene, &def, p->at, p->count, p->light, stats);
+    return result == TY_OK && cli_interrupted() ? TY_CANCELLED : result;
+}
 
 static ty_result time_methods(const bench_session* bench, const ty_scene* scene, const lookups* look, const places* p,
                               int32_t spp, int method_count, timed out[METHODS]) {
@@ -108,16 +114,8 @@ static ty_result time_methods(const bench_session* bench, const ty_scene* scene,
     ty_result result = TY_OK;
     for (int run = -1; run < runs; ++run)
         for (int m = 0; m < method_count && result == TY_OK; ++m) {
-            ty_bake_def def = ty_default_bake_def();
-            def.method = methods[m];
-            def.spp = spp;
-            def.tables = look->tables;
-            def.cache = look->cache;
-            def.scatterings = m == IMPULSE ? def.scatterings : TY_IMPULSE_BOUNCES_MAX;
-            result = ty_bake_surfaces(scene, &def, p->at, p->count, p->light, &out[m].stats);
-            if (result == TY_OK && cli_interrupted()) result = TY_CANCELLED;
+            result = bake(scene, look, p, m, spp, 0, &out[m].stats);
             seconds[m][run < 0 ? 0 : run] = out[m].stats.seconds;
-            out[m].error = relative_error(p);
         }
     for (int m = 0; m < method_count && result == TY_OK; ++m) out[m].seconds = bench_median(seconds[m], runs);
     return result;
@@ -128,8 +126,8 @@ static void print_quality(const bench_session* bench, int q, double filling, con
     if (bench->json == NULL) {
         printf("  %-5s %5d paths: surfaces %8.3f s (paper: %.1f %% more)\n", qualities[q].name, (int)qualities[q].spp,
                surfaces, 100 * qualities[q].paper);
-        for (int m = CACHE; m < PATH; ++m)
-            printf("    %-8s %8.3f s: %+.1f %%\n", method_names[m], t[m].seconds, 100 * (t[m].seconds / surfaces - 1));
+        for (int m = ATTENUATION; m < PATH; ++m)
+            printf("    %-11s %8.3f s: %+.1f %%\n", method_names[m], t[m].seconds, 100 * (t[m].seconds / surfaces - 1));
         printf("    with the cache's filling %+.1f %%\n", 100 * ((t[CACHE].seconds + filling) / surfaces - 1));
         fflush(stdout);
         return;
@@ -137,6 +135,7 @@ static void print_quality(const bench_session* bench, int q, double filling, con
     json_open_object(bench->json, qualities[q].name);
     json_integer(bench->json, "spp", qualities[q].spp);
     json_number(bench->json, "surfaces_seconds", surfaces);
+    json_number(bench->json, "attenuation_seconds", t[ATTENUATION].seconds);
     json_number(bench->json, "cache_seconds", t[CACHE].seconds);
     json_number(bench->json, "cache_overhead", t[CACHE].seconds / surfaces - 1);
     json_number(bench->json, "cache_overhead_with_filling", (t[CACHE].seconds + filling) / surfaces - 1);
@@ -146,35 +145,147 @@ static void print_quality(const bench_session* bench, int q, double filling, con
     json_close_object(bench->json);
 }
 
-/* Time grows with the inverse square of the error. */
-static void print_paths(const bench_session* bench, const timed t[METHODS]) {
-    double cost[METHODS];
-    for (int m = 0; m < METHODS; ++m) cost[m] = t[m].error * t[m].error * t[m].seconds;
-    if (bench->json == NULL) {
-        printf("to a relative error of 1 %%:\n");
-        for (int m = 0; m < METHODS; ++m)
-            printf("  %-10s %8.2f s (%.2f %% at %d paths in %.3f s)\n", method_names[m], 1e4 * cost[m],
-                   100 * t[m].error, (int)qualities[0].spp, t[m].seconds);
-        for (int m = CACHE; m < PATH; ++m)
-            printf("  %s is %.1f times as fast as paths through media\n", method_names[m], cost[PATH] / cost[m]);
-        fflush(stdout);
-        return;
+/* ---- errors ---- */
+
+/* Of all light, and of what media scattered. */
+enum { ALL = 0, SCATTERED = 1, PARTS = 2 };
+static const char* const part_names[PARTS] = {"all_light", "scattered_light"};
+
+/* Irradiance of a part by receiver and channel. */
+static void take_part(const places* p, int part, double* out) {
+    for (int64_t i = 0; i < p->count; ++i)
+        for (int c = 0; c < 3; ++c) {
+            out[3 * i + c] = 0;
+            for (int layer = part == ALL ? 0 : TY_BAKE_SINGLE; layer < TY_BAKE_LAYERS; ++layer)
+                out[3 * i + c] += (double)p->light[i].irradiance[layer][c];
+        }
+}
+
+/* Two bakes with independent seeds. */
+typedef struct twice {
+    double* light[SEEDS][PARTS]; /* values of each */
+    int64_t values;
+} twice;
+
+static void free_twice(twice* t) {
+    for (int seed = 0; seed < SEEDS; ++seed)
+        for (int part = 0; part < PARTS; ++part) free(t->light[seed][part]);
+}
+
+/* seed: of the first. */
+static ty_result bake_twice(const ty_scene* scene, const lookups* look, const places* p, int method, int32_t spp,
+                            int seed, twice* out) {
+    ty_result result = TY_OK;
+    out->values = 3 * p->count;
+    for (int i = 0; i < SEEDS && result == TY_OK; ++i) {
+        result = bake(scene, look, p, method, spp, seed + i, NULL);
+        for (int part = 0; part < PARTS && result == TY_OK; ++part) {
+            out->light[i][part] = malloc((size_t)out->values * sizeof(double));
+            if (out->light[i][part] == NULL) return TY_ERROR_MEMORY;
+            take_part(p, part, out->light[i][part]);
+        }
     }
-    json_open_object(bench->json, "equal_error");
-    for (int m = 0; m < METHODS; ++m) {
-        json_open_object(bench->json, method_names[m]);
-        json_number(bench->json, "relative_error", t[m].error);
-        json_number(bench->json, "seconds", t[m].seconds);
-        json_number(bench->json, "seconds_to_1_percent", 1e4 * cost[m]);
+    return result;
+}
+
+/* Relative to the mean of the truth: noise, from how much two bakes differ; error, root mean square against the truth,
+ * whose own noise is taken off. */
+typedef struct errors {
+    double noise, error;
+} errors;
+
+static errors compare(const twice* is, const twice* truth, int part) {
+    const double *a = is->light[0][part], *b = is->light[1][part];
+    const double *s = truth->light[0][part], *t = truth->light[1][part];
+    double mean = 0, noise = 0, error = 0;
+    for (int64_t i = 0; i < is->values; ++i) {
+        const double should = 0.5 * (s[i] + t[i]), off = 0.25 * (s[i] - t[i]) * (s[i] - t[i]);
+        mean += should;
+        noise += 0.5 * (a[i] - b[i]) * (a[i] - b[i]);
+        error += 0.5 * ((a[i] - should) * (a[i] - should) + (b[i] - should) * (b[i] - should)) - off;
+    }
+    const double values = (double)is->values;
+    return (errors){sqrt(noise / values) / (mean / values), sqrt(fmax(0, error) / values) / (mean / values)};
+}
+
+/* What a method took at one quality. */
+typedef struct cost {
+    double seconds[PARTS]; /* all of it, and what it took longer than attenuation alone */
+    double filling;
+    errors errors[PARTS];
+} cost;
+
+/* The time of paths grows with the inverse square of their error. */
+static double path_seconds(const cost* path, int part, double error) {
+    const double times = path->errors[part].error / error;
+    return path->seconds[ALL] * times * times;
+}
+
+static void print_cost(const bench_session* bench, int m, int32_t spp, const cost* is, const cost* path) {
+    if (bench->json != NULL) json_open_object(bench->json, method_names[m]);
+    if (bench->json != NULL) json_integer(bench->json, "spp", spp);
+    for (int part = 0; part < PARTS; ++part) {
+        const errors* e = &is->errors[part];
+        const double paths = path_seconds(path, part, e->error), own = is->seconds[part];
+        if (bench->json == NULL) {
+            printf("  %-7s %4d paths: error %5.1f %%, of which noise %5.1f %%, in %7.4f s; paths through media %8.2f s: "
+                   "%.1f times as fast, %.2f with filling\n",
+                   part == ALL ? method_names[m] : "", (int)spp, 100 * e->error, 100 * e->noise, own, paths,
+                   paths / own, paths / (own + is->filling));
+            continue;
+        }
+        json_open_object(bench->json, part_names[part]);
+        json_number(bench->json, "relative_error", e->error);
+        json_number(bench->json, "noise", e->noise);
+        json_number(bench->json, "seconds", own);
+        json_number(bench->json, "path_seconds", paths);
+        json_number(bench->json, "over_path", paths / own);
+        json_number(bench->json, "over_path_with_filling", paths / (own + is->filling));
         json_close_object(bench->json);
     }
-    json_number(bench->json, "cache_over_path", cost[PATH] / cost[CACHE]);
-    json_number(bench->json, "impulse_over_path", cost[PATH] / cost[IMPULSE]);
-    json_close_object(bench->json);
+    if (bench->json != NULL) json_close_object(bench->json);
+    fflush(stdout);
+}
+
+static ty_result find_cost(const ty_scene* scene, const lookups* look, const places* p, int m, int32_t spp,
+                           const timed t[METHODS], const twice* truth, cost* out) {
+    twice is = {.values = 0};
+    const ty_result result = bake_twice(scene, look, p, m, spp, 0, &is);
+    *out = (cost){.filling = m == CACHE ? ty_bake_cache_get_info(look->cache[0]).seconds : 0};
+    out->seconds[ALL] = t[m].seconds;
+    out->seconds[SCATTERED] = fmax(1e-6, t[m].seconds - t[ATTENUATION].seconds);
+    for (int part = 0; part < PARTS && result == TY_OK; ++part) out->errors[part] = compare(&is, truth, part);
+    free_twice(&is);
+    return result;
+}
+
+/* t: of all methods at the first quality, and of all but paths at the second. */
+static ty_result bench_errors(const bench_session* bench, const ty_scene* scene, const lookups* look, const places* p,
+                              const timed t[QUALITIES][METHODS]) {
+    twice truth = {.values = 0};
+    cost path, is;
+    ty_result result = bake_twice(scene, look, p, PATH, TRUTH_SPP, SEEDS, &truth);
+    if (result == TY_OK) result = find_cost(scene, look, p, PATH, qualities[0].spp, t[0], &truth, &path);
+    if (bench->json == NULL && result == TY_OK)
+        printf("against paths through media to the same error (theirs at %d: %.1f %% of all light, %.1f %% of what media "
+               "scattered, in %.3f s);\nfirst of all light, then of what media scattered, by the time beyond "
+               "attenuation alone\n",
+               (int)qualities[0].spp, 100 * path.errors[ALL].error, 100 * path.errors[SCATTERED].error,
+               path.seconds[ALL]);
+    for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
+        if (bench->json != NULL) json_open_object(bench->json, q == 0 ? "equal_error_low" : "equal_error_high");
+        for (int m = CACHE; m < PATH && result == TY_OK; ++m) {
+            result = find_cost(scene, look, p, m, qualities[q].spp, t[q], &truth, &is);
+            if (result == TY_OK) print_cost(bench, m, qualities[q].spp, &is, &path);
+        }
+        if (bench->json != NULL) json_close_object(bench->json);
+    }
+    free_twice(&truth);
+    return result;
 }
 
 static ty_result bench_methods(const bench_session* bench, const ty_scene* scene, const lookups* look) {
-    const ty_bake_cache_info cache = ty_bake_cache_get_info(look->cache);
+    const ty_bake_cache_info cache = ty_bake_cache_get_info(look->cache[0]);
     places p;
     ty_result result = find_places(bench, scene, &p);
     if (result != TY_OK) return result;
@@ -188,13 +299,12 @@ static ty_result bench_methods(const bench_session* bench, const ty_scene* scene
                (int)cache.size[2], (long long)cache.paths, cache.seconds);
     else
         json_number(bench->json, "cache_filling_seconds", cache.seconds);
-    timed t[METHODS];
+    timed t[QUALITIES][METHODS];
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
-        result = time_methods(bench, scene, look, &p, qualities[q].spp, PATH, t);
-        if (result == TY_OK) print_quality(bench, q, cache.seconds, t);
+        result = time_methods(bench, scene, look, &p, qualities[q].spp, q == 0 ? METHODS : PATH, t[q]);
+        if (result == TY_OK) print_quality(bench, q, cache.seconds, t[q]);
     }
-    if (result == TY_OK) result = time_methods(bench, scene, look, &p, qualities[0].spp, METHODS, t);
-    if (result == TY_OK) print_paths(bench, t);
+    if (result == TY_OK) result = bench_errors(bench, scene, look, &p, (const timed(*)[METHODS])t);
     free_places(&p);
     return result;
 }
@@ -293,12 +403,15 @@ static ty_result open_lookups(ty_context* context, ty_scene** scene, lookups* ou
     ty_result result = ty_scene_load(context, scene_name, NULL, 0, scene);
     def.scatterings = TY_IMPULSE_BOUNCES_MAX;
     if (result == TY_OK) result = ty_impulse_create(context, &impulse, &out->tables, NULL);
-    if (result == TY_OK) result = ty_bake_cache_create(*scene, &def, &out->cache);
+    for (int seed = 0; seed < SEEDS && result == TY_OK; ++seed) {
+        def.seed = (uint64_t)seed;
+        result = ty_bake_cache_create(*scene, &def, &out->cache[seed]);
+    }
     return result;
 }
 
 static void close_lookups(ty_scene* scene, lookups* look) {
-    ty_bake_cache_destroy(look->cache);
+    for (int seed = 0; seed < SEEDS; ++seed) ty_bake_cache_destroy(look->cache[seed]);
     ty_impulse_destroy(look->tables);
     ty_scene_destroy(scene);
 }
@@ -350,7 +463,7 @@ ty_result bench_bake_table(const bench_session* bench, bench_table* out) {
         result = time_methods(bench, scene, &look, &p, qualities[q].spp, PATH, t);
         if (result == TY_OK) add_quality(out, q, t);
     }
-    if (result == TY_OK) add_row(out, "filling the cells, once", "s", ty_bake_cache_get_info(look.cache).seconds, 0);
+    if (result == TY_OK) add_row(out, "filling the cells, once", "s", ty_bake_cache_get_info(look.cache[0]).seconds, 0);
     snprintf(out->titles[0], BENCH_TABLE_TITLE, "measured");
     snprintf(out->setting, sizeof out->setting, "%s, %lld receivers, %d and %d paths each", scene_name,
              (long long)p.count, (int)qualities[0].spp, (int)qualities[1].spp);
