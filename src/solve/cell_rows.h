@@ -129,12 +129,13 @@ INLINE double NAME(sor_lanes)(const ty_cells* cells, const int32_t limiter, cons
     return sum;
 }
 
-/* A pass of Algorithm 1 over the cells of a colour. */
+/* A pass of Algorithm 1 over the cells of a colour, from the first to before the end. */
 INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL* phi,
-                               float* diff, REAL omega, int32_t first, const bool edge, NAME(sor_block) * block) {
+                               float* diff, REAL omega, int32_t first, int32_t end, const bool edge,
+                               NAME(sor_block) * block) {
     double sum = 0;
-    for (int32_t i = first; i < cells->box.size[0]; i += 2 * SOR_BLOCK) {
-        const int32_t left = (cells->box.size[0] - i + 1) / 2, count = left < SOR_BLOCK ? left : SOR_BLOCK;
+    for (int32_t i = first; i < end; i += 2 * SOR_BLOCK) {
+        const int32_t left = (end - i + 1) / 2, count = left < SOR_BLOCK ? left : SOR_BLOCK;
         NAME(sor_take)(cells, view, phi, diff, i, count, edge, block);
         for (int32_t n = 0; n < count; n += SOR_LANES)
             sum += NAME(sor_lanes)(cells, limiter, view, omega, i, n, count, edge, block);
@@ -146,9 +147,10 @@ INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, con
     return sum;
 }
 
+/* Of a row the cells that are no farther than `depth` from a face of the box. */
 INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* phi, float* diff, REAL omega,
-                            int32_t color, int32_t y, int32_t z, NAME(sor_block) * block) {
-    const int32_t first = (color + y + z) & 1;
+                            int32_t color, int32_t depth, int32_t y, int32_t z, NAME(sor_block) * block) {
+    const int32_t first = (color + y + z) & 1, nx = cells->box.size[0];
     row_view view;
     set_row(cells, y, z, &view);
     for (int side = 0; side < 2; ++side) { /* with what is at both ends, but the couplings of all cells */
@@ -157,17 +159,25 @@ INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* 
     }
     REAL* row = phi + ty_box_at(&cells->box, y, z);
     float* d = diff + ty_box_at(&cells->box, y, z);
-    return is_edge(cells, y, z) ? NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, true, block)
-                                : NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, false, block);
+    if (is_edge(cells, y, z)) return NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, nx, true, block);
+    if (2 * depth >= nx || is_within(cells, depth, y, z))
+        return NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, nx, false, block);
+    double sum = 0;
+    for (int high = 0; high < 2; ++high) {
+        const int32_t begin = high != 0 ? nx - depth : 0, end = high != 0 ? nx : depth;
+        sum += NAME(sor_colour)(cells, limiter, &view, row, d, omega, begin + ((begin ^ first) & 1), end, false, block);
+    }
+    return sum;
 }
 
 #define SOR_ROWS(kind)                                                                                                 \
     case kind:                                                                                                         \
         for (int32_t y = 0; y < cells->box.size[1]; ++y)                                                               \
-            sum += NAME(sor_row)(cells, kind, phi, diffusivity, (REAL)omega, color, y, z, &block);                     \
+            sum += NAME(sor_row)(cells, kind, phi, diffusivity, (REAL)omega, color, depth, y, z, &block);              \
         break
 
-static double NAME(sor)(const ty_cells* cells, REAL* phi, float* diffusivity, double omega, int32_t color, int32_t z) {
+static double NAME(sor)(const ty_cells* cells, REAL* phi, float* diffusivity, double omega, int32_t color,
+                        int32_t depth, int32_t z) {
     NAME(sor_block) block = {0};
     double sum = 0;
     switch (cells->limiter) {

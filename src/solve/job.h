@@ -63,8 +63,10 @@ ty_result ty_solve_note(ty_diffusion_job* job, double residual);
 ty_result ty_solve_sor(ty_diffusion_job* job);
 ty_result ty_solve_picard(ty_diffusion_job* job);
 
-/* Both colours of Algorithm 1 on a stage. Returns the sum of the squares of what the residuals were. */
-double ty_stage_sweep(ty_diffusion_job* job, int32_t stage, double omega);
+/* Both colours of Algorithm 1 on a stage, on cells that are among the `depth` nearest to a face of the box. Returns the
+ * sum of the squares of what the residuals were. */
+enum { TY_SWEEP_ALL = TY_DIFFUSION_SIDE_MAX };
+double ty_stage_sweep(ty_diffusion_job* job, int32_t stage, double omega, int32_t depth);
 
 /* Room for all stages but the finest, whose arrays are the job's. */
 void ty_stages_lay_out(ty_diffusion_job* job, ty_arena* arena);

@@ -20,6 +20,12 @@ static bool is_edge(const ty_cells* cells, int32_t y, int32_t z) {
     return y == 0 || z == 0 || y == cells->box.size[1] - 1 || z == cells->box.size[2] - 1;
 }
 
+/* Whether a row is no farther than `depth` from a face along y or z. */
+static bool is_within(const ty_cells* cells, int32_t depth, int32_t y, int32_t z) {
+    const int32_t* size = cells->box.size;
+    return y < depth || z < depth || y >= size[1] - depth || z >= size[2] - depth;
+}
+
 INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {
     view->k[side] = 0;
     view->a[side] = cells->sides[side].a;

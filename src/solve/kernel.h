@@ -69,9 +69,12 @@ typedef struct ty_cell_kernels {
     /* Sinks d of the first level, and f = q - A phi; returns the sum of f^2. */
     double (*assemble)(const ty_cells* cells, const double* phi, const float* diffusivity, const ty_level* level,
                        int32_t z);
-    /* Algorithm 1: a pass over the cells of a colour; returns the sum of the squares of what their residuals were. */
-    double (*sor)(const ty_cells* cells, double* phi, float* diffusivity, double omega, int32_t color, int32_t z);
-    double (*sor_float)(const ty_cells* cells, float* phi, float* diffusivity, double omega, int32_t color, int32_t z);
+    /* Algorithm 1: a pass over the cells of a colour that are among the `depth` nearest to a face of the box; returns
+     * the sum of the squares of what their residuals were. */
+    double (*sor)(const ty_cells* cells, double* phi, float* diffusivity, double omega, int32_t color, int32_t depth,
+                  int32_t z);
+    double (*sor_float)(const ty_cells* cells, float* phi, float* diffusivity, double omega, int32_t color,
+                        int32_t depth, int32_t z);
 
     /* phi += x, and kept above a share of what it was when limited. */
     void (*update)(const ty_cells* cells, const float* x, double* phi, int32_t z);

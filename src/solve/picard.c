@@ -9,9 +9,10 @@
  * aims at, of the tolerance. Of limited problems one cycle is enough: more is lost on the next D. */
 static const double REDUCTION = 1e-7, AIM = 0.3;
 enum { CYCLES = 30 };
-/* Of Algorithm 1, for pictures and for tolerances below FINE: beside faces more of them take fewer iterations, of which
- * pictures have too few for that to pay. */
-enum { SWEEPS = 4, MORE_SWEEPS = 8 };
+/* Of Algorithm 1, of all cells; for tolerances below FINE before these some of so many layers of cells beside the
+ * faces, where most is left, and which are the less of a box the larger it is. Pictures have too few iterations for
+ * that to pay. */
+enum { SWEEPS = 4, MORE_SWEEPS = 8, FACE_SWEEPS = 16, FACE_LAYERS = 8 };
 static const double FINE = 1e-5;
 /* Of D, where light streams (ty_cell_soften): the linear problem answers too little to the fluence there, as D takes
  * half of the change back. Across the gradient it does not, and half would leave that without any gain. */
@@ -30,7 +31,7 @@ typedef struct picard {
     ty_diffusion_job* job;
     bool limited;
     means means;
-    int sweeps;
+    int sweeps, face_sweeps;
     bool swept_again; /* as it went wrong without */
     double least;     /* residual so far */
     int32_t futile;   /* iterations since one gained */
@@ -59,7 +60,9 @@ static void judge(picard* p, double residual) {
 }
 
 static void sweep(const picard* p) {
-    for (int i = 0; p->means == MEANS_SWEPT && i < p->sweeps; ++i) ty_stage_sweep(p->job, 0, TY_SWEEP_OMEGA);
+    if (p->means != MEANS_SWEPT) return;
+    for (int i = 0; i < p->face_sweeps; ++i) ty_stage_sweep(p->job, 0, TY_SWEEP_OMEGA, FACE_LAYERS);
+    for (int i = 0; i < p->sweeps; ++i) ty_stage_sweep(p->job, 0, TY_SWEEP_OMEGA, TY_SWEEP_ALL);
 }
 
 /* What interpolation left beside boundaries is no business of coarser stages. */
@@ -90,7 +93,8 @@ ty_result ty_solve_picard(ty_diffusion_job* job) {
                 .limited = def->limiter != TY_LIMITER_NONE,
                 .least = INFINITY,
                 .means = MEANS_SWEPT,
-                .sweeps = def->tolerance < FINE ? MORE_SWEEPS : SWEEPS};
+                .sweeps = SWEEPS,
+                .face_sweeps = def->tolerance < FINE ? FACE_SWEEPS : 0};
     const int32_t limit = def->iterations > 0 ? def->iterations : 500;
     if (p.limited) job->softening = SOFTENING;
     ty_stages_fill(job);

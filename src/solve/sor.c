@@ -14,8 +14,8 @@ typedef struct sweep {
     void* phi;
     float* diffusivity;
     double omega;
-    int32_t color;
-    bool narrow; /* single precision */
+    int32_t color, depth; /* which cells of a plane */
+    bool narrow;          /* single precision */
 } sweep;
 
 static void ghosts_plane(void* user, int64_t index, int32_t worker) {
@@ -33,8 +33,9 @@ static void relax_plane(void* user, int64_t index, int32_t worker) {
     const sweep* s = user;
     const ty_cell_kernels* kernels = s->job->cell_kernels;
     const int32_t z = (int32_t)index;
-    s->job->sums[z].a = s->narrow ? kernels->sor_float(s->cells, s->phi, s->diffusivity, s->omega, s->color, z)
-                                  : kernels->sor(s->cells, s->phi, s->diffusivity, s->omega, s->color, z);
+    s->job->sums[z].a = s->narrow
+                            ? kernels->sor_float(s->cells, s->phi, s->diffusivity, s->omega, s->color, s->depth, z)
+                            : kernels->sor(s->cells, s->phi, s->diffusivity, s->omega, s->color, s->depth, z);
 }
 
 static double pass(sweep* s, int32_t color) {
@@ -45,15 +46,23 @@ static double pass(sweep* s, int32_t color) {
     return ty_solve_sum(s->job, box->size[2]).a;
 }
 
-double ty_stage_sweep(ty_diffusion_job* job, int32_t i, double omega) {
+/* Of a box's cells, those that are among the `depth` nearest to its faces. */
+static double share_within(const ty_box* box, int32_t depth) {
+    double beyond = 1;
+    for (int a = 0; a < 3; ++a) beyond *= fmax(0, 1 - 2.0 * depth / box->size[a]);
+    return 1 - beyond;
+}
+
+double ty_stage_sweep(ty_diffusion_job* job, int32_t i, double omega, int32_t depth) {
     const ty_stage* stage = &job->stages[i];
     sweep s = {.job = job,
                .cells = &stage->cells,
                .phi = stage->phi,
                .diffusivity = stage->diffusivity,
                .omega = omega,
+               .depth = depth,
                .narrow = job->def->solver == TY_DIFFUSION_SOR_FLOAT};
-    ty_solve_count(job, &stage->cells.box, 1);
+    ty_solve_count(job, &stage->cells.box, share_within(&stage->cells.box, depth));
     const double first = pass(&s, 0);
     return first + pass(&s, 1);
 }
@@ -90,7 +99,7 @@ ty_result ty_solve_sor(ty_diffusion_job* job) {
     start(job);
     if (def->start != NULL && def->solver == TY_DIFFUSION_SOR) diffuse_start(job);
     for (int32_t i = 0;; ++i) {
-        const double squares = ty_stage_sweep(job, 0, def->relaxation);
+        const double squares = ty_stage_sweep(job, 0, def->relaxation, TY_SWEEP_ALL);
         job->stats->iterations = i + 1;
         const ty_result result = ty_solve_note(job, sqrt(squares / cells));
         if (job->stats->converged || result != TY_OK || i + 1 == limit) return result;

@@ -195,7 +195,8 @@ static void hand_up(const ty_diffusion_job* job, int32_t i) {
 /* A step of Picard's, of one cycle: with more, iterations may swing to and fro instead of converging. */
 static void smooth(ty_diffusion_job* job, int32_t i) {
     ty_stage_advance(job, i, ty_stage_linearise(job, i), 0, 1);
-    for (int sweep = 0; job->softening > 0 && sweep < SWEEPS; ++sweep) ty_stage_sweep(job, i, TY_SWEEP_OMEGA);
+    for (int sweep = 0; job->softening > 0 && sweep < SWEEPS; ++sweep)
+        ty_stage_sweep(job, i, TY_SWEEP_OMEGA, TY_SWEEP_ALL);
 }
 
 /* Smooths before and after what coarser stages say. */
