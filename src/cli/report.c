@@ -122,6 +122,7 @@ static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
         {"medium_seconds", dom->medium_seconds}, {"direct_seconds", dom->direct_seconds},
         {"source_seconds", dom->source_seconds}, {"solve_seconds", dom->solve_seconds},
         {"sweep_seconds", dom->sweep_seconds},   {"march_seconds", dom->march_seconds},
+        {"wall_seconds", dom->wall_seconds},
     };
     json_open_object(json, "dom");
     json_numbers(json, "direct_size", (const double[]){direct[0], direct[1], direct[2]}, 3);
@@ -135,6 +136,7 @@ static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
     json_numbers(json, "change", dom->change, 3);
     json_numbers(json, "emitted", dom->emitted, 3);
     json_numbers(json, "absorbed", dom->absorbed, 3);
+    json_numbers(json, "absorbed_by_surfaces", dom->absorbed_by_surfaces, 3);
     json_numbers(json, "leaving", dom->leaving, 3);
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) json_number(json, parts[i].name, parts[i].seconds);
     json_number(json, "bytes", dom->bytes);
