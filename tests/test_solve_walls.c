@@ -177,6 +177,34 @@ static void walls_do_not_leak(void** state) {
     }
 }
 
+static bool is_above(ptrdiff_t x, ptrdiff_t y, ptrdiff_t z) {
+    return 3 * z > 10 + x - y;
+}
+
+/* Nor through stairs, but for what the tolerance leaves of corrections, whose coarse cells have both sides. */
+static void stairs_do_not_leak(void** state) {
+    walled_box* box = make_box(*state, 11, 9, 10);
+    for (ptrdiff_t i = 0; i < box->cells; ++i) {
+        const int32_t at[3] = {(int32_t)(i % 11), (int32_t)(i / 11 % 9), (int32_t)(i / 99)};
+        const bool above = is_above(at[0], at[1], at[2]);
+        box->extinction[i] = 6;
+        box->scattering[i] = 5.8f;
+        box->source[i] = above ? 1 : 0;
+        for (int a = 0; a < 3; ++a)
+            if (above != is_above(at[0] + (a == 0), at[1] + (a == 1), at[2] + (a == 2)) &&
+                at[a] + 1 < box->size[a])
+                close_face(box, at, a, false);
+    }
+    list_sides(box, 0.8f, 0);
+    float* fluence = calloc((size_t)box->cells, sizeof(float));
+    const ty_ordinates_stats stats = solve(*state, box, fluence);
+    check_balance(&stats);
+    for (ptrdiff_t i = 0; i < box->cells; ++i)
+        if (!is_above(i % 11, i / 11 % 9, i / 99)) assert_close((double)fluence[i], 0, 1e-3);
+    free(fluence);
+    free_box(box);
+}
+
 /* A box of mirrors made of white walls, but for one side, loses through that one what is emitted. */
 static void white_walls_take_nothing(void** state) {
     walled_box* box = make_box(*state, 12, 10, 8);
@@ -225,6 +253,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(light_between_walls_is_even, start_context, stop_context),
         cmocka_unit_test_setup_teardown(walls_do_not_leak, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(stairs_do_not_leak, start_context, stop_context),
         cmocka_unit_test_setup_teardown(white_walls_take_nothing, start_context, stop_context),
         cmocka_unit_test(threads_do_not_matter),
     };

@@ -1,54 +1,132 @@
-/* Discrete ordinates between surfaces, against path tracing. */
+/* Discrete ordinates among surfaces, against path tracing, in absolute units, over blocks of pixels: walls around a
+ * medium and in it, and a floor that is outside of its box. */
 #include "truth_scene.h"
 
 #include <tyndall/dom.h>
 
-static void fluence_of(ty_context* context, const char* g) {
-    const char* overrides[] = {g, getenv("EXTRA") != NULL ? getenv("EXTRA") : "render.spp=4"};
-    ty_scene* scene = NULL;
-    must(context, ty_scene_load(context, "builtin:fog_cornell", overrides, 2, &scene));
-    static const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
-    static const int32_t size[3] = {8, 8, 8};
-    static double truth[1536], bare[1536], fluence[1536], uncollided[1536];
-    ty_path_def path = ty_default_path_def();
-    path.spp = getenv("SPP")?atoi(getenv("SPP")):1600;
-    must(context, ty_path_fluence(scene, &path, lower, upper, size, truth, bare, NULL));
+static const double most_off = 0.03, most_rmse = 0.06;
+
+static ty_image* dom_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces) {
+    ty_dom_def def = ty_default_dom_def();
+    ty_image* image = NULL;
+    ty_dom_stats stats;
+    def.width = c->width;
+    def.height = c->height;
+    def.spp = 4;
+    def.unscattered = surfaces;
+    must(ty_scene_context(scene), ty_dom_render(scene, &def, &image, &stats));
+    assert_true(stats.converged);
+    assert_finite(image);
+    for (int i = 0; i < 3; ++i) {
+        const double out = stats.absorbed[i] + stats.absorbed_by_surfaces[i] + stats.leaving[i];
+        if (!(fabs(out - stats.emitted[i]) <= 1e-3 * stats.emitted[i]))
+            fail_msg("emitted %g, absorbed %g and by surfaces %g, leaving %g", stats.emitted[i], stats.absorbed[i],
+                     stats.absorbed_by_surfaces[i], stats.leaving[i]);
+    }
+    printf("  %d sweeps, energy %.5f", (int)stats.sweeps[1],
+           (stats.absorbed[1] + stats.absorbed_by_surfaces[1] + stats.leaving[1]) / stats.emitted[1]);
+    return image;
+}
+
+static bool is_near(ty_context* context, const scene_case* c, const char* what) {
+    ty_difference d;
+    ty_scene* scene = read_case(context, c);
+    ty_image *truth = path_image(scene, c, 0), *surfaces = surfaces_of(scene, c);
+    printf("%s:", what);
+    ty_image* image = dom_image(scene, c, surfaces);
+    must(context, ty_image_compare(context, image, truth, BLOCK, &d));
+    printf(", mean ratio / relative RMSE: %.4f / %.4f\n", d.mean_ratio[3], d.relative_rmse[3]);
+    ty_image_destroy(image);
+    ty_image_destroy(truth);
+    ty_image_destroy(surfaces);
+    ty_scene_destroy(scene);
+    return fabs(d.mean_ratio[3] - 1) <= most_off && d.relative_rmse[3] <= most_rmse;
+}
+
+/* ---- a box in fog ---- */
+
+#define BOX "builtin:fog_cornell"
+
+static void a_box_in_an_area_lamp(void** state) {
+    const scene_case c = {"builtin:cornell_fog", NULL, {NULL}, 48, 48, 256, 0, 0};
+    assert_true(is_near(*state, &c, "box in fog, area lamp"));
+}
+
+static void a_box_in_the_sun_and_a_sky(void** state) {
+    static const char sun[] = "lights[0]={\"type\":\"directional\",\"direction\":[0.3,0.8,-0.5],\"irradiance\":5}";
+    static const char sky[] = "lights[0]={\"type\":\"environment\",\"radiance\":[0.8,1,1.3]}";
+    const scene_case in_sun = {BOX, NULL, {NULL, sun}, 48, 48, 256, 0, 0};
+    const scene_case in_sky = {BOX, NULL, {NULL, sky}, 48, 48, 128, 0, 0};
+    const bool near = is_near(*state, &in_sky, "box in fog, sky through the opening");
+    assert_true(is_near(*state, &in_sun, "box in fog, sun through the opening") && near);
+}
+
+/* Path tracing takes many samples about the lamp. */
+static void a_box_with_a_spot(void** state) {
+    const scene_case c = {BOX, NULL, {NULL}, 60, 60, 2048, 0, 0};
+    if (in_full()) assert_true(is_near(*state, &c, "box in fog, spot"));
+}
+
+/* ---- walls in a medium, and beside one ---- */
+
+#define SMOKE "media=[{\"bounds\":[[-1,-1,-1],[1,1,1]],\"sigma_t\":4,\"albedo\":0.95,\"g\":0.4}]"
+#define SUN "lights=[{\"type\":\"directional\",\"direction\":[1,0.2,-0.6],\"irradiance\":4}]"
+
+/* A wall between two halves of a smoke, one of which is in the sun; askew, it hides the other half from it. */
+static void walls_in_smoke(void** state) {
+    static const char askew[] = "geometry=[{\"quad\":{\"origin\":[-1,-1.2,-1.2],\"u\":[0,2.4,0],\"v\":[2,0,2.4]},"
+                                "\"material\":{\"albedo\":0.7}}]";
+    const scene_case c = {BOX, NULL, {NULL, SMOKE, SUN, askew}, 48, 48, 1024, 0, 0};
+    assert_true(is_near(*state, &c, "wall askew in smoke"));
+}
+
+/* The fluence behind a wall that leaves a medium in two. */
+static void walls_let_nothing_through(void** state) {
+    static const double lower[3] = {-0.75, -0.75, -1}, upper[3] = {0.75, 0.75, -0.6}, before[2] = {0.6, 1};
+    static const int32_t one[3] = {1, 1, 1};
+    ty_scene* scene = new_scene(*state);
+    ty_medium_def smoke = medium_cube(1, 6, 0.3, 0.5);
+    ty_shape_def wall = ty_default_shape_def();
+    ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 1);
+    wall.kind = TY_SHAPE_QUAD;
+    set3(wall.origin, -3, -3, -1.1);
+    set3(wall.u, 6, 0, 1.5);
+    set3(wall.v, 0, 6, 0.7);
+    rgb(wall.albedo, 0.8, 0.5, 0.2);
+    set3(sun.direction, 0.1, -0.2, -1);
+    add_medium(scene, &smoke);
+    must(*state, ty_scene_add_shape(scene, &wall));
+    add_light(scene, &sun);
+    commit(scene);
     ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
-    must(context, ty_dom_solve(scene, &def, &light, NULL));
-    must(context, ty_dom_fluence(light, lower, upper, size, fluence, uncollided));
-    for (int z = 7; z >= 0; --z) {
-        double sum[4] = {0};
-        for (int i = 0; i < 64; ++i) {
-            const int at = 3 * (z * 64 + i) + 1;
-            sum[0] += truth[at];
-            sum[1] += bare[at];
-            sum[2] += fluence[at];
-            sum[3] += uncollided[at];
-        }
-        printf("z %d: %.3f %.3f (bare %.3f %.3f, scattered %.3f %.3f) ratio %.3f; ", z, sum[0], sum[2], sum[1], sum[3],
-               sum[0] - sum[1], sum[2] - sum[3], sum[2] / sum[0]);
-        double up = 0, n = 0;
-        for (int i = 0; i < 64; ++i) {
-            const double point[3] = {-0.875 + 0.25 * (i % 8), -0.875 + 0.25 * (i / 8), -0.875 + 0.25 * z};
-            const float ways[6] = {0, 0, 1, 0, 0, -1};
-            float radiance[6];
-            must(context, ty_dom_radiance(light, point, ways, 2, radiance));
-            up += (double)radiance[1];
-            n += (double)radiance[4];
-        }
-        printf("up %.4f down %.4f\n", up / 64, n / 64);
-    }
+    double behind[3], lit[3];
+    const double from[3] = {-0.75, -0.75, before[0]}, to[3] = {0.75, 0.75, before[1]};
+    must(*state, ty_dom_solve(scene, &def, &light, NULL));
+    must(*state, ty_dom_fluence(light, lower, upper, one, behind, NULL));
+
+    must(*state, ty_dom_fluence(light, from, to, one, lit, NULL));
+    printf("behind a wall: %.2g of the light before it\n", behind[0] / lit[0]);
+    for (int c = 0; c < 3; ++c) assert_true(lit[c] > 0.5 && behind[c] < 1e-3 * lit[c]);
     ty_dom_destroy(light);
     ty_scene_destroy(scene);
 }
 
-static void fluences(void** state) {
-    fluence_of(*state, "media[0].g=0");
-    fluence_of(*state, "media[0].g=0.3");
+static void a_floor_under_a_cloud(void** state) {
+    static const char cloud[] = "media=[{\"bounds\":[[-1,-1,-0.5],[1,1,0.7]],\"sigma_t\":8,\"albedo\":0.99,\"g\":0.5,"
+                                "\"density\":{\"noise\":{\"kind\":\"cloud\",\"resolution\":48,\"frequency\":2,"
+                                "\"coverage\":0.6,\"seed\":3}}}]";
+    static const char sky[] = "lights=[{\"type\":\"environment\",\"radiance\":[0.8,1,1.3]}]";
+    static const char floor[] = "geometry=[{\"quad\":{\"origin\":[-4,-4,-1],\"u\":[8,0,0],\"v\":[0,8,0]},"
+                                "\"material\":{\"albedo\":[0.7,0.5,0.3]}}]";
+    const scene_case c = {BOX, NULL, {NULL, cloud, sky, floor}, 48, 48, 64, 0, 0};
+    assert_true(is_near(*state, &c, "floor under a cloud under a sky"));
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(fluences)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_box_in_an_area_lamp), cmocka_unit_test(a_box_in_the_sun_and_a_sky),
+        cmocka_unit_test(a_box_with_a_spot),     cmocka_unit_test(walls_in_smoke),
+        cmocka_unit_test(walls_let_nothing_through), cmocka_unit_test(a_floor_under_a_cloud)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

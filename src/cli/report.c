@@ -111,6 +111,7 @@ static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
     json_numbers(json, "change", dom->change, 3);
     json_numbers(json, "emitted", dom->emitted, 3);
     json_numbers(json, "absorbed", dom->absorbed, 3);
+    json_numbers(json, "absorbed_by_surfaces", dom->absorbed_by_surfaces, 3);
     json_numbers(json, "leaving", dom->leaving, 3);
     stage_seconds(json, stages, cli_dom_stages(dom, stages));
     json_number(json, "sweep_seconds", dom->sweep_seconds);

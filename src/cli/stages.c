@@ -50,7 +50,7 @@ int cli_lpv_stages(const ty_lpv_stats* lpv, cli_stage out[CLI_STAGES_MAX]) {
 int cli_dom_stages(const ty_dom_stats* dom, cli_stage out[CLI_STAGES_MAX]) {
     const cli_stage stages[] = {
         {"medium", dom->medium_seconds}, {"direct", dom->direct_seconds}, {"source", dom->source_seconds},
-        {"solve", dom->solve_seconds},   {"march", dom->march_seconds},
+        {"walls", dom->wall_seconds},    {"solve", dom->solve_seconds},   {"march", dom->march_seconds},
     };
     return copy_stages(stages, sizeof stages, out);
 }

@@ -230,6 +230,8 @@ static ty_result prepare(ty_ordinates_job* job) {
     if (result != TY_OK) return result;
     job->walls = ty_ordinates_walls_of_sweep(job, 0);
     if (def->walls.count > 0) ty_sweep_set_walls(job->sweep, &job->walls);
+    ty_sweep_let_in(job->sweep, def->inflow);
+    job->stats->entering = ty_ordinates_entering(def);
     if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->terms, job->fixed);
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
     if (job->correction != NULL) job->stats->bytes += (double)ty_correction_bytes(job->correction);
@@ -255,6 +257,7 @@ static ty_result sweep_more(ty_ordinates_job* job, ty_sweep* sweep, float* emiss
     ty_ordinates_widen(job, job->emission, terms, emission);
     job->walls = ty_ordinates_walls_of_sweep(job, job->latest);
     if (job->def->walls.count > 0) ty_sweep_set_walls(sweep, &job->walls);
+    ty_sweep_let_in(sweep, job->def->inflow);
     const double begun = ty_wall_seconds();
     const ty_result result = ty_sweep_run(sweep, emission, kept, &job->stats->leaving, NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;

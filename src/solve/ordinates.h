@@ -5,8 +5,8 @@
  *
  * which is the transport equation with a Henyey-Greenstein phase function whose forward peak counts as light that goes
  * straight on (delta-M). phi_lm is the integral of psi Y_lm over all directions, Y_lm are real and orthonormal, without
- * Condon-Shortley sign, number l (l + 1) + m (base/sh.k.h), so that phi_00 sqrt(4 pi) is the fluence. Nothing comes in
- * through the box's faces; walls between cells, or around the box, reflect. Cells hold means. The result does not depend on the number of threads. */
+ * Condon-Shortley sign, number l (l + 1) + m (base/sh.k.h), so that phi_00 sqrt(4 pi) is the fluence. What comes
+ * in through the box's faces is given; walls between cells, or around the box, reflect. Cells hold means. The result does not depend on the number of threads. */
 #ifndef TY_SOLVE_ORDINATES_H
 #define TY_SOLVE_ORDINATES_H
 
@@ -51,6 +51,8 @@ typedef struct ty_ordinates_def {
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
     ty_ordinates_walls walls;
+    const float* inflow; /* radiance that comes in along each of the set's directions, the same all over the box's
+                            faces; NULL (default): none */
     bool accelerated; /* diffusion synthetic acceleration: 3 to 12 sweeps where cells are thinner than 25 free paths;
                          false: source iteration, as many as light scatters */
     double tolerance; /* of what is still to come, rms of fluences; default 1e-3 */
@@ -73,7 +75,7 @@ typedef struct ty_ordinates_stats {
     double change; /* what is still to come, of the rms fluence, estimated; where cells are thicker than 25 free paths
                       and acceleration leaves what varies slowly to diffusion, what is missing of the energy if more */
     double emitted, absorbed, leaving; /* W: by the source, by the medium, out of the box's faces */
-    double walls_emitted, walls_absorbed;
+    double walls_emitted, walls_absorbed, entering;
     double seconds, sweep_seconds;
     double bytes;
 } ty_ordinates_stats;

@@ -71,7 +71,7 @@ void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t ter
 /* The job's terms of cells, with zeros behind them. */
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
 /* Mixes iterates by their shares: low terms to `before`, and to emission what the mixture emits. Returns the sum of its
- * first term, with what walls send. */
+ * first term, with what walls send and what comes in. */
 double ty_ordinates_emit(ty_ordinates_job* job);
 /* The low terms of the latest iterate, from its moments, of which it returns the sum of what cells take; and back, when
  * there are no more corrections. */
@@ -85,7 +85,7 @@ ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e);
 /* Emitted and absorbed, W. */
 ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* moments, int32_t terms);
 
-/* ---- walls: all nothing where there are none ---- */
+/* ---- walls, and what comes in through faces: all nothing where there are none ---- */
 
 void ty_ordinates_walls_lay_out(ty_ordinates_job* job, ty_arena* arena);
 /* Irradiance of the iterate that iterations start from, of its fluence. */
@@ -102,6 +102,8 @@ double ty_ordinates_walls_take(ty_ordinates_job* job);
  * fluxes of cells beside them other than if these were not there. */
 double ty_ordinates_walls_excess(ty_ordinates_job* job, bool first);
 void ty_ordinates_walls_correct(ty_ordinates_job* job, const float* e);
+/* What comes in through faces that are no walls, W. */
+double ty_ordinates_entering(const ty_ordinates_def* def);
 /* Adds changes and products, as part of ty_ordinates_correct. */
 void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 /* W that walls emit by themselves, and absorb of an irradiance. */

@@ -226,7 +226,7 @@ double ty_ordinates_emit(ty_ordinates_job* job) {
     loop l = {.job = job};
     ty_ordinates_planes(job, emit_plane, &l);
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
-    return ty_ordinates_total(job).emitted + ty_ordinates_walls_send(job) / volume;
+    return ty_ordinates_total(job).emitted + (ty_ordinates_walls_send(job) + job->stats->entering) / volume;
 }
 
 /* ---- energy ---- */

@@ -85,6 +85,28 @@ double ty_ordinates_walls_take(ty_ordinates_job* job) {
     return sum;
 }
 
+double ty_ordinates_entering(const ty_ordinates_def* def) {
+    const ty_ordinates_walls* walls = &def->walls;
+    const int32_t* size = def->size;
+    double open[6], power = 0;
+    if (def->inflow == NULL) return 0;
+    for (int face = 0; face < 6; ++face)
+        open[face] = (double)size[(face / 2 + 1) % 3] * size[(face / 2 + 2) % 3];
+    for (int64_t row = 0, side = 0; side < walls->count; ++row)
+        for (; side < walls->first[row + 1]; ++side) {
+            const int32_t at[3] = {walls->x[side], (int32_t)(row % size[1]), (int32_t)(row / size[1])};
+            const int axis = walls->face[side] / 2;
+            if (at[axis] == ((walls->face[side] & 1) != 0 ? size[axis] - 1 : 0)) open[walls->face[side]] -= 1;
+        }
+    for (int32_t d = 0; d < def->set->count; ++d)
+        for (int a = 0; a < 3; ++a) {
+            const double along = (double)def->set->direction[a][d], edge = def->cell[(a + 1) % 3];
+            power += (double)def->inflow[d] * (double)def->set->weight[d] * fabs(along) * edge *
+                     def->cell[(a + 2) % 3] * open[2 * a + (along < 0 ? 1 : 0)];
+        }
+    return power;
+}
+
 /* ---- corrections ---- */
 
 /* A side's cell, and what diffusion has there. */

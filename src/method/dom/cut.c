@@ -6,6 +6,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Fine cells that a surface cuts, or that are partly in its shadow, are no farther from it than about this. */
+static const double OFF = 2;
+
 typedef struct cut_job {
     ty_dom_job* job;
     float* fine; /* uncollided fluence of fine cells, sum of the channels */
@@ -21,14 +24,15 @@ static void sum_lights(const ty_dom* light, size_t cells, float* sum) {
         }
 }
 
-/* In the middle of a cell. */
-static float middle_of(const cut_job* cut, const int32_t cell[3]) {
+/* In the middle of a cell; some fine cells off towards `way` (unit), which are on one side of surfaces. */
+static float middle_of(const cut_job* cut, const int32_t cell[3], ty_vec way) {
     const ty_dom* light = cut->job->light;
+    const float off[3] = {way.x, way.y, way.z};
     size_t at = 0;
     for (int a = 2; a >= 0; --a) {
         const int32_t size = light->fine_box.size[a];
-        const double place = (cell[a] + 0.5) * size / light->box.size[a];
-        at = at * (size_t)size + (size_t)(place < size - 1 ? place : size - 1);
+        const double place = (cell[a] + 0.5) * size / light->box.size[a] + OFF * (double)off[a];
+        at = at * (size_t)size + (size_t)fmin(fmax(place, 0), size - 1);
     }
     return cut->fine[at];
 }
@@ -90,6 +94,7 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
     const int32_t* size = walls->size;
     const ptrdiff_t steps[3] = {1, size[0], (ptrdiff_t)size[0] * size[1]};
     float light[6], all = 0, left = 1;
+    ty_vec away = ty_vec_make(0, 0, 0);
     for (int32_t side = first; side < end; ++side) {
         const int axis = walls->face[side] / 2, way = (walls->face[side] & 1) != 0 ? 1 : -1;
         int32_t next[3] = {cell[0], cell[1], cell[2]};
@@ -97,12 +102,15 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
         light[side - first] = 0;
         if (next[axis] < 0 || next[axis] >= size[axis]) continue;
         const float behind = behind_side(cut->job, side);
-        light[side - first] = behind * middle_of(cut, next);
+        const ty_vec normal = walls->sides[side].normal;
+        light[side - first] = behind * middle_of(cut, next, ty_scale(normal, -1));
+        away = ty_add(away, normal);
         all += light[side - first];
         left -= behind;
     }
     if (!(all > 0)) return;
-    all += ty_maxf(0, left) * middle_of(cut, cell);
+    const float square = ty_dot(away, away);
+    all += ty_maxf(0, left) * middle_of(cut, cell, square > 0 ? ty_scale(away, 1 / sqrtf(square)) : away);
     float kept = 1;
     for (int32_t side = first; side < end; ++side) {
         const float share = light[side - first] / all;

@@ -88,6 +88,7 @@ typedef struct ty_dom_job {
     int32_t source_count, source_capacity;
     const ty_walls* walls; /* of the light, between coarse cells; NULL: there are none */
     float* wall_albedo[3]; /* of each side, for as many channels as are solved for */
+    float* inflow[3];      /* radiance of surfaces outside of the box along each direction; NULL: there are none */
     float* wall_light[3];  /* radiance of uncollided light that walls send */
     float* source[3]; /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
     ty_dom* light;
@@ -111,8 +112,14 @@ ty_result ty_dom_scatter(ty_dom_job* job);
 
 ty_result ty_dom_find_walls(ty_dom_job* job);
 void ty_dom_free_walls(ty_dom_job* job);
-/* Whether walls reflect all channels alike and send nothing by themselves. */
+/* Whether walls, and surfaces outside of the box, reflect all channels alike and walls send nothing by themselves. */
 bool ty_dom_walls_share(const ty_dom_job* job);
+/* Whether any surface is outside of the box, and whether all of the scene's are gray. */
+bool ty_dom_reaches_out(const ty_dom_job* job);
+bool ty_dom_is_gray(const ty_dom_job* job);
+/* Radiance that surfaces outside of the box send into it of all lights that virtual lamps do not stand for. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_dom_let_in(ty_dom_job* job);
 /* Whether surfaces at a point are walls. */
 bool ty_dom_is_walled(const ty_dom_job* job, ty_vec point);
 /* What uncollided light walls send; and takes from q_lm what is in dark cells. */

@@ -39,7 +39,7 @@ bool ty_dom_walls_share(const ty_dom_job* job) {
         for (int c = 0; c < 3; ++c)
             if (side->emission[c] > 0 || side->albedo[c] != side->albedo[0]) return false;
     }
-    return true;
+    return !ty_dom_reaches_out(job) || ty_dom_is_gray(job);
 }
 
 void ty_dom_free_walls(ty_dom_job* job) {
@@ -47,6 +47,7 @@ void ty_dom_free_walls(ty_dom_job* job) {
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, job->wall_albedo[c], count, sizeof(float));
         ty_free_array(job->context, job->wall_light[c], count, sizeof(float));
+        ty_free_array(job->context, job->inflow[c], TY_ORDINATES_MAX, sizeof(float));
     }
 }
 
@@ -124,7 +125,7 @@ static ty_result darken(ty_dom_job* job) {
     return TY_OK;
 }
 
-ty_result ty_dom_light_walls(ty_dom_job* job) {
+static ty_result light_all_walls(ty_dom_job* job) {
     float *reduced = NULL, *irradiance = NULL;
     if (job->walls == NULL) return TY_OK;
     const size_t count = (size_t)job->walls->count, cells = job->coarse->cells;
@@ -148,7 +149,14 @@ ty_result ty_dom_light_walls(ty_dom_job* job) {
     return result;
 }
 
+ty_result ty_dom_light_walls(ty_dom_job* job) {
+    const ty_result result = light_all_walls(job);
+    return result == TY_OK ? ty_dom_let_in(job) : result;
+}
+
 bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel) {
+    for (int32_t d = 0; job->inflow[channel] != NULL && d < job->set->count; ++d)
+        if (job->inflow[channel][d] > 0) return false;
     for (int32_t i = 0; job->walls != NULL && i < job->walls->count; ++i)
         if (job->wall_light[channel][i] > 0) return false;
     return true;
@@ -159,6 +167,7 @@ bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel) {
 /* sent: what they send besides what they reflect. */
 static ty_ordinates_walls walls_of(const ty_dom_job* job, int32_t channel, const float* sent) {
     const ty_walls* walls = job->walls;
+    if (walls == NULL) return (ty_ordinates_walls){.count = 0};
     return (ty_ordinates_walls){.count = walls->count,
                                 .first = walls->first,
                                 .x = walls->x,
@@ -210,10 +219,11 @@ static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, 
     def->source_terms = 1;
     def->start = NULL;
     def->walls = walls_of(job, channel, job->wall_light[channel]);
+    def->inflow = job->inflow[channel];
     const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
     if (result != TY_OK) return result;
     const double scattered = scatter_first(job, channel, planes->moments);
-    *power = (ty_dom_wall_power){.emitted = stats.walls_emitted - scattered,
+    *power = (ty_dom_wall_power){.emitted = stats.walls_emitted + stats.entering - scattered,
                                  .absorbed = stats.absorbed - scattered,
                                  .by_walls = stats.walls_absorbed,
                                  .leaving = stats.leaving,
@@ -227,7 +237,7 @@ ty_result ty_dom_carry_walls(ty_dom_job* job, int32_t channel, const ty_ordinate
     ty_dom* light = job->light;
     const size_t terms = (size_t)(light->kept * light->kept), cells = light->cells;
     *power = (ty_dom_wall_power){.converged = true};
-    if (job->walls == NULL || ty_dom_walls_are_dark(job, channel)) return TY_OK;
+    if (ty_dom_walls_are_dark(job, channel)) return TY_OK;
     bare_planes planes = {.extinction = ty_alloc_array(job->context, cells, sizeof(float), false),
                           .zeros = ty_alloc_array(job->context, cells, sizeof(float), true)};
     light->surfaces[channel] = ty_alloc_array(job->context, cells, terms * sizeof(float), true);
