@@ -11,8 +11,9 @@
  * and light that leaves dense things leaves from the first mean free path. */
 enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64, THICK = 4, MOST_TIMES = 2 };
 
-/* Cells of uncollided light for each voxel's side where media have edges, as long as these are no more along a side. */
-enum { EDGES = 2, MOST_EDGED = 256 };
+/* Cells of uncollided light for each voxel's side where media have edges, as long as these are no more along a side:
+ * the latter where lights are many, each of which is followed through all cells. */
+enum { EDGES = 2, MOST_EDGED = 256, MOST_EDGED_MANY = 192 };
 
 /* ---- bands ---- */
 
@@ -89,9 +90,20 @@ static bool has_edges(const ty_scene* scene) {
     return false;
 }
 
+/* Whether a beam or lamp each is all of the scene's lights, and they are few. */
+static bool has_few_lights(const ty_scene* scene) {
+    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    for (int32_t i = 0; i < lights->count; ++i) {
+        const int32_t kind = lights->lights[i].kind;
+        if (kind != TY_KIND_DIRECTIONAL && kind != TY_KIND_POINT && kind != TY_KIND_SPOT) return false;
+    }
+    return lights->count <= TY_DOM_OWN_MAX;
+}
+
 /* How many cells of uncollided light there are for each of a box. */
 static int32_t find_times(const ty_dom_job* job, const int32_t size[3]) {
-    const bool finer = job->def->direct == 0 && EDGES * longest_side(size) <= MOST_EDGED && has_edges(job->scene);
+    const int32_t most = has_few_lights(job->scene) ? MOST_EDGED : MOST_EDGED_MANY;
+    const bool finer = job->def->direct == 0 && EDGES * longest_side(size) <= most && has_edges(job->scene);
     return finer ? EDGES : 1;
 }
 
