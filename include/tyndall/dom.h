@@ -34,8 +34,8 @@ typedef struct ty_dom_def {
                            (default): a third of the voxels (of 64 where there are none), 24..64; where these would be
                            thicker than four mean free paths, up to twice as many, but 64 */
     int32_t direct;     /* cells of uncollided light along that side, 4..1024; 0 (default): as the finest voxels, or
-                           twice as many where transfer functions make edges, but 256 at most (of these 192 where not all
-                       lights shine from one direction or place); 64 where media have no voxels */
+                           twice as many where transfer functions make edges, but 256 at most (of these 192 where not
+                           all lights shine from one direction or place); 64 where media have no voxels */
     int32_t directions; /* ordinates, 8..1024; default 96 */
     int32_t bands; /* L: Legendre terms that the scaled phase function keeps, 1..12; 0 (default): from the media's g
                       and the number of directions */
