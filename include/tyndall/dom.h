@@ -32,9 +32,11 @@ typedef struct ty_dom_def {
     uint32_t cookie; /* set by ty_default_dom_def; checked */
 
     int32_t resolution; /* cells that ordinates go through along the longest side of the box around all media, 4..512; 0
-                           (default): a third of `direct`, 24..64 */
-    int32_t direct; /* cells of uncollided light along that side, 4..1024; 0 (default): as the finest voxels, but 256 at
-                       most; 64 where media have no voxels */
+                           (default): a third of the voxels (of 64 where there are none), 24..64; where these would be
+                           thicker than four mean free paths, up to twice as many, but 64 */
+    int32_t direct;     /* cells of uncollided light along that side, 4..1024; 0 (default): as the finest voxels, or
+                           twice as many where transfer functions make edges, but 256 at most (of these 192 where not
+                           all lights shine from one direction or place); 64 where media have no voxels */
     int32_t directions; /* ordinates, 8..1024; default 96 */
     int32_t bands; /* L: Legendre terms that the scaled phase function keeps, 1..12; 0 (default): from the media's g
                       and the number of directions */

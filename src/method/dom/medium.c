@@ -9,7 +9,11 @@
 /* Cells of ordinates where nothing is asked for: a third of those of uncollided light, so many at least and at most.
  * Where they are thicker than so many mean free paths they are finer, up to twice: what is within them is not known,
  * and light that leaves dense things leaves from the first mean free path. */
-enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64, THICK = 4, MOST_TIMES = 2, EDGES = 2 };
+enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64, THICK = 4, MOST_TIMES = 2 };
+
+/* Cells of uncollided light for each voxel's side where media have edges, as long as these are no more along a side:
+ * the latter where lights are many, each of which is followed through all cells. */
+enum { EDGES = 2, MOST_EDGED = 256, MOST_EDGED_MANY = 192 };
 
 /* ---- bands ---- */
 
@@ -66,10 +70,11 @@ static double mean_extinction(const ty_grid_medium* medium) {
     return sums[0] > 0 ? sums[1] / sums[0] : 0;
 }
 
-static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine) {
+/* times: cells of uncollided light for each that there would be without edges. */
+static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, int32_t times) {
     const ty_grid_box* box = &fine->box;
     if (def->resolution > 0) return def->resolution;
-    int32_t cells = longest_side(box->size) / SHARE;
+    int32_t cells = longest_side(box->size) / (SHARE * times);
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = fmax(longest, box->upper[a] - box->lower[a]);
     const double thickness = mean_extinction(fine) * longest / fmax(cells, LEAST_CELLS);
@@ -85,21 +90,35 @@ static bool has_edges(const ty_scene* scene) {
     return false;
 }
 
-static ty_result sample_fine(ty_dom_job* job) {
+/* Whether a beam or lamp each is all of the scene's lights, and they are few. */
+static bool has_few_lights(const ty_scene* scene) {
+    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    for (int32_t i = 0; i < lights->count; ++i) {
+        const int32_t kind = lights->lights[i].kind;
+        if (kind != TY_KIND_DIRECTIONAL && kind != TY_KIND_POINT && kind != TY_KIND_SPOT) return false;
+    }
+    return lights->count <= TY_DOM_OWN_MAX;
+}
+
+/* How many cells of uncollided light there are for each of a box. */
+static int32_t find_times(const ty_dom_job* job, const int32_t size[3]) {
+    const int32_t most = has_few_lights(job->scene) ? MOST_EDGED : MOST_EDGED_MANY;
+    const bool finer = job->def->direct == 0 && EDGES * longest_side(size) <= most && has_edges(job->scene);
+    return finer ? EDGES : 1;
+}
+
+static ty_result sample(ty_dom_job* job) {
     const ty_dom_def* def = job->def;
-    int32_t longest = ty_grid_box_longest(job->scene, def->direct);
+    int32_t longest = ty_grid_box_longest(job->scene, def->direct), size[3];
     ty_grid_box box;
     if (def->direct == 0 && longest < def->resolution) longest = def->resolution;
     ty_result result = ty_grid_box_fit(job->scene, longest, &box);
-    for (int a = 0; a < 3 && result == TY_OK && def->direct == 0 && has_edges(job->scene); ++a) box.size[a] *= EDGES;
-    if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->fine);
-    return result;
-}
-
-static ty_result sample_coarse(ty_dom_job* job) {
-    const ty_grid_box* box = &job->fine->box;
-    int32_t size[3];
-    ty_grid_box_cut(box, choose_cells(job->def, job->fine), size);
+    if (result != TY_OK) return result;
+    const int32_t times = find_times(job, box.size);
+    for (int a = 0; a < 3; ++a) box.size[a] *= times;
+    result = ty_grid_medium_create(job->scene, &box, &job->fine);
+    if (result != TY_OK) return result;
+    ty_grid_box_cut(&box, choose_cells(def, job->fine, times), size);
     return ty_grid_medium_resize(job->fine, size, &job->coarse);
 }
 
@@ -125,8 +144,7 @@ ty_result ty_dom_sample_media(ty_dom_job* job) {
     job->set = ty_alloc_array(job->context, 1, sizeof *job->set, true);
     if (job->set == NULL) return TY_ERROR_MEMORY;
     ty_result result = ty_ordinate_set_make(job->context, job->def->directions, job->set, &exact);
-    if (result == TY_OK) result = sample_fine(job);
-    if (result == TY_OK) result = sample_coarse(job);
+    if (result == TY_OK) result = sample(job);
     if (result == TY_OK) result = keep_medium(job);
     if (result == TY_OK) choose_all_bands(job, exact);
     return result;

@@ -145,7 +145,7 @@ static ty_result take_many(direct_job* direct) {
         result = ty_source_groups_field(job->sources, direct->groups, direct->group_count, false, job->fine, false,
                                         &light->many);
     if (result == TY_OK) result = ty_dom_beams_create(job, &direct->beams);
-    for (int32_t p = 0; p < direct->one->planes && result == TY_OK && !light->even; ++p) {
+    for (int32_t p = 0; p < job->fine->planes && result == TY_OK && !light->even; ++p) {
         direct->coarse[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
         if (direct->coarse[p] == NULL) result = TY_ERROR_MEMORY;
     }
