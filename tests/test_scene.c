@@ -264,7 +264,7 @@ static void default_cameras_look_level(void** state) {
 static void settings_and_hash_are_kept(void** state) {
     ty_scene* scene = make_scene(*state);
     ty_render_settings settings = ty_scene_render_settings(scene);
-    assert_string_equal(settings.method, "path");
+    assert_string_equal(settings.method, "auto");
     assert_int_equal(settings.spp, 64);
     assert_true(settings.seed == 0 && settings.path.max_depth == 0 && ty_scene_hash(scene) == 0);
     settings.seed = 7;

@@ -281,7 +281,8 @@ static const bad_case bad_cases[] = {
      "s.json:2: render.screen.filter: 5 is not a multiple of 2"},
     {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL, "s.json:2: render.screen.levels: 16 is outside [0, 15]"},
     {HEAD "\"render\": {\"method\": \"pth\"}}", NULL,
-     "s.json:2: render.method: \"pth\" is not one of \"path\", \"screen\", \"fld\", \"cda\", \"pop\", \"lpv\", "
+     "s.json:2: render.method: \"pth\" is not one of \"auto\", \"path\", \"screen\", \"fld\", \"cda\", \"pop\", "
+     "\"lpv\", "
      "\"dom\"; did you mean \"path\"?"},
     /* values from overrides */
     {HEAD "\"render\": {}}", "render.spp=0", "override \"render.spp=0\": render.spp: 0 is outside [1, 16777216]"},

@@ -96,7 +96,7 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     expect_vector(camera.up, 0, 1, 0);
     assert_int_equal(camera.resolution[0], 800);
     const ty_render_settings render = ty_scene_render_settings(scene);
-    assert_string_equal(render.method, "path");
+    assert_string_equal(render.method, "auto");
     assert_int_equal(render.spp, 64);
     assert_int_equal(render.seed, 0);
     assert_int_equal(render.path.max_depth, 0);

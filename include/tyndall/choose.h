@@ -22,6 +22,7 @@ enum {
     TY_ASK_SAMPLES = 16 /* so many samples a pixel; other methods take them for surfaces alone */
 };
 
+/* What is asked of an image, as far as it decides. */
 typedef struct ty_choose_def {
     uint32_t cookie; /* set by ty_default_choose_def; checked */
     uint32_t asks;   /* TY_ASK_... together; default 0 */
@@ -44,12 +45,14 @@ typedef struct ty_look {
     uint32_t lights; /* 1 << TY_LIGHT_... for each kind; glowing surfaces count as area lights */
 } ty_look;
 
+/* A method, and why. */
 typedef struct ty_choice {
     const char* method; /* "path", "pop", "lpv" or "dom" */
     char reason[256];   /* why, as one sentence without its full stop: "a cloud ..." */
-    ty_look look;
+    ty_look look;       /* what rules asked */
 } ty_choice;
 
+/* Nothing but an image is asked for. */
 TY_API ty_choose_def ty_default_choose_def(void);
 
 /* Chooses for a committed scene, whose camera counts. What is chosen does not refuse the scene. It depends on nothing
