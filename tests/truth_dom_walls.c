@@ -125,8 +125,8 @@ static void a_floor_under_a_cloud(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_box_in_an_area_lamp), cmocka_unit_test(a_box_in_the_sun_and_a_sky),
-        cmocka_unit_test(a_box_with_a_spot),     cmocka_unit_test(walls_in_smoke),
+        cmocka_unit_test(a_box_in_an_area_lamp),     cmocka_unit_test(a_box_in_the_sun_and_a_sky),
+        cmocka_unit_test(a_box_with_a_spot),         cmocka_unit_test(walls_in_smoke),
         cmocka_unit_test(walls_let_nothing_through), cmocka_unit_test(a_floor_under_a_cloud)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
