@@ -67,7 +67,8 @@ static void walls_have_no_holes(void** state) {
     uint64_t seed = 3;
     for (int n = 0; n < 12; ++n) {
         ty_scene* scene = fog_cube(*state, 1);
-        const double a = uniform_in(&seed, -1.5, 1.5), b = uniform_in(&seed, -1.5, 1.5), c = uniform_in(&seed, -0.4, 0.4);
+        const double a = uniform_in(&seed, -1.5, 1.5), b = uniform_in(&seed, -1.5, 1.5),
+                     c = uniform_in(&seed, -0.4, 0.4);
         add_quad(scene, (const double[3]){-2, -2, c - 2 * a - 2 * b}, (const double[3]){4, 0, 4 * a},
                  (const double[3]){0, 4, 4 * b}, 0.5f);
         direct_case made = direct_begin(scene, 11, 1, 1);
@@ -194,8 +195,7 @@ static void solids_are_dark(void** state) {
         direct_case made = direct_begin(scene, 9, 1, 1);
         ty_walls* walls = find(&made);
         uint8_t dark[9 * 9 * 9];
-        check_result(*state,
-                     ty_walls_find_dark(scene, walls, made.medium, made.sources, made.source_count, dark));
+        check_result(*state, ty_walls_find_dark(scene, walls, made.medium, made.sources, made.source_count, dark));
         for (int32_t i = 0; i < 9 * 9 * 9; ++i) {
             const int32_t at[3] = {i % 9, i / 9 % 9, i / 81};
             bool inside = true; /* cells whose middles are */

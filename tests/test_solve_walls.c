@@ -100,9 +100,8 @@ static ty_ordinates_def def_of(const walled_box* box) {
     def.scattering = box->scattering;
     def.g = box->g;
     def.source = source;
-    def.tolerance = 1e-4;
-    def.walls = (ty_ordinates_walls){box->count, box->first, box->x, box->face, box->albedo, box->emission,
-                                     box->arrived};
+    def.walls =
+        (ty_ordinates_walls){box->count, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
     return def;
 }
 
@@ -137,8 +136,7 @@ static void light_between_walls_is_even(void** state) {
         float* fluence = calloc((size_t)box->cells, sizeof(float));
         const ty_ordinates_stats stats = solve(*state, box, fluence);
         for (ptrdiff_t i = 0; i < box->cells; ++i) assert_close((double)fluence[i], 4 * PI / 0.4, 0.01 * 4 * PI / 0.4);
-        for (int32_t i = 0; i < box->count; ++i)
-            assert_close((double)box->arrived[i], PI / 0.4, 0.01 * PI / 0.4);
+        for (int32_t i = 0; i < box->count; ++i) assert_close((double)box->arrived[i], PI / 0.4, 0.01 * PI / 0.4);
         assert_close(stats.leaving, 0, 1e-6);
         check_balance(&stats);
         print_message("%d sweeps\n", (int)stats.sweeps);
@@ -191,16 +189,17 @@ static void stairs_do_not_leak(void** state) {
         box->scattering[i] = 5.8f;
         box->source[i] = above ? 1 : 0;
         for (int a = 0; a < 3; ++a)
-            if (above != is_above(at[0] + (a == 0), at[1] + (a == 1), at[2] + (a == 2)) &&
-                at[a] + 1 < box->size[a])
+            if (above != is_above(at[0] + (a == 0), at[1] + (a == 1), at[2] + (a == 2)) && at[a] + 1 < box->size[a])
                 close_face(box, at, a, false);
     }
     list_sides(box, 0.8f, 0);
     float* fluence = calloc((size_t)box->cells, sizeof(float));
     const ty_ordinates_stats stats = solve(*state, box, fluence);
     check_balance(&stats);
+    float most = 0;
+    for (ptrdiff_t i = 0; i < box->cells; ++i) most = fmaxf(most, fluence[i]);
     for (ptrdiff_t i = 0; i < box->cells; ++i)
-        if (!is_above(i % 11, i / 11 % 9, i / 99)) assert_close((double)fluence[i], 0, 1e-3);
+        if (!is_above(i % 11, i / 11 % 9, i / 99)) assert_close((double)fluence[i], 0, 1e-3 * (double)most);
     free(fluence);
     free_box(box);
 }
@@ -209,8 +208,7 @@ static void stairs_do_not_leak(void** state) {
 static void white_walls_take_nothing(void** state) {
     walled_box* box = make_box(*state, 12, 10, 8);
     close_all_around(box);
-    for (int32_t i = 0; i < 120; ++i)
-        box->closed[7 * 120 + i] &= (uint8_t)~(1 << 5);
+    for (int32_t i = 0; i < 120; ++i) box->closed[7 * 120 + i] &= (uint8_t) ~(1 << 5);
     list_sides(box, 1, 0);
     for (ptrdiff_t i = 0; i < box->cells; ++i) box->extinction[i] = box->scattering[i] = i % 3 == 0 ? 0 : 6;
     box->source[5] = 1;

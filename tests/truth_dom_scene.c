@@ -22,7 +22,8 @@ static ty_image* dom_image(const ty_scene* scene, const ty_dom_def* def) {
     assert_true(stats.converged);
     assert_finite(image);
     for (int c = 0; c < 3; ++c)
-        if (!(fabs(stats.absorbed[c] + stats.absorbed_by_surfaces[c] + stats.leaving[c] - stats.emitted[c]) <= 1e-3 * stats.emitted[c]))
+        if (!(fabs(stats.absorbed[c] + stats.absorbed_by_surfaces[c] + stats.leaving[c] - stats.emitted[c]) <=
+              1e-3 * stats.emitted[c]))
             fail_msg("emitted %g, absorbed %g, leaving %g", stats.emitted[c], stats.absorbed[c], stats.leaving[c]);
     return image;
 }

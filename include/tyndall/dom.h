@@ -106,9 +106,9 @@ TY_API ty_result ty_dom_view(const ty_dom* light, const ty_scene* scene, const t
 TY_API ty_result ty_dom_render(const ty_scene* scene, const ty_dom_def* def, ty_image** out, ty_dom_stats* stats);
 
 /* Fluence as ty_path_fluence gives it (integral of radiance over all directions, W m^-2), means over the cells of a
- * box; outside of the box around the media it is 0. uncollided: what of it has not scattered (in the scaled problem:
- * with what scattering sends nearly straight on); may be NULL. Cells x 3. A box without extent along an axis gives that
- * plane, line or point. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ * box; outside of the box around the media it is 0. uncollided: what of it has not scattered, since lights or since
+ * surfaces sent it (in the scaled problem: with what scattering sends nearly straight on); may be NULL. Cells x 3. A
+ * box without extent along an axis gives that plane, line or point. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_dom_fluence(const ty_dom* light, const double lower[3], const double upper[3],
                                 const int32_t size[3], double* fluence, double* uncollided);
 

@@ -29,8 +29,8 @@ static ty_source_group next_group(const ty_scene* scene, const ty_grid_box* box,
     const int32_t light = sources[first].light;
     ty_vec sum = ty_vec_make(0, 0, 0);
     /* What surfaces send of a light is not where that is. */
-    for (int32_t i = first;
-         i < count && sources[i].light == light && sources[i].stand_in == sources[first].stand_in; ++i) {
+    for (int32_t i = first; i < count && sources[i].light == light && sources[i].stand_in == sources[first].stand_in;
+         ++i) {
         ++g.count;
         sum = ty_add(sum, sources[i].position);
     }

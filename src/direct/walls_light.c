@@ -150,8 +150,8 @@ static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* me
     const float normal[3] = {source->direction.x, source->direction.y, source->direction.z};
     int32_t home[3];
     for (int a = 0; a < 3; ++a)
-        home[a] = (int32_t)fmin(
-            fmax(floor(((double)place[a] - medium->box.lower[a]) / medium->cell[a]), -2), f->walls->size[a] + 1);
+        home[a] = (int32_t)fmin(fmax(floor(((double)place[a] - medium->box.lower[a]) / medium->cell[a]), -2),
+                                f->walls->size[a] + 1);
     for (int i = 0; i < 27; ++i) {
         const int32_t at[3] = {home[0] + i % 3 - 1, home[1] + i / 3 % 3 - 1, home[2] + i / 9 - 1};
         float middle[3], start[3];
@@ -166,11 +166,10 @@ static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* me
         for (int a = 0; a < 3; ++a) start[a] = place[a] + lift * (float)medium->cell[a] * normal[a];
         const ty_vec way = ty_sub(ty_vec_load(middle), ty_vec_load(start));
         const float length = sqrtf(ty_dot(way, way));
-        if (length > 0 &&
-            ty_mesh_occluded(scene->view.mesh, ty_vec_load(start), ty_scale(way, 1 / length), length))
+        if (length > 0 && ty_mesh_occluded(scene->view.mesh, ty_vec_load(start), ty_scale(way, 1 / length), length))
             continue;
-        reach(f, ((size_t)at[2] * (size_t)f->walls->size[1] + (size_t)at[1]) * (size_t)f->walls->size[0] +
-                     (size_t)at[0]);
+        reach(f,
+              ((size_t)at[2] * (size_t)f->walls->size[1] + (size_t)at[1]) * (size_t)f->walls->size[0] + (size_t)at[0]);
     }
 }
 

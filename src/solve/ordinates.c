@@ -63,9 +63,9 @@ static ty_result check(ty_context* context, const ty_ordinates_def* def, float* 
                        "ordinates: there is no medium, source, start or place for the moments");
     if (!(def->tolerance > 0 && def->tolerance < 1))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: tolerance: %g is outside (0, 1)", def->tolerance);
-    if (def->walls.count < 0 || (def->walls.count > 0 && (def->walls.first == NULL || def->walls.x == NULL ||
-                                                          def->walls.face == NULL || def->walls.albedo == NULL ||
-                                                          def->walls.emission == NULL)))
+    if (def->walls.count < 0 ||
+        (def->walls.count > 0 && (def->walls.first == NULL || def->walls.x == NULL || def->walls.face == NULL ||
+                                  def->walls.albedo == NULL || def->walls.emission == NULL)))
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: walls: %d sides are not all there",
                        (int)def->walls.count);
     if (def->sweeps < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: sweeps are at least 0");

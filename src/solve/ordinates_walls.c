@@ -90,8 +90,7 @@ double ty_ordinates_entering(const ty_ordinates_def* def) {
     const int32_t* size = def->size;
     double open[6], power = 0;
     if (def->inflow == NULL) return 0;
-    for (int face = 0; face < 6; ++face)
-        open[face] = (double)size[(face / 2 + 1) % 3] * size[(face / 2 + 2) % 3];
+    for (int face = 0; face < 6; ++face) open[face] = (double)size[(face / 2 + 1) % 3] * size[(face / 2 + 2) % 3];
     for (int64_t row = 0, side = 0; side < walls->count; ++row)
         for (; side < walls->first[row + 1]; ++side) {
             const int32_t at[3] = {walls->x[side], (int32_t)(row % size[1]), (int32_t)(row / size[1])};
@@ -194,7 +193,8 @@ void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums) 
         change += (double)changes[i] * (double)changes[i];
         light += (double)arrived[i] * (double)arrived[i];
     }
-    if (job->limited) sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI);
+    if (job->limited)
+        sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI);
     sums->change += square * change;
     sums->fluence += square * light;
     for (int32_t k = 0; k < job->count; ++k) {

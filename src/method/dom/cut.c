@@ -37,8 +37,9 @@ static float middle_of(const cut_job* cut, const int32_t cell[3], ty_vec way) {
     return cut->fine[at];
 }
 
-/* How much of a cell is behind a plane, which is at `depth` cells from its middle along an axis: what the plane cuts off
- * its farthest corner is a tetrahedron, less those beyond the cell's other faces. normal: times the cell's edges. */
+/* How much of a cell is behind a plane, which is at `depth` cells from its middle along an axis: what the plane cuts
+ * off its farthest corner is a tetrahedron, less those beyond the cell's other faces. normal: times the cell's edges.
+ */
 static float behind_plane(const double normal[3], int axis, double depth) {
     double m[3], reach = 0, volume = 0;
     for (int a = 0; a < 3; ++a) m[a] = fabs(normal[a]);

@@ -35,7 +35,8 @@ static ty_result run_parts(ty_dom_job* job, double share) {
     if (result == TY_OK)
         result = run_part(job, "direct light", share * direct_until, ty_dom_light_directly, &stats->direct_seconds);
     stats->direct_seconds -= stats->source_seconds;
-    if (result == TY_OK) result = run_part(job, "walls", share * direct_until, ty_dom_light_walls, &stats->wall_seconds);
+    if (result == TY_OK)
+        result = run_part(job, "walls", share * direct_until, ty_dom_light_walls, &stats->wall_seconds);
     if (result == TY_OK) result = run_part(job, "ordinates", share, ty_dom_scatter, &stats->solve_seconds);
     return result;
 }

@@ -42,8 +42,8 @@ static void entry(const ty_dom_job* job, int32_t direction, int32_t ray, double 
 static void meet(const inflow* in, int32_t direction, int32_t ray, ty_wall* wall) {
     const ty_scene_view* view = &in->job->scene->view;
     const ty_ordinate_set* set = in->job->set;
-    const ty_vec back = ty_vec_make(-set->direction[0][direction], -set->direction[1][direction],
-                                    -set->direction[2][direction]);
+    const ty_vec back =
+        ty_vec_make(-set->direction[0][direction], -set->direction[1][direction], -set->direction[2][direction]);
     double at[3];
     float from[3];
     ty_hit hit;
@@ -65,8 +65,7 @@ static void meet(const inflow* in, int32_t direction, int32_t ray, ty_wall* wall
 static void meet_all(void* user, int64_t direction, int32_t worker) {
     (void)worker;
     const inflow* in = user;
-    for (int32_t ray = 0; ray < RAYS; ++ray)
-        meet(in, (int32_t)direction, ray, &in->met.sides[direction * RAYS + ray]);
+    for (int32_t ray = 0; ray < RAYS; ++ray) meet(in, (int32_t)direction, ray, &in->met.sides[direction * RAYS + ray]);
 }
 
 /* Sources whose reflections no virtual lamps stand for. */

@@ -58,13 +58,13 @@ struct ty_dom {
     /* Light: harmonic after harmonic, as many planes of cells as kept^2. */
     bool shared; /* whether all channels are the first one's, times color */
     float color[3];
-    float* moments[3]; /* of what has scattered, W m^-2 */
+    float* moments[3];  /* of what has scattered, W m^-2 */
     float* surfaces[3]; /* of what surfaces sent and has not scattered since; NULL: of none, or part of sources */
     /* Sides of walls: irradiance that what has scattered brings in cells' faces, and of it, in the surface itself, what
        has scattered nearly straight on. */
     ty_walls* walls; /* NULL: there are none */
     float *arrived[3], *forward[3];
-    uint8_t* dark;      /* cells that no light gets to, within solids; NULL: there are no walls */
+    uint8_t* dark; /* cells that no light gets to, within solids; NULL: there are no walls */
     /* Directions of light that is in `many`. */
     ty_dom_part* parts;
     int32_t part_capacity, part_count, part_planes;
@@ -90,7 +90,7 @@ typedef struct ty_dom_job {
     float* wall_albedo[3]; /* of each side, for as many channels as are solved for */
     float* inflow[3];      /* radiance of surfaces outside of the box along each direction; NULL: there are none */
     float* wall_light[3];  /* radiance of uncollided light that walls send */
-    float* source[3]; /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
+    float* source[3];      /* q_lm, W m^-3: bands^2 planes of coarse cells, of as many channels as are solved for */
     ty_dom* light;
     ty_dom_stats stats;
 } ty_dom_job;

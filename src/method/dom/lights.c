@@ -143,8 +143,8 @@ ty_result ty_dom_take_sources(ty_dom_job* job) {
         memcpy(color, job->sources[0].color, sizeof color);
     else
         emission_color(job->coarse, color);
-    light->shared = !is_black(color) && light->planes == 1 && emission_shares(job->coarse, color) && ty_dom_walls_share(job) &&
-                    ty_sources_share(job->sources, job->source_count, color);
+    light->shared = !is_black(color) && light->planes == 1 && emission_shares(job->coarse, color) &&
+                    ty_dom_walls_share(job) && ty_sources_share(job->sources, job->source_count, color);
     for (int c = 0; c < 3; ++c) light->color[c] = light->shared ? color[c] : 1;
     job->stats.planes = ty_dom_channels(light);
     return TY_OK;

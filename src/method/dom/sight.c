@@ -1,5 +1,5 @@
-/* What an eye sees of cells behind surfaces is the part before them, where light is that of the cells before them: so it
- * is taken to be, lest the light of walls' other sides, or the dark within solids, shine through. */
+/* What an eye sees of cells behind surfaces is the part before them, where light is that of the cells before them: so
+ * it is taken to be, lest the light of walls' other sides, or the dark within solids, shine through. */
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/dom/view.h"
@@ -54,11 +54,9 @@ static void look_row(void* user, int64_t row, int32_t worker) {
         ty_ray rays[TY_PACKET];
         bool occluded[TY_PACKET];
         for (int32_t i = 0; i < count; ++i)
-            rays[i] =
-                ray_to(job, (const int32_t[3]){begin + i, (int32_t)(row % size[1]), (int32_t)(row / size[1])});
+            rays[i] = ray_to(job, (const int32_t[3]){begin + i, (int32_t)(row % size[1]), (int32_t)(row / size[1])});
         ty_mesh_occluded_packet(job->mesh, rays, count, occluded);
-        for (int32_t i = 0; i < count; ++i)
-            job->hidden[row * size[0] + begin + i] = occluded[i] ? HIDDEN : SEEN;
+        for (int32_t i = 0; i < count; ++i) job->hidden[row * size[0] + begin + i] = occluded[i] ? HIDDEN : SEEN;
     }
 }
 

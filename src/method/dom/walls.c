@@ -194,8 +194,7 @@ static double scatter_first(ty_dom_job* job, int32_t channel, float* const* mome
         float power = 1;
         for (int32_t l = 0; l < light->bands; ++l, power *= g[i])
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                job->source[channel][light->cells * (size_t)t + i] +=
-                    scattering[i] * (power - forward) * moments[t][i];
+                job->source[channel][light->cells * (size_t)t + i] += scattering[i] * (power - forward) * moments[t][i];
         sum += (double)(scattering[i] * (1 - forward) * moments[0][i]);
     }
     return sum * sqrt_four_pi * job->coarse->cell[0] * job->coarse->cell[1] * job->coarse->cell[2];
