@@ -45,7 +45,7 @@ typedef struct ty_look {
 } ty_look;
 
 typedef struct ty_choice {
-    const char* method; /* "path", "pop", "lpv" or "dom" */
+    const char* method; /* "path", "lpv" or "dom" */
     char reason[256];   /* why, as one sentence without its full stop: "a cloud ..." */
     ty_look look;
 } ty_choice;

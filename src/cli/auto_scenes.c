@@ -150,7 +150,7 @@ const auto_scene auto_scenes[] = {
     {.name = "lamp beside smoke", .text = lamp_in_smoke, .held_out = true},
     {.name = "ball of milk", .text = milk_ball, .held_out = true},
     {.name = "fog bank on a plain", .text = fog_bank, .held_out = true},
-    {.name = "plume in a square", .text = plume_square, .file = PLUME_FILE, .held_out = true},
+    {.name = "plume in a square", .text = plume_square, .file = PLUME_FILE},
 };
 const int32_t auto_scene_count = sizeof auto_scenes / sizeof auto_scenes[0];
 
