@@ -22,7 +22,7 @@ enum {
     TY_ASK_SAMPLES = 16 /* so many samples a pixel; other methods take them for surfaces alone */
 };
 
-/* What is asked of an image, as far as it decides. */
+/* What is asked of the picture. */
 typedef struct ty_choose_def {
     uint32_t cookie; /* set by ty_default_choose_def; checked */
     uint32_t asks;   /* TY_ASK_... together; default 0 */
@@ -35,7 +35,8 @@ typedef struct ty_look {
     double thickness; /* optical, along the ray that has most of it; mean of the channels */
     double opacity;   /* fraction of the light from behind that media take, mean over the frame */
     double g, albedo; /* of what scatters, weighted by what is seen of it; means of the channels */
-    double cell;     /* optical thickness of a cell of dom's own choice where media first scatter, mean over the view */
+    double cell; /* optical thickness, where media first scatter, of a fortieth of the longest side of the box around
+                    them, about a cell of grid methods; mean over the view */
     double surfaces; /* fraction of the frame in which there are surfaces */
     double enclosed; /* of the directions around what scatters in view, the fraction in which there are surfaces no
                         farther off than the media's box is long */
@@ -45,14 +46,14 @@ typedef struct ty_look {
     uint32_t lights; /* 1 << TY_LIGHT_... for each kind; glowing surfaces count as area lights */
 } ty_look;
 
-/* A method, and why. */
+/* What is chosen. */
 typedef struct ty_choice {
-    const char* method; /* "path", "pop", "lpv" or "dom" */
-    char reason[256];   /* why, as one sentence without its full stop: "a cloud ..." */
-    ty_look look;       /* what rules asked */
+    const char* method; /* "path", "lpv" or "dom" */
+    char reason[256];   /* why, as one sentence without its full stop: "uneven media ..." */
+    ty_look look;       /* what was seen of the scene */
 } ty_choice;
 
-/* Nothing but an image is asked for. */
+/* Nothing but a picture. */
 TY_API ty_choose_def ty_default_choose_def(void);
 
 /* Chooses for a committed scene, whose camera counts. What is chosen does not refuse the scene. It depends on nothing

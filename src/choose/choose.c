@@ -13,7 +13,6 @@ static const double enclosed_most = 0.5; /* of what scatters; above it, surfaces
 static const double surfaces_most = 0.3; /* of the frame; above it, the paths that others take for surfaces count */
 static const double seldom = 4;          /* scatterings below which paths are cheap */
 static const double cell_most = 10;      /* mean free paths of a cell, times 1 - g */
-static const double narrow = 0.85;       /* g from which lobes tell the parts of an environment apart */
 static const double needle = 0.94;       /* g from which no method but path tracing knows where light comes from */
 
 enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
@@ -102,18 +101,14 @@ static void choose_by_look(ty_choice* out) {
         snprintf(out->reason, sizeof out->reason, "no media are in view");
     else if (look->enclosed > enclosed_most && (look->lights & ~(uint32_t)LPV_LIGHTS) == 0)
         set(out, "lpv", "surfaces all around, which lamps or the sun light");
-    else if (look->enclosed > enclosed_most)
-        set(out, "path", "surfaces all around, lit so as no faster method has it");
     else if (look->cell * (1 - look->g) > cell_most)
         set(out, "path", "too dense for the cells of faster methods");
     else if (look->surfaces > surfaces_most && is_seldom)
         set(out, "path", "much of the frame is surfaces, and light scatters seldom");
     else if (look->g > needle && is_seldom)
         set(out, "path", "light goes nearly straight on");
-    else if (look->g > narrow && look->lights == 1u << TY_LIGHT_ENVIRONMENT)
-        set(out, "pop", "narrow lobes in light from all around");
     else
-        set(out, "dom", look->surfaces > 0 ? "few surfaces near" : "no surfaces");
+        set(out, "dom", look->surfaces > 0 ? "light scatters more than paths are cheap for" : "no surfaces");
 }
 
 ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
