@@ -19,8 +19,8 @@ enum { SEEDS = 2, TRUTH_SPP = 2048 };
 
 static const char scene_name[] = "builtin:cornell_fog";
 static const char* const method_names[METHODS] = {"surfaces", "attenuation", "cache", "impulse", "path"};
-static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_CACHE,
-                                                TY_BAKE_IMPULSE, TY_BAKE_PATH};
+static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_CACHE, TY_BAKE_IMPULSE,
+                                                TY_BAKE_PATH};
 
 static const struct {
     const char* name;
@@ -228,10 +228,11 @@ static void print_cost(const bench_session* bench, int m, int32_t spp, const cos
         const errors* e = &is->errors[part];
         const double paths = path_seconds(path, part, e->error), own = is->seconds[part];
         if (bench->json == NULL) {
-            printf("  %-7s %4d paths: error %5.1f %%, of which noise %5.1f %%, in %7.4f s; paths through media %8.2f s: "
-                   "%.1f times as fast, %.2f with filling\n",
-                   part == ALL ? method_names[m] : "", (int)spp, 100 * e->error, 100 * e->noise, own, paths,
-                   paths / own, paths / (own + is->filling));
+            printf(
+                "  %-7s %4d paths: error %5.1f %%, of which noise %5.1f %%, in %7.4f s; paths through media %8.2f s: "
+                "%.1f times as fast, %.2f with filling\n",
+                part == ALL ? method_names[m] : "", (int)spp, 100 * e->error, 100 * e->noise, own, paths, paths / own,
+                paths / (own + is->filling));
             continue;
         }
         json_open_object(bench->json, part_names[part]);
@@ -267,11 +268,11 @@ static ty_result bench_errors(const bench_session* bench, const ty_scene* scene,
     ty_result result = bake_twice(scene, look, p, PATH, TRUTH_SPP, SEEDS, &truth);
     if (result == TY_OK) result = find_cost(scene, look, p, PATH, qualities[0].spp, t[0], &truth, &path);
     if (bench->json == NULL && result == TY_OK)
-        printf("against paths through media to the same error (theirs at %d: %.1f %% of all light, %.1f %% of what media "
-               "scattered, in %.3f s);\nfirst of all light, then of what media scattered, by the time beyond "
-               "attenuation alone\n",
-               (int)qualities[0].spp, 100 * path.errors[ALL].error, 100 * path.errors[SCATTERED].error,
-               path.seconds[ALL]);
+        printf(
+            "against paths through media to the same error (theirs at %d: %.1f %% of all light, %.1f %% of what media "
+            "scattered, in %.3f s);\nfirst of all light, then of what media scattered, by the time beyond "
+            "attenuation alone\n",
+            (int)qualities[0].spp, 100 * path.errors[ALL].error, 100 * path.errors[SCATTERED].error, path.seconds[ALL]);
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
         if (bench->json != NULL) json_open_object(bench->json, q == 0 ? "equal_error_low" : "equal_error_high");
         for (int m = CACHE; m < PATH && result == TY_OK; ++m) {
