@@ -11,8 +11,9 @@ typedef struct ty_cached_fog {
     float once[3], rest[3];
 } ty_cached_fog;
 
-/* Places along a ray where light in cells is looked up. */
-enum { TY_FOG_PLACES = 4 };
+/* Places where light in cells is looked up: along a receiver's ray; along the first ray of a walk for a cell's
+ * surfaces, which many receivers share, and along its others. */
+enum { TY_FOG_PLACES = 4, TY_WALK_PLACES = 16, TY_WALK_PLACES_ON = 4 };
 
 /* What a point of the media sends, in the place of all of them; times share. */
 TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, float share, ty_cached_fog* fog) {
@@ -76,7 +77,8 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks,
         path->survival *= ty_max3(end.point.albedo);
         ty_path_turn(path);
         if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
-        const bool hit = ty_cached_trace(g, ty_random_next(&path->random), 1, &end, &segment, &fog);
+        const bool hit =
+            ty_cached_trace(g, ty_random_next(&path->random), looks ? 1 : TY_WALK_PLACES_ON, &end, &segment, &fog);
         for (int c = 0; c < 3; ++c) {
             out[c] += path->beta[c] * (fog.once[c] + fog.rest[c]);
             path->beta[c] *= segment.transmittance[c];
@@ -91,7 +93,8 @@ TY_FN void ty_cached_walk(ty_gather* g, bool looks, float single[3], float multi
     ty_segment segment;
     ty_cached_fog fog;
     float reflected[3] = {0.0f, 0.0f, 0.0f};
-    const bool hit = ty_cached_trace(g, ty_random_next(&g->path.random), TY_FOG_PLACES, &end, &segment, &fog);
+    const bool hit = ty_cached_trace(g, ty_random_next(&g->path.random), looks ? TY_FOG_PLACES : TY_WALK_PLACES, &end,
+                                     &segment, &fog);
     if (hit) ty_cached_follow(g, &end, looks, reflected);
     for (int c = 0; c < 3; ++c) {
         single[c] = fog.once[c];
