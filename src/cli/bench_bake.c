@@ -2,7 +2,8 @@
  * 4.7 % at low and 14.6 % at high quality), by a cache of the media's light, whose filling is told apart, and by
  * impulse responses; how much sooner than by paths through the media either has as small an error, of all light and of
  * what media scattered; and how many rays a second of a bake traces, beside a bare loop over Embree on the same
- * triangles. Receivers are where a camera's rays end. Methods take turns, run by run. */
+ * triangles. Times are the processor's, of all threads: what else runs matters less. Receivers are where a camera's
+ * rays end. Methods take turns, run by run. */
 #include "cli/bench.h"
 #include "cli/bench_embree.h"
 #include "cli/bench_ray_sets.h"
@@ -10,6 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <tyndall/bake.h>
 
 enum { SIDE = 48, RUNS_MAX = 99, QUALITIES = 2, BLOCK_RAYS = 4096, EMBREE_PIXELS = 512 };
@@ -83,19 +85,22 @@ static ty_result find_places(const bench_session* bench, const ty_scene* scene, 
 
 /* ---- methods ---- */
 
+static double processor_seconds(void) {
+    return (double)clock() / CLOCKS_PER_SEC;
+}
+
 typedef struct timed {
     double seconds; /* median */
-    ty_bake_stats stats;
 } timed;
 
 /* What media's light is looked up in. */
 typedef struct lookups {
     ty_impulse* tables;
     ty_bake_cache* cache[SEEDS];
+    double filling; /* processor's seconds of one cache */
 } lookups;
 
-static ty_result bake(const ty_scene* scene, const lookups* look, const places* p, int method, int32_t spp, int seed,
-                      ty_bake_stats* stats) {
+static ty_result bake(const ty_scene* scene, const lookups* look, const places* p, int method, int32_t spp, int seed) {
     ty_bake_def def = ty_default_bake_def();
     def.method = methods[method];
     def.spp = spp;
@@ -103,7 +108,7 @@ static ty_result bake(const ty_scene* scene, const lookups* look, const places* 
     def.tables = look->tables;
     def.cache = look->cache[seed % SEEDS];
     def.scatterings = method == IMPULSE ? def.scatterings : TY_IMPULSE_BOUNCES_MAX;
-    const ty_result result = ty_bake_surfaces(scene, &def, p->at, p->count, p->light, stats);
+    const ty_result result = ty_bake_surfaces(scene, &def, p->at, p->count, p->light, NULL);
     return result == TY_OK && cli_interrupted() ? TY_CANCELLED : result;
 }
 
@@ -114,8 +119,9 @@ static ty_result time_methods(const bench_session* bench, const ty_scene* scene,
     ty_result result = TY_OK;
     for (int run = -1; run < runs; ++run)
         for (int m = 0; m < method_count && result == TY_OK; ++m) {
-            result = bake(scene, look, p, m, spp, 0, &out[m].stats);
-            seconds[m][run < 0 ? 0 : run] = out[m].stats.seconds;
+            const double start = processor_seconds();
+            result = bake(scene, look, p, m, spp, 0);
+            seconds[m][run < 0 ? 0 : run] = processor_seconds() - start;
         }
     for (int m = 0; m < method_count && result == TY_OK; ++m) out[m].seconds = bench_median(seconds[m], runs);
     return result;
@@ -178,7 +184,7 @@ static ty_result bake_twice(const ty_scene* scene, const lookups* look, const pl
     ty_result result = TY_OK;
     out->values = 3 * p->count;
     for (int i = 0; i < SEEDS && result == TY_OK; ++i) {
-        result = bake(scene, look, p, method, spp, seed + i, NULL);
+        result = bake(scene, look, p, method, spp, seed + i);
         for (int part = 0; part < PARTS && result == TY_OK; ++part) {
             out->light[i][part] = malloc((size_t)out->values * sizeof(double));
             if (out->light[i][part] == NULL) return TY_ERROR_MEMORY;
@@ -252,7 +258,7 @@ static ty_result find_cost(const ty_scene* scene, const lookups* look, const pla
                            const timed t[METHODS], const twice* truth, cost* out) {
     twice is = {.values = 0};
     const ty_result result = bake_twice(scene, look, p, m, spp, 0, &is);
-    *out = (cost){.filling = m == CACHE ? ty_bake_cache_get_info(look->cache[0]).seconds : 0};
+    *out = (cost){.filling = m == CACHE ? look->filling : 0};
     out->seconds[ALL] = t[m].seconds;
     out->seconds[SCATTERED] = fmax(1e-6, t[m].seconds - t[ATTENUATION].seconds);
     for (int part = 0; part < PARTS && result == TY_OK; ++part) out->errors[part] = compare(&is, truth, part);
@@ -291,19 +297,20 @@ static ty_result bench_methods(const bench_session* bench, const ty_scene* scene
     ty_result result = find_places(bench, scene, &p);
     if (result != TY_OK) return result;
     if (bench->json == NULL)
-        printf("light from media on top of light from surfaces (%s, %lld receivers, medians of %d)\n", scene_name,
-               (long long)p.count, (int)bench->options->runs);
+        printf(
+            "light from media on top of light from surfaces (%s, %lld receivers, medians of %d, processor's seconds)\n",
+            scene_name, (long long)p.count, (int)bench->options->runs);
     else
         json_integer(bench->json, "receivers", p.count);
     if (bench->json == NULL)
         printf("  filling the cache, %d x %d x %d cells, %lld paths: %.3f s\n", (int)cache.size[0], (int)cache.size[1],
-               (int)cache.size[2], (long long)cache.paths, cache.seconds);
+               (int)cache.size[2], (long long)cache.paths, look->filling);
     else
-        json_number(bench->json, "cache_filling_seconds", cache.seconds);
+        json_number(bench->json, "cache_filling_seconds", look->filling);
     timed t[QUALITIES][METHODS];
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
         result = time_methods(bench, scene, look, &p, qualities[q].spp, q == 0 ? METHODS : PATH, t[q]);
-        if (result == TY_OK) print_quality(bench, q, cache.seconds, t[q]);
+        if (result == TY_OK) print_quality(bench, q, look->filling, t[q]);
     }
     if (result == TY_OK) result = bench_errors(bench, scene, look, &p, (const timed(*)[METHODS])t);
     free_places(&p);
@@ -406,8 +413,10 @@ int bench_bake(const bench_session* bench) {
     def.scatterings = TY_IMPULSE_BOUNCES_MAX;
     if (result == TY_OK) result = ty_impulse_create(context, &impulse, &look.tables, NULL);
     for (int seed = 0; seed < SEEDS && result == TY_OK; ++seed) {
+        const double start = processor_seconds();
         def.seed = (uint64_t)seed;
         result = ty_bake_cache_create(scene, &def, &look.cache[seed]);
+        look.filling = processor_seconds() - start;
     }
     if (result == TY_OK) result = bench_methods(bench, scene, &look);
     if (result == TY_OK) result = bench_tracing(bench);
