@@ -106,6 +106,47 @@ static void walls_let_nothing_through(void** state) {
     }
 }
 
+enum { FACES = 4 };
+
+static double scattered_on(const ty_bake_light* light) {
+    return scattered_of(light, 0) + scattered_of(light, 1) + scattered_of(light, 2);
+}
+
+/* At few paths, surfaces take the light of cells as it is: beside a sheet, each side its own. */
+static void surfaces_take_the_light_of_cells(void** state) {
+    static const float at[FACES][3] = {{-0.5f, 0.3f, -1}, {0.03f, 0.2f, 0.1f}, {0.6f, 0.3f, -1}, {0.03f, 0.2f, 0.1f}};
+    static const float normals[FACES][3] = {{0, 0, 1}, {-1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
+    ty_bake_receiver receivers[FACES];
+    ty_bake_light is[FACES], should[FACES];
+    ty_scene* scene = walled(*state, 0, 0.4);
+    ty_bake_def def = ty_default_bake_def();
+    for (int i = 0; i < FACES; ++i) {
+        receivers[i] = (ty_bake_receiver){.margin = 1e-4f};
+        memcpy(receivers[i].position, at[i], sizeof at[i]);
+        memcpy(receivers[i].normal, normals[i], sizeof normals[i]);
+        memcpy(receivers[i].face, normals[i], sizeof normals[i]);
+    }
+    def.cells = 9;
+    def.cell_paths = 256;
+    must(*state, ty_bake_surfaces(scene, &def, receivers, FACES, is, NULL));
+    def.method = TY_BAKE_PATH;
+    def.spp = 16384;
+    def.seed = 1;
+    must(*state, ty_bake_surfaces(scene, &def, receivers, FACES, should, NULL));
+    for (int i = 0; i < 2; ++i) {
+        if (!(fabs(scattered_on(&is[i]) / scattered_on(&should[i]) - 1) < 0.1))
+            fail_msg("receiver %d: %g for %g", i, scattered_on(&is[i]), scattered_on(&should[i]));
+        for (int layer = TY_BAKE_SINGLE; layer <= TY_BAKE_MULTIPLE; ++layer) {
+            double along = 0; /* the vector irradiance along the normal is irradiance */
+            for (int a = 0; a < 3; ++a) along += (double)is[i].toward[layer][1][a] * (double)normals[i][a];
+            assert_true(fabs(along / (double)is[i].irradiance[layer][1] - 1) < 1e-4);
+        }
+        assert_true(is[i].variance[1] > 0);
+    }
+    for (int i = 2; i < FACES; ++i) assert_true(scattered_on(&is[i]) < 0.02 * scattered_on(&should[0]));
+    ty_scene_destroy(scene);
+}
+
 /* ---- what makes no difference ---- */
 
 static void a_cache_of_ones_own_is_the_same(void** state) {
@@ -207,10 +248,10 @@ static void wrong_options_are_refused(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_is_as_bright_as_the_sky),     cmocka_unit_test(walls_let_nothing_through),
-        cmocka_unit_test(a_cache_of_ones_own_is_the_same), cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(empty_cells_are_not_filled),      cmocka_unit_test(filling_can_be_cancelled),
-        cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(all_is_as_bright_as_the_sky),      cmocka_unit_test(walls_let_nothing_through),
+        cmocka_unit_test(surfaces_take_the_light_of_cells), cmocka_unit_test(a_cache_of_ones_own_is_the_same),
+        cmocka_unit_test(threads_change_nothing),           cmocka_unit_test(empty_cells_are_not_filled),
+        cmocka_unit_test(filling_can_be_cancelled),         cmocka_unit_test(wrong_options_are_refused),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -129,8 +129,8 @@ TY_FN const float* ty_cache_look_wall(const ty_cache_view* view, const ty_mesh* 
     return ty_wall_counts(view, mesh, wall, at, normal, open) > 0.0f ? wall : NULL;
 }
 
-/* The trilinear mean of the walls around a point on a surface: light[kind][channel][term], and the variance of that. Returns how many walks from
- * that point would have as much noise; 0: nothing is known. */
+/* The trilinear mean of the walls around a point on a surface: light[kind][channel][term], and the variance of that.
+ * Returns how many walks from that point would have as much noise; 0: nothing is known. */
 TY_FN float ty_cache_mean_wall(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_vec normal,
                                float light[TY_WALL_LIGHTS], float variance[3]) {
     float part[3], weights = 0.0f, squares = 0.0f;

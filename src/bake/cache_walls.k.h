@@ -98,7 +98,8 @@ TY_FN void ty_wall_fill(ty_gather* g, const ty_cache_request* request, int32_t c
         ty_surface_evaluate(&request->path.scene->surfaces[at.hit.surface], &at.hit, direction, &at.point);
         const int32_t way = ty_wall_way(at.point.facing);
         if ((ways >> way & 1) == 0 || (uint32_t)sums[way].walks == request->paths) continue;
-        if (sums[way].walks > 0 && !ty_wall_is_flush(view, sums[way].first, sums[way].facing, at.hit.position)) continue;
+        if (sums[way].walks > 0 && !ty_wall_is_flush(view, sums[way].first, sums[way].facing, at.hit.position))
+            continue;
         const int32_t wall = view->first[cell] + __builtin_popcount((uint32_t)ways & ((1u << way) - 1u));
         ty_wall_walk(g, request, wall, &at, &sums[way]);
         full += (uint32_t)sums[way].walks == request->paths ? 1 : 0;

@@ -1,5 +1,5 @@
-/* Light of media that is known in cells, as it arrives at receivers: paths over surfaces know nothing of it, and rays of
- * its own gather it. docs/bake.md explains it. */
+/* Light of media that is known in cells, as it arrives at receivers: paths over surfaces know nothing of it, and rays
+ * of its own gather it. docs/bake.md explains it. */
 #ifndef TY_BAKE_CACHED_K_H
 #define TY_BAKE_CACHED_K_H
 
@@ -11,8 +11,9 @@ typedef struct ty_cached_fog {
     float once[3], rest[3];
 } ty_cached_fog;
 
-/* Places along a ray where light in cells is looked up. */
-enum { TY_FOG_PLACES = 4 };
+/* Places where light in cells is looked up: along a receiver's ray; along the first ray of a walk for a cell's
+ * surfaces, which many receivers share, and along its others. */
+enum { TY_FOG_PLACES = 4, TY_WALK_PLACES = 16, TY_WALK_PLACES_ON = 4 };
 
 /* What a point of the media sends, in the place of all of them; times share. */
 TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, float share, ty_cached_fog* fog) {
@@ -30,7 +31,8 @@ TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, float share
 }
 
 /* The path's ray to its end (false where it meets no surface), and the media on it, at places that u picks. */
-TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_encounter* end, ty_segment* segment, ty_cached_fog* fog) {
+TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_encounter* end, ty_segment* segment,
+                           ty_cached_fog* fog) {
     ty_fog_point point = ty_fog_point_begin(u, &g->path.random);
     segment->point = &point;
     const bool hit = ty_gather_find_end(g, end, segment);
@@ -42,8 +44,8 @@ TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_encounter* 
     return hit;
 }
 
-/* Light that media scattered and the surface at *start reflects. It is known where walls are (looks); else the path goes
- * on from there. */
+/* Light that media scattered and the surface at *start reflects. It is known where walls are (looks); else the path
+ * goes on from there. */
 TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks, float out[3]) {
     const ty_bake_request* request = g->request;
     ty_path* path = &g->path;
@@ -75,7 +77,8 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks,
         path->survival *= ty_max3(end.point.albedo);
         ty_path_turn(path);
         if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
-        const bool hit = ty_cached_trace(g, ty_random_next(&path->random), 1, &end, &segment, &fog);
+        const bool hit =
+            ty_cached_trace(g, ty_random_next(&path->random), looks ? 1 : TY_WALK_PLACES_ON, &end, &segment, &fog);
         for (int c = 0; c < 3; ++c) {
             out[c] += path->beta[c] * (fog.once[c] + fog.rest[c]);
             path->beta[c] *= segment.transmittance[c];
@@ -90,7 +93,8 @@ TY_FN void ty_cached_walk(ty_gather* g, bool looks, float single[3], float multi
     ty_segment segment;
     ty_cached_fog fog;
     float reflected[3] = {0.0f, 0.0f, 0.0f};
-    const bool hit = ty_cached_trace(g, ty_random_next(&g->path.random), TY_FOG_PLACES, &end, &segment, &fog);
+    const bool hit = ty_cached_trace(g, ty_random_next(&g->path.random), looks ? TY_FOG_PLACES : TY_WALK_PLACES, &end,
+                                     &segment, &fog);
     if (hit) ty_cached_follow(g, &end, looks, reflected);
     for (int c = 0; c < 3; ++c) {
         single[c] = fog.once[c];
@@ -155,16 +159,16 @@ TY_FN void ty_cached_ask(ty_gather* g, uint64_t item, uint32_t number) {
 
 /* Fog rays of a receiver after so many paths: as many where cells know little. What they know else is as good as many
  * rays, which only long bakes better. */
-TY_FN uint32_t ty_cached_rays(const ty_bake_sums* sums, uint32_t paths) {
-    if (sums->borrowed < TY_FOG_LEAST) return paths;
-    return paths > TY_FOG_ENOUGH ? (paths - TY_FOG_ENOUGH) / TY_FOG_EVERY : 0;
+TY_FN uint32_t ty_cached_rays(const ty_gather* g, uint32_t paths) {
+    if (g->sums->borrowed < TY_FOG_LEAST) return paths;
+    return paths > TY_FOG_ENOUGH ? (paths - TY_FOG_ENOUGH) / g->request->fog_every : 0;
 }
 
 /* What goes with a receiver's paths [first, first + count). */
 TY_FN void ty_cached_gather(ty_gather* g, uint64_t item, uint32_t first, uint32_t count) {
     if (first == 0) ty_cached_borrow(g);
-    const uint32_t end = ty_cached_rays(g->sums, first + count);
-    for (uint32_t i = ty_cached_rays(g->sums, first); i < end; ++i) ty_cached_ask(g, item, i);
+    const uint32_t end = ty_cached_rays(g, first + count);
+    for (uint32_t i = ty_cached_rays(g, first); i < end; ++i) ty_cached_ask(g, item, i);
 }
 
 #endif

@@ -11,6 +11,8 @@
 
 /* Samples of the first pass; receivers that one thread takes at a time, and of all between two looks at progress. */
 enum { PASS_FIRST = 16, BLOCK = 8, CHUNK_FIRST = 64 };
+/* Paths per ray that gathers what media scattered, beside light in cells: by default, and with a bound on error. */
+enum { FOG_EVERY = 32, FOG_EVERY_BOUND = 4 };
 
 static const double chunk_seconds = 0.1;
 
@@ -88,6 +90,8 @@ static ty_result take_cache(ty_bake_run* run, const ty_scene* scene) {
         run->stats.cache_seconds = run->cache->info.seconds;
     }
     run->request.cache = (def->cache != NULL ? def->cache : run->cache)->view;
+    /* A bound on error is to be reached soon, whatever has more noise. */
+    run->request.fog_every = def->error > 0 ? FOG_EVERY_BOUND : FOG_EVERY;
     for (int32_t i = 0; i < run->path.view.medium_count; ++i)
         if (run->media[i].emits != 0) run->request.glows = 1;
     return TY_OK;

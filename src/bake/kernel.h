@@ -9,11 +9,10 @@
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
     TY_BAKE_TERMS_MAX = TY_BAKE_SH_TERMS,
-    /* TY_BAKE_CACHE: rays that gather what media scattered are as many as paths where cells know less of it than so many
-     * would tell; else there is none for the first paths, and then one for so many more. */
+    /* TY_BAKE_CACHE: rays that gather what media scattered are as many as paths where cells know less of it than so
+     * many would tell; else there is none for the first paths, and then one for fog_every more. */
     TY_FOG_LEAST = 16,
-    TY_FOG_ENOUGH = 64,
-    TY_FOG_EVERY = 32
+    TY_FOG_ENOUGH = 64
 };
 
 typedef struct ty_bake_request {
@@ -31,7 +30,8 @@ typedef struct ty_bake_request {
     ty_impulse_merged merged[3]; /* per channel, of media that have one albedo and g; rows NULL: they have not */
     float most[3];               /* times as bright as a bounce is the next at most, in the tables' unlimited medium */
     const ty_senders* senders;
-    uint32_t fog_every; /* one in so many samples asks what media make of emitters; a power of two */
+    uint32_t fog_every; /* one in so many samples asks what media make of emitters: a power of two; of TY_BAKE_CACHE,
+                           paths per ray that gathers what media scattered */
     int32_t fog_alone;  /* whether only light counts that media scattered */
 } ty_bake_request;
 

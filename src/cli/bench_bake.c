@@ -2,7 +2,8 @@
  * 4.7 % at low and 14.6 % at high quality), by a cache of the media's light, whose filling is told apart, and by
  * impulse responses; how much sooner than by paths through the media either has as small an error, of all light and of
  * what media scattered; and how many rays a second of a bake traces, beside a bare loop over Embree on the same
- * triangles. Receivers are where a camera's rays end. Methods take turns, run by run. */
+ * triangles. Times are the processor's, of all threads: what else runs matters less. Receivers are where a camera's
+ * rays end. Methods take turns, run by run. */
 #include "cli/bench_embree.h"
 #include "cli/bench_ray_sets.h"
 #include "cli/bench_tables.h"
@@ -10,6 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <tyndall/bake.h>
 
 enum { SIDE = 48, RUNS_MAX = 99, QUALITIES = 2, BLOCK_RAYS = 4096, EMBREE_PIXELS = 512 };
@@ -19,8 +21,8 @@ enum { SEEDS = 2, TRUTH_SPP = 2048 };
 
 static const char scene_name[] = "builtin:cornell_fog";
 static const char* const method_names[METHODS] = {"surfaces", "attenuation", "cache", "impulse", "path"};
-static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_CACHE,
-                                                TY_BAKE_IMPULSE, TY_BAKE_PATH};
+static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_CACHE, TY_BAKE_IMPULSE,
+                                                TY_BAKE_PATH};
 
 static const struct {
     const char* name;
@@ -83,19 +85,22 @@ static ty_result find_places(const bench_session* bench, const ty_scene* scene, 
 
 /* ---- methods ---- */
 
+static double processor_seconds(void) {
+    return (double)clock() / CLOCKS_PER_SEC;
+}
+
 typedef struct timed {
     double seconds; /* median */
-    ty_bake_stats stats;
 } timed;
 
 /* What media's light is looked up in. */
 typedef struct lookups {
     ty_impulse* tables;
     ty_bake_cache* cache[SEEDS];
+    double filling; /* processor's seconds of one cache */
 } lookups;
 
-static ty_result bake(const ty_scene* scene, const lookups* look, const places* p, int method, int32_t spp, int seed,
-                      ty_bake_stats* stats) {
+static ty_result bake(const ty_scene* scene, const lookups* look, const places* p, int method, int32_t spp, int seed) {
     ty_bake_def def = ty_default_bake_def();
     def.method = methods[method];
     def.spp = spp;
@@ -103,7 +108,7 @@ static ty_result bake(const ty_scene* scene, const lookups* look, const places* 
     def.tables = look->tables;
     def.cache = look->cache[seed % SEEDS];
     def.scatterings = method == IMPULSE ? def.scatterings : TY_IMPULSE_BOUNCES_MAX;
-    const ty_result result = ty_bake_surfaces(scene, &def, p->at, p->count, p->light, stats);
+    const ty_result result = ty_bake_surfaces(scene, &def, p->at, p->count, p->light, NULL);
     return result == TY_OK && cli_interrupted() ? TY_CANCELLED : result;
 }
 
@@ -114,8 +119,9 @@ static ty_result time_methods(const bench_session* bench, const ty_scene* scene,
     ty_result result = TY_OK;
     for (int run = -1; run < runs; ++run)
         for (int m = 0; m < method_count && result == TY_OK; ++m) {
-            result = bake(scene, look, p, m, spp, 0, &out[m].stats);
-            seconds[m][run < 0 ? 0 : run] = out[m].stats.seconds;
+            const double start = processor_seconds();
+            result = bake(scene, look, p, m, spp, 0);
+            seconds[m][run < 0 ? 0 : run] = processor_seconds() - start;
         }
     for (int m = 0; m < method_count && result == TY_OK; ++m) out[m].seconds = bench_median(seconds[m], runs);
     return result;
@@ -178,7 +184,7 @@ static ty_result bake_twice(const ty_scene* scene, const lookups* look, const pl
     ty_result result = TY_OK;
     out->values = 3 * p->count;
     for (int i = 0; i < SEEDS && result == TY_OK; ++i) {
-        result = bake(scene, look, p, method, spp, seed + i, NULL);
+        result = bake(scene, look, p, method, spp, seed + i);
         for (int part = 0; part < PARTS && result == TY_OK; ++part) {
             out->light[i][part] = malloc((size_t)out->values * sizeof(double));
             if (out->light[i][part] == NULL) return TY_ERROR_MEMORY;
@@ -228,10 +234,11 @@ static void print_cost(const bench_session* bench, int m, int32_t spp, const cos
         const errors* e = &is->errors[part];
         const double paths = path_seconds(path, part, e->error), own = is->seconds[part];
         if (bench->json == NULL) {
-            printf("  %-7s %4d paths: error %5.1f %%, of which noise %5.1f %%, in %7.4f s; paths through media %8.2f s: "
-                   "%.1f times as fast, %.2f with filling\n",
-                   part == ALL ? method_names[m] : "", (int)spp, 100 * e->error, 100 * e->noise, own, paths,
-                   paths / own, paths / (own + is->filling));
+            printf(
+                "  %-7s %4d paths: error %5.1f %%, of which noise %5.1f %%, in %7.4f s; paths through media %8.2f s: "
+                "%.1f times as fast, %.2f with filling\n",
+                part == ALL ? method_names[m] : "", (int)spp, 100 * e->error, 100 * e->noise, own, paths, paths / own,
+                paths / (own + is->filling));
             continue;
         }
         json_open_object(bench->json, part_names[part]);
@@ -251,7 +258,7 @@ static ty_result find_cost(const ty_scene* scene, const lookups* look, const pla
                            const timed t[METHODS], const twice* truth, cost* out) {
     twice is = {.values = 0};
     const ty_result result = bake_twice(scene, look, p, m, spp, 0, &is);
-    *out = (cost){.filling = m == CACHE ? ty_bake_cache_get_info(look->cache[0]).seconds : 0};
+    *out = (cost){.filling = m == CACHE ? look->filling : 0};
     out->seconds[ALL] = t[m].seconds;
     out->seconds[SCATTERED] = fmax(1e-6, t[m].seconds - t[ATTENUATION].seconds);
     for (int part = 0; part < PARTS && result == TY_OK; ++part) out->errors[part] = compare(&is, truth, part);
@@ -267,11 +274,11 @@ static ty_result bench_errors(const bench_session* bench, const ty_scene* scene,
     ty_result result = bake_twice(scene, look, p, PATH, TRUTH_SPP, SEEDS, &truth);
     if (result == TY_OK) result = find_cost(scene, look, p, PATH, qualities[0].spp, t[0], &truth, &path);
     if (bench->json == NULL && result == TY_OK)
-        printf("against paths through media to the same error (theirs at %d: %.1f %% of all light, %.1f %% of what media "
-               "scattered, in %.3f s);\nfirst of all light, then of what media scattered, by the time beyond "
-               "attenuation alone\n",
-               (int)qualities[0].spp, 100 * path.errors[ALL].error, 100 * path.errors[SCATTERED].error,
-               path.seconds[ALL]);
+        printf(
+            "against paths through media to the same error (theirs at %d: %.1f %% of all light, %.1f %% of what media "
+            "scattered, in %.3f s);\nfirst of all light, then of what media scattered, by the time beyond "
+            "attenuation alone\n",
+            (int)qualities[0].spp, 100 * path.errors[ALL].error, 100 * path.errors[SCATTERED].error, path.seconds[ALL]);
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
         if (bench->json != NULL) json_open_object(bench->json, q == 0 ? "equal_error_low" : "equal_error_high");
         for (int m = CACHE; m < PATH && result == TY_OK; ++m) {
@@ -290,19 +297,20 @@ static ty_result bench_methods(const bench_session* bench, const ty_scene* scene
     ty_result result = find_places(bench, scene, &p);
     if (result != TY_OK) return result;
     if (bench->json == NULL)
-        printf("light from media on top of light from surfaces (%s, %lld receivers, medians of %d)\n", scene_name,
-               (long long)p.count, (int)bench->options->runs);
+        printf(
+            "light from media on top of light from surfaces (%s, %lld receivers, medians of %d, processor's seconds)\n",
+            scene_name, (long long)p.count, (int)bench->options->runs);
     else
         json_integer(bench->json, "receivers", p.count);
     if (bench->json == NULL)
         printf("  filling the cache, %d x %d x %d cells, %lld paths: %.3f s\n", (int)cache.size[0], (int)cache.size[1],
-               (int)cache.size[2], (long long)cache.paths, cache.seconds);
+               (int)cache.size[2], (long long)cache.paths, look->filling);
     else
-        json_number(bench->json, "cache_filling_seconds", cache.seconds);
+        json_number(bench->json, "cache_filling_seconds", look->filling);
     timed t[QUALITIES][METHODS];
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
         result = time_methods(bench, scene, look, &p, qualities[q].spp, q == 0 ? METHODS : PATH, t[q]);
-        if (result == TY_OK) print_quality(bench, q, cache.seconds, t[q]);
+        if (result == TY_OK) print_quality(bench, q, look->filling, t[q]);
     }
     if (result == TY_OK) result = bench_errors(bench, scene, look, &p, (const timed(*)[METHODS])t);
     free_places(&p);
@@ -404,8 +412,10 @@ static ty_result open_lookups(ty_context* context, ty_scene** scene, lookups* ou
     def.scatterings = TY_IMPULSE_BOUNCES_MAX;
     if (result == TY_OK) result = ty_impulse_create(context, &impulse, &out->tables, NULL);
     for (int seed = 0; seed < SEEDS && result == TY_OK; ++seed) {
+        const double start = processor_seconds();
         def.seed = (uint64_t)seed;
         result = ty_bake_cache_create(*scene, &def, &out->cache[seed]);
+        out->filling = processor_seconds() - start;
     }
     return result;
 }
@@ -463,7 +473,7 @@ ty_result bench_bake_table(const bench_session* bench, bench_table* out) {
         result = time_methods(bench, scene, &look, &p, qualities[q].spp, PATH, t);
         if (result == TY_OK) add_quality(out, q, t);
     }
-    if (result == TY_OK) add_row(out, "filling the cells, once", "s", ty_bake_cache_get_info(look.cache[0]).seconds, 0);
+    if (result == TY_OK) add_row(out, "filling the cells, once", "s", look.filling, 0);
     snprintf(out->titles[0], BENCH_TABLE_TITLE, "measured");
     snprintf(out->setting, sizeof out->setting, "%s, %lld receivers, %d and %d paths each", scene_name,
              (long long)p.count, (int)qualities[0].spp, (int)qualities[1].spp);
