@@ -147,10 +147,10 @@ INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, con
     return sum;
 }
 
-/* Of a row the cells that are no farther than `depth` from a face of the box. */
+/* Cells of a row from range[0] to before range[1]. */
 INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* phi, float* diff, REAL omega,
-                            int32_t color, int32_t depth, int32_t y, int32_t z, NAME(sor_block) * block) {
-    const int32_t first = (color + y + z) & 1, nx = cells->box.size[0];
+                            int32_t color, const int32_t range[2], int32_t y, int32_t z, NAME(sor_block) * block) {
+    const int32_t first = range[0] + ((color + y + z + range[0]) & 1), end = range[1];
     row_view view;
     set_row(cells, y, z, &view);
     for (int side = 0; side < 2; ++side) { /* with what is at both ends, but the couplings of all cells */
@@ -159,36 +159,39 @@ INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* 
     }
     REAL* row = phi + ty_box_at(&cells->box, y, z);
     float* d = diff + ty_box_at(&cells->box, y, z);
-    if (is_edge(cells, y, z)) return NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, nx, true, block);
-    if (2 * depth >= nx || is_within(cells, depth, y, z))
-        return NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, nx, false, block);
-    double sum = 0;
-    for (int high = 0; high < 2; ++high) {
-        const int32_t begin = high != 0 ? nx - depth : 0, end = high != 0 ? nx : depth;
-        sum += NAME(sor_colour)(cells, limiter, &view, row, d, omega, begin + ((begin ^ first) & 1), end, false, block);
-    }
-    return sum;
+    return is_edge(cells, y, z) ? NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, end, true, block)
+                                : NAME(sor_colour)(cells, limiter, &view, row, d, omega, first, end, false, block);
 }
 
-#define SOR_ROWS(kind)                                                                                                 \
-    case kind:                                                                                                         \
-        for (int32_t y = 0; y < cells->box.size[1]; ++y)                                                               \
-            sum += NAME(sor_row)(cells, kind, phi, diffusivity, (REAL)omega, color, depth, y, z, &block);              \
-        break
+/* Rows of each limiter. Not inlined: of copies, compilers turn some into single steps. */
+#define SOR_ROW(limiter, name)                                                                                         \
+    static __attribute__((noinline)) double NAME(name)(const ty_cells* cells, REAL* phi, float* diff, REAL omega,      \
+                                                       int32_t color, const int32_t range[2], int32_t y, int32_t z,    \
+                                                       NAME(sor_block) * block) {                                      \
+        return NAME(sor_row)(cells, limiter, phi, diff, omega, color, range, y, z, block);                             \
+    }
+SOR_ROW(TY_LIMITER_NONE, sor_none)
+SOR_ROW(TY_LIMITER_SUM, sor_sum)
+SOR_ROW(TY_LIMITER_MAX, sor_max)
+SOR_ROW(TY_LIMITER_KERSHAW, sor_kershaw)
+SOR_ROW(TY_LIMITER_LARSEN, sor_larsen)
+SOR_ROW(TY_LIMITER_LEVERMORE_POMRANING, sor_levermore_pomraning)
+#undef SOR_ROW
 
 static double NAME(sor)(const ty_cells* cells, REAL* phi, float* diffusivity, double omega, int32_t color,
                         int32_t depth, int32_t z) {
+    static double (*const rows[TY_LIMITER_COUNT])(const ty_cells*, REAL*, float*, REAL, int32_t, const int32_t[2],
+                                                  int32_t, int32_t, NAME(sor_block)*) = {
+        [TY_LIMITER_NONE] = NAME(sor_none),     [TY_LIMITER_SUM] = NAME(sor_sum),
+        [TY_LIMITER_MAX] = NAME(sor_max),       [TY_LIMITER_KERSHAW] = NAME(sor_kershaw),
+        [TY_LIMITER_LARSEN] = NAME(sor_larsen), [TY_LIMITER_LEVERMORE_POMRANING] = NAME(sor_levermore_pomraning)};
     NAME(sor_block) block = {0};
     double sum = 0;
-    switch (cells->limiter) {
-        SOR_ROWS(TY_LIMITER_SUM);
-        SOR_ROWS(TY_LIMITER_MAX);
-        SOR_ROWS(TY_LIMITER_KERSHAW);
-        SOR_ROWS(TY_LIMITER_LARSEN);
-        SOR_ROWS(TY_LIMITER_LEVERMORE_POMRANING);
-        SOR_ROWS(TY_LIMITER_NONE);
-    default: break;
+    for (int32_t y = 0; y < cells->box.size[1]; ++y) {
+        int32_t ranges[2][2];
+        const int32_t count = ranges_within(cells, depth, y, z, ranges);
+        for (int32_t n = 0; n < count; ++n)
+            sum += rows[cells->limiter](cells, phi, diffusivity, (REAL)omega, color, ranges[n], y, z, &block);
     }
     return sum;
 }
-#undef SOR_ROWS

@@ -20,10 +20,15 @@ static bool is_edge(const ty_cells* cells, int32_t y, int32_t z) {
     return y == 0 || z == 0 || y == cells->box.size[1] - 1 || z == cells->box.size[2] - 1;
 }
 
-/* Whether a row is no farther than `depth` from a face along y or z. */
-static bool is_within(const ty_cells* cells, int32_t depth, int32_t y, int32_t z) {
-    const int32_t* size = cells->box.size;
-    return y < depth || z < depth || y >= size[1] - depth || z >= size[2] - depth;
+/* Of a row the cells that are among the `depth` nearest to a face of the box: so many ranges, with their ends. */
+static int32_t ranges_within(const ty_cells* cells, int32_t depth, int32_t y, int32_t z, int32_t ranges[2][2]) {
+    const int32_t *size = cells->box.size, nx = size[0];
+    const bool whole = y < depth || z < depth || y >= size[1] - depth || z >= size[2] - depth || 2 * depth >= nx;
+    ranges[0][0] = 0;
+    ranges[0][1] = whole ? nx : depth;
+    ranges[1][0] = nx - depth;
+    ranges[1][1] = nx;
+    return whole ? 1 : 2;
 }
 
 INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {

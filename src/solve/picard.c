@@ -9,10 +9,10 @@
  * aims at, of the tolerance. Of limited problems one cycle is enough: more is lost on the next D. */
 static const double REDUCTION = 1e-7, AIM = 0.3;
 enum { CYCLES = 30 };
-/* Of Algorithm 1, of all cells; for tolerances below FINE before these some of so many layers of cells beside the
- * faces, where most is left, and which are the less of a box the larger it is. Pictures have too few iterations for
- * that to pay. */
-enum { SWEEPS = 4, MORE_SWEEPS = 8, FACE_SWEEPS = 16, FACE_LAYERS = 8 };
+/* Of Algorithm 1, of all cells, for pictures; for tolerances below FINE more of them, or, in boxes that are large,
+ * before these some of so many layers of cells beside the faces, where most is left. Pictures have too few iterations
+ * for that to pay, and in small boxes layers are most of all cells. */
+enum { SWEEPS = 4, MORE_SWEEPS = 8, FACE_SWEEPS = 12, FACE_LAYERS = 8, LARGE = 12 * FACE_LAYERS };
 static const double FINE = 1e-5;
 /* Of D, where light streams (ty_cell_soften): the linear problem answers too little to the fluence there, as D takes
  * half of the change back. Across the gradient it does not, and half would leave that without any gain. */
@@ -87,15 +87,22 @@ static void iterate(picard* p, double squares) {
     sweep(p);
 }
 
+static bool is_large(const ty_box* box) {
+    return box->size[0] >= LARGE && box->size[1] >= LARGE && box->size[2] >= LARGE;
+}
+
 ty_result ty_solve_picard(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
     picard p = {.job = job,
                 .limited = def->limiter != TY_LIMITER_NONE,
                 .least = INFINITY,
                 .means = MEANS_SWEPT,
-                .sweeps = SWEEPS,
-                .face_sweeps = def->tolerance < FINE ? FACE_SWEEPS : 0};
+                .sweeps = SWEEPS};
     const int32_t limit = def->iterations > 0 ? def->iterations : 500;
+    if (def->tolerance < FINE && is_large(&job->cells.box))
+        p.face_sweeps = FACE_SWEEPS;
+    else if (def->tolerance < FINE)
+        p.sweeps = MORE_SWEEPS;
     if (p.limited) job->softening = SOFTENING;
     ty_stages_fill(job);
     if (def->start == NULL) ty_stages_start(job, ((const double*)job->phi)[0]);
