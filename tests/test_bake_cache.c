@@ -127,7 +127,7 @@ static void surfaces_take_the_light_of_cells(void** state) {
         memcpy(receivers[i].face, normals[i], sizeof normals[i]);
     }
     def.cells = 9;
-    def.cell_paths = 256;
+    def.cell_paths = 1024;
     must(*state, ty_bake_surfaces(scene, &def, receivers, FACES, is, NULL));
     def.method = TY_BAKE_PATH;
     def.spp = 16384;

@@ -76,7 +76,7 @@ static void compare_fog(ty_context* context, double sigma_s, double sigma_a, dou
 
 static void cornell_box_in_fog(void** state) {
     bake_difference found[CASES][WAYS];
-    const int cases = in_full() ? CASES : 2;
+    const int cases = in_full() ? CASES : 1;
     compare_fog(*state, 0.1, 0, 0, cases, found);
     for (int b = 0; b < cases; ++b) {
         assert_true(fabs(found[b][CELLS].ratio - 1) < 0.05);
