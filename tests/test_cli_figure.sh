@@ -131,7 +131,7 @@ test_summary() {
   said all/summary.csv '^figure,paper,number,state,seconds,item,quantity,unit,measured,expected,tolerance,within$'
   said all/summary.csv '^screen-spread,Screen-space scattering,Fig. 4,made,[0-9.e-]+,"reference, 10 m",standard deviation,m,.*,yes$'
   said all/summary.csv '^screen-leaking,.*,naive,energy ratio,1,[0-9.e-]+,1,0.01,(yes|no)$'
-  said all/summary.md '^\| screen-spread \| Fig\. 4 \| standard deviation \| each its own, ± its tolerance \| .* \| all 24 \|$'
+  said all/summary.md '^\| screen-spread \(--quick\) \| Fig\. 4 \| standard deviation \| each its own, ± its tolerance \| .* \| all 24 \|$'
   said all/index.md '^!\[screen-truth\]\(screen-truth.png\)$'
   said all/index.html '<img src="screen-truth.png" loading="lazy" alt="'
   unsaid all/index.html '(src|href)="http'

@@ -138,8 +138,8 @@ static ty_result print_summary_md(ty_context* context, FILE* file, const void* u
     const figure_summary* summary = user;
     bool quick = false;
     for (int i = 0; i < figure_entry_count; ++i) quick = quick || summary->outcomes[i].quick;
-    fprintf(file, "Version %s, %d threads%s.\n", ty_version(), ty_context_threads(context),
-            quick ? ", with --quick: too coarse to keep to tolerances" : "");
+    fprintf(file, "Version %s, %d threads.%s\n", ty_version(), ty_context_threads(context),
+            quick ? " Those marked were made with --quick: too coarse to keep to tolerances." : "");
     for (int paper = 0; paper < FIGURE_PAPERS; ++paper) {
         if (!figure_has_paper(summary, paper)) continue;
         fprintf(file,
@@ -150,7 +150,8 @@ static ty_result print_summary_md(ty_context* context, FILE* file, const void* u
             char cells[128], within[FIGURE_WORDS_SIZE];
             if ((int)figure_entries[i].paper != paper || !figure_is_listed(outcome)) continue;
             figure_describe_outcome(outcome, within);
-            snprintf(cells, sizeof cells, " %s | %s |", figure_entries[i].name, figure_entries[i].number);
+            snprintf(cells, sizeof cells, " %s%s | %s |", figure_entries[i].name, outcome->quick ? " (--quick)" : "",
+                     figure_entries[i].number);
             if (!figure_is_there(outcome)) {
                 fprintf(file, "|%s %s | | | |\n", cells, figure_state_name(outcome->state));
             } else if (outcome->checked + outcome->compared == 0) {
