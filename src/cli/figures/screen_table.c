@@ -1,5 +1,5 @@
 /* Table 1 of the paper: milliseconds of each step at 1, 2 and 4 Mpixel, by filter. */
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 #include "cli/figures/screen_view.h"
 
 #include <math.h>

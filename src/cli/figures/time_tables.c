@@ -1,6 +1,6 @@
 /* Papers' times beside ours, by the code of the benches: light propagation volumes (Table 1), principal-ordinates
  * propagation (the typical setting of Fig. 14), impulse responses (Section 5). */
-#include "cli/bench_tables.h"
+#include "cli/bench/tables.h"
 #include "cli/figures/figure.h"
 
 #include <math.h>

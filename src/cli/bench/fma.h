@@ -1,4 +1,4 @@
-/* The arithmetic loop of bench_machine.c, one build per instruction set. */
+/* The arithmetic loop of machine.c, one build per instruction set. */
 #ifndef TY_CLI_BENCH_FMA_H
 #define TY_CLI_BENCH_FMA_H
 

@@ -1,5 +1,5 @@
 /* As many multiply-adds as the processor can start: independent chains in registers, as wide as TY_ISA has them. */
-#include "cli/bench_fma.h"
+#include "cli/bench/fma.h"
 
 #if defined(__AVX512F__)
 enum { BYTES = 64, CHAINS = 16 };

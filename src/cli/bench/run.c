@@ -1,6 +1,6 @@
 /* Running benches. */
 #define _GNU_SOURCE
-#include "cli/bench_run.h"
+#include "cli/bench/run.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef TY_CLI_BENCH_COMPARE_H
 #define TY_CLI_BENCH_COMPARE_H
 
-#include "cli/bench_results.h"
+#include "cli/bench/results.h"
 
 /* One timing of both. */
 typedef struct bench_change {

@@ -1,7 +1,7 @@
 /* tyndall bench impulse: making the tables, reading them from a folder, and lookups, as bakers make them: at distances
  * and angles all over the tables. One thread looks up. */
 #define _GNU_SOURCE
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 
 #include <errno.h>
 #include <stdlib.h>

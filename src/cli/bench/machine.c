@@ -1,7 +1,7 @@
 /* tyndall bench machine: what the processor and its memory can do at most, so that other timings mean something. */
-#include "cli/bench.h"
-#include "cli/bench_fma.h"
-#include "cli/bench_memory.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/fma.h"
+#include "cli/bench/memory.h"
 
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* tyndall bench lpv: injection and propagation as in the paper's Table 1, how propagation grows with cells, and a whole
  * frame. */
-#include "cli/bench_tables.h"
+#include "cli/bench/tables.h"
 #include "cli/lpv_scenes.h"
 #include "cli/report.h"
 #include "method/lpv/lattice.h"

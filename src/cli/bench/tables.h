@@ -2,7 +2,7 @@
 #ifndef TY_CLI_BENCH_TABLES_H
 #define TY_CLI_BENCH_TABLES_H
 
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 
 enum { BENCH_TABLE_ROWS = 12, BENCH_TABLE_COLUMNS = 6, BENCH_TABLE_TITLE = 48 };
 

@@ -1,7 +1,7 @@
 /* tyndall bench screen: screen-space scattering over a made-up HDR image, beside the time that this machine takes to
  * stream the bytes that it touches, beside the naive method, and beside the exact one. */
-#include "cli/bench.h"
-#include "cli/bench_memory.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/memory.h"
 
 #include <math.h>
 #include <stdlib.h>

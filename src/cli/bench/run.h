@@ -2,8 +2,8 @@
 #ifndef TY_CLI_BENCH_RUN_H
 #define TY_CLI_BENCH_RUN_H
 
-#include "cli/bench.h"
-#include "cli/bench_results.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/results.h"
 
 typedef struct bench_entry {
     const char* name;

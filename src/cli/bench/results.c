@@ -1,9 +1,9 @@
 /* Finding times and rates in what benches wrote, and keeping them in files. */
 #include <jansson.h> /* first: cli/json.h renames a function that it declares, too */
 
-#include "cli/bench_results.h"
+#include "cli/bench/results.h"
 
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,9 +4,9 @@
  * what media scattered; and how many rays a second of a bake traces, beside a bare loop over Embree on the same
  * triangles. Times are the processor's, of all threads: what else runs matters less. Receivers are where a camera's
  * rays end. Methods take turns, run by run. */
-#include "cli/bench_embree.h"
-#include "cli/bench_ray_sets.h"
-#include "cli/bench_tables.h"
+#include "cli/bench/embree.h"
+#include "cli/bench/ray_sets.h"
+#include "cli/bench/tables.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* tyndall bench dom: solves of three channels, sweeps against optical thickness, and images beside path tracing. */
-#include "cli/bench.h"
-#include "cli/bench_memory.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/memory.h"
 #include "cli/dom_scenes.h"
 #include "cli/figures/figure.h"
 #include "cli/ordinates_box.h"

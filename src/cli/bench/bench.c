@@ -1,7 +1,7 @@
 /* tyndall bench: the table of benches and the options they share. */
-#include "cli/bench.h"
-#include "cli/bench_markdown.h"
-#include "cli/bench_run.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/markdown.h"
+#include "cli/bench/run.h"
 #include "cli/commands.h"
 #include "cli/text_file.h"
 

@@ -1,7 +1,7 @@
 /* tyndall bench path: what noise costs. The measure is relRMSE^2 times processor seconds, which does not depend on
  * the number of samples once there are enough. Without a reference the noise comes from two independent images A and
  * B of the same scene: relRMSE^2 = mean((A - B)^2) / 2 / mean(A and B)^2. */
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 
 #include <math.h>
 #include <stddef.h>

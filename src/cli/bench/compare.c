@@ -1,7 +1,7 @@
 /* Holding timings against earlier ones. */
-#include "cli/bench_compare.h"
+#include "cli/bench/compare.h"
 
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 #include "cli/text.h"
 
 #include <math.h>

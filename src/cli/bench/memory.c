@@ -1,6 +1,6 @@
 /* Memory bandwidth. */
 #define _GNU_SOURCE
-#include "cli/bench_memory.h"
+#include "cli/bench/memory.h"
 #include "cli/session.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef TY_CLI_BENCH_MARKDOWN_H
 #define TY_CLI_BENCH_MARKDOWN_H
 
-#include "cli/bench_compare.h"
+#include "cli/bench/compare.h"
 
 typedef struct bench_tables {
     const bench_results* results;

@@ -1,6 +1,6 @@
 /* tyndall bench pop: the paper's typical setting (Fig. 14), stage by stage, as published and by our default mode, and
  * how times grow with ordinates, cells and iterations. */
-#include "cli/bench_tables.h"
+#include "cli/bench/tables.h"
 
 #include <math.h>
 #include <string.h>

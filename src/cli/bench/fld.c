@@ -1,6 +1,6 @@
 /* tyndall bench fld: the diffusion solvers against each other over sizes of grids, and images from end to end beside
  * classical diffusion and path tracing. */
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 
 #include "solve/diffusion.h"
 

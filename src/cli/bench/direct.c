@@ -1,7 +1,7 @@
 /* tyndall bench direct: uncollided light on grids of 64^3, 128^3 and 256^3 cells. Cost is in proportion to cells, so
  * nanoseconds per cell, beside those of the first size, should stay near 1 as far as caches let them. On one thread
  * processor time counts, which a busy machine disturbs less, on several the clock. */
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 
 #include "base/context.h"
 #include "direct/uncollided.h"

@@ -1,4 +1,4 @@
-#include "cli/bench_ray_sets.h"
+#include "cli/bench/ray_sets.h"
 
 #include "base/random.k.h"
 #include "base/vector.k.h"

@@ -3,9 +3,9 @@
  * robustness that the library sets and without it. The three take turns, run by run. On one thread processor time
  * counts, which a busy machine disturbs less, on all of them the clock. */
 #define _GNU_SOURCE
-#include "cli/bench.h"
-#include "cli/bench_embree.h"
-#include "cli/bench_ray_sets.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/embree.h"
+#include "cli/bench/ray_sets.h"
 
 #include <stdlib.h>
 #include <time.h>

@@ -1,7 +1,7 @@
 /* tyndall bench load: from a volume's file to a grid that can be rendered, by format. The files are made for it, of
  * noise of which about half is empty, and are in the page cache when they are read. */
 #define _GNU_SOURCE
-#include "cli/bench.h"
+#include "cli/bench/bench.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "cli/bench_embree.h"
+#include "cli/bench/embree.h"
 
 #include <embree3/rtcore.h>
 #include <stdio.h>

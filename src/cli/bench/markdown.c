@@ -1,5 +1,5 @@
 /* Markdown tables of what benches measured. */
-#include "cli/bench_markdown.h"
+#include "cli/bench/markdown.h"
 
 #include "cli/text.h"
 
