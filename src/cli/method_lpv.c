@@ -1,7 +1,6 @@
 /* Light propagation volumes with scattering, which see surfaces themselves. */
 #include "cli/methods.h"
 #include "image/march.h"
-#include "method/lpv/job.h"
 
 static ty_result render(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
                         cli_report* report) {
@@ -13,15 +12,9 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
     return result;
 }
 
-/* Lights of other kinds are refused before any work. */
-static ty_result check(const ty_scene* scene) {
-    const ty_lpv_def def = ty_default_lpv_def();
-    return ty_lpv_check_lights(scene, &def);
-}
-
 const cli_method cli_method_lpv = {.name = "lpv",
                                    .summary = "light propagation volumes with scattering",
                                    .aovs = TY_MARCH_AOVS | TY_AOV_NORMAL | TY_AOV_SAMPLES,
                                    .crops = false,
-                                   .check = check,
+                                   .check = ty_lpv_check_scene,
                                    .render = render};

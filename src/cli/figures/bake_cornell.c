@@ -1,6 +1,6 @@
 /* Fig. 9 of the paper: lightmaps of the Cornell box in fog, without and with back-scattering, after 1, 2 and 10
  * scatterings, against path-traced ones; and by light gathered in cells. */
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 #include "cli/figures/bake_view.h"
 
 #include <stdlib.h>

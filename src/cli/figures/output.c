@@ -34,33 +34,40 @@ void figure_write_csv_number(FILE* file, double amount) {
         fputc(',', file);
 }
 
+void figure_write_csv_fields(FILE* file, const figure_quantity* quantity) {
+    figure_write_csv_text(file, quantity->item);
+    fputc(',', file);
+    figure_write_csv_text(file, quantity->name);
+    fputc(',', file);
+    figure_write_csv_text(file, quantity->unit);
+    figure_write_csv_number(file, quantity->measured);
+    figure_write_csv_number(file, quantity->expected);
+    figure_write_csv_number(file, quantity->tolerance);
+}
+
 static ty_result print_csv(ty_context* context, FILE* file, const void* user) {
     (void)context;
     const figure_text* text = user;
     fputs("item,quantity,unit,measured,expected,tolerance\n", file);
     for (size_t i = 0; i < text->run->count; ++i) {
-        const figure_quantity* quantity = &text->run->quantities[i];
-        figure_write_csv_text(file, quantity->item);
-        fputc(',', file);
-        figure_write_csv_text(file, quantity->name);
-        fputc(',', file);
-        figure_write_csv_text(file, quantity->unit);
-        figure_write_csv_number(file, quantity->measured);
-        figure_write_csv_number(file, quantity->expected);
-        figure_write_csv_number(file, quantity->tolerance);
+        figure_write_csv_fields(file, &text->run->quantities[i]);
         fputc('\n', file);
     }
     return TY_OK;
 }
 
-static void write_quantity(json_writer* json, const figure_quantity* quantity) {
-    json_open_object(json, NULL);
+void figure_write_json_fields(json_writer* json, const figure_quantity* quantity) {
     json_text(json, "item", quantity->item);
     json_text(json, "name", quantity->name);
     json_text(json, "unit", quantity->unit);
     json_number(json, "measured", quantity->measured);
     if (!isnan(quantity->expected)) json_number(json, "expected", quantity->expected);
     if (!isnan(quantity->tolerance)) json_number(json, "tolerance", quantity->tolerance);
+}
+
+static void write_quantity(json_writer* json, const figure_quantity* quantity) {
+    json_open_object(json, NULL);
+    figure_write_json_fields(json, quantity);
     json_close_object(json);
 }
 

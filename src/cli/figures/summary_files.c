@@ -24,14 +24,7 @@ static void write_csv_start(FILE* file, const figure_outcome* outcome) {
 }
 
 static void write_csv_quantity(FILE* file, const figure_quantity* q) {
-    figure_write_csv_text(file, q->item);
-    fputc(',', file);
-    figure_write_csv_text(file, q->name);
-    fputc(',', file);
-    figure_write_csv_text(file, q->unit);
-    figure_write_csv_number(file, q->measured);
-    figure_write_csv_number(file, q->expected);
-    figure_write_csv_number(file, q->tolerance);
+    figure_write_csv_fields(file, q);
     fprintf(file, ",%s\n", isnan(q->tolerance) || isnan(q->measured) ? "" : figure_is_within(q) ? "yes" : "no");
 }
 
@@ -59,15 +52,8 @@ static ty_result print_csv(ty_context* context, FILE* file, const void* user) {
 
 static void write_json_quantity(json_writer* json, const figure_quantity* q) {
     json_open_object(json, NULL);
-    json_text(json, "item", q->item);
-    json_text(json, "name", q->name);
-    json_text(json, "unit", q->unit);
-    json_number(json, "measured", q->measured);
-    json_number(json, "expected", q->expected);
-    if (!isnan(q->tolerance)) {
-        json_number(json, "tolerance", q->tolerance);
-        if (!isnan(q->measured)) json_bool(json, "within", figure_is_within(q));
-    }
+    figure_write_json_fields(json, q);
+    if (!isnan(q->tolerance) && !isnan(q->measured)) json_bool(json, "within", figure_is_within(q));
     json_close_object(json);
 }
 

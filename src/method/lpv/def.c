@@ -82,7 +82,7 @@ static const char* name_of_kind(ty_light_kind kind) {
     return kind == TY_LIGHT_AREA ? "an area light" : "an environment";
 }
 
-ty_result ty_lpv_check_lights(const ty_scene* scene, const ty_lpv_def* def) {
+ty_result ty_lpv_check_scene(const ty_scene* scene) {
     for (size_t i = 0; i < scene->light_count; ++i) {
         const ty_light_kind kind = scene->lights[i].kind;
         if (kind == TY_LIGHT_AREA || kind == TY_LIGHT_ENVIRONMENT)
@@ -95,6 +95,10 @@ ty_result ty_lpv_check_lights(const ty_scene* scene, const ty_lpv_def* def) {
             scene->context, TY_ERROR_ARGUMENT,
             "lpv: all light comes from surfaces that glow; directional, spot and point lights are all that it "
             "takes");
+    return TY_OK;
+}
+
+ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def) {
     if (def->maps == NULL) return TY_OK;
     if (def->map_count < 0 || (size_t)def->map_count != scene->light_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv.maps: %d maps for %zu lights", def->map_count,

@@ -38,8 +38,8 @@ typedef struct ty_lpv_job {
 
 /* Fails with the first field that is out of its range. */
 ty_result ty_lpv_check(ty_context* context, const ty_lpv_def* def);
-/* Whether the scene's lights are such as the method takes, and def's maps are theirs. */
-ty_result ty_lpv_check_lights(const ty_scene* scene, const ty_lpv_def* def);
+/* Whether def's maps are those of the scene's lights. */
+ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def);
 
 /* Maps of all lights. */
 ty_result ty_lpv_find_maps(ty_lpv_job* job);

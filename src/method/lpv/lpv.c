@@ -131,7 +131,8 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double shar
     ty_result result = ty_lpv_check(context, def);
     if (result != TY_OK) return result;
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
-    result = ty_lpv_check_lights(scene, def);
+    result = ty_lpv_check_scene(scene);
+    if (result == TY_OK) result = ty_lpv_check_maps(scene, def);
     if (result != TY_OK) return result;
     ty_lpv_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);

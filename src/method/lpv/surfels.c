@@ -36,6 +36,7 @@ typedef struct surfel_job {
     double cell[3];
     int64_t begin[4];   /* the first strip of each axis */
     surfel_list* lists; /* by worker */
+    ty_layers* layers;  /* by worker; too large for a stack */
     surfel_strip* strips;
     ty_surfel* out;
     ty_ray_counter* counter;
@@ -135,17 +136,17 @@ static void add_layers(surfel_job* job, const ray_field* field, const ty_ray* ra
 static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left, int32_t top, int32_t worker,
                            double* seconds) {
     ty_ray rays[TY_PACKET];
-    ty_layers layers;
+    ty_layers* layers = &job->layers[worker];
     int32_t count = 0;
     for (int32_t j = top; j < top + BLOCK && j < field->count[1]; ++j)
         for (int32_t i = left; i < left + BLOCK && i < field->count[0]; ++i) rays[count++] = ray_at(job, field, i, j);
     const double begun = ty_wall_seconds();
-    ty_mesh_layers_packet(job->scene->view.mesh, rays, count, &layers);
+    ty_mesh_layers_packet(job->scene->view.mesh, rays, count, layers);
     *seconds += ty_wall_seconds() - begun;
     hit_batch batch;
     batch.count = 0;
     for (int32_t i = 0; i < count; ++i)
-        add_layers(job, field, &rays[i], layers.layer[i], layers.count[i], &batch, worker);
+        add_layers(job, field, &rays[i], layers->layer[i], layers->count[i], &batch, worker);
     add_batch(job, field, &rays[0], &batch, worker);
     return count;
 }
@@ -200,14 +201,16 @@ ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_
     *out = NULL;
     *count = 0;
     job.lists = ty_alloc_array(context, (size_t)workers, sizeof *job.lists, true);
+    job.layers = ty_alloc_array(context, (size_t)workers, sizeof *job.layers, false);
     job.strips = ty_alloc_array(context, (size_t)job.begin[3], sizeof *job.strips, true);
-    if (job.lists != NULL && job.strips != NULL && scene->view.mesh != NULL)
-        ty_parallel_flushed(context, job.begin[3], trace_strip, &job);
-    const bool failed = job.lists == NULL || job.strips == NULL || atomic_load(&job.failed);
+    const bool ready = job.lists != NULL && job.layers != NULL && job.strips != NULL;
+    if (ready && scene->view.mesh != NULL) ty_parallel_flushed(context, job.begin[3], trace_strip, &job);
+    const bool failed = !ready || atomic_load(&job.failed);
     const ty_result result = failed ? TY_ERROR_MEMORY : gather(&job, out, count);
     for (int32_t i = 0; i < workers && job.lists != NULL; ++i)
         ty_free_array(context, job.lists[i].items, job.lists[i].capacity, sizeof *job.lists[i].items);
     ty_free_array(context, job.strips, (size_t)job.begin[3], sizeof *job.strips);
+    ty_free_array(context, job.layers, (size_t)workers, sizeof *job.layers);
     ty_free_array(context, job.lists, (size_t)workers, sizeof *job.lists);
     *capacity = *count;
     return result;

@@ -83,7 +83,7 @@ typedef struct bake_run {
     bake_totals totals;
 } bake_run;
 
-/* ---- bake_plan.c ---- */
+/* ---- plan.c ---- */
 
 /* Finds what is to be baked. CLI_GO, or an exit status after a message. Either way the plan is to be freed. */
 int bake_make_plan(bake_run* run);
@@ -95,7 +95,7 @@ const char* bake_mesh_name(const ty_mesh_def* mesh);
 void bake_image_path(const bake_run* run, const bake_unit* unit, int32_t part, const char* extension,
                      char path[BAKE_PATH_SIZE]);
 
-/* ---- bake_unit.c ---- */
+/* ---- unit.c ---- */
 
 /* Bakes a unit and writes its images. TY_CANCELLED: nothing was written. */
 ty_result bake_unit_run(bake_run* run, bake_unit* unit);
@@ -104,13 +104,13 @@ bool bake_report_progress(void* user, const ty_progress* progress);
 /* The positions of a grid's probes, 3 floats each, to be freed; NULL: no memory. */
 float* bake_grid_points(const bake_grid* grid);
 
-/* ---- bake_merge.c ---- */
+/* ---- merge.c ---- */
 
 /* Joins the lightmaps of a mesh's primitives, which share a map, into the first. *apart: their charts overlap, and
  * nothing was done. */
 ty_result bake_merge(ty_image* const* images, int32_t count, bool* apart);
 
-/* ---- bake_colors.c ---- */
+/* ---- colors.c ---- */
 
 /* The copies that the plan asks for, to be freed; NULL: no memory. */
 bake_copy* bake_list_copies(const bake_run* run, int32_t* count);
@@ -119,13 +119,13 @@ int bake_check_copies(const bake_run* run);
 /* Writes them, and sets their scales. */
 int bake_write_colors(bake_run* run);
 
-/* ---- bake_state.c ---- */
+/* ---- state.c ---- */
 
 /* --resume: marks units that an earlier run finished. CLI_GO, or an exit status after a message. */
 int bake_read_state(bake_run* run);
 ty_result bake_write_state(const bake_run* run);
 
-/* ---- bake_sidecar.c ---- */
+/* ---- sidecar.c ---- */
 
 /* bake.json. */
 ty_result bake_write_sidecar(bake_run* run);

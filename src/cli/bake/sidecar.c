@@ -1,5 +1,5 @@
 /* tyndall bake: bake.json and probes.json, which say what was baked, where, and in what units. */
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 #include "cli/text_file.h"
 
 #include <inttypes.h>

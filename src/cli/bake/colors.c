@@ -1,5 +1,5 @@
 /* tyndall bake: copies of glTF files with light at their vertices. */
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 
 #include <math.h>
 #include <stdlib.h>

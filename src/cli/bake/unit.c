@@ -1,5 +1,5 @@
 /* tyndall bake: one unit, from receivers to images. */
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* tyndall bake --resume: which units are done, in a text file beside them. */
 #define _GNU_SOURCE
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 #include "cli/text_file.h"
 
 #include <errno.h>

@@ -1,5 +1,5 @@
 /* tyndall bake: what is baked, and what that takes. */
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 
 #include <ctype.h>
 #include <inttypes.h>

@@ -1,6 +1,6 @@
 /* tyndall bake: light on meshes and at points, computed once and kept. */
 #define _GNU_SOURCE
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 #include "cli/commands.h"
 
 #include <stdlib.h>

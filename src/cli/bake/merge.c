@@ -1,5 +1,5 @@
 /* tyndall bake: one lightmap from those of a mesh's primitives. */
-#include "cli/bake.h"
+#include "cli/bake/bake.h"
 
 #include <string.h>
 
