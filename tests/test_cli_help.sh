@@ -69,7 +69,58 @@ test_markdown() {
   for command in $(commands); do said out.txt "^## tyndall $command\$"; done
 }
 
+# completed WORD...: what the shell makes of the last word of a command line, one a line, sorted.
+completed() {
+  COMP_WORDS=(tyndall "$@")
+  COMP_CWORD=$#
+  COMPREPLY=()
+  _tyndall
+  printf '%s\n' "${COMPREPLY[@]}" | sort
+}
+
+# completes WANTED WORD...: it makes of it these and nothing else.
+completes() {
+  local wanted=$1 got
+  shift
+  got=$(completed "$@" | paste -sd ' ')
+  checks=$((checks + 1))
+  what="completion of '$*'"
+  [ "$got" = "$wanted" ] || fail "'$got', not '$wanted'"
+}
+
+test_completion() {
+  expect 0 help --completion bash
+  # shellcheck disable=SC1091
+  . ./out.txt
+  for command in $(commands); do
+    completed "$command" -- | grep -e '^--' > there.txt
+    "$tyndall" help "$command" | options | sort > wanted.txt
+    comm -3 wanted.txt there.txt > differs.txt
+    checks=$((checks + 1))
+    what="completion of $command"
+    [ ! -s differs.txt ] || fail "of help and this one alone has $(tr '\n' ' ' < differs.txt)"
+  done
+  touch 'a scene.json'
+  completes 'render' r
+  completes 'a scene.json' render a
+  completes '--png --progress' render --p
+  completes 'path pop' render --method p
+  completes 'path pop' render --method = p
+  completes 'a scene.json' render -o a
+  completes '' render --spp ''
+  completes 'path' bake --method p
+  completes 'auto json none plain' render --progress ''
+  completes 'auto json none plain' render --progress =
+  completes 'dom-convergence dom-cube dom-images dom-rays' figure dom
+  completes 'bake' bench ba
+  completes 'compare convert' help co
+  completes '' nonsense ''
+  usage_error 'zsh' help --completion zsh
+  usage_error 'one of them' help render --completion bash
+}
+
 test_text
 test_man
 test_markdown
-finish 80
+test_completion
+finish 140

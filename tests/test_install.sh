@@ -31,6 +31,9 @@ for command in $("$prefix/bin/tyndall" help | sed -n '/^commands:/,/^$/s/^  \([a
 done
 grep -q '^\.BR tyndall' "$pages/tyndall.1" || { echo "no manual page of tyndall"; exit 1; }
 
+completion=$prefix/share/bash-completion/completions/tyndall
+grep -q '^complete .* tyndall$' "$completion" || { echo "no completion"; exit 1; }
+
 # check PROGRAM IMAGE: it renders, and the installed tool reads what it wrote.
 check() {
   "$1" builtin:cube_g0 "$2"

@@ -185,6 +185,45 @@ static void pages_show_what_is_put_on_them(void** state) {
     plot_free_page(&page);
 }
 
+/* Columns that are not white from a row on, for `rows` rows: the first and the last. */
+static void find_drawn(const ty_image* image, int32_t row, int32_t rows, int32_t range[2]) {
+    const int32_t width = ty_image_width(image);
+    range[0] = width;
+    range[1] = -1;
+    for (int32_t y = row; y < row + rows; ++y)
+        for (int32_t x = 0; x < width; ++x) {
+            if (ty_image_plane_const(image, 1)[(int64_t)y * width + x] == 1) continue;
+            range[0] = x < range[0] ? x : range[0];
+            range[1] = x > range[1] ? x : range[1];
+        }
+}
+
+/* The picture's last rows tell where its column is. */
+static void titles_leave_the_columns_beside_theirs_alone(void** state) {
+    plot_page page;
+    plot_sheet sheet = {0};
+    assert_int_equal(plot_create_sheet(1, 3, 90, &sheet), TY_OK);
+    plot_sheet_cell(&sheet, 0, 1)->picture = make_red(20, 10);
+    snprintf(sheet.column_titles[1], PLOT_LABEL_SIZE, "a title far longer than its column");
+    assert_int_equal(plot_create_page(*state, &page), TY_OK);
+    plot_page_sheet(&page, &sheet);
+    assert_int_equal(plot_write_page(&page, "", "", "page.png"), TY_OK);
+    ty_image* image = NULL;
+    assert_int_equal(ty_image_read(*state, "page.png", &image), TY_OK);
+    int64_t red = 0;
+    while (!is_red(image, red)) ++red;
+    const int32_t first = (int32_t)(red / ty_image_width(image));
+    int32_t picture[2], title[2];
+    find_drawn(image, first + 20, 10, picture);
+    find_drawn(image, 0, first, title);
+    assert_int_equal(picture[1] - picture[0] + 1, 90);
+    assert_in_range(title[0], picture[0], picture[0] + 5);
+    assert_in_range(title[1], picture[1] - 5, picture[1] + 1); /* letters are smoothed */
+    ty_image_destroy(image);
+    plot_free_sheet(&sheet);
+    plot_free_page(&page);
+}
+
 static void sheets_say_how_much_room_they_take(void** state) {
     plot_canvas* canvas = plot_canvas_create(*state);
     plot_sheet sheet = make_sheet();
@@ -248,6 +287,7 @@ int main(void) {
         cmocka_unit_test(parts_of_pictures_are_cut_where_asked),
         cmocka_unit_test(images_and_numbers_become_pictures),
         cmocka_unit_test(pages_show_what_is_put_on_them),
+        cmocka_unit_test(titles_leave_the_columns_beside_theirs_alone),
         cmocka_unit_test(sheets_say_how_much_room_they_take),
         cmocka_unit_test(charts_of_nothing_and_of_odd_values_can_be_drawn),
         cmocka_unit_test(tables_grow_with_their_text),

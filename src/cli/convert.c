@@ -95,7 +95,8 @@ int cli_convert(int count, char** arguments) {
                                table,
                                sizeof table / sizeof table[0],
                                2,
-                               2};
+                               2,
+                               NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = cli_parse_raw("convert", raw_size, raw_type, raw_spacing, &def);

@@ -66,7 +66,8 @@ int cli_diff(int count, char** arguments) {
                                table,
                                sizeof table / sizeof table[0],
                                2,
-                               2};
+                               2,
+                               NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO && png != NULL) {

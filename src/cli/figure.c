@@ -1,4 +1,5 @@
 /* tyndall figure: papers' figures and tables, made anew. */
+#define _POSIX_C_SOURCE 200809L
 #include "cli/commands.h"
 #include "cli/figures/output.h"
 #include "cli/figures/summary.h"
@@ -148,20 +149,45 @@ static int make_figures(cli_session* session, const figure_options* options, con
 
 /* ---- the command ---- */
 
-static void list_figures(char* details, size_t size) {
-    snprintf(
-        details, size,
+/* What --help says of figures, to be freed; NULL: no memory. */
+static char* list_figures(void) {
+    char* details = NULL;
+    size_t size;
+    FILE* text = open_memstream(&details, &size);
+    if (text == NULL) return NULL;
+    fputs(
         "Writes DIR/NAME.png, and what was measured and, where it is known, expected as DIR/NAME.csv and .json.\n"
         "'all' makes all, the first word of a name those of a paper, and 'list' lists them. More than one get\n"
         "DIR/index.html, index.md and summary.md, .csv and .json besides: what is expected and what was measured.\n"
         "Those that fail or lack data hinder no others: 0 if any was made and none failed, 1 if one failed, 2 if all\n"
-        "lacked data.\n\nfigures:");
+        "lacked data.\n\nfigures:",
+        text);
     for (int i = 0; i < figure_entry_count; ++i) {
         char title[FIGURE_TITLE_SIZE];
-        const size_t used = strlen(details);
         figure_full_title(&figure_entries[i], title);
-        snprintf(details + used, size - used, "\n  %-18s %s", figure_entries[i].name, title);
+        fprintf(text, "\n  %-18s %s", figure_entries[i].name, title);
     }
+    if (fclose(text) == 0) return details;
+    free(details);
+    return NULL;
+}
+
+static int run(const figure_options* options, const cli_arguments* given) {
+    const char* name = given->positional[0];
+    cli_session session;
+    if (strcmp(name, "list") == 0) return print_list();
+    if (count_wanted(name) == 0) return unknown_figure(name);
+    if (options->folder == NULL) return cli_usage_error("figure", "where to? Give -o DIR");
+    int status = cli_make_folder("figure", options->folder);
+    if (status == CLI_GO) status = cli_session_open(&session, "figure", &given->common);
+    return status == CLI_GO ? cli_session_close(&session, make_figures(&session, options, name)) : status;
+}
+
+static bool print_words(FILE* file, const char* option) {
+    if (option != NULL) return false;
+    fputs("all list ", file);
+    for (int i = 0; i < figure_entry_count; ++i) fprintf(file, "%s ", figure_entries[i].name);
+    return true;
 }
 
 int cli_figure(int count, char** arguments) {
@@ -177,8 +203,8 @@ int cli_figure(int count, char** arguments) {
         {"data", 0, CLI_TEXT, "DIR", "third-party images and volumes (default: the environment variable TYNDALL_DATA)",
          &options.data, 0, 0, NULL},
     };
-    char details[8192];
-    list_figures(details, sizeof details);
+    char* details = list_figures();
+    if (details == NULL) return cli_fail(CLI_FAILED, "not enough memory");
     const cli_syntax syntax = {"figure",
                                "NAME|all|list -o DIR",
                                "Makes figures and tables of papers anew.",
@@ -186,16 +212,10 @@ int cli_figure(int count, char** arguments) {
                                table,
                                sizeof table / sizeof table[0],
                                1,
-                               1};
+                               1,
+                               print_words};
     cli_arguments given;
-    int status = cli_parse(&syntax, count, arguments, &given);
-    if (status != CLI_GO) return status;
-    const char* name = given.positional[0];
-    if (strcmp(name, "list") == 0) return print_list();
-    if (count_wanted(name) == 0) return unknown_figure(name);
-    if (options.folder == NULL) return cli_usage_error("figure", "where to? Give -o DIR");
-    status = cli_make_folder("figure", options.folder);
-    cli_session session;
-    if (status == CLI_GO) status = cli_session_open(&session, "figure", &given.common);
-    return status == CLI_GO ? cli_session_close(&session, make_figures(&session, &options, name)) : status;
+    const int status = cli_parse(&syntax, count, arguments, &given);
+    free(details);
+    return status == CLI_GO ? run(&options, &given) : status;
 }

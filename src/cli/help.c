@@ -1,5 +1,5 @@
-/* tyndall help: what commands do, as text, manual pages or one page of Markdown, all from the tables that options are
- * parsed by. */
+/* tyndall help: what commands do, as text, manual pages or one page of Markdown, and what completes them in a shell,
+ * all from the tables that options are parsed by. */
 #include "cli/commands.h"
 #include "cli/manual.h"
 #include "cli/session.h"
@@ -84,30 +84,51 @@ static int print_markdown(void) {
     return status;
 }
 
+static bool print_words(FILE* file, const char* option) {
+    if (option != NULL) return false;
+    for (int i = 0; i < CLI_COMMAND_COUNT; ++i) fprintf(file, "%s ", cli_commands[i].name);
+    return true;
+}
+
+static int print_completion(void) {
+    int status = CLI_DONE;
+    cli_print_completion_start(stdout);
+    for (int i = 0; status == CLI_DONE && i < CLI_COMMAND_COUNT; ++i)
+        status = help_of(&cli_commands[i], "completion", NULL);
+    cli_print_completion_end(stdout, print_words);
+    return status;
+}
+
 int cli_help(int count, char** arguments) {
     const char* man = NULL;
-    bool markdown = false;
+    bool markdown = false, completion = false;
+    int shell = 0;
     const cli_option table[] = {
         {"man", 0, CLI_TEXT, "DIR", "write manual pages, tyndall.1 and one a command, into this folder", &man, 0, 0,
          NULL},
         {"markdown", 0, CLI_FLAG, NULL, "print all commands as one page of Markdown", &markdown, 0, 0, NULL},
+        {"completion", 0, CLI_CHOICE, "bash", "print a script that completes commands and options in this shell",
+         &shell, 0, 0, &completion},
     };
-    const cli_syntax syntax = {"help",
-                               "[COMMAND] | --man DIR | --markdown",
-                               "Tells what a command does.",
-                               "Without arguments it lists the commands. 'tyndall COMMAND --help' is the same as\n"
-                               "'tyndall help COMMAND'.",
-                               table,
-                               sizeof table / sizeof table[0],
-                               0,
-                               1};
+    const cli_syntax syntax = {
+        "help",
+        "[COMMAND] | --man DIR | --markdown | --completion bash",
+        "Tells what a command does.",
+        "Without arguments it lists the commands. 'tyndall COMMAND --help' is the same as\n"
+        "'tyndall help COMMAND'. 'source <(tyndall help --completion bash)' makes a shell complete what is typed.",
+        table,
+        sizeof table / sizeof table[0],
+        0,
+        1,
+        print_words};
     cli_arguments given;
     const int status = cli_parse(&syntax, count, arguments, &given);
     if (status != CLI_GO) return status;
-    if ((man != NULL) + (markdown ? 1 : 0) + given.positional_count > 1)
-        return cli_usage_error("help", "give a command, --man or --markdown, one of them");
+    if ((man != NULL) + (markdown ? 1 : 0) + (completion ? 1 : 0) + given.positional_count > 1)
+        return cli_usage_error("help", "give a command, --man, --markdown or --completion, one of them");
     if (man != NULL) return write_man_pages(man);
     if (markdown) return print_markdown();
+    if (completion) return print_completion();
     if (given.positional_count == 0) return cli_print_overview();
     const cli_command* command = cli_find_command("help", given.positional[0]);
     return command != NULL ? help_of(command, "text", NULL) : CLI_USAGE;

@@ -311,7 +311,8 @@ int cli_info(int count, char** arguments) {
                                table,
                                sizeof table / sizeof table[0],
                                0,
-                               1};
+                               1,
+                               NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO && given.positional_count == 0 && !media)

@@ -200,7 +200,8 @@ typedef struct page {
 } page;
 
 static ty_result print_page(ty_context* context, FILE* file, const void* user) {
-    static void (*const print[])(FILE*, const cli_syntax*) = {print_text, print_man, print_section};
+    static void (*const print[])(FILE*, const cli_syntax*) = {print_text, print_man, print_section,
+                                                              cli_print_completion};
     (void)context;
     const page* what = user;
     print[what->form](file, what->syntax);

@@ -26,7 +26,7 @@ void cli_common_options(cli_common* common, cli_option options[CLI_COMMON_COUNT]
         {"quiet", 'q', CLI_FLAG, NULL, "no progress, warnings or closing lines", &common->quiet, 0, 0, NULL},
         {"help", 'h', CLI_FLAG, NULL, "this text", &common->help, 0, 0, NULL},
         {"version", 0, CLI_FLAG, NULL, "the version", &common->version, 0, 0, NULL},
-        {"help-as", 0, CLI_CHOICE, "text|man|markdown", NULL, &common->help_as, 0, 0, NULL},
+        {"help-as", 0, CLI_CHOICE, "text|man|markdown|completion", NULL, &common->help_as, 0, 0, NULL},
         {"help-to", 0, CLI_TEXT, "FILE", NULL, &common->help_to, 0, 0, NULL},
     };
     memcpy(options, table, sizeof table);

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* Exit statuses. cli_parse returns one of them, or CLI_GO when the command should run. */
 enum { CLI_GO = -1, CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
@@ -43,7 +44,12 @@ typedef struct cli_option {
 typedef enum cli_progress_mode { CLI_AUTO = 0, CLI_PLAIN = 1, CLI_JSON = 2, CLI_NONE = 3 } cli_progress_mode;
 
 /* How --help tells what a command does. */
-typedef enum cli_help_form { CLI_HELP_TEXT = 0, CLI_HELP_MAN = 1, CLI_HELP_MARKDOWN = 2 } cli_help_form;
+typedef enum cli_help_form {
+    CLI_HELP_TEXT = 0,
+    CLI_HELP_MAN = 1,
+    CLI_HELP_MARKDOWN = 2,
+    CLI_HELP_COMPLETION = 3 /* functions of a shell script */
+} cli_help_form;
 
 /* The options of all commands. */
 typedef struct cli_common {
@@ -57,6 +63,10 @@ typedef struct cli_common {
     const char* help_to; /* a file that it writes instead of stdout; NULL: stdout. Not listed either */
 } cli_common;
 
+/* For completion: prints words, a blank after each, that may stand for the value of an option, or with option NULL for
+ * an argument. False: there are none, and it may be a file. */
+typedef bool (*cli_words_fn)(FILE* file, const char* option);
+
 typedef struct cli_syntax {
     const char* command; /* "render" */
     const char* usage;   /* what follows the command: "SCENE -o OUT.exr" */
@@ -65,6 +75,7 @@ typedef struct cli_syntax {
     const cli_option* options;
     int option_count;
     int positional_least, positional_most;
+    cli_words_fn print_words; /* NULL: none */
 } cli_syntax;
 
 /* What one command line says; cli_parse sets everything. */

@@ -209,6 +209,13 @@ static int check_options(render_options* options) {
     return status != CLI_GO || options->png == NULL ? status : cli_check_output("render", options->png);
 }
 
+static bool print_words(FILE* file, const char* option) {
+    if (option == NULL || strcmp(option, "method") != 0) return false;
+    fprintf(file, "%s ", cli_method_auto.name);
+    for (int i = 0; cli_method_at(i) != NULL; ++i) fprintf(file, "%s ", cli_method_at(i)->name);
+    return true;
+}
+
 int cli_render(int count, char** arguments) {
     render_options options = {.checkpoint = 60};
     const cli_option table[] = {
@@ -253,7 +260,8 @@ int cli_render(int count, char** arguments) {
         table,
         sizeof table / sizeof table[0],
         1,
-        1};
+        1,
+        print_words};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = check_options(&options);

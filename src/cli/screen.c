@@ -163,7 +163,8 @@ int cli_screen(int count, char** arguments) {
                                table,
                                sizeof table / sizeof table[0],
                                1,
-                               2};
+                               2,
+                               NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = screen_check_options(&options);

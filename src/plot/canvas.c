@@ -59,6 +59,13 @@ double plot_text_width(plot_canvas* canvas, const plot_text* style, const char* 
     return extents.x_advance;
 }
 
+plot_text plot_fit_text(plot_canvas* canvas, const plot_text* style, const char* text, double room) {
+    const double width = plot_text_width(canvas, style, text);
+    plot_text fitted = *style;
+    if (width > room) fitted.size *= room / width;
+    return fitted;
+}
+
 void plot_draw_text(plot_canvas* canvas, double x, double y, const plot_text* style, const char* text) {
     const double before = 0.5 * style->align * plot_text_width(canvas, style, text);
     set_color(canvas, style->color);

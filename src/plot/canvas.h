@@ -26,6 +26,8 @@ void plot_canvas_destroy(plot_canvas* canvas);
 void plot_draw_text(plot_canvas* canvas, double x, double y, const plot_text* style, const char* text);
 /* The same, upwards. */
 void plot_draw_text_upwards(plot_canvas* canvas, double x, double y, const plot_text* style, const char* text);
+/* A style small enough for the text to be no wider than `room`. */
+plot_text plot_fit_text(plot_canvas* canvas, const plot_text* style, const char* text, double room);
 double plot_text_width(plot_canvas* canvas, const plot_text* style, const char* text);
 
 void plot_draw_line(plot_canvas* canvas, double x0, double y0, double x1, double y1, double width, plot_color color);

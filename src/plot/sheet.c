@@ -67,6 +67,13 @@ static row_heights measure_row(plot_sheet* sheet, int row) {
     return heights;
 }
 
+/* Words above or below a picture, no wider than it so that they leave those beside it alone. */
+static void draw_words(plot_canvas* canvas, double x, double y, double width, const plot_text* style,
+                       const char* words) {
+    const plot_text fitted = plot_fit_text(canvas, style, words, width);
+    plot_draw_text(canvas, x + 0.5 * width, y, &fitted, words);
+}
+
 static void draw_inset(plot_canvas* canvas, double x, double y, const plot_sheet* sheet, const plot_cell* cell) {
     const double scale = sheet->picture_width / cell->picture.width;
     const double width = round(sheet->inset_share * sheet->picture_width);
@@ -82,15 +89,14 @@ static void draw_inset(plot_canvas* canvas, double x, double y, const plot_sheet
 
 static void draw_cell(plot_canvas* canvas, double x, double y, const plot_sheet* sheet, const plot_cell* cell,
                       const row_heights* heights) {
-    const double middle = x + 0.5 * sheet->picture_width, top = y + heights->title;
+    const double width = sheet->picture_width, top = y + heights->title;
     const double height = picture_height(sheet, &cell->picture);
-    plot_draw_text(canvas, middle, top - 6, &cell_text, cell->title);
+    draw_words(canvas, x, top - 6, width, &cell_text, cell->title);
     if (cell->picture.rgb8 == NULL) return;
-    plot_draw_picture(canvas, x, top, sheet->picture_width, height, &cell->picture,
-                      sheet->picture_width >= cell->picture.width);
+    plot_draw_picture(canvas, x, top, width, height, &cell->picture, width >= cell->picture.width);
     if (cell->inset.rgb8 != NULL) draw_inset(canvas, x, top, sheet, cell);
     for (int i = 0; i < PLOT_LINES_MAX; ++i)
-        plot_draw_text(canvas, middle, top + heights->picture + LINE * (i + 1) - 2, &line_text, cell->lines[i]);
+        draw_words(canvas, x, top + heights->picture + LINE * (i + 1) - 2, width, &line_text, cell->lines[i]);
 }
 
 static bool any_title(char (*titles)[PLOT_LABEL_SIZE], int count) {
@@ -105,14 +111,16 @@ plot_extent plot_draw_sheet(plot_canvas* canvas, double x, double y, const plot_
     double top = y;
     if (any_title(own.column_titles, own.columns)) {
         for (int column = 0; column < own.columns; ++column)
-            plot_draw_text(canvas, left + (own.picture_width + GAP_X) * column + 0.5 * own.picture_width, top + 14,
-                           &title_text, own.column_titles[column]);
+            draw_words(canvas, left + (own.picture_width + GAP_X) * column, top + 14, own.picture_width, &title_text,
+                       own.column_titles[column]);
         top += LINE + 4;
     }
     for (int row = 0; row < own.rows; ++row) {
         const row_heights heights = measure_row(&own, row);
-        plot_draw_text_upwards(canvas, x + 16, top + heights.title + 0.5 * heights.picture, &title_text,
-                               own.row_titles[row]);
+        const double middle = top + heights.title + 0.5 * heights.picture;
+        const double room = heights.title + heights.picture + LINE * heights.lines;
+        const plot_text fitted = plot_fit_text(canvas, &title_text, own.row_titles[row], room);
+        plot_draw_text_upwards(canvas, x + 16, middle, &fitted, own.row_titles[row]);
         for (int column = 0; column < own.columns; ++column)
             draw_cell(canvas, left + (own.picture_width + GAP_X) * column, top, &own,
                       plot_sheet_cell(&own, row, column), &heights);

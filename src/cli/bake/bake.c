@@ -276,7 +276,8 @@ int cli_bake(int count, char** arguments) {
         table,
         sizeof table / sizeof table[0],
         1,
-        1};
+        1,
+        NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status != CLI_GO) return status;

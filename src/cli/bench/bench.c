@@ -19,7 +19,7 @@ static const bench_entry benches[] = {
     {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
     {"dom", "discrete ordinates: solves, sweeps against thickness, images beside path", bench_dom},
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
-    {"bake", "baking: what impulse responses cost, and save beside paths", bench_bake},
+    {"bake", "baking: what light in cells and impulse responses cost, and save beside paths", bench_bake},
     {"load", "reading volumes of every format", bench_load},
 };
 enum { BENCH_COUNT = sizeof benches / sizeof benches[0] };
@@ -237,6 +237,13 @@ static int check_keeping(const bench_keeping* keeping) {
     return status;
 }
 
+static bool print_words(FILE* file, const char* option) {
+    if (option != NULL) return false;
+    fputs("all ", file);
+    for (int i = 0; i < BENCH_COUNT; ++i) fprintf(file, "%s ", benches[i].name);
+    return true;
+}
+
 int cli_bench(int count, char** arguments) {
     bench_options options = {.spp = 64,
                              .size = {256, 256},
@@ -293,7 +300,8 @@ int cli_bench(int count, char** arguments) {
                                table,
                                sizeof table / sizeof table[0],
                                1,
-                               1};
+                               1,
+                               print_words};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = check_names(given.positional[0]);

@@ -196,7 +196,8 @@ int cli_compare(int count, char** arguments) {
         table,
         sizeof table / sizeof table[0],
         1,
-        CLI_POSITIONAL_MAX};
+        CLI_POSITIONAL_MAX,
+        NULL};
     cli_arguments given;
     int status = cli_parse(&syntax, count, arguments, &given);
     if (status == CLI_GO) status = check_options(&given, &options);
