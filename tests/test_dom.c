@@ -1,9 +1,6 @@
 /* Discrete ordinates' calls: arguments, cancelling, memory, progress, threads, views, and what holds of any light; not
  * whether the light is right. */
-#include "files.h"
-#include "fld_maker.h"
-
-#include <tyndall/dom.h>
+#include "volume_calls.h"
 
 #include <stddef.h>
 
@@ -37,6 +34,51 @@ static ty_scene* plain_scene(ty_context* context) {
     commit(scene);
     return scene;
 }
+
+/* Light on cells of a box a little larger than the fog's. */
+typedef struct cells {
+    double fluence[3 * CELLS], uncollided[3 * CELLS];
+} cells;
+
+static void look_at(const ty_dom* light, cells* out) {
+    static const double lower[3] = {-1.1, -1, -1.2}, upper[3] = {1.1, 1.1, 0.9};
+    static const int32_t size[3] = {SIDE, SIDE, SIDE};
+    assert_int_equal(ty_dom_fluence(light, lower, upper, size, out->fluence, out->uncollided), TY_OK);
+}
+
+/* ---- calls ---- */
+
+VOLUME_CALLS(dom)
+
+static void make_def(volume_def* def, int variant) {
+    (void)variant;
+    def->dom = small_dom();
+}
+
+static ty_result call_fluence(const void* light, const double lower[3], const double upper[3], const int32_t size[3],
+                              double* fluence) {
+    return ty_dom_fluence(light, lower, upper, size, fluence, NULL);
+}
+
+static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
+    cells all;
+    look_at(light, &all);
+    memcpy(numbers, &all, sizeof all);
+}
+
+static const volume_calls calls = {.name = "dom",
+                                   .maker = "ty_default_dom_def",
+                                   .variants = 1,
+                                   .told = 0.4,
+                                   .make_def = make_def,
+                                   .watch = watch_def,
+                                   .make_scene = plain_scene,
+                                   .solve = call_solve,
+                                   .view = call_view,
+                                   .render = call_render,
+                                   .fluence = call_fluence,
+                                   .look_up = look_up_all,
+                                   .destroy = call_destroy};
 
 /* ---- arguments ---- */
 
@@ -72,72 +114,25 @@ static const bad_field bad_fields[] = {
     DOM(aovs, FIELD_INT, TY_AOV_NORMAL, "dom.aovs: "),
 };
 
-/* Every call says the same of a def, and hands nothing out. */
-static void refuse(const ty_scene* scene, const ty_dom* light, const ty_dom_def* def, const char* words) {
-    ty_context* context = ty_scene_context(scene);
-    ty_dom* other = NULL;
-    ty_image* image = (ty_image*)(uintptr_t)1;
-    assert_int_equal(ty_dom_solve(scene, def, &other, NULL), TY_ERROR_ARGUMENT);
-    assert_null(other);
-    assert_error(context, words);
-    assert_int_equal(ty_dom_render(scene, def, &image, NULL), TY_ERROR_ARGUMENT);
-    assert_null(image);
-    assert_error(context, words);
-    image = (ty_image*)(uintptr_t)1;
-    assert_int_equal(ty_dom_view(light, scene, def, &image, NULL), TY_ERROR_ARGUMENT);
-    assert_null(image);
-    assert_error(context, words);
-}
-
 static void wrong_defs_are_refused(void** state) {
-    ty_scene* scene = foggy_scene(*state);
-    ty_dom_def def = small_dom();
-    ty_dom* light = solve_dom(scene, &def, NULL);
-    for (size_t i = 0; i < sizeof bad_fields / sizeof *bad_fields; ++i) {
-        def = small_dom();
-        set_field(&def, &bad_fields[i]);
-        refuse(scene, light, &def, bad_fields[i].words);
-    }
-    refuse(scene, light, NULL, "ty_default_dom_def");
-    ty_dom_destroy(light);
-    ty_dom_destroy(NULL);
-    ty_scene_destroy(scene);
+    check_wrong_defs(&calls, *state, bad_fields, sizeof bad_fields / sizeof *bad_fields);
 }
 
 static void scenes_need_media(void** state) {
-    ty_scene* scene = make_scene(*state);
-    const ty_dom_def def = small_dom();
-    ty_dom* light = NULL;
-    ty_image* image = NULL;
-    assert_int_equal(ty_dom_solve(scene, &def, &light, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "not committed");
-    commit(scene);
-    assert_int_equal(ty_dom_solve(scene, &def, &light, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "dom: the scene has no media");
-    assert_int_equal(ty_dom_render(scene, &def, &image, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "dom: the scene has no media");
-    assert_null(light);
-    assert_null(image);
-    ty_scene_destroy(scene);
+    check_scenes_without_media(&calls, *state);
 }
 
 static void cuts_of_boxes_are_checked(void** state) {
-    static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, odd[3] = {0, NAN, 0};
-    static const int32_t size[3] = {1, 1, 1}, none[3] = {1, 0, 1}, many[3] = {1, 1, 65537};
+    check_cuts_of_boxes(&calls, *state);
+}
+
+static void points_are_checked(void** state) {
+    static const double odd[3] = {0, NAN, 0};
+    const float way[3] = {0, 0, 1};
     ty_scene* scene = foggy_scene(*state);
     const ty_dom_def def = small_dom();
     ty_dom* light = solve_dom(scene, &def, NULL);
-    double out[3];
-    assert_int_equal(ty_dom_fluence(light, one, zero, size, out, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "fluence: 1 cells from 1 to 0 m");
-    assert_int_equal(ty_dom_fluence(light, zero, one, none, out, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "fluence: 0 cells");
-    assert_int_equal(ty_dom_fluence(light, zero, one, many, out, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "fluence: 65537 cells");
-    assert_int_equal(ty_dom_fluence(light, odd, one, size, out, NULL), TY_ERROR_ARGUMENT);
-    assert_error(*state, "fluence: lower");
     float radiance[3];
-    const float way[3] = {0, 0, 1};
     assert_int_equal(ty_dom_radiance(light, odd, way, 1, radiance), TY_ERROR_ARGUMENT);
     assert_error(*state, "dom: point");
     ty_dom_destroy(light);
@@ -187,109 +182,21 @@ static void statistics_tell_what_was_done(void** state) {
     ty_scene_destroy(scene);
 }
 
-typedef struct watch {
-    int calls, stop_at; /* 0: never */
-    double fraction;
-    bool strange;
-} watch;
-
-static bool look(void* user, const ty_progress* progress) {
-    watch* w = user;
-    w->strange = w->strange || !(progress->fraction >= w->fraction - 1e-12 && progress->fraction <= 1 + 1e-12) ||
-                 !(progress->seconds >= 0) || progress->stage == NULL;
-    w->fraction = progress->fraction;
-    return ++w->calls != w->stop_at;
-}
-
 static void progress_runs_to_the_end(void** state) {
-    ty_scene* scene = foggy_scene(*state);
-    watch w = {.calls = 0};
-    ty_dom_def def = small_dom();
-    def.progress = look;
-    def.progress_user = &w;
-    ty_image* image = NULL;
-    check_result(*state, ty_dom_render(scene, &def, &image, NULL));
-    assert_true(w.calls >= 3 && !w.strange);
-    assert_close(w.fraction, 1, 1e-9);
-    ty_image_destroy(image);
-    ty_scene_destroy(scene);
+    check_progress(&calls, *state);
 }
 
-/* Whoever says no at any time gets nothing, and all memory back. */
 static void callers_can_cancel_at_any_time(void** state) {
     (void)state;
-    strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
-    ty_context* context = strict_context(&memory);
-    ty_scene* scene = plain_scene(context);
-    ty_dom_def def = small_dom();
-    def.progress = look;
-    ty_result result = TY_CANCELLED;
-    int stop = 0;
-    for (stop = 1; result == TY_CANCELLED; ++stop) {
-        watch w = {.stop_at = stop};
-        ty_image* image = (ty_image*)(uintptr_t)1;
-        const size_t before = memory.used;
-        def.progress_user = &w;
-        result = ty_dom_render(scene, &def, &image, NULL);
-        if (result != TY_CANCELLED) {
-            check_result(context, result);
-            ty_image_destroy(image);
-            break;
-        }
-        assert_int_equal(w.calls, stop);
-        assert_null(image);
-        assert_int_equal(memory.used, before);
-        assert_string_equal(ty_last_error(context), "");
-    }
-    assert_true(stop >= 4);
-    ty_scene_destroy(scene);
-    ty_context_destroy(context);
-    assert_int_equal(memory.used, 0);
+    check_cancelling(&calls, 0);
 }
 
 static void refused_memory_leaves_nothing(void** state) {
     (void)state;
-    strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
-    ty_context* context = strict_context(&memory);
-    ty_scene* scene = plain_scene(context);
-    const ty_dom_def def = small_dom();
-    ty_image* image = NULL;
-    check_result(context, ty_dom_render(scene, &def, &image, NULL)); /* starts the context's threads */
-    ty_image_destroy(image);
-    ty_result result = TY_ERROR_MEMORY;
-    int count = 0;
-    for (; result == TY_ERROR_MEMORY; ++count) {
-        const size_t before = memory.used;
-        memory.until_refusal = count;
-        image = NULL;
-        result = ty_dom_render(scene, &def, &image, NULL);
-        memory.until_refusal = -1;
-        if (result == TY_OK) break;
-        assert_int_equal(result, TY_ERROR_MEMORY);
-        assert_null(image);
-        assert_int_equal(memory.used, before);
-        assert_error(context, "memory");
-    }
-    check_result(context, result);
-    assert_true(count > 30);
-    ty_image_destroy(image);
-    ty_scene_destroy(scene);
-    ty_context_destroy(context);
-    assert_int_equal(memory.used, 0);
+    check_refused_memory(&calls);
 }
 
 /* ---- results ---- */
-
-/* Light on cells of a box a little larger than the fog's. */
-typedef struct cells {
-    double fluence[3 * CELLS], uncollided[3 * CELLS];
-} cells;
-
-static void look_at(const ty_dom* light, cells* out) {
-    static const double lower[3] = {-1.1, -1, -1.2}, upper[3] = {1.1, 1.1, 0.9};
-    static const int32_t size[3] = {SIDE, SIDE, SIDE};
-    assert_int_equal(ty_dom_fluence(light, lower, upper, size, out->fluence, out->uncollided), TY_OK);
-}
 
 static double mean_of(const double* values) {
     double sum = 0;
@@ -299,49 +206,13 @@ static double mean_of(const double* values) {
 
 static void threads_do_not_change_bits(void** state) {
     (void)state;
-    static const int32_t threads[] = {1, 2, 3};
-    static cells light[2];
-    ty_image* first = NULL;
-    ty_context* contexts[3];
-    for (int i = 0; i < 3; ++i) {
-        contexts[i] = make_context(threads[i]);
-        ty_scene* scene = foggy_scene(contexts[i]);
-        ty_dom_def def = small_dom();
-        def.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
-        ty_image* image = NULL;
-        check_result(contexts[i], ty_dom_render(scene, &def, &image, NULL));
-        ty_dom* solved = solve_dom(scene, &def, NULL);
-        look_at(solved, &light[i > 0]);
-        ty_dom_destroy(solved);
-        if (i == 0) first = image;
-        if (i > 0) {
-            assert_true(same_images(image, first));
-            assert_memory_equal(&light[1], &light[0], sizeof light[0]);
-            ty_image_destroy(image);
-        }
-        ty_scene_destroy(scene);
-    }
-    ty_image_destroy(first);
-    for (int i = 0; i < 3; ++i) ty_context_destroy(contexts[i]);
+    volume_def def = {.dom = small_dom()};
+    def.dom.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
+    check_threads(&calls, &def);
 }
 
-/* Light that was solved once is seen from where the camera is moved to, as if it had been solved there. */
 static void cameras_move_without_solving_again(void** state) {
-    ty_scene* scene = foggy_scene(*state);
-    ty_dom_def def = small_dom();
-    ty_dom* light = solve_dom(scene, &def, NULL);
-    ty_image* images[3] = {NULL};
-    ty_camera_def camera = ty_scene_camera(scene);
-    check_result(*state, ty_dom_view(light, scene, &def, &images[0], NULL));
-    set3(camera.position, 1, 3, -4);
-    check_result(*state, ty_scene_set_camera(scene, &camera));
-    check_result(*state, ty_dom_view(light, scene, &def, &images[1], NULL));
-    check_result(*state, ty_dom_render(scene, &def, &images[2], NULL));
-    assert_true(same_images(images[1], images[2]));
-    assert_false(same_images(images[0], images[1]));
-    for (int i = 0; i < 3; ++i) ty_image_destroy(images[i]);
-    ty_dom_destroy(light);
-    ty_scene_destroy(scene);
+    check_cameras(&calls, *state);
 }
 
 /* All directions' radiance together is the fluence of what has scattered. */
@@ -483,13 +354,21 @@ static void nothing_comes_from_nothing(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_defs_are_refused),         cmocka_unit_test(scenes_need_media),
-        cmocka_unit_test(cuts_of_boxes_are_checked),      cmocka_unit_test(defaults_are_as_documented),
-        cmocka_unit_test(statistics_tell_what_was_done),  cmocka_unit_test(progress_runs_to_the_end),
-        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing),
-        cmocka_unit_test(threads_do_not_change_bits),     cmocka_unit_test(cameras_move_without_solving_again),
-        cmocka_unit_test(radiance_adds_up_to_fluence),    cmocka_unit_test(starts_save_sweeps),
-        cmocka_unit_test(gray_scenes_are_solved_once),    cmocka_unit_test(many_lamps_add_up),
+        cmocka_unit_test(wrong_defs_are_refused),
+        cmocka_unit_test(scenes_need_media),
+        cmocka_unit_test(cuts_of_boxes_are_checked),
+        cmocka_unit_test(points_are_checked),
+        cmocka_unit_test(defaults_are_as_documented),
+        cmocka_unit_test(statistics_tell_what_was_done),
+        cmocka_unit_test(progress_runs_to_the_end),
+        cmocka_unit_test(callers_can_cancel_at_any_time),
+        cmocka_unit_test(refused_memory_leaves_nothing),
+        cmocka_unit_test(threads_do_not_change_bits),
+        cmocka_unit_test(cameras_move_without_solving_again),
+        cmocka_unit_test(radiance_adds_up_to_fluence),
+        cmocka_unit_test(starts_save_sweeps),
+        cmocka_unit_test(gray_scenes_are_solved_once),
+        cmocka_unit_test(many_lamps_add_up),
         cmocka_unit_test(nothing_comes_from_nothing),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
