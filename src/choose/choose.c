@@ -13,6 +13,7 @@ static const double enclosed_most = 0.5; /* of what scatters; above it, surfaces
 static const double surfaces_most = 0.3; /* of the frame; above it, the paths that others take for surfaces count */
 static const double seldom = 4;          /* scatterings below which paths are cheap */
 static const double cell_most = 10;      /* mean free paths of a cell, times 1 - g */
+static const double ahead = 0.65;        /* g from which cells do not tell well where light of surfaces goes */
 static const double needle = 0.94;       /* g from which no method but path tracing knows where light comes from */
 
 enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
@@ -94,21 +95,33 @@ static double scatterings(const ty_look* look) {
     return 1 / (1 / (1 + reduced) + 1 - look->albedo);
 }
 
+/* Whether surfaces are much of the frame and paths cheap, which others take for surfaces, too. Where surfaces are also
+ * all the light there is, paths are noisier than cells, which know that light from everywhere at once. */
+static bool suits_paths(const ty_look* look) {
+    const bool lit_by_surfaces = look->lights == 1 << TY_LIGHT_AREA && look->g < ahead;
+    return look->surfaces > surfaces_most && scatterings(look) < seldom && !lit_by_surfaces;
+}
+
+static const char* why_ordinates(const ty_look* look) {
+    if (!(look->surfaces > 0)) return "no surfaces";
+    if (!(scatterings(look) < seldom)) return "light scatters more than paths are cheap for";
+    return look->surfaces > surfaces_most ? "glowing surfaces are all the light" : "few surfaces";
+}
+
 static void choose_by_look(ty_choice* out) {
     const ty_look* look = &out->look;
-    const bool is_seldom = scatterings(look) < seldom;
     if (look->opacity < faint)
         snprintf(out->reason, sizeof out->reason, "no media are in view");
     else if (look->enclosed > enclosed_most && (look->lights & ~(uint32_t)LPV_LIGHTS) == 0)
         set(out, "lpv", "surfaces all around, which lamps or the sun light");
     else if (look->cell * (1 - look->g) > cell_most)
         set(out, "path", "too dense for the cells of faster methods");
-    else if (look->surfaces > surfaces_most && is_seldom)
+    else if (suits_paths(look))
         set(out, "path", "much of the frame is surfaces, and light scatters seldom");
-    else if (look->g > needle && is_seldom)
+    else if (look->g > needle && scatterings(look) < seldom)
         set(out, "path", "light goes nearly straight on");
     else
-        set(out, "dom", look->surfaces > 0 ? "light scatters more than paths are cheap for" : "no surfaces");
+        set(out, "dom", why_ordinates(look));
 }
 
 ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {

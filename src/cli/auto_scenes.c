@@ -131,6 +131,7 @@ const auto_scene auto_scenes[] = {
     {.name = "Sponza in fog, lamps", .text = sponza_lamps, .file = SPONZA_FILE},
     {.name = "box with smoke", .text = cornell_smoke, .file = CORNELL_FILE},
     {.name = "staircase in haze", .text = staircase, .file = STAIRCASE_FILE},
+    {.name = "box in fog, g 0.8, area light", .builtin = "builtin:cornell_fog", .overrides = {"media[0].g=0.8"}},
     {.name = "thick cloud, g 0.9, sun",
      .builtin = "builtin:cloud_sun",
      .overrides = {"media[0].sigma_t=60", "media[0].g=0.9"},
@@ -150,6 +151,14 @@ const auto_scene auto_scenes[] = {
     {.name = "lamp beside smoke", .text = lamp_in_smoke, .held_out = true},
     {.name = "ball of milk", .text = milk_ball, .held_out = true},
     {.name = "fog bank on a plain", .text = fog_bank, .held_out = true},
+    {.name = "box in thin fog, area light",
+     .builtin = "builtin:cornell_fog",
+     .overrides = {"media[0].sigma_t=0.3"},
+     .held_out = true},
+    {.name = "box in dark fog, area light",
+     .builtin = "builtin:cornell_fog",
+     .overrides = {"media[0].albedo=0.6"},
+     .held_out = true},
     {.name = "plume in a square", .text = plume_square, .file = PLUME_FILE},
 };
 const int32_t auto_scene_count = sizeof auto_scenes / sizeof auto_scenes[0];

@@ -1,24 +1,30 @@
-/* tyndall bench impulse: making the tables, reading them from a folder, and lookups, as bakers make them: at distances
- * and angles all over the tables. One thread looks up. */
+/* tyndall bench impulse: making the tables, reading them from a folder, and lookups at distances and angles all over
+ * the tables: as callers and bakers of uneven media make them, and merged, as bakers of a medium of one albedo and g
+ * do. One thread looks up. */
 #define _GNU_SOURCE
 #include "cli/bench/bench.h"
+#include "method/impulse/look.h"
 
 #include <errno.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 #include <tyndall/impulse.h>
 #include <unistd.h>
 
-enum { RUNS_MAX = 99, PATH_SIZE = 1024, LOOKUPS = 1 << 20, CASES = 4 };
+enum { RUNS_MAX = 99, PATH_SIZE = 1024, LOOKUPS = 1 << 20, CASES = 6, BOUNCES = 10 };
 
 static const struct {
     const char* name;
     ty_impulse_emitter emitter;
     int32_t bounces;
-} cases[CASES] = {{"point", TY_IMPULSE_POINT, 10},
-                  {"directional", TY_IMPULSE_DIRECTIONAL, 10},
-                  {"area", TY_IMPULSE_AREA, 10},
-                  {"area, once", TY_IMPULSE_AREA, 1}};
+    bool merged;
+} cases[CASES] = {
+    {"point", TY_IMPULSE_POINT, BOUNCES, false},        {"directional", TY_IMPULSE_DIRECTIONAL, BOUNCES, false},
+    {"area", TY_IMPULSE_AREA, BOUNCES, false},          {"area, once", TY_IMPULSE_AREA, 1, false},
+    {"point, merged", TY_IMPULSE_POINT, BOUNCES, true}, {"area, merged", TY_IMPULSE_AREA, BOUNCES, true}};
+
+static const ty_impulse_medium medium = {1, 0.9f, 0};
 
 typedef struct measured {
     double build, load, lookup[CASES], irradiance; /* s; of one lookup */
@@ -41,7 +47,8 @@ static ty_result time_tables(const bench_session* bench, const char* folder, dou
     return TY_OK;
 }
 
-static double time_lookups(const bench_session* bench, const ty_impulse* tables, int which) {
+static double time_lookups(const bench_session* bench, const ty_impulse* tables, const ty_impulse_merged* merged,
+                           int which) {
     double seconds[RUNS_MAX];
     volatile float kept = 0;
     for (int32_t run = 0; run < bench->options->runs; ++run) {
@@ -50,16 +57,30 @@ static double time_lookups(const bench_session* bench, const ty_impulse* tables,
         const double start = cli_wall_seconds();
         for (int32_t i = 0; i < LOOKUPS; ++i) {
             random = random * 1664525u + 1013904223u;
-            const ty_impulse_medium medium = {1, 0.9f, 0};
+            const float distance = 20 * 0x1p-24f * (float)(random >> 8), cosine = 0x1p-12f * (float)(random & 4095);
             ty_impulse_response response;
-            ty_impulse_look(tables, cases[which].emitter, &medium, 20 * 0x1p-24f * (float)(random >> 8),
-                            0x1p-12f * (float)(random & 4095), cases[which].bounces, &response);
+            if (cases[which].merged)
+                ty_impulse_look_merged(merged, (int32_t)cases[which].emitter, medium.sigma_t, distance, cosine,
+                                       &response);
+            else
+                ty_impulse_look(tables, cases[which].emitter, &medium, distance, cosine, cases[which].bounces,
+                                &response);
             sum += response.single[0] + response.multiple[TY_IMPULSE_TERMS - 1];
         }
         seconds[run] = (cli_wall_seconds() - start) / LOOKUPS;
         kept = kept + sum;
     }
     return bench_median(seconds, bench->options->runs);
+}
+
+static ty_result time_all_lookups(const bench_session* bench, const ty_impulse* tables, double seconds[CASES]) {
+    ty_impulse_sum* rows = malloc(ty_impulse_merged_rows() * sizeof *rows);
+    if (rows == NULL) return TY_ERROR_MEMORY;
+    ty_impulse_merged merged;
+    ty_impulse_merge(tables, medium.sigma_s / medium.sigma_t, medium.g, BOUNCES, FLT_MAX, rows, &merged);
+    for (int i = 0; i < CASES; ++i) seconds[i] = time_lookups(bench, tables, &merged, i);
+    free(rows);
+    return TY_OK;
 }
 
 static double time_irradiance(const bench_session* bench) {
@@ -85,10 +106,8 @@ static ty_result measure(const bench_session* bench, const char* folder, measure
     ty_result result = time_tables(bench, "", &out->build);
     if (result == TY_OK) result = ty_impulse_create(bench->session->context, &def, &tables, &stats);
     if (result == TY_OK) result = time_tables(bench, folder, &out->load);
-    if (result == TY_OK) {
-        for (int i = 0; i < CASES; ++i) out->lookup[i] = time_lookups(bench, tables, i);
-        out->irradiance = time_irradiance(bench);
-    }
+    if (result == TY_OK) result = time_all_lookups(bench, tables, out->lookup);
+    if (result == TY_OK) out->irradiance = time_irradiance(bench);
     ty_impulse_destroy(tables);
     if (stats.path[0] != '\0') unlink(stats.path);
     return result;
@@ -104,7 +123,7 @@ static void print_measured(const bench_session* bench, const measured* m) {
         json_number(bench->json, "irradiance_ns", 1e9 * m->irradiance);
         return;
     }
-    printf("impulse responses, 10 bounces (medians of %d)\n  %-22s %10.2f s\n  %-22s %10.2f ms\n",
+    printf("impulse responses, %d bounces (medians of %d)\n  %-22s %10.2f s\n  %-22s %10.2f ms\n", BOUNCES,
            (int)bench->options->runs, "made", m->build, "read from the folder", 1e3 * m->load);
     for (int i = 0; i < CASES; ++i)
         printf("  lookup: %-14s %10.1f ns %10.1f million/s on one thread\n", cases[i].name, 1e9 * m->lookup[i],
