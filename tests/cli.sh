@@ -196,6 +196,20 @@ END
   echo '{"tyndall": 1, "camera": {"position": [0, 1, 5], "target": [0, 0, 0]}}' > empty.json
 }
 
+# needs_media METHOD SAYER: a scene without media is refused, and the message begins with SAYER.
+needs_media() {
+  usage_error "$2: the scene has no media" render empty.json -o no.exr --method "$1"
+  absent no.exr
+}
+
+# compares METHODS ARGUMENT...: tyndall compare by METHODS, one after another with blanks, leaves an image of each.
+compares() {
+  by=$1
+  shift
+  expect 0 compare fog.json --methods "${by// /,}" --size 16x16 --spp 4 -o compared -q "$@"
+  for method in $by; do present "compared/$method.exr"; done
+}
+
 # surfaces_by_paths METHOD: surfaces come from paths, and are as noisy; depth is theirs. Leaves few.exr, at --spp 1.
 surfaces_by_paths() {
   small_by "$1" room.json few.exr --spp 1 --aov depth

@@ -67,13 +67,11 @@ test_statistics() {
 }
 
 test_compare() {
-  expect 0 compare fog.json --methods path,dom --size 16x16 --spp 4 -o compared -q
-  present compared/dom.exr
+  compares 'path dom'
 }
 
 test_scenes_without_media() {
-  usage_error 'dom: the scene has no media' render empty.json -o no.exr --method dom
-  absent no.exr
+  needs_media dom dom
 }
 
 test_interrupt() {

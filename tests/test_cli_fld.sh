@@ -84,17 +84,12 @@ test_statistics() {
 }
 
 test_compare() {
-  expect 0 compare fog.json --methods path,fld,cda --size 16x16 --spp 4 -o compared -q
-  present compared/fld.exr
-  present compared/cda.exr
-  present compared/path.exr
+  compares 'path fld cda'
 }
 
 test_scenes_without_media() {
-  for method in fld cda; do
-    usage_error 'fld: the scene has no media' render empty.json -o no.exr --method $method
-    absent no.exr
-  done
+  needs_media fld fld
+  needs_media cda fld
 }
 
 test_interrupt() {

@@ -109,8 +109,7 @@ test_statistics() {
 }
 
 test_compare() {
-  expect 0 compare fog.json --methods path,lpv --size 16x16 --spp 4 -D render.lpv.resolution=8 -o compared -q
-  for name in path lpv; do present compared/$name.exr; done
+  compares 'path lpv' -D render.lpv.resolution=8
 }
 
 test_builtin() {

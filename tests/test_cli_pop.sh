@@ -106,13 +106,11 @@ test_statistics() {
 }
 
 test_compare() {
-  expect 0 compare fog.json --methods path,fld,pop --size 16x16 --spp 4 -D render.pop.resolution=8 -o compared -q
-  for name in path fld pop; do present compared/$name.exr; done
+  compares 'path fld pop' -D render.pop.resolution=8
 }
 
 test_scenes_without_media() {
-  usage_error 'pop: the scene has no media' render empty.json -o no.exr --method pop
-  absent no.exr
+  needs_media pop pop
 }
 
 test_interrupt() {

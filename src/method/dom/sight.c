@@ -21,6 +21,7 @@ typedef struct sight_job {
     uint8_t *hidden, *marked; /* as they are, and with another layer */
     int32_t layer;
     float* plane;
+    void (*visit)(const struct sight_job* job, const int32_t at[3], size_t cell); /* of each cell of a row */
 } sight_job;
 
 static size_t cell_at(const int32_t size[3], const int32_t at[3]) {
@@ -86,27 +87,21 @@ static float sum_about(const sight_job* job, const int32_t at[3], int32_t layer,
     return total;
 }
 
-static void mark_row(void* user, int64_t row, int32_t worker) {
-    (void)worker;
-    const sight_job* job = user;
-    const int32_t* size = job->light->box.size;
-    int32_t at[3] = {0, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
-    for (; at[0] < size[0]; ++at[0]) {
-        const size_t cell = cell_at(size, at);
-        const bool next = job->hidden[cell] == HIDDEN && sum_about(job, at, job->layer, NULL, NULL) > 0;
-        job->marked[cell] = next ? (uint8_t)job->layer : job->hidden[cell];
-    }
+static void mark(const sight_job* job, const int32_t at[3], size_t cell) {
+    const bool next = job->hidden[cell] == HIDDEN && sum_about(job, at, job->layer, NULL, NULL) > 0;
+    job->marked[cell] = next ? (uint8_t)job->layer : job->hidden[cell];
 }
 
-static void fill_row(void* user, int64_t row, int32_t worker) {
+static void fill(const sight_job* job, const int32_t at[3], size_t cell) {
+    if (job->hidden[cell] == job->layer) sum_about(job, at, job->layer, job->plane, &job->plane[cell]);
+}
+
+static void visit_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const sight_job* job = user;
     const int32_t* size = job->light->box.size;
     int32_t at[3] = {0, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
-    for (; at[0] < size[0]; ++at[0]) {
-        const size_t cell = cell_at(size, at);
-        if (job->hidden[cell] == job->layer) sum_about(job, at, job->layer, job->plane, &job->plane[cell]);
-    }
+    for (; at[0] < size[0]; ++at[0]) job->visit(job, at, cell_at(size, at));
 }
 
 /* ---- all ---- */
@@ -119,13 +114,13 @@ ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double e
     const ty_mesh* mesh = ty_scene_get_view(scene)->mesh;
     *hidden = NULL;
     if (mesh == NULL || light->dark == NULL) return TY_OK;
-    sight_job job = {.light = light, .mesh = mesh, .eye = eye};
+    sight_job job = {.light = light, .mesh = mesh, .eye = eye, .visit = mark};
     job.hidden = *hidden = ty_alloc_array(light->context, light->cells, 1, false);
     job.marked = ty_alloc_array(light->context, light->cells, 1, false);
     if (job.hidden != NULL && job.marked != NULL) {
         ty_parallel_flushed(light->context, rows_of(light), look_row, &job);
         for (job.layer = FIRST_LAYER; job.layer < FIRST_LAYER + LAYERS; ++job.layer) {
-            ty_parallel_flushed(light->context, rows_of(light), mark_row, &job);
+            ty_parallel_flushed(light->context, rows_of(light), visit_row, &job);
             memcpy(job.hidden, job.marked, light->cells);
         }
     }
@@ -135,8 +130,8 @@ ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double e
 }
 
 void ty_dom_cover_hidden(const ty_dom* light, const uint8_t* hidden, float* plane) {
-    sight_job job = {.light = light, .hidden = (uint8_t*)hidden, .plane = plane};
+    sight_job job = {.light = light, .hidden = (uint8_t*)hidden, .plane = plane, .visit = fill};
     if (hidden == NULL) return;
     for (job.layer = FIRST_LAYER; job.layer < FIRST_LAYER + LAYERS; ++job.layer)
-        ty_parallel_flushed(light->context, rows_of(light), fill_row, &job);
+        ty_parallel_flushed(light->context, rows_of(light), visit_row, &job);
 }
