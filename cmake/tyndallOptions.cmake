@@ -23,6 +23,7 @@ if(TYNDALL_FUZZ)
 endif()
 if(tyndall_sanitizers)
   target_compile_options(tyndall_options INTERFACE
-    -fsanitize=${tyndall_sanitizers} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    -fsanitize=${tyndall_sanitizers} -fno-omit-frame-pointer -fno-sanitize-recover=all
+    $<$<COMPILE_LANG_AND_ID:C,GNU>:-Wno-maybe-uninitialized>) # it guesses wrong between a sanitizer's calls
   target_link_options(tyndall_options INTERFACE -fsanitize=${tyndall_sanitizers})
 endif()
