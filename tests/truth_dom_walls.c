@@ -73,13 +73,17 @@ static void a_box_with_a_spot(void** state) {
 #define SMOKE "media=[{\"bounds\":[[-1,-1,-1],[1,1,1]],\"sigma_t\":4,\"albedo\":0.95,\"g\":0.4}]"
 #define SUN "lights=[{\"type\":\"directional\",\"direction\":[1,0.2,-0.6],\"irradiance\":4}]"
 
-/* A wall askew that hides half of a smoke from the sun, seen along it: light of the bright half shows up to half a cell
- * of ordinates beyond. */
+/* Walls that hide half of a smoke from the sun, seen along them: light of the bright half shows on neither's other
+ * side. The one that is edge on is a third of a cell of ordinates off their faces. */
 static void walls_in_smoke(void** state) {
     static const char askew[] = "geometry=[{\"quad\":{\"origin\":[-1.2,-1.2,-1.2],\"u\":[0,2.4,0],\"v\":[2.4,0,2.88]},"
                                 "\"material\":{\"albedo\":0.7}}]";
-    const scene_case c = {BOX, NULL, {NULL, SMOKE, SUN, askew}, 48, 48, fewer(1024, 4), 0.09, 0};
-    assert_true(is_near(*state, &c, "wall askew in smoke"));
+    static const char edge_on[] = "geometry=[{\"quad\":{\"origin\":[0.03,-1.2,-1.2],\"u\":[0,2.4,0],\"v\":[0,0,2.4]},"
+                                  "\"material\":{\"albedo\":0.7}}]";
+    const scene_case first = {BOX, NULL, {NULL, SMOKE, SUN, askew}, 48, 48, fewer(1024, 4), 0.06, 0};
+    const scene_case second = {BOX, NULL, {NULL, SMOKE, SUN, edge_on}, 60, 60, fewer(1024, 4), 0.05, 0};
+    const bool near = is_near(*state, &first, "wall askew in smoke");
+    assert_true(is_near(*state, &second, "wall edge on in smoke") && near);
 }
 
 /* The fluence behind a wall that leaves a medium in two. */

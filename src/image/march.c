@@ -158,6 +158,7 @@ static ty_result pack_field(march_job* job, const ty_source_field* field, march_
     const int32_t* size = field->box.size;
     view->place = place_cells(&field->box);
     view->channels = field->shared ? 1 : 3;
+    view->cuts = ty_cuts_get_view(job->def->cuts);
     view->terms = field->term_count;
     view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN
                    : field->shared        ? TY_UPSAMPLE_SHARED
@@ -172,7 +173,8 @@ static ty_result pack_field(march_job* job, const ty_source_field* field, march_
     pack_job pack = {field, view, cells->floats};
     ty_parallel_for(job->context, size[2], pack_plane, &pack);
     if (!job->def->keeps_means) return TY_OK;
-    return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, cells->floats);
+    return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, job->def->cuts,
+                            cells->floats);
 }
 
 static ty_result pack_fields(march_job* job) {

@@ -17,8 +17,9 @@ typedef struct sharpen_job {
     const int32_t* size;
     int32_t floats, term;
     bool positive;
-    const float* cells; /* the means to be had, with all other floats of cells */
-    const float* from;  /* this term's values, and the next */
+    const ty_cuts* cuts; /* NULL: none */
+    const float* cells;  /* the means to be had, with all other floats of cells */
+    const float* from;   /* this term's values, and the next */
     float* to;
 } sharpen_job;
 
@@ -27,9 +28,26 @@ static int32_t neighbour(int32_t at, int32_t step, int32_t size) {
     return next < 0 || next >= size ? at : next;
 }
 
+static const float weight[3] = {0.125f, 0.75f, 0.125f};
+
+/* 1 6 1 / 8 along all axes at a cell by cuts: in place of those beyond there is itself. */
+static float mean_on_side(const sharpen_job* job, const int32_t at[3]) {
+    const int32_t* size = job->size;
+    const size_t own = ((size_t)at[2] * (size_t)size[1] + (size_t)at[1]) * (size_t)size[0] + (size_t)at[0];
+    float sum = 0;
+    for (int i = 0; i < 27; ++i) {
+        const int off[3] = {i % 3, i / 3 % 3, i / 9};
+        int32_t next[3];
+        for (int a = 0; a < 3; ++a) next[a] = neighbour(at[a], off[a] - 1, size[a]);
+        const size_t other = ((size_t)next[2] * (size_t)size[1] + (size_t)next[1]) * (size_t)size[0] + (size_t)next[0];
+        const float share = weight[off[0]] * weight[off[1]] * weight[off[2]];
+        sum += share * job->from[ty_cuts_join(job->cuts, at, next) ? other : own];
+    }
+    return sum;
+}
+
 /* 1 6 1 / 8 across rows. */
 static void add_rows(const sharpen_job* job, int32_t y, int32_t z, float* sum) {
-    static const float weight[3] = {0.125f, 0.75f, 0.125f};
     const int32_t* size = job->size;
     memset(sum, 0, sizeof *sum * (size_t)size[0]);
     for (int32_t k = -1; k <= 1; ++k)
@@ -49,7 +67,9 @@ static void sharpen_row(const sharpen_job* job, int32_t y, int32_t z) {
     float before = to[0];
     for (size_t x = 0; x < count; ++x) {
         const float here = to[x], after = x + 1 < count ? to[x + 1] : here;
-        const float mean = 0.125f * (before + 6 * here + after);
+        const int32_t at[3] = {(int32_t)x, y, z};
+        const bool cut = job->cuts != NULL && ty_cuts_are_about(job->cuts, at);
+        const float mean = cut ? mean_on_side(job, at) : 0.125f * (before + 6 * here + after);
         const float asked = job->cells[(begin + x) * (size_t)job->floats + (size_t)job->term];
         const float value = job->from[begin + x] + (asked - mean);
         to[x] = job->positive ? ty_clampf(value, asked / farthest, asked * farthest) : value;
@@ -64,13 +84,14 @@ static void sharpen_plane(void* user, int64_t z, int32_t worker) {
 }
 
 ty_result ty_sharpen_cells(ty_context* context, const int32_t size[3], int32_t floats, int32_t terms, int32_t used,
-                           float* cells) {
+                           const ty_cuts* cuts, float* cells) {
     const size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2];
     float* values[2] = {NULL, NULL};
     for (int i = 0; i < 2; ++i) values[i] = ty_alloc_array(context, count, sizeof(float), false);
     const bool whole = values[0] != NULL && values[1] != NULL;
     for (int32_t term = 0; term < used && whole; ++term) {
-        sharpen_job job = {.size = size, .floats = floats, .term = term, .positive = term % terms == 0, .cells = cells};
+        sharpen_job job = {
+            .size = size, .floats = floats, .term = term, .positive = term % terms == 0, .cuts = cuts, .cells = cells};
         for (size_t i = 0; i < count; ++i) values[0][i] = cells[i * (size_t)floats + (size_t)term];
         for (int n = 0; n < ITERATIONS; ++n) {
             job.from = values[n % 2];

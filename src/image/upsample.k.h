@@ -4,6 +4,7 @@
 
 #include "base/vector.k.h"
 #include "direct/single.k.h"
+#include "image/cuts.k.h"
 
 /* Floats of a cell, terms of all channels and the guide and room to spare: three channels of one term (or one of one),
  * one of four, three of four. */
@@ -21,7 +22,8 @@ typedef struct ty_upsample_view {
     int32_t channels, terms; /* channels: 3, or 1 that all are multiples of */
     float color[3];          /* times which channels are what is in the cells */
     TY_GLOBAL const float* cells;
-    float sharpness; /* 1 / (2 width^2); 0: plain interpolation */
+    float sharpness;   /* 1 / (2 width^2); 0: plain interpolation */
+    ty_cuts_view cuts; /* surfaces between cells */
 } ty_upsample_view;
 
 TY_FN ty_vec ty_cell_coordinates(const ty_cell_place* place, ty_vec point) {
@@ -128,9 +130,13 @@ TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinct
     const ty_cell_point at = ty_cell_locate(view->place.size, cells);
     ty_upsample_cells(view, &at, eight);
     ty_upsample_weights(&at, weight);
+    if (view->cuts.of_cell != NULL) ty_cuts_weigh(&view->cuts, at.base, cells, weight);
     if (view->sharpness > 0.0f) ty_upsample_guide(view, eight, extinction, weight);
     ty_upsample_terms(view, eight, weight, way, even, directed, third);
 }
+
+/* Off a surface by this much, in cells, it is told which side of it is meant. */
+#define TY_UPSAMPLE_ASIDE 0.25f
 
 /* What arrives on a surface with a unit normal, W m^-2: of radiance even + directed . way, pi even - 2 pi / 3 directed
  * . normal. The point is inside the box. */
@@ -140,6 +146,8 @@ TY_FN void ty_upsample_irradiance(const ty_upsample_view* view, ty_vec cells, ty
     float weight[8], even[3], directed[3], third[3];
     ty_upsample_cells(view, &at, eight);
     ty_upsample_weights(&at, weight);
+    if (view->cuts.of_cell != NULL)
+        ty_cuts_weigh(&view->cuts, at.base, ty_mad(cells, normal, TY_UPSAMPLE_ASIDE), weight);
     ty_upsample_terms(view, eight, weight, normal, even, directed, third);
     for (int c = 0; c < 3; ++c) irradiance[c] = ty_maxf(0.0f, TY_PI * (even[c] - 2.0f / 3.0f * directed[c]));
 }

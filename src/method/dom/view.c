@@ -19,6 +19,7 @@ typedef struct fields {
     float* sent[3];                     /* radiance that cells send to the eye per scattering coefficient */
     float* incident[3][TY_FIELD_TERMS]; /* radiance by direction, for surfaces */
     ty_single_light lights[TY_DOM_OWN_MAX + 1];
+    ty_cuts* cuts;   /* surfaces between cells; NULL: there are none */
     uint8_t* hidden; /* cells behind surfaces; NULL: there are none */
     size_t fine_cells;
     float* many[3]; /* of fine cells: what lights without fields of their own send to the eye, times 4 pi */
@@ -177,6 +178,7 @@ static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f
 /* ---- images ---- */
 
 static void free_fields(const ty_dom* light, fields* f) {
+    ty_cuts_destroy(f->cuts);
     ty_free_array(light->context, f->hidden, light->cells, 1);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(light->context, f->sent[c], light->cells, sizeof(float));
@@ -190,7 +192,8 @@ static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const d
     const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
     const int32_t* fine = light->fine_box.size;
     f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
-    ty_result result = ty_dom_look(light, scene, eye, &f->hidden);
+    ty_result result = ty_cuts_find(light->context, light->walls, &light->box, &f->cuts);
+    if (result == TY_OK) result = ty_dom_look(light, scene, eye, &f->hidden);
     if (result == TY_OK) result = make_seen(light, eye, f);
     if (result == TY_OK && surfaces) result = make_incident(light, f);
     if (result == TY_OK) result = make_lights(light, eye, f);
@@ -218,6 +221,7 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     march.progress_user = &progress;
     ty_march_stats marched = {0};
     ty_result result = make_fields(light, scene, camera.position, &f);
+    march.cuts = f.cuts;
     if (result == TY_OK) result = ty_march(scene, &march, out, &marched);
     free_fields(light, &f);
     if (result == TY_OK && stats != NULL) {
