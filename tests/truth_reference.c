@@ -15,8 +15,10 @@ static void test_cube_g096(void** state) {
     check_reference(*state, "cube_g0.96", 0.02, 0, in_full() ? 4096 : 64);
 }
 
+/* The reference's own noise is 1.1 %: that is what is left of differences between two of our pictures and it without
+ * ours, and it halves each time that blocks are twice as large (2 to 32 pixels), as noise does. */
 static void test_cornell(void** state) {
-    check_reference(*state, "cornell_gray", 0.005, 0.01, in_full() ? 1024 : 16);
+    check_reference(*state, "cornell_gray", 0.005, 0.011, in_full() ? 1024 : 16);
 }
 
 int main(void) {
