@@ -38,8 +38,7 @@ static void pass_cell(const march* m, size_t cell, const float rate[3]) {
     const float most = m->flux[cell] * (rate[0] + rate[1] + rate[2]), have = m->source[cell];
     const float share = most > have ? have / most : 1.0f;
     float left = have;
-    m->flux[cell] *= share;
-    if (!(most > 0)) return;
+    m->flux[cell] = most > 0 ? share * m->flux[cell] : 0.0f; /* nothing flows out of the box */
     for (int a = 0; a < 3; ++a) {
         const float passed = m->flux[cell] * rate[a];
         if (!(passed > 0)) continue;
