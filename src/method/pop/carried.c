@@ -4,7 +4,6 @@
 #include "base/context.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Of the flux that light of diffusion's first moment has where it is even, E* (carried.h): limited diffusion lets less
  * through. With all of it narrow media are too bright behind, with 0.6 thick ones everywhere (docs/method/pop.md). */

@@ -82,7 +82,7 @@ static bool is_carried(const ty_single_light* light) {
     return light->kind == TY_SINGLE_BEAM && light->lobes != 0;
 }
 
-/* Adds what turns aside of lamps, and of lights without lobes, as means over merged cells. */
+/* What turns aside of lamps, and of lights without lobes, as means over merged cells. */
 static ty_result turn_aside(ty_pop_job* job) {
     ty_single_light rest[TY_POP_SHARP_MAX];
     int32_t count = 0;
