@@ -4,7 +4,7 @@
 #include "direct/turned.h"
 #include "method/pop/job.h"
 
-/* Adds what turns aside of the ordinates' light. */
+/* Adds what turns aside of the ordinates' light and of sharp beams. */
 static void turn_aside(ty_pop_job* job) {
     const ty_grid_medium* medium = job->medium;
     for (int32_t c = 0; c < 3; ++c) {
@@ -12,6 +12,7 @@ static void turn_aside(ty_pop_job* job) {
         const float* fluence = job->light->merged.fluence[c];
         for (size_t i = 0; i < medium->cells; ++i)
             job->source[c][i] += fluence[i] * ty_turned_coefficient(medium->scattering[plane][i], medium->g[plane][i]);
+        for (size_t i = 0; i < job->carried.cells; ++i) job->source[c][i] += job->carried.of[c][0][i];
     }
 }
 
@@ -47,6 +48,7 @@ ty_result ty_pop_diffuse(ty_pop_job* job) {
     turn_aside(job);
     const ty_result result =
         ty_diffuse_light_solve(&def, true, job->medium, job->source, &job->progress, &job->light->diffuse, &stats);
+    if (result == TY_OK) ty_pop_carried_add(&job->carried, job->light->diffuse);
     job->stats.residuum_seconds = ty_wall_seconds() - begun;
     job->stats.converged = stats.converged;
     for (int c = 0; c < 3; ++c)

@@ -6,6 +6,7 @@
 #include "direct/single.k.h"
 #include "direct/uncollided.h"
 #include "image/options.h"
+#include "method/pop/carried.h"
 #include "method/pop/merge.h"
 #include "scene/scene.h"
 #include "solve/diffuse_light.h"
@@ -40,6 +41,7 @@ typedef struct ty_pop_job {
     ty_grid_medium* fine;   /* cells of sharp lights; NULL where there are none */
     ty_grid_medium* medium; /* merged cells */
     float* source[3];       /* what turns aside on merged cells, W m^-3 */
+    ty_pop_carried carried; /* of sharp beams with lobes; no cells where there are none */
     double entered;         /* published modes: light that came in */
     float importance[TY_POP_IMPORTANCE_WIDTH * TY_POP_IMPORTANCE_HEIGHT];
     ty_pop* light;

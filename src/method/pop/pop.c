@@ -14,6 +14,7 @@ static const double medium_until = 0.15, sharp_until = 0.3, ordinates_until = 0.
 static void end_job(ty_pop_job* job) {
     if (job->medium != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->medium->cells, sizeof(float));
+    ty_pop_carried_destroy(job->context, &job->carried);
     ty_grid_medium_destroy(job->medium);
     ty_grid_medium_destroy(job->fine);
 }

@@ -78,16 +78,36 @@ static ty_result find_extinctions(ty_pop_job* job, float* extinction[TY_SINGLE_F
     return TY_OK;
 }
 
-/* What turns aside, as means over merged cells. */
+static bool is_carried(const ty_single_light* light) {
+    return light->kind == TY_SINGLE_BEAM && light->lobes != 0;
+}
+
+/* What turns aside of lamps, and of lights without lobes, as means over merged cells. */
 static ty_result turn_aside(ty_pop_job* job) {
+    ty_single_light rest[TY_POP_SHARP_MAX];
+    int32_t count = 0;
+    for (int32_t l = 0; l < job->light->light_count; ++l)
+        if (!is_carried(&job->light->lights[l])) rest[count++] = job->light->lights[l];
+    if (count == 0) return TY_OK;
     float* fine = ty_alloc_array(job->context, job->fine->cells, sizeof *fine, false);
     if (fine == NULL) return TY_ERROR_MEMORY;
     for (int32_t c = 0; c < 3; ++c) {
-        ty_turned_find(job->fine, job->light->lights, job->light->light_count, c, true, fine);
+        ty_turned_find(job->fine, rest, count, c, true, fine);
         ty_grid_average(job->context, fine, job->fine->box.size, job->medium->box.size, job->source[c]);
     }
     ty_free_array(job->context, fine, job->fine->cells, sizeof *fine);
     return TY_OK;
+}
+
+/* The same of beams with lobes. */
+static ty_result carry(ty_pop_job* job) {
+    ty_result result = TY_OK;
+    for (int32_t l = 0; l < job->light->light_count && result == TY_OK; ++l) {
+        if (!is_carried(&job->light->lights[l])) continue;
+        if (job->carried.cells == 0) result = ty_pop_carried_create(job->context, job->medium->cells, &job->carried);
+        if (result == TY_OK) result = ty_pop_carry(job->fine, &job->light->lights[l], job->medium, &job->carried);
+    }
+    return result;
 }
 
 ty_result ty_pop_light_sharply(ty_pop_job* job) {
@@ -99,5 +119,6 @@ ty_result ty_pop_light_sharply(ty_pop_job* job) {
     for (int32_t f = 0; f < fluences; ++f)
         for (int32_t p = 0; p < job->fine->planes; ++p)
             ty_free_array(job->context, extinction[f][p], job->fine->cells, sizeof(float));
-    return result == TY_OK ? turn_aside(job) : result;
+    if (result == TY_OK) result = turn_aside(job);
+    return result == TY_OK ? carry(job) : result;
 }
