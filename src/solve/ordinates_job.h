@@ -109,8 +109,13 @@ void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 /* W that walls emit by themselves, and absorb of an irradiance. */
 void ty_ordinates_walls_balance(ty_ordinates_job* job, const float* arrived, double* emitted, double* absorbed);
 
+/* Makes the first iterate, whose moments are there, what iterations start from. */
+void ty_ordinates_start(ty_ordinates_job* job);
 /* What diffusion alone makes of the source, to start from. */
 void ty_ordinates_guess(ty_ordinates_job* job);
+/* The solution on cells twice as large, to start from: nothing where there are few cells, or walls. Errors: as of
+ * ty_ordinates_solve. */
+ty_result ty_ordinates_start_coarse(ty_ordinates_job* job);
 /* Iterates until the def says to end: TY_OK or TY_CANCELLED. The result is the latest iterate. */
 ty_result ty_ordinates_iterate(ty_ordinates_job* job);
 
