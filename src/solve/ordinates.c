@@ -206,7 +206,7 @@ static ty_result begin(ty_ordinates_job* job) {
     job->limited = job->correction != NULL && has_thick_cells(job);
     ty_result result = TY_OK;
     if (def->start != NULL && !job->limited) {
-        ty_ordinates_gather(job, def->start, job->terms, job->terms, job->moments[0]);
+        ty_ordinates_gather(job, def->start, job->terms, job->moments[0]);
         ty_ordinates_start(job);
     } else if (job->correction != NULL) {
         if (!job->limited) result = ty_ordinates_start_coarse(job);
@@ -232,7 +232,7 @@ static ty_result prepare(ty_ordinates_job* job) {
     if (def->walls.count > 0) ty_sweep_set_walls(job->sweep, &job->walls);
     ty_sweep_let_in(job->sweep, def->inflow);
     job->stats->entering = ty_ordinates_entering(def);
-    if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->terms, job->fixed);
+    if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->fixed);
     job->stats->bytes += (double)ty_sweep_bytes(job->sweep);
     if (job->correction != NULL) job->stats->bytes += (double)ty_correction_bytes(job->correction);
     return begin(job);

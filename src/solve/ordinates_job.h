@@ -65,8 +65,8 @@ ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job);
 /* sigma*; and for diffusion, sigma* - s_1 and sigma_a (NULL: not), the former not above limit / s_0. Returns whether
  * coefficients and sources are what they must be. */
 bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption, double limit);
-/* `count` planes, as the caller has them, to terms of cells after one another, zeros behind them, and back. */
-void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t count, int32_t terms, float* cells);
+/* Planes, as the caller has them, to terms of cells after one another, and back. */
+void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t terms, float* cells);
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes);
 /* The job's terms of cells, with zeros behind them. */
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
