@@ -78,8 +78,7 @@ static void fill_order(const ty_sweep_box* box, const tables* t) {
     for (int32_t term = 0, even = 0, odd = box->even; term < box->terms; ++term)
         t->order[is_odd(term) ? odd++ : even++] = term;
     for (int32_t i = 0; i < whole(box->terms, box->lanes); ++i) t->place[i] = -1;
-    for (int32_t i = 0; i < box->terms; ++i)
-        t->place[box->order[i]] = i < box->even ? i : whole(box->even, box->lanes) + i - box->even;
+    for (int32_t i = 0; i < box->terms; ++i) t->place[box->order[i]] = i;
 }
 
 static void fill_direction(const ty_sweep* sweep, const tables* t, const ty_ordinate_set* set, int32_t bands,
@@ -89,9 +88,10 @@ static void fill_direction(const ty_sweep* sweep, const tables* t, const ty_ordi
     const double w[3] = {(double)set->direction[0][d], (double)set->direction[1][d], (double)set->direction[2][d]};
     double y[TERMS_MAX];
     ty_harmonics_at(w, bands, y);
-    for (int32_t term = 0; term < box->terms; ++term) {
-        t->weighted[pair][i * box->padded + box->place[term]] = (float)((double)set->weight[d] * y[term]);
-        t->harmonics[pair][term * lanes + i] = (float)y[box->order[term]];
+    for (int32_t at = 0; at < box->terms; ++at) {
+        const int32_t split = at < box->even ? at : whole(box->even, box->lanes) + at - box->even;
+        t->weighted[pair][i * box->padded + split] = (float)((double)set->weight[d] * y[box->order[at]]);
+        t->harmonics[pair][at * lanes + i] = (float)y[box->order[at]];
     }
 }
 
@@ -224,15 +224,17 @@ static void cross_block(void* user, int64_t index, int32_t worker) {
         block.begin[a] = at[a] * BLOCK_ROWS;
         block.end[a] = end < size ? end : size;
     }
-    int32_t stages[4], way[4][2], first = 0;
+    int32_t stages[4], way[4][2], first = 0, last = 0;
     for (int32_t pair = 0; pair < 4; ++pair) {
         for (int a = 0; a < 2; ++a) way[pair][a] = (pair >> a & 1) != 0 ? blocks[a] - 1 - at[a] : at[a];
         stages[pair] = way[pair][0] + way[pair][1];
         if (stages[pair] < stages[first]) first = pair;
+        if (stages[pair] >= stages[last]) last = pair;
     }
     for (; block.pair < 4; ++block.pair) {
         if (stages[block.pair] != job->stage) continue;
         block.first = block.pair == first;
+        block.last = block.pair == last;
         open_faces(&sweep->box, &block, (const bool[2]){way[block.pair][0] == 0, way[block.pair][1] == 0});
         sweep->kernels->cross(&sweep->box, &block, job->emission, job->moments,
                               sweep->scratch + sweep->scratch_floats * (size_t)worker, &sweep->sums[index]);

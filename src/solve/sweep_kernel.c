@@ -18,7 +18,7 @@ enum { BYTES = 32 };
 #else
 enum { BYTES = 16 };
 #endif
-enum { LANES = BYTES / sizeof(float), TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+enum { LANES = BYTES / sizeof(float) };
 
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
@@ -34,6 +34,10 @@ TY_INLINE lanes load(const float* from) {
 
 TY_INLINE void store(float* to, lanes value) {
     *(lanes*)to = value;
+}
+
+TY_INLINE void store_anywhere(float* to, lanes value) {
+    memcpy(to, &value, sizeof value);
 }
 
 /* A bit for each lane that is below 0. */
@@ -322,34 +326,48 @@ TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, co
         }
 }
 
-/* A cell's sums, each in its place. They may lie where those begin, or before; whole lanes are written. */
-TY_INLINE void order_cell(const ty_sweep_box* box, const float* sum, float* to, const ptrdiff_t bands) {
-    const ptrdiff_t terms = bands * bands, padded = split_terms(bands);
-    lanes split[TERMS_MAX / LANES + 2];
-    for (ptrdiff_t s = 0; s < padded; s += LANES) split[s / LANES] = load(sum + s);
+/* Sums of a row without what fills up lanes, where they are. */
+TY_INLINE void close_up(float* sum, ptrdiff_t cells, const ptrdiff_t bands) {
+    const ptrdiff_t even = even_terms(bands), odd = even_terms(bands - 1);
+    for (ptrdiff_t x = 0; x < cells; ++x) {
+        const float* from = sum + x * split_terms(bands);
+        float* to = sum + x * (even + odd);
+        for (ptrdiff_t t = 0; t < even; t += LANES) store_anywhere(to + t, load(from + t));
+        for (ptrdiff_t t = 0; t < odd; t += LANES) store_anywhere(to + even + t, load(from + pad(even) + t));
+    }
+}
+
+/* A cell's moments, each in its place. */
+TY_INLINE void order_cell(const ty_sweep_box* box, const float* sum, float* moments, const ptrdiff_t terms) {
 #if defined(__AVX512F__)
     for (ptrdiff_t t = 0; t < terms; t += LANES) {
         const __m512i place = _mm512_load_si512(box->place + t), from = _mm512_srai_epi32(place, 4);
         __m512 whole = _mm512_setzero_ps();
-        for (int32_t s = 0; s * LANES < padded; ++s)
+        for (int32_t s = 0; s * LANES < terms; ++s)
             whole = _mm512_mask_permutexvar_ps(whole, _mm512_cmpeq_epi32_mask(from, _mm512_set1_epi32(s)), place,
-                                               (__m512)split[s]);
-        _mm512_storeu_ps(to + t, whole);
+                                               _mm512_loadu_ps(sum + s * LANES));
+        _mm512_mask_storeu_ps(moments + t, (__mmask16)(terms - t < LANES ? (1 << (terms - t)) - 1 : 0xffff), whole);
     }
 #else
-    for (ptrdiff_t t = 0; t < terms; ++t) to[t] = split[box->place[t] / LANES][box->place[t] % LANES];
+    for (ptrdiff_t t = 0; t < terms; ++t) moments[t] = sum[box->place[t]];
 #endif
 }
 
-TY_INLINE void put_moments(const ty_sweep_box* box, float* sum, bool first, float* moments, const ptrdiff_t bands) {
-    const ptrdiff_t terms = bands * bands, items = terms * box->size[0];
-    for (ptrdiff_t x = 0; x < box->size[0]; ++x) order_cell(box, sum + x * split_terms(bands), sum + x * terms, bands);
-    if (first) {
+/* Moments are even terms, then odd ones, until all light has come through. */
+TY_INLINE void put_moments(const ty_sweep_box* box, const ty_sweep_block* block, float* sum, float* moments,
+                           const ptrdiff_t bands) {
+    const ptrdiff_t cells = box->size[0], terms = bands * bands, items = terms * cells;
+    close_up(sum, cells, bands);
+    if (block->first) {
         memcpy(moments, sum, sizeof *moments * (size_t)items);
-        return;
-    }
+    } else if (block->last) {
 #pragma omp simd
-    for (ptrdiff_t i = 0; i < items; ++i) moments[i] += sum[i];
+        for (ptrdiff_t i = 0; i < items; ++i) sum[i] += moments[i];
+        for (ptrdiff_t x = 0; x < cells; ++x) order_cell(box, sum + x * terms, moments + x * terms, terms);
+    } else {
+#pragma omp simd
+        for (ptrdiff_t i = 0; i < items; ++i) moments[i] += sum[i];
+    }
 }
 
 /* ---- rows ---- */
@@ -361,7 +379,7 @@ typedef struct row_work {
     float* moments;
     row_scratch scratch;
     ty_sweep_sums* sums;
-    bool first; /* whether moments are not there yet */
+    const ty_sweep_block* block;
 } row_work;
 
 TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t bands) {
@@ -389,7 +407,7 @@ TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_
         mirror(scratch, (int32_t)nx);
         gather(box, g, octant, scratch, bands);
     }
-    put_moments(box, scratch->sum, work->first, work->moments + row * terms, bands);
+    put_moments(box, work->block, scratch->sum, work->moments + row * terms, bands);
 }
 
 /* A row of as many terms as the usual numbers of bands have: loops over them have no ends to look for, and addresses
@@ -408,7 +426,7 @@ static void cross_any(const row_work* work, int32_t octant, int32_t y, int32_t z
 
 static void cross(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
                   float* scratch, ty_sweep_sums* sums) {
-    const row_work work = {box, emission, moments, lay_out(box, scratch), sums, block->first};
+    const row_work work = {box, emission, moments, lay_out(box, scratch), sums, block};
     const bool down_y = (block->pair & 1) != 0, down_z = (block->pair & 2) != 0;
     const int32_t count_y = block->end[0] - block->begin[0], count_z = block->end[1] - block->begin[1];
     for (int32_t k = 0; k < count_z; ++k)
