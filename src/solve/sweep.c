@@ -10,6 +10,8 @@
 #include <string.h>
 
 enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+/* Of all kernels. */
+enum { LANES_MAX = 16 };
 /* Rows along y and z of a block: what its faces hold stays in a processor's cache. */
 enum { BLOCK_ROWS = 8 };
 
@@ -243,9 +245,13 @@ static void cross_block(void* user, int64_t index, int32_t worker) {
 
 static double sum_faces(const ty_sweep_box* box, const float* faces, const float* through, int32_t rows) {
     double sum = 0;
-    for (int32_t g = 0; g < box->groups; ++g)
+    for (int32_t g = 0; g < box->groups; ++g) {
+        double lanes[LANES_MAX] = {0};
         for (ptrdiff_t i = 0; i < (ptrdiff_t)rows * box->size[0]; ++i, faces += box->lanes)
-            for (int32_t l = 0; l < box->lanes; ++l) sum += (double)(faces[l] * through[g * box->lanes + l]);
+#pragma omp simd
+            for (int32_t l = 0; l < box->lanes; ++l) lanes[l] += (double)faces[l];
+        for (int32_t l = 0; l < box->lanes; ++l) sum += lanes[l] * (double)through[g * box->lanes + l];
+    }
     return sum;
 }
 
