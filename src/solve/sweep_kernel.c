@@ -86,6 +86,22 @@ static row_scratch lay_out(const ty_sweep_box* box, float* scratch) {
     return (row_scratch){.inverse = scratch, .light = {scratch + row, scratch + 2 * row}, .sum = scratch + 3 * row};
 }
 
+/* ---- harmonics ---- */
+
+/* Filled up to whole lanes. */
+TY_INLINE ptrdiff_t pad(ptrdiff_t terms) {
+    return (terms + LANES - 1) / LANES * LANES;
+}
+
+/* Harmonics that mirroring along x leaves as they are, and all, each kind in whole lanes. */
+TY_INLINE ptrdiff_t even_terms(ptrdiff_t bands) {
+    return bands * (bands + 1) / 2;
+}
+
+TY_INLINE ptrdiff_t split_terms(ptrdiff_t bands) {
+    return pad(even_terms(bands)) + pad(even_terms(bands - 1));
+}
+
 /* ---- emission ---- */
 
 typedef struct emission_view {
@@ -95,19 +111,20 @@ typedef struct emission_view {
 } emission_view;
 
 TY_INLINE void emit_cells(const emission_view* view, const float* emission, float* up, float* down, const int count,
-                          const int32_t terms) {
-    const ty_sweep_box* box = view->box;
+                          const int32_t bands) {
+    const int32_t terms = bands * bands, evens = (int32_t)even_terms(bands);
+    const int32_t* order = view->box->order;
     const float* y = view->harmonics;
     lanes even[TY_SWEEP_CELLS] = {{0}}, odd[TY_SWEEP_CELLS] = {{0}};
     int32_t t = 0;
-    for (; t < box->even; ++t, y += view->pitch) {
+    for (; t < evens; ++t, y += view->pitch) {
         const lanes at = load(y);
-        const float* from = emission + box->order[t];
+        const float* from = emission + order[t];
         for (int i = 0; i < count; ++i) even[i] += from[i * terms] * at;
     }
     for (; t < terms; ++t, y += view->pitch) {
         const lanes at = load(y);
-        const float* from = emission + box->order[t];
+        const float* from = emission + order[t];
         for (int i = 0; i < count; ++i) odd[i] += from[i * terms] * at;
     }
     for (int i = 0; i < count; ++i) {
@@ -116,12 +133,12 @@ TY_INLINE void emit_cells(const emission_view* view, const float* emission, floa
     }
 }
 
-TY_INLINE void emit(const emission_view* view, const float* emission, float* up, float* down, const int32_t terms) {
-    const int32_t nx = view->box->size[0];
+TY_INLINE void emit(const emission_view* view, const float* emission, float* up, float* down, const int32_t bands) {
+    const int32_t nx = view->box->size[0], terms = bands * bands;
     int32_t x = 0;
     for (; x + TY_SWEEP_CELLS <= nx; x += TY_SWEEP_CELLS)
-        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, TY_SWEEP_CELLS, terms);
-    for (; x < nx; ++x) emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, 1, terms);
+        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, TY_SWEEP_CELLS, bands);
+    for (; x < nx; ++x) emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, 1, bands);
 }
 
 /* ---- light ---- */
@@ -284,20 +301,6 @@ static row_walls walls_of(const ty_sweep_box* box, int32_t group, int32_t octant
 
 /* ---- moments ---- */
 
-/* Filled up to whole lanes. */
-TY_INLINE ptrdiff_t pad(ptrdiff_t terms) {
-    return (terms + LANES - 1) / LANES * LANES;
-}
-
-/* Harmonics that mirroring along x leaves as they are, and all, each kind in whole lanes. */
-TY_INLINE ptrdiff_t even_terms(ptrdiff_t bands) {
-    return bands * (bands + 1) / 2;
-}
-
-TY_INLINE ptrdiff_t split_terms(ptrdiff_t bands) {
-    return pad(even_terms(bands)) + pad(even_terms(bands - 1));
-}
-
 /* Light up and down becomes its sum, which even moments are made of, and its difference, which odd ones are. */
 TY_INLINE void mirror(const row_scratch* scratch, int32_t cells) {
     for (ptrdiff_t i = 0; i < (ptrdiff_t)cells * LANES; i += LANES) {
@@ -390,7 +393,7 @@ TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_
     const int32_t terms = bands * bands;
     for (int32_t g = 0; g < box->groups; ++g) {
         const emission_view view = {box, box->harmonics[octant / 2] + g * LANES, pitch};
-        emit(&view, work->emission + row * terms, scratch->light[0], scratch->light[1], terms);
+        emit(&view, work->emission + row * terms, scratch->light[0], scratch->light[1], bands);
         stream streams[2];
         for (int o = 0; o < 2; ++o)
             streams[o] = (stream){.along = load(box->inflow[octant + o] + g * LANES),
