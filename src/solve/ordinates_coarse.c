@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "solve/ordinates_job.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Boxes of fewer cells start from diffusion, axes of fewer stay as they are. More bands or sweeps of the coarse box
@@ -16,11 +17,36 @@ typedef struct coarse_box {
     ty_ordinates_job* fine;
     ty_ordinates_def def;
     int32_t times[3]; /* cells along each axis that make one: 1 or 2 */
-    int32_t terms;
     size_t cells;
     float *extinction, *scattering, *g;
     float *source[TERMS], *moments[TERMS];
 } coarse_box;
+
+/* ---- where it pays ---- */
+
+/* Of cells' edges in mean free paths, reduced ones; and of the light's first moments beside the zeroth, rms. */
+static const double THICKEST = 0.5, LEAST_DIRECTED = 0.5;
+
+static bool is_thin(const ty_ordinates_job* job) {
+    const ty_ordinates_def* def = job->def;
+    const double edge = fmax(fmax(def->cell[0], def->cell[1]), def->cell[2]);
+    float most = 0;
+    for (int64_t i = 0; i < job->cells; ++i) most = ty_maxf(most, def->extinction[i] - def->g[i] * def->scattering[i]);
+    return (double)most * edge <= THICKEST;
+}
+
+static bool is_directed(const ty_ordinates_job* job) {
+    double squares[2] = {0, 0};
+    for (int32_t t = 0; t < 4; ++t)
+        for (int64_t i = 0; i < job->cells; ++i)
+            squares[t > 0] += (double)job->def->source[t][i] * (double)job->def->source[t][i];
+    return squares[1] > LEAST_DIRECTED * LEAST_DIRECTED * squares[0];
+}
+
+static bool pays(const ty_ordinates_job* job) {
+    return job->cells >= LEAST_CELLS && job->def->walls.count == 0 && job->def->bands >= BANDS &&
+           job->def->source_terms > 1 && is_thin(job) && is_directed(job);
+}
 
 /* ---- memory ---- */
 
@@ -32,8 +58,8 @@ static void lay_out(coarse_box* coarse, ty_arena* arena) {
     coarse->extinction = take(coarse, arena);
     coarse->scattering = take(coarse, arena);
     coarse->g = take(coarse, arena);
-    for (int32_t t = 0; t < coarse->def.source_terms; ++t) coarse->source[t] = take(coarse, arena);
-    for (int32_t t = 0; t < coarse->terms; ++t) coarse->moments[t] = take(coarse, arena);
+    for (int32_t t = 0; t < TERMS; ++t) coarse->source[t] = take(coarse, arena);
+    for (int32_t t = 0; t < TERMS; ++t) coarse->moments[t] = take(coarse, arena);
     coarse->def.memory = ty_arena_take(arena, ty_ordinates_memory(&coarse->def));
 }
 
@@ -90,8 +116,7 @@ static void mean_plane(void* user, int64_t z, int32_t worker) {
             g[x] = scattering[x] > 0 ? ty_clampf(g[x] / scattering[x], -0.9999f, 0.9999f) : 0;
             scattering[x] = ty_minf(scattering[x], extinction[x]);
         }
-        for (int32_t t = 0; t < coarse->def.source_terms; ++t)
-            mean_row(coarse, def->source[t], NULL, y, plane, coarse->source[t] + at);
+        for (int32_t t = 0; t < TERMS; ++t) mean_row(coarse, def->source[t], NULL, y, plane, coarse->source[t] + at);
     }
 }
 
@@ -148,7 +173,7 @@ static void spread_plane(void* user, int64_t z, int32_t worker) {
         const pair along_y = find_pair(y, times[1], from[1]);
         float* to = fine->moments[0] + items * ((size_t)y + (size_t)size[1] * (size_t)z);
         memset(to, 0, sizeof *to * items);
-        for (int32_t t = 0; t < coarse->terms; ++t) {
+        for (int32_t t = 0; t < TERMS; ++t) {
             mix_rows(coarse, coarse->moments[t], &along_y, &along_z, row);
             spread_row(coarse, row, t, to);
         }
@@ -176,9 +201,8 @@ static bool define(coarse_box* coarse) {
         def->cell[a] *= coarse->times[a];
         coarse->cells *= (size_t)def->size[a];
     }
-    def->bands = def->kept = def->bands < BANDS ? def->bands : BANDS;
-    coarse->terms = def->bands * def->bands;
-    if (def->source_terms > coarse->terms) def->source_terms = coarse->terms;
+    def->bands = def->kept = BANDS;
+    def->source_terms = TERMS;
     def->sweeps = SWEEPS;
     def->progress = def->progress != NULL ? report : NULL;
     def->progress_user = coarse->fine;
@@ -192,7 +216,7 @@ static bool define(coarse_box* coarse) {
 
 ty_result ty_ordinates_start_coarse(ty_ordinates_job* job) {
     coarse_box coarse = {.fine = job};
-    if (job->cells < LEAST_CELLS || job->def->walls.count > 0 || !define(&coarse)) return TY_OK;
+    if (!pays(job) || !define(&coarse)) return TY_OK;
     ty_parallel_flushed(job->context, coarse.def.size[2], mean_plane, &coarse);
     const ty_result result = ty_ordinates_solve(job->context, &coarse.def, coarse.moments, NULL, 0, NULL);
     if (result != TY_OK) return result;
