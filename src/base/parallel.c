@@ -21,11 +21,12 @@ static void* wait_for_loops(void* argument) {
     uint64_t seen = 0;
     pthread_mutex_lock(&team->lock);
     for (;;) {
-        while (!team->ends && (team->calls == seen || self->index > team->members))
+        while (!team->ends && (team->loop == NULL || team->calls == seen || self->index > team->members))
             pthread_cond_wait(&team->called, &team->lock);
         if (team->ends) break;
         seen = team->calls;
         ty_loop* loop = team->loop;
+        ++team->working;
         pthread_mutex_unlock(&team->lock);
         work(loop, self->index);
         pthread_mutex_lock(&team->lock);
@@ -75,15 +76,14 @@ void ty_team_run(ty_team* team, ty_loop* loop) {
     }
     pthread_mutex_lock(&team->lock);
     team->members = start_threads(team, loop->count - 1);
-    team->working = team->members;
     team->loop = loop;
     ++team->calls;
     pthread_cond_broadcast(&team->called);
     pthread_mutex_unlock(&team->lock);
     work(loop, 0);
     pthread_mutex_lock(&team->lock);
+    team->loop = NULL; /* whoever has not woken up by now finds nothing to do, and is not waited for */
     while (team->working > 0) pthread_cond_wait(&team->finished, &team->lock);
-    team->members = 0;
     pthread_mutex_unlock(&team->lock);
     pthread_mutex_unlock(&team->turn);
 }

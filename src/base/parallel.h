@@ -28,10 +28,10 @@ typedef struct ty_team {
     pthread_mutex_t turn; /* held by the loop that has the team */
     pthread_mutex_t lock; /* guards what follows */
     pthread_cond_t called, finished;
-    ty_loop* loop;
+    ty_loop* loop;   /* the current one, as long as it has work to hand out; else NULL */
     uint64_t calls;  /* how many loops there were */
-    int32_t members; /* of the current loop, beside the caller */
-    int32_t working; /* of them, those that have not finished */
+    int32_t members; /* that the current loop has use for, beside the caller */
+    int32_t working; /* of them, those that have begun and not finished */
     int32_t started; /* threads there are */
     int32_t wanted;  /* threads there may be */
     bool ends;

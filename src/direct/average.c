@@ -64,7 +64,13 @@ static void mean_across(const average_job* job, const overlap* y, const overlap*
 /* Adds a block's part to the new cells that it touches; to begins with the first one. */
 static void add_along(const average_job* job, int32_t x, int32_t count, const double sum[BLOCK], float* to) {
     const int32_t from_size = job->from_size[0], to_size = job->to_size[0];
-    for (int32_t i = (int32_t)((int64_t)x * to_size / from_size); i < to_size; ++i) {
+    const int32_t times = from_size % to_size == 0 && x == 0 && count == from_size ? from_size / to_size : 0;
+    for (int32_t i = 0; i < to_size && times > 0; ++i) {
+        double all = 0;
+        for (int32_t n = 0; n < times; ++n) all += sum[times * i + n];
+        to[i] += (float)(all / times);
+    }
+    for (int32_t i = (int32_t)((int64_t)x * to_size / from_size); i < to_size && times == 0; ++i) {
         const overlap o = overlap_of(i, from_size, to_size);
         const int32_t begin = o.begin > x ? o.begin : x, end = o.end < x + count ? o.end : x + count;
         if (begin >= x + count) return;

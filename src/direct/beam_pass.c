@@ -6,6 +6,9 @@
 /* Rows whose cells stay in the cache while beam after beam adds to them. */
 enum { BLOCK_ROWS = 16 };
 
+/* Slabs of fewer cells, times beams, are gone through by one thread: waking others takes longer. */
+enum { CELLS_FOR_THREADS = 1 << 13 };
+
 typedef struct pass_job {
     const ty_beams* of;
     const float* extinction;        /* turned over where u and w change places */
@@ -134,11 +137,21 @@ static void turn_back(void* user, int64_t y, int32_t worker) {
 
 /* ---- all slabs ---- */
 
+static void pass_slab(pass_job* job) {
+    const ty_beam* beam = job->of->beams;
+    const int64_t blocks = (beam->size[1] + BLOCK_ROWS - 1) / BLOCK_ROWS;
+    if ((int64_t)beam->size[0] * beam->size[1] * job->of->count >= CELLS_FOR_THREADS) {
+        ty_parallel_for(beam->context, blocks, pass_block, job);
+        return;
+    }
+    for (int64_t block = 0; block < blocks; ++block) pass_block(job, block, 0);
+}
+
 static ty_result pass_slabs(pass_job* job) {
     const ty_beam* beam = job->of->beams;
     ty_result result = TY_OK;
     for (job->slab = 0; job->slab < beam->size[2] && result == TY_OK; ++job->slab) {
-        ty_parallel_for(beam->context, (beam->size[1] + BLOCK_ROWS - 1) / BLOCK_ROWS, pass_block, job);
+        pass_slab(job);
         if (job->turned != NULL && (job->slab % TY_TURN_SIDE == TY_TURN_SIDE - 1 || job->slab + 1 == beam->size[2]))
             ty_parallel_for(beam->context, beam->size[1], turn_back, job);
         if (job->of->watch != NULL)

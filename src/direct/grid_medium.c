@@ -378,11 +378,33 @@ ty_result ty_grid_medium_resize(const ty_grid_medium* medium, const int32_t size
     return TY_OK;
 }
 
+enum { REDUCED_AT_ONCE = 1 << 10 };
+
+typedef struct reduction {
+    const ty_grid_medium* medium;
+    int32_t order;
+    float* const* planes;
+} reduction;
+
+static void reduce_some(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const reduction* job = user;
+    const ty_grid_medium* medium = job->medium;
+    const size_t begin = (size_t)index * REDUCED_AT_ONCE, left = medium->cells - begin;
+    const size_t count = left < REDUCED_AT_ONCE ? left : REDUCED_AT_ONCE;
+    float forward[REDUCED_AT_ONCE];
+    for (int32_t c = 0; c < medium->planes; ++c) {
+        const float *g = medium->g[c] + begin, *scattering = medium->scattering[c] + begin;
+        const float* extinction = medium->extinction[c] + begin;
+        for (size_t i = 0; i < count; ++i) forward[i] = scattering[i];
+        for (int32_t l = 0; l < job->order; ++l)
+            for (size_t i = 0; i < count; ++i) forward[i] *= g[i];
+        for (size_t i = 0; i < count; ++i) job->planes[c][begin + i] = ty_maxf(0, extinction[i] - forward[i]);
+    }
+}
+
 void ty_grid_medium_reduce(const ty_grid_medium* medium, int32_t order, float* const planes[3]) {
-    for (int32_t c = 0; c < medium->planes; ++c)
-        for (size_t i = 0; i < medium->cells; ++i) {
-            float forward = 1;
-            for (int32_t l = 0; l < order; ++l) forward *= medium->g[c][i];
-            planes[c][i] = ty_maxf(0, medium->extinction[c][i] - forward * medium->scattering[c][i]);
-        }
+    reduction job = {medium, order, planes};
+    ty_parallel_for(medium->context, (int64_t)((medium->cells + REDUCED_AT_ONCE - 1) / REDUCED_AT_ONCE), reduce_some,
+                    &job);
 }

@@ -55,16 +55,10 @@ INLINE float NAME(diffusivity)(const ty_cells* cells, const int32_t limiter, con
 /* Cells of a colour of a row, and their neighbours, side by side, so that vectors are loaded as they lie and the last
  * one may be filled up. Neighbours along x are one more: those below each, and that above the last. */
 typedef struct NAME(sor_block) {
-    REAL here[SOR_BLOCK], x[SOR_BLOCK + 1], y0[SOR_BLOCK], y1[SOR_BLOCK], z0[SOR_BLOCK], z1[SOR_BLOCK];
-    float d[SOR_BLOCK], dx[SOR_BLOCK + 1], dy0[SOR_BLOCK], dy1[SOR_BLOCK], dz0[SOR_BLOCK], dz1[SOR_BLOCK];
+    REAL here[SOR_BLOCK], x[SOR_BLOCK + SOR_LANES], y0[SOR_BLOCK], y1[SOR_BLOCK], z0[SOR_BLOCK], z1[SOR_BLOCK];
+    float d[SOR_BLOCK], dx[SOR_BLOCK + SOR_LANES], dy0[SOR_BLOCK], dy1[SOR_BLOCK], dz0[SOR_BLOCK], dz1[SOR_BLOCK];
     float sigma[SOR_BLOCK], absorption[SOR_BLOCK], source[SOR_BLOCK], value[4][SOR_BLOCK];
 } NAME(sor_block);
-
-/* Not inlined: there are 200 copies of its call, which the compiler would take a minute for. */
-static __attribute__((noinline)) void NAME(every_other)(const REAL* from, int32_t count, REAL* to) {
-#pragma omp simd
-    for (int32_t n = 0; n < count; ++n) to[n] = from[2 * n];
-}
 
 /* Takes cells i, i + 2, ... edge: whether the row touches a boundary along y or z. */
 INLINE void NAME(sor_take)(const ty_cells* cells, const row_view* view, const REAL* phi, const float* diff, int32_t i,

@@ -95,12 +95,22 @@ static const float* correction(ty_ordinates_job* job, bool first) {
     return ty_correction_fluence(job->correction);
 }
 
-void ty_ordinates_guess(ty_ordinates_job* job) {
-    job->latest = 0;
-    ty_ordinates_correct(job, correction(job, true));
+static void begin_with_first(ty_ordinates_job* job) {
     job->shares[0] = 1;
     job->count = 1;
     job->given = true;
+}
+
+void ty_ordinates_start(ty_ordinates_job* job) {
+    job->latest = 0;
+    ty_ordinates_take_low(job);
+    begin_with_first(job);
+}
+
+void ty_ordinates_guess(ty_ordinates_job* job) {
+    job->latest = 0;
+    ty_ordinates_correct(job, correction(job, true));
+    begin_with_first(job);
 }
 
 /* Where the next iterate goes: over a start, or over the one that changed the most. */

@@ -65,8 +65,8 @@ ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job);
 /* sigma*; and for diffusion, sigma* - s_1 and sigma_a (NULL: not), the former not above limit / s_0. Returns whether
  * coefficients and sources are what they must be. */
 bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption, double limit);
-/* `count` planes, as the caller has them, to terms of cells after one another, zeros behind them, and back. */
-void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t count, int32_t terms, float* cells);
+/* Planes, as the caller has them, to terms of cells after one another, and back. */
+void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t terms, float* cells);
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes);
 /* The job's terms of cells, with zeros behind them. */
 void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms, float* to);
@@ -109,8 +109,13 @@ void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 /* W that walls emit by themselves, and absorb of an irradiance. */
 void ty_ordinates_walls_balance(ty_ordinates_job* job, const float* arrived, double* emitted, double* absorbed);
 
+/* Makes the first iterate, whose moments are there, what iterations start from. */
+void ty_ordinates_start(ty_ordinates_job* job);
 /* What diffusion alone makes of the source, to start from. */
 void ty_ordinates_guess(ty_ordinates_job* job);
+/* A solution on cells twice as large, to start from: nothing where it would not save sweeps. Errors: as of
+ * ty_ordinates_solve. */
+ty_result ty_ordinates_start_coarse(ty_ordinates_job* job);
 /* Iterates until the def says to end: TY_OK or TY_CANCELLED. The result is the latest iterate. */
 ty_result ty_ordinates_iterate(ty_ordinates_job* job);
 

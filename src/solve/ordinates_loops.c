@@ -1,14 +1,14 @@
 /* Loops over all cells that sweeps are told from, and corrected with. Sums are made plane by plane, in order. */
+#include "base/isa.h"
 #include "base/kernel.h"
 #include "base/parallel.h"
 #include "solve/ordinates_job.h"
+#include "solve/ordinates_kernel.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-/* What is inlined where the number of bands is known, so that loops over terms have no ends to look for. */
-#define INLINE static inline __attribute__((always_inline))
 #define SQRT_4PI 3.5449077018110318
 
 /* Boxes with fewer cells are worked on by one thread: waking others takes longer. */
@@ -55,12 +55,16 @@ static double power(double base, int32_t exponent) {
     return product;
 }
 
-static bool is_sound(const ty_ordinates_job* job, size_t i) {
-    const ty_ordinates_def* def = job->def;
+static bool is_sound(const ty_ordinates_def* def, size_t i) {
     const float sigma = def->extinction[i], scattering = def->scattering[i], g = def->g[i];
-    bool sound = sigma >= 0 && sigma <= TY_FLOAT_MAX && scattering >= 0 && scattering <= sigma && g > -1 && g < 1;
-    for (int32_t t = 0; t < def->source_terms; ++t) sound = sound && isfinite(def->source[t][i]);
-    return sound;
+    return sigma >= 0 && sigma <= TY_FLOAT_MAX && scattering >= 0 && scattering <= sigma && g > -1 && g < 1;
+}
+
+static bool are_finite(const float* items, size_t count) {
+    int32_t amiss = 0;
+#pragma omp simd reduction(| : amiss)
+    for (size_t i = 0; i < count; ++i) amiss |= fabsf(items[i]) <= TY_FLOAT_MAX ? 0 : 1;
+    return amiss == 0;
 }
 
 static void scale_plane(void* user, int64_t z, int32_t worker) {
@@ -69,9 +73,11 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
     const ty_ordinates_job* job = l->job;
     const ty_ordinates_def* def = job->def;
     const size_t begin = (size_t)z * plane_cells(job);
-    job->sums[z].change = 0;
+    bool sound = true;
+    for (int32_t t = 0; t < def->source_terms; ++t)
+        sound = sound && are_finite(def->source[t] + begin, plane_cells(job));
     for (size_t i = begin; i < begin + plane_cells(job); ++i) {
-        if (!is_sound(job, i)) job->sums[z].change = 1;
+        sound = sound && is_sound(def, i);
         const double g = (double)def->g[i], forward = power(g, def->bands);
         const double sigma = (double)def->extinction[i], scattering = (double)def->scattering[i];
         job->extinction[i] = (float)(sigma - forward * scattering);
@@ -80,6 +86,7 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
                                     l->limit / fmax((1 - forward) * scattering, DBL_MIN));
         l->absorption[i] = (float)(sigma - scattering);
     }
+    job->sums[z].change = sound ? 0 : 1;
 }
 
 bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption, double limit) {
@@ -90,26 +97,39 @@ bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption
 
 /* ---- planes and cells ---- */
 
+/* Row by row: planes lie a power of two apart, so that one cell of each at a time would meet in the same lines of a
+ * cache. */
 static void gather_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
-    const size_t begin = (size_t)z * plane_cells(l->job), terms = (size_t)l->terms;
-    for (size_t i = begin; i < begin + plane_cells(l->job); ++i)
-        for (size_t t = 0; t < terms; ++t) l->to[i * terms + t] = t < (size_t)l->count ? l->planes[t][i] : 0;
+    const size_t begin = (size_t)z * plane_cells(l->job), terms = (size_t)l->terms,
+                 cells = (size_t)l->job->def->size[0];
+    for (size_t row = begin; row < begin + plane_cells(l->job); row += cells) {
+        float* to = l->to + row * terms;
+        for (size_t t = 0; t < terms; ++t) {
+            const float* from = l->planes[t] + row;
+            for (size_t x = 0; x < cells; ++x) to[x * terms + t] = from[x];
+        }
+    }
 }
 
-void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t count, int32_t terms,
-                         float* cells) {
-    loop l = {.job = job, .planes = planes, .count = count, .terms = terms, .to = cells};
+void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t terms, float* cells) {
+    loop l = {.job = job, .planes = planes, .terms = terms, .to = cells};
     ty_ordinates_planes(job, gather_plane, &l);
 }
 
 static void scatter_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
-    const size_t begin = (size_t)z * plane_cells(l->job), terms = (size_t)l->terms;
-    for (size_t t = 0; t < terms; ++t)
-        for (size_t i = begin; i < begin + plane_cells(l->job); ++i) l->places[t][i] = l->from[i * terms + t];
+    const size_t begin = (size_t)z * plane_cells(l->job), terms = (size_t)l->terms,
+                 cells = (size_t)l->job->def->size[0];
+    for (size_t row = begin; row < begin + plane_cells(l->job); row += cells) {
+        const float* from = l->from + row * terms;
+        for (size_t t = 0; t < terms; ++t) {
+            float* to = l->places[t] + row;
+            for (size_t x = 0; x < cells; ++x) to[x] = from[x * terms + t];
+        }
+    }
 }
 
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes) {
@@ -134,91 +154,42 @@ void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms,
 
 /* ---- emission ---- */
 
-/* Iterates that the mixture has a share of. */
-typedef struct mixture {
-    const float *moments[TY_ORDINATES_DEPTH], *low[TY_ORDINATES_DEPTH];
-    float shares[TY_ORDINATES_DEPTH];
-    int32_t count;
-} mixture;
-
-static mixture mixture_of(const ty_ordinates_job* job) {
-    mixture m = {0};
+static ty_ordinates_mixture mixture_of(const ty_ordinates_job* job) {
+    ty_ordinates_mixture m = {.cells = job->def->size[0], .bands = job->def->bands};
     for (int32_t i = 0; i < job->count; ++i) {
         if (job->shares[i] == 0) continue;
         m.moments[m.count] = job->moments[i];
         m.low[m.count] = job->low[i];
         m.shares[m.count++] = (float)job->shares[i];
     }
+    m.scattering = job->def->scattering;
+    m.g = job->def->g;
+    m.source = job->def->source[0];
+    m.fixed = job->fixed;
+    m.before = job->before;
+    m.emission = job->emission;
     return m;
 }
 
-/* Low terms of a row, of which it has `count`. */
-static void mix_low(const mixture* m, size_t begin, size_t count, float* mixed) {
-    memset(mixed, 0, sizeof(float) * count);
-    for (int32_t k = 0; k < m->count; ++k) {
-        const float share = m->shares[k], *low = m->low[k] + begin;
-#pragma omp simd
-        for (size_t i = 0; i < count; ++i) mixed[i] += share * low[i];
-    }
-}
-
-INLINE void mix_cell(const mixture* m, size_t i, const size_t lows, const size_t terms, float* mixed) {
-    for (size_t t = lows; t < terms; ++t) mixed[t] = 0;
-    for (int32_t k = 0; k < m->count; ++k) {
-        const float share = m->shares[k], *moments = m->moments[k] + i * terms;
-        for (size_t t = lows; t < terms; ++t) mixed[t] += share * moments[t];
-    }
-}
-
-/* Of a row from cell `begin` on; returns the sum of what leaves in all directions alike. */
-INLINE double emit_row(const ty_ordinates_job* job, const mixture* m, size_t begin, const int32_t bands) {
-    const ty_ordinates_def* def = job->def;
-    const size_t cells = (size_t)def->size[0], terms = (size_t)(bands * bands), lows = bands > 1 ? 4 : 1;
-    float* low = job->before + begin * lows;
-    double sum = 0;
-    mix_low(m, begin * lows, cells * lows, low);
-    for (size_t x = 0; x < cells; ++x) {
-        const size_t i = begin + x;
-        float mixed[TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX], *emission = job->emission + i * terms;
-        mix_cell(m, i, lows, terms, mixed);
-        for (size_t t = 0; t < lows; ++t) mixed[t] = low[t * cells + x];
-        const float scattering = def->scattering[i], g = def->g[i];
-        float forward = 1, power_of_g = 1;
-        for (int32_t l = 0; l < bands; ++l) forward *= g;
-        for (int32_t l = 0; l < bands; ++l) {
-            const float s = scattering * (power_of_g - forward);
-            for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) emission[t] = s * mixed[t];
-            power_of_g *= g;
-        }
-        if (job->fixed == NULL)
-            emission[0] += def->source[0][i];
-        else
-            for (size_t t = 0; t < terms; ++t) emission[t] += job->fixed[i * terms + t];
-        sum += (double)emission[0];
-    }
-    return sum;
-}
-
-static double emit_any(const ty_ordinates_job* job, const mixture* m, size_t begin) {
-    switch (job->def->bands) {
-    case 1: return emit_row(job, m, begin, 1);
-    case 2: return emit_row(job, m, begin, 2);
-    case 3: return emit_row(job, m, begin, 3);
-    case 4: return emit_row(job, m, begin, 4);
-    case 5: return emit_row(job, m, begin, 5);
-    case 6: return emit_row(job, m, begin, 6);
-    default: return emit_row(job, m, begin, job->def->bands);
-    }
+static const ty_ordinates_kernels* best_kernels(void) {
+#if TY_ISA_X86
+    static const ty_ordinates_kernels* const kernels[TY_ISA_COUNT] = {
+        &ty_ordinates_kernels_v1, &ty_ordinates_kernels_v3, &ty_ordinates_kernels_v4};
+    return kernels[ty_best_isa()];
+#else
+    return &ty_ordinates_kernels_v1;
+#endif
 }
 
 static void emit_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const mixture m = mixture_of(job);
+    const ty_ordinates_kernels* kernels = best_kernels();
+    const ty_ordinates_mixture m = mixture_of(job);
     const size_t begin = (size_t)z * plane_cells(job), cells = (size_t)job->def->size[0];
     double sum = 0;
-    for (size_t i = begin; i < begin + plane_cells(job); i += cells) sum += emit_any(job, &m, i);
+    for (size_t i = begin; i < begin + plane_cells(job); i += cells) sum += kernels->emit(&m, i);
     job->sums[z] = (ty_ordinates_sums){.emitted = sum};
 }
 

@@ -10,6 +10,8 @@
 #include <string.h>
 
 enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+/* Of all kernels. */
+enum { LANES_MAX = 16 };
 /* Rows along y and z of a block: what its faces hold stays in a processor's cache. */
 enum { BLOCK_ROWS = 8 };
 
@@ -35,8 +37,8 @@ static int32_t whole(int32_t count, int32_t of) {
 
 /* Arrays of the box, which is const to the kernels. */
 typedef struct tables {
-    int32_t* order;
-    float *twice[3], *through[3], *harmonics[4], *weighted[8];
+    int32_t *order, *place;
+    float *twice[3], *through[3], *harmonics[4], *weighted[4];
 } tables;
 
 static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
@@ -49,10 +51,12 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
         box->twice[a] = t.twice[a] = ty_arena_take(arena, sizeof(float) * lanes);
         box->through[a] = t.through[a] = ty_arena_take(arena, sizeof(float) * lanes);
     }
-    for (int i = 0; i < 4; ++i)
+    box->place = t.place = ty_arena_take(arena, sizeof(int32_t) * (size_t)whole(box->terms, box->lanes));
+    for (int i = 0; i < 4; ++i) {
         box->harmonics[i] = t.harmonics[i] = ty_arena_take(arena, sizeof(float) * (size_t)box->terms * lanes);
+        box->weighted[i] = t.weighted[i] = ty_arena_take(arena, sizeof(float) * padded * lanes);
+    }
     for (int o = 0; o < 8; ++o) {
-        box->weighted[o] = t.weighted[o] = ty_arena_take(arena, sizeof(float) * padded * lanes);
         box->inflow[o] = sweep->inflow[o] = ty_arena_take(arena, sizeof(float) * lanes);
         box->faces_y[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[2] * lanes);
         box->faces_z[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[1] * lanes);
@@ -72,30 +76,30 @@ static bool is_odd(int32_t term) {
     return m >= 0 ? (m & 1) != 0 : (m & 1) == 0;
 }
 
-static void fill_order(ty_sweep_box* box, int32_t* order) {
-    for (int odd = 0, at = 0; odd < 2; ++odd) {
-        for (int32_t t = 0; t < box->terms; ++t)
-            if (is_odd(t) == (odd == 1)) order[at++] = t;
-        if (odd == 0) box->even = at;
-    }
+static void fill_order(const ty_sweep_box* box, const tables* t) {
+    for (int32_t term = 0, even = 0, odd = box->even; term < box->terms; ++term)
+        t->order[is_odd(term) ? odd++ : even++] = term;
+    for (int32_t i = 0; i < whole(box->terms, box->lanes); ++i) t->place[i] = -1;
+    for (int32_t i = 0; i < box->terms; ++i) t->place[box->order[i]] = i;
 }
 
 static void fill_direction(const ty_sweep* sweep, const tables* t, const ty_ordinate_set* set, int32_t bands,
-                           int32_t octant, int32_t i) {
+                           int32_t pair, int32_t i) {
     const ty_sweep_box* box = &sweep->box;
-    const int32_t lanes = box->groups * box->lanes, d = set->first[octant] + i;
+    const int32_t lanes = box->groups * box->lanes, d = set->first[2 * pair] + i;
     const double w[3] = {(double)set->direction[0][d], (double)set->direction[1][d], (double)set->direction[2][d]};
     double y[TERMS_MAX];
     ty_harmonics_at(w, bands, y);
-    for (int32_t term = 0; term < box->terms; ++term) {
-        t->weighted[octant][i * box->padded + term] = (float)((double)set->weight[d] * y[term]);
-        if ((octant & 1) == 0) t->harmonics[octant / 2][term * lanes + i] = (float)y[box->order[term]];
+    for (int32_t at = 0; at < box->terms; ++at) {
+        const int32_t split = at < box->even ? at : whole(box->even, box->lanes) + at - box->even;
+        t->weighted[pair][i * box->padded + split] = (float)((double)set->weight[d] * y[box->order[at]]);
+        t->harmonics[pair][at * lanes + i] = (float)y[box->order[at]];
     }
 }
 
 static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const ty_ordinate_set* set, int32_t bands) {
     ty_sweep_box* box = &sweep->box;
-    fill_order(box, t->order);
+    fill_order(box, t);
     for (int32_t i = 0; i < box->groups * box->lanes; ++i)
         for (int a = 0; a < 3; ++a) {
             const bool is = i < box->directions;
@@ -104,8 +108,8 @@ static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const t
             const double volume = cell[0] * cell[1] * cell[2];
             t->through[a][i] = is ? (float)(0.5 * (double)t->twice[a][i] * volume * (double)set->weight[i]) : 0;
         }
-    for (int32_t o = 0; o < 8; ++o)
-        for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, o, i);
+    for (int32_t pair = 0; pair < 4; ++pair)
+        for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, pair, i);
 }
 
 ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kernels, const int32_t size[3],
@@ -121,8 +125,9 @@ ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kern
                                 .groups = whole(set->first[1], kernels->lanes) / kernels->lanes,
                                 .directions = set->first[1],
                                 .terms = bands * bands,
-                                .padded = whole(bands * bands, kernels->lanes),
+                                .even = bands * (bands + 1) / 2,
                                 .extinction = extinction};
+    sweep->box.padded = whole(sweep->box.even, kernels->lanes) + whole(bands * (bands - 1) / 2, kernels->lanes);
     for (int a = 0; a < 2; ++a) sweep->blocks[a] = whole(size[a + 1], BLOCK_ROWS) / BLOCK_ROWS;
     sweep->scratch_floats = kernels->scratch(&sweep->box);
     ty_arena arena = {0};
@@ -221,29 +226,32 @@ static void cross_block(void* user, int64_t index, int32_t worker) {
         block.begin[a] = at[a] * BLOCK_ROWS;
         block.end[a] = end < size ? end : size;
     }
+    int32_t stages[4], way[4][2], first = 0, last = 0;
+    for (int32_t pair = 0; pair < 4; ++pair) {
+        for (int a = 0; a < 2; ++a) way[pair][a] = (pair >> a & 1) != 0 ? blocks[a] - 1 - at[a] : at[a];
+        stages[pair] = way[pair][0] + way[pair][1];
+        if (stages[pair] < stages[first]) first = pair;
+        if (stages[pair] >= stages[last]) last = pair;
+    }
     for (; block.pair < 4; ++block.pair) {
-        int32_t way[2];
-        for (int a = 0; a < 2; ++a) way[a] = (block.pair >> a & 1) != 0 ? blocks[a] - 1 - at[a] : at[a];
-        if (way[0] + way[1] != job->stage) continue;
-        open_faces(&sweep->box, &block, (const bool[2]){way[0] == 0, way[1] == 0});
+        if (stages[block.pair] != job->stage) continue;
+        block.first = block.pair == first;
+        block.last = block.pair == last;
+        open_faces(&sweep->box, &block, (const bool[2]){way[block.pair][0] == 0, way[block.pair][1] == 0});
         sweep->kernels->cross(&sweep->box, &block, job->emission, job->moments,
                               sweep->scratch + sweep->scratch_floats * (size_t)worker, &sweep->sums[index]);
     }
 }
 
-static void clear_plane(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const sweep_job* job = user;
-    const ty_sweep_box* box = &job->sweep->box;
-    const size_t plane = (size_t)box->size[0] * (size_t)box->size[1] * (size_t)box->terms;
-    memset(job->moments + plane * (size_t)index, 0, sizeof(float) * plane);
-}
-
 static double sum_faces(const ty_sweep_box* box, const float* faces, const float* through, int32_t rows) {
     double sum = 0;
-    for (int32_t g = 0; g < box->groups; ++g)
+    for (int32_t g = 0; g < box->groups; ++g) {
+        double lanes[LANES_MAX] = {0};
         for (ptrdiff_t i = 0; i < (ptrdiff_t)rows * box->size[0]; ++i, faces += box->lanes)
-            for (int32_t l = 0; l < box->lanes; ++l) sum += (double)(faces[l] * through[g * box->lanes + l]);
+#pragma omp simd
+            for (int32_t l = 0; l < box->lanes; ++l) lanes[l] += (double)faces[l];
+        for (int32_t l = 0; l < box->lanes; ++l) sum += lanes[l] * (double)through[g * box->lanes + l];
+    }
     return sum;
 }
 
@@ -261,7 +269,6 @@ ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, d
     memset(sweep->sums, 0, sizeof *sweep->sums * (size_t)blocks);
     if (walls != NULL) memset(walls->arrived, 0, sizeof(float) * (size_t)walls->count);
     sweep_job job = {.sweep = sweep, .emission = emission, .moments = moments};
-    ty_parallel_for(sweep->context, sweep->box.size[2], clear_plane, &job);
     for (; job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)
         ty_parallel_flushed(sweep->context, blocks, cross_block, &job);
     ty_sweep_sums all = {0};

@@ -5,6 +5,8 @@
 
 #include "base/kernel.h"
 
+#include <string.h>
+
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -32,6 +34,10 @@ TY_INLINE lanes load(const float* from) {
 
 TY_INLINE void store(float* to, lanes value) {
     *(lanes*)to = value;
+}
+
+TY_INLINE void store_anywhere(float* to, lanes value) {
+    memcpy(to, &value, sizeof value);
 }
 
 /* A bit for each lane that is below 0. */
@@ -80,6 +86,22 @@ static row_scratch lay_out(const ty_sweep_box* box, float* scratch) {
     return (row_scratch){.inverse = scratch, .light = {scratch + row, scratch + 2 * row}, .sum = scratch + 3 * row};
 }
 
+/* ---- harmonics ---- */
+
+/* Filled up to whole lanes. */
+TY_INLINE ptrdiff_t pad(ptrdiff_t terms) {
+    return (terms + LANES - 1) / LANES * LANES;
+}
+
+/* Harmonics that mirroring along x leaves as they are, and all, each kind in whole lanes. */
+TY_INLINE ptrdiff_t even_terms(ptrdiff_t bands) {
+    return bands * (bands + 1) / 2;
+}
+
+TY_INLINE ptrdiff_t split_terms(ptrdiff_t bands) {
+    return pad(even_terms(bands)) + pad(even_terms(bands - 1));
+}
+
 /* ---- emission ---- */
 
 typedef struct emission_view {
@@ -89,19 +111,20 @@ typedef struct emission_view {
 } emission_view;
 
 TY_INLINE void emit_cells(const emission_view* view, const float* emission, float* up, float* down, const int count,
-                          const int32_t terms) {
-    const ty_sweep_box* box = view->box;
+                          const int32_t bands) {
+    const int32_t terms = bands * bands, evens = (int32_t)even_terms(bands);
+    const int32_t* order = view->box->order;
     const float* y = view->harmonics;
     lanes even[TY_SWEEP_CELLS] = {{0}}, odd[TY_SWEEP_CELLS] = {{0}};
     int32_t t = 0;
-    for (; t < box->even; ++t, y += view->pitch) {
+    for (; t < evens; ++t, y += view->pitch) {
         const lanes at = load(y);
-        const float* from = emission + box->order[t];
+        const float* from = emission + order[t];
         for (int i = 0; i < count; ++i) even[i] += from[i * terms] * at;
     }
     for (; t < terms; ++t, y += view->pitch) {
         const lanes at = load(y);
-        const float* from = emission + box->order[t];
+        const float* from = emission + order[t];
         for (int i = 0; i < count; ++i) odd[i] += from[i * terms] * at;
     }
     for (int i = 0; i < count; ++i) {
@@ -110,12 +133,12 @@ TY_INLINE void emit_cells(const emission_view* view, const float* emission, floa
     }
 }
 
-TY_INLINE void emit(const emission_view* view, const float* emission, float* up, float* down, const int32_t terms) {
-    const int32_t nx = view->box->size[0];
+TY_INLINE void emit(const emission_view* view, const float* emission, float* up, float* down, const int32_t bands) {
+    const int32_t nx = view->box->size[0], terms = bands * bands;
     int32_t x = 0;
     for (; x + TY_SWEEP_CELLS <= nx; x += TY_SWEEP_CELLS)
-        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, TY_SWEEP_CELLS, terms);
-    for (; x < nx; ++x) emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, 1, terms);
+        emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, TY_SWEEP_CELLS, bands);
+    for (; x < nx; ++x) emit_cells(view, emission + (ptrdiff_t)x * terms, up + x * LANES, down + x * LANES, 1, bands);
 }
 
 /* ---- light ---- */
@@ -278,39 +301,76 @@ static row_walls walls_of(const ty_sweep_box* box, int32_t group, int32_t octant
 
 /* ---- moments ---- */
 
-TY_INLINE void gather_octant(const float* light, const float* weighted, ptrdiff_t padded, int32_t directions,
-                             lanes sum[TY_SWEEP_CELLS]) {
-    for (int32_t d = 0; d < directions; ++d) {
-        const lanes w = load(weighted + d * padded);
-        for (int i = 0; i < TY_SWEEP_CELLS; ++i) sum[i] += light[i * LANES + d] * w;
+/* Light up and down becomes its sum, which even moments are made of, and its difference, which odd ones are. */
+TY_INLINE void mirror(const row_scratch* scratch, int32_t cells) {
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)cells * LANES; i += LANES) {
+        const lanes up = load(scratch->light[0] + i), down = load(scratch->light[1] + i);
+        store(scratch->light[0] + i, up + down);
+        store(scratch->light[1] + i, up - down);
     }
 }
 
-/* Terms filled up to whole lanes. */
-TY_INLINE ptrdiff_t pad(ptrdiff_t terms) {
-    return (terms + LANES - 1) / LANES * LANES;
-}
-
 TY_INLINE void gather(const ty_sweep_box* box, int32_t group, int32_t octant, const row_scratch* scratch,
-                      const ptrdiff_t terms) {
+                      const ptrdiff_t bands) {
     const int32_t first = group * LANES, left = box->directions - first, directions = left < LANES ? left : LANES;
-    const ptrdiff_t padded = pad(terms);
+    const ptrdiff_t padded = split_terms(bands), odd = pad(even_terms(bands));
+    const float* weighted = box->weighted[octant / 2] + first * padded;
     for (ptrdiff_t x = 0; x < box->size[0]; x += TY_SWEEP_CELLS)
         for (ptrdiff_t t = 0; t < padded; t += LANES) {
+            const float* light = scratch->light[t < odd ? 0 : 1] + x * LANES;
             float* to = scratch->sum + x * padded + t;
             lanes sum[TY_SWEEP_CELLS] = {{0}};
             for (int i = 0; i < TY_SWEEP_CELLS && group > 0; ++i) sum[i] = load(to + i * padded);
-            for (int o = 0; o < 2; ++o)
-                gather_octant(scratch->light[o] + x * LANES, box->weighted[octant + o] + first * padded + t, padded,
-                              directions, sum);
+            for (int32_t d = 0; d < directions; ++d) {
+                const lanes w = load(weighted + d * padded + t);
+                for (int i = 0; i < TY_SWEEP_CELLS; ++i) sum[i] += light[i * LANES + d] * w;
+            }
             for (int i = 0; i < TY_SWEEP_CELLS; ++i) store(to + i * padded, sum[i]);
         }
 }
 
-TY_INLINE void add_moments(const ty_sweep_box* box, const float* sum, float* moments, const ptrdiff_t terms) {
-    for (ptrdiff_t x = 0; x < box->size[0]; ++x)
+/* Sums of a row without what fills up lanes, where they are. */
+TY_INLINE void close_up(float* sum, ptrdiff_t cells, const ptrdiff_t bands) {
+    const ptrdiff_t even = even_terms(bands), odd = even_terms(bands - 1);
+    for (ptrdiff_t x = 0; x < cells; ++x) {
+        const float* from = sum + x * split_terms(bands);
+        float* to = sum + x * (even + odd);
+        for (ptrdiff_t t = 0; t < even; t += LANES) store_anywhere(to + t, load(from + t));
+        for (ptrdiff_t t = 0; t < odd; t += LANES) store_anywhere(to + even + t, load(from + pad(even) + t));
+    }
+}
+
+/* A cell's moments, each in its place. */
+TY_INLINE void order_cell(const ty_sweep_box* box, const float* sum, float* moments, const ptrdiff_t terms) {
+#if defined(__AVX512F__)
+    for (ptrdiff_t t = 0; t < terms; t += LANES) {
+        const __m512i place = _mm512_load_si512(box->place + t), from = _mm512_srai_epi32(place, 4);
+        __m512 whole = _mm512_setzero_ps();
+        for (int32_t s = 0; s * LANES < terms; ++s)
+            whole = _mm512_mask_permutexvar_ps(whole, _mm512_cmpeq_epi32_mask(from, _mm512_set1_epi32(s)), place,
+                                               _mm512_loadu_ps(sum + s * LANES));
+        _mm512_mask_storeu_ps(moments + t, (__mmask16)(terms - t < LANES ? (1 << (terms - t)) - 1 : 0xffff), whole);
+    }
+#else
+    for (ptrdiff_t t = 0; t < terms; ++t) moments[t] = sum[box->place[t]];
+#endif
+}
+
+/* Moments are even terms, then odd ones, until all light has come through. */
+TY_INLINE void put_moments(const ty_sweep_box* box, const ty_sweep_block* block, float* sum, float* moments,
+                           const ptrdiff_t bands) {
+    const ptrdiff_t cells = box->size[0], terms = bands * bands, items = terms * cells;
+    close_up(sum, cells, bands);
+    if (block->first) {
+        memcpy(moments, sum, sizeof *moments * (size_t)items);
+    } else if (block->last) {
 #pragma omp simd
-        for (ptrdiff_t t = 0; t < terms; ++t) moments[x * terms + t] += sum[x * pad(terms) + t];
+        for (ptrdiff_t i = 0; i < items; ++i) sum[i] += moments[i];
+        for (ptrdiff_t x = 0; x < cells; ++x) order_cell(box, sum + x * terms, moments + x * terms, terms);
+    } else {
+#pragma omp simd
+        for (ptrdiff_t i = 0; i < items; ++i) moments[i] += sum[i];
+    }
 }
 
 /* ---- rows ---- */
@@ -322,16 +382,18 @@ typedef struct row_work {
     float* moments;
     row_scratch scratch;
     ty_sweep_sums* sums;
+    const ty_sweep_block* block;
 } row_work;
 
-TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t terms) {
+TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_t z, const int32_t bands) {
     const ty_sweep_box* box = work->box;
     const row_scratch* scratch = &work->scratch;
     const ptrdiff_t nx = box->size[0], ny = box->size[1], nz = box->size[2], row = (z * ny + y) * nx;
     const ptrdiff_t pitch = (ptrdiff_t)box->groups * LANES;
+    const int32_t terms = bands * bands;
     for (int32_t g = 0; g < box->groups; ++g) {
         const emission_view view = {box, box->harmonics[octant / 2] + g * LANES, pitch};
-        emit(&view, work->emission + row * terms, scratch->light[0], scratch->light[1], terms);
+        emit(&view, work->emission + row * terms, scratch->light[0], scratch->light[1], bands);
         stream streams[2];
         for (int o = 0; o < 2; ++o)
             streams[o] = (stream){.along = load(box->inflow[octant + o] + g * LANES),
@@ -345,9 +407,10 @@ TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_
             advance(box, g, box->extinction + row, scratch, 0, (int32_t)nx, streams, work->sums);
             add_leaving(box, g, streams[0].along + streams[1].along, work->sums);
         }
-        gather(box, g, octant, scratch, terms);
+        mirror(scratch, (int32_t)nx);
+        gather(box, g, octant, scratch, bands);
     }
-    add_moments(box, scratch->sum, work->moments + row * terms, terms);
+    put_moments(box, work->block, scratch->sum, work->moments + row * terms, bands);
 }
 
 /* A row of as many terms as the usual numbers of bands have: loops over them have no ends to look for, and addresses
@@ -355,18 +418,18 @@ TY_INLINE void cross_row(const row_work* work, int32_t octant, int32_t y, int32_
 static void cross_any(const row_work* work, int32_t octant, int32_t y, int32_t z) {
     switch (work->box->terms) {
     case 1: cross_row(work, octant, y, z, 1); return;
-    case 4: cross_row(work, octant, y, z, 4); return;
-    case 9: cross_row(work, octant, y, z, 9); return;
-    case 16: cross_row(work, octant, y, z, 16); return;
-    case 25: cross_row(work, octant, y, z, 25); return;
-    case 36: cross_row(work, octant, y, z, 36); return;
-    default: cross_row(work, octant, y, z, work->box->terms);
+    case 4: cross_row(work, octant, y, z, 2); return;
+    case 9: cross_row(work, octant, y, z, 3); return;
+    case 16: cross_row(work, octant, y, z, 4); return;
+    case 25: cross_row(work, octant, y, z, 5); return;
+    case 36: cross_row(work, octant, y, z, 6); return;
+    default: cross_row(work, octant, y, z, 2 * work->box->even - work->box->terms);
     }
 }
 
 static void cross(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
                   float* scratch, ty_sweep_sums* sums) {
-    const row_work work = {box, emission, moments, lay_out(box, scratch), sums};
+    const row_work work = {box, emission, moments, lay_out(box, scratch), sums, block};
     const bool down_y = (block->pair & 1) != 0, down_z = (block->pair & 2) != 0;
     const int32_t count_y = block->end[0] - block->begin[0], count_z = block->end[1] - block->begin[1];
     for (int32_t k = 0; k < count_z; ++k)

@@ -13,15 +13,17 @@ enum { TY_SWEEP_CELLS = 8 };
 typedef struct ty_sweep_box {
     int32_t size[3];
     int32_t lanes, groups, directions; /* directions: of an octant */
-    int32_t terms, padded;             /* harmonics; filled up to whole lanes */
+    int32_t terms;                     /* harmonics */
     int32_t even;                      /* of them, those that mirroring along x leaves as they are */
-    const int32_t* order;              /* the terms, these first */
+    int32_t padded;                    /* these, and the others, each filled up to whole lanes */
+    const int32_t* order;              /* the terms, even ones first */
+    const int32_t* place;              /* of each term in that order; filled up to whole lanes with -1 */
     const float* extinction;
     const float* twice[3];     /* 2 |cosine| / edge, 1/m, one for each direction */
     const float* through[3];   /* of faces along each axis: W for each unit of radiance */
     const float* harmonics[4]; /* of octant 2 i: terms in `order`, of each all directions */
     const float* inflow[8];    /* radiance of an octant's each direction that comes in through the box's faces */
-    const float* weighted[8];  /* of an octant's each direction, `padded` harmonics times its weight */
+    const float* weighted[4];  /* of octant 2 i, each direction: `padded` harmonics in `order` times its weight */
     /* Radiance that goes into the next cells along y and z: of each group planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
     const ty_sweep_walls* walls; /* NULL: there are none */
@@ -31,6 +33,7 @@ typedef struct ty_sweep_box {
 typedef struct ty_sweep_block {
     int32_t pair;
     int32_t begin[2], end[2]; /* y, z */
+    bool first, last;         /* of the pairs that go through */
 } ty_sweep_block;
 
 typedef struct ty_sweep_sums {
@@ -42,7 +45,7 @@ typedef struct ty_sweep_kernels {
     int32_t lanes;
     /* Floats of scratch memory, which starts as zeros and belongs to one thread at a time. */
     size_t (*scratch)(const ty_sweep_box* box);
-    /* Adds to moments and sums. */
+    /* Adds to sums, and to moments, which the first pair puts there; their terms are in `order` until the last did. */
     void (*cross)(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
                   float* scratch, ty_sweep_sums* sums);
 } ty_sweep_kernels;

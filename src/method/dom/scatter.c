@@ -182,9 +182,10 @@ static ty_result choose_channels(scattering* all) {
     ty_dom_job* job = all->job;
     ty_dom* light = job->light;
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        light->moments[c] = ty_alloc_array(job->context, light->cells, term_count(light->kept) * sizeof(float), true);
+        const bool dark = is_dark(job, c);
+        light->moments[c] = ty_alloc_array(job->context, light->cells, term_count(light->kept) * sizeof(float), dark);
         if (light->moments[c] == NULL) return TY_ERROR_MEMORY;
-        if (!is_dark(job, c)) all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
+        if (!dark) all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
     }
     return TY_OK;
 }

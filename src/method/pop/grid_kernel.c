@@ -243,21 +243,41 @@ static void find_lobes(const ty_pop_slab* slab, int32_t plane, const ty_pop_look
     }
 }
 
-static void scatter_plane(const ty_pop_slab* slab, int32_t plane, const lobes* l, ty_pop_look* look) {
+/* Whether any column is seen from under the disc's tent. */
+static bool is_near(const ty_pop_slab* slab, const ty_pop_look* look) {
+    const float *mu = look->mu, width = look->width;
+    float most = 0.0f;
+#pragma omp simd reduction(max : most)
+    for (int32_t i = 0; i < slab->columns->count; ++i) {
+        const float share = ty_pop_disc_share(fabsf(mu[i]), width); /* of either side: g may be of either sign */
+        most = most > share ? most : share;
+    }
+    return most > 0.0f;
+}
+
+static void scatter_plane(const ty_pop_slab* slab, int32_t plane, const lobes* l, bool near, ty_pop_look* look) {
     const float *u = look->mean[plane][0], *r = look->mean[plane][1], *s = look->mean[plane][2], *g = slab->g[plane];
     const float *lobe = l->lobe, *mean = l->mean, *mu = look->mu, width = look->width, cosine = look->cosine;
     float* radiance = look->radiance[plane];
+    if (near) {
+#pragma omp simd
+        for (int32_t i = 0; i < slab->columns->count; ++i)
+            radiance[i] = u[i] * ty_pop_disc_once(mu[i], g[i], width, lobe[i], mean[i]) +
+                          ty_pop_disc_forward(mu[i], u[i], r[i], s[i], g[i], cosine, width, lobe[i]);
+        return;
+    }
 #pragma omp simd
     for (int32_t i = 0; i < slab->columns->count; ++i)
-        radiance[i] = u[i] * ty_pop_disc_once(mu[i], g[i], width, lobe[i], mean[i]) +
-                      ty_pop_disc_forward(mu[i], u[i], r[i], s[i], g[i], cosine, width, lobe[i]);
+        radiance[i] = u[i] * ty_pop_disc_once_far(mu[i], g[i], lobe[i]) +
+                      ty_pop_disc_forward_far(mu[i], u[i], r[i], s[i], g[i], cosine, width, lobe[i]);
 }
 
 static void scatter(const ty_pop_slab* slab, ty_pop_look* look) {
+    const bool near = is_near(slab, look);
     lobes l;
     for (int32_t p = 0; p < slab->medium->planes; ++p) {
         find_lobes(slab, p, look, &l);
-        scatter_plane(slab, p, &l, look);
+        scatter_plane(slab, p, &l, near, look);
     }
 }
 

@@ -86,17 +86,35 @@ TY_FN float ty_pop_disc_slope(float x, float width) {
     return (4.0f * one * (one - q) - x * q * q) / (sum * sum);
 }
 
-/* What of a disc's light scatters once; lobe and mean: ty_pop_disc_lobe of |g|, and its ty_pop_disc_mean. */
-TY_FN float ty_pop_disc_once(float mu, float g, float width, float lobe, float mean) {
-    const float along = g < 0.0f ? -mu : mu, plain = ty_pop_hg(along, lobe);
-    const float share = ty_pop_disc_share(along, width);
-    return (1.0f - share) * plain + share * mean; /* lines are too bright for differences */
+/* What of a disc's light scatters once, seen from beyond the tent. lobe: ty_pop_disc_lobe of |g|. */
+TY_FN float ty_pop_disc_once_far(float mu, float g, float lobe) {
+    return ty_pop_hg(g < 0.0f ? -mu : mu, lobe);
 }
 
-/* What of its light that has scattered and kept its direction does so once more: ty_forward_lobe, flattened. */
+/* And from anywhere; mean: its ty_pop_disc_mean. */
+TY_FN float ty_pop_disc_once(float mu, float g, float width, float lobe, float mean) {
+    const float share = ty_pop_disc_share(g < 0.0f ? -mu : mu, width);
+    /* Lines are too bright for differences. */
+    return (1.0f - share) * ty_pop_disc_once_far(mu, g, lobe) + share * mean;
+}
+
+/* The mean cosine of a lobe about light that has scattered and kept its direction, of mean cosine b. */
+TY_FN float ty_pop_disc_again(float b, float g, float disc, float width, float lobe) {
+    return ty_pop_disc_spread(fabsf(g), disc, b * lobe, width);
+}
+
+/* What of its light that has scattered and kept its direction does so once more: ty_forward_lobe, seen from beyond the
+ * tent. */
+TY_FN float ty_pop_disc_forward_far(float mu, float u, float r, float s, float g, float disc, float width, float lobe) {
+    const float b = ty_forward_cosine(u, r, s), spread = ty_pop_disc_again(b, g, disc, width, lobe);
+    const float slope = ty_hg_slope(g < 0.0f ? -mu : mu, b * spread);
+    return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * slope);
+}
+
+/* And from anywhere: flattened. */
 TY_FN float ty_pop_disc_forward(float mu, float u, float r, float s, float g, float disc, float width, float lobe) {
-    const float a = fabsf(g), along = g < 0.0f ? -mu : mu, b = ty_forward_cosine(u, r, s);
-    const float spread = ty_pop_disc_spread(a, disc, b * lobe, width), x = b * spread;
+    const float along = g < 0.0f ? -mu : mu, b = ty_forward_cosine(u, r, s);
+    const float spread = ty_pop_disc_again(b, g, disc, width, lobe), x = b * spread;
     const float share = ty_pop_disc_share(along, width);
     const float slope = (1.0f - share) * ty_hg_slope(along, x) + share * ty_pop_disc_slope(x, width);
     return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * slope);

@@ -88,24 +88,32 @@ void ty_pop_look_setup(const ty_grid_medium* medium, const float eye[3], const t
 /* Merged cells take light most from where it scatters, not from vacuum beside it; cells of little depth count alike. */
 static const float least_weight = 0.05f;
 
-static float weight_of(const ty_pop_slab* slab, int32_t column) {
-    float depth = 0;
-    for (int32_t p = 0; p < slab->medium->planes; ++p) depth += slab->extinction[p][column] * slab->length[column];
-    return least_weight + depth / (float)slab->medium->planes;
+static void weigh(const ty_pop_slab* slab, float weight[TY_POP_BLOCK]) {
+    const int32_t count = slab->columns->count, planes = slab->medium->planes;
+    const float per_plane = 1 / (float)planes;
+    for (int32_t i = 0; i < count; ++i) weight[i] = 0;
+    for (int32_t p = 0; p < planes; ++p)
+        for (int32_t i = 0; i < count; ++i) weight[i] += slab->extinction[p][i] * slab->length[i];
+    for (int32_t i = 0; i < count; ++i) weight[i] = least_weight + weight[i] * per_plane;
 }
 
 void ty_pop_write_seen(const ty_pop_light* light, const ty_pop_slab* slab, const ty_pop_look* look, int32_t k) {
-    float* cells = ty_pop_seen_slab(light, k);
+    float weight[TY_POP_BLOCK], *cells = ty_pop_seen_slab(light, k);
+    const float *radiance[3], *fluence[3], *color = light->ordinate.color;
+    weigh(slab, weight);
+    for (int32_t c = 0; c < 3; ++c) {
+        const int32_t p = light->planes == 3 ? c : 0;
+        radiance[c] = look->radiance[p];
+        fluence[c] = look->mean[p][1];
+    }
     for (int32_t i = 0; i < slab->columns->count; ++i) {
         float* seen = cells + (size_t)light->floats * (size_t)slab->columns->cell[i];
-        const float weight = weight_of(slab, i);
+        const float tinted[3] = {weight[i] * color[0], weight[i] * color[1], weight[i] * color[2]};
         for (int32_t c = 0; c < 3; ++c) {
-            const int32_t p = light->planes == 3 ? c : 0;
-            const float color = weight * light->ordinate.color[c];
-            seen[c] = color * look->radiance[p][i];
-            seen[3 + c] = color * look->mean[p][1][i];
+            seen[c] = tinted[c] * radiance[c][i];
+            seen[3 + c] = tinted[c] * fluence[c][i];
         }
-        seen[TY_POP_WEIGHT] = weight;
+        seen[TY_POP_WEIGHT] = weight[i];
         seen[TY_POP_WEIGHT + 1] = 0;
     }
 }

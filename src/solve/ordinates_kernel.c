@@ -1,0 +1,80 @@
+/* What a sweep emits. Built once per instruction set, with TY_ISA naming it. */
+#include "solve/ordinates_kernel.h"
+
+#include <string.h>
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+/* What is inlined where the number of bands is known, so that loops over terms have no ends to look for. */
+#define TY_INLINE static inline __attribute__((always_inline))
+
+enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+
+/* Not inlined: of the loop around it, compilers make one over single floats. */
+static __attribute__((noinline)) void add_share(float share, const float* from, size_t count, float* to) {
+#pragma omp simd
+    for (size_t i = 0; i < count; ++i) to[i] += share * from[i];
+}
+
+/* `count` floats from `begin` on, of each iterate. */
+static void mix(const ty_ordinates_mixture* m, const float* const* iterates, size_t begin, size_t count, float* to) {
+    memset(to, 0, sizeof(float) * count);
+    for (int32_t k = 0; k < m->count; ++k) add_share(m->shares[k], iterates[k] + begin, count, to);
+}
+
+/* Of each term, g^l - g^L. */
+TY_INLINE void turn(float g, const int32_t bands, float* share) {
+    float forward = 1, power = 1;
+    for (int32_t l = 0; l < bands; ++l) forward *= g;
+    for (int32_t l = 0; l < bands; ++l, power *= g)
+        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) share[t] = power - forward;
+}
+
+/* Makes of a cell's mixture what it emits. fixed: NULL: nothing is added. */
+TY_INLINE void emit_cell(float scattering, const float* share, const float* fixed, const size_t terms,
+                         float* emission) {
+    if (fixed != NULL) {
+#pragma omp simd
+        for (size_t t = 0; t < terms; ++t) emission[t] = scattering * share[t] * emission[t] + fixed[t];
+    } else {
+#pragma omp simd
+        for (size_t t = 0; t < terms; ++t) emission[t] *= scattering * share[t];
+    }
+}
+
+/* Low terms of mixtures come from where they are corrected. */
+TY_INLINE double emit_row(const ty_ordinates_mixture* m, size_t begin, const int32_t bands) {
+    const size_t cells = (size_t)m->cells, terms = (size_t)(bands * bands), lows = bands > 1 ? 4 : 1;
+    float *low = m->before + begin * lows, share[TERMS_MAX], g = m->g[begin];
+    double sum = 0;
+    turn(g, bands, share);
+    mix(m, m->low, begin * lows, cells * lows, low);
+    mix(m, m->moments, begin * terms, cells * terms, m->emission + begin * terms);
+    for (size_t x = 0; x < cells; ++x) {
+        const size_t i = begin + x;
+        const float scattering = m->scattering[i], *fixed = m->fixed != NULL ? m->fixed + i * terms : NULL;
+        float* emission = m->emission + i * terms;
+        /* Most media have the same g all over a row. */
+        if (m->g[i] != g) turn(g = m->g[i], bands, share);
+        emit_cell(scattering, share, fixed, terms, emission);
+        for (size_t t = 0; t < lows; ++t)
+            emission[t] = scattering * share[t] * low[t * cells + x] + (fixed != NULL ? fixed[t] : 0);
+        if (fixed == NULL) emission[0] += m->source[i];
+        sum += (double)emission[0];
+    }
+    return sum;
+}
+
+static double emit(const ty_ordinates_mixture* m, size_t begin) {
+    switch (m->bands) {
+    case 1: return emit_row(m, begin, 1);
+    case 2: return emit_row(m, begin, 2);
+    case 3: return emit_row(m, begin, 3);
+    case 4: return emit_row(m, begin, 4);
+    case 5: return emit_row(m, begin, 5);
+    case 6: return emit_row(m, begin, 6);
+    default: return emit_row(m, begin, m->bands);
+    }
+}
+
+const ty_ordinates_kernels TY_JOIN(ty_ordinates_kernels_, TY_ISA) = {.emit = emit};
