@@ -129,14 +129,15 @@ static ty_result sweep(const iteration* it) {
     ty_ordinates_job* job = it->job;
     const double emitted = ty_ordinates_emit(job);
     make_room(it);
-    job->walls = ty_ordinates_walls_of_sweep(job, job->latest);
+    ty_ordinates_set_sides(job, job->sweep, job->latest);
     const double begun = ty_wall_seconds();
     const ty_result result =
         ty_sweep_run(job->sweep, job->emission, job->moments[job->latest], &job->leaving[job->latest], NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
-    const double arrived = ty_ordinates_walls_take(job);
+    const double skins = ty_ordinates_thick_take(job), arrived = skins + ty_ordinates_walls_take(job);
     account(job, emitted, arrived, ty_ordinates_take_low(job));
+    job->leaving[job->latest] += ty_ordinates_thick_leaving(job);
     return result;
 }
 
@@ -164,18 +165,11 @@ static double rate_of(const iteration* it, double change) {
     return job->correction != NULL ? fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST) : rate;
 }
 
-/* Of the energy, what is amiss: the sign of what varies slowly and limited corrections hardly change. */
-static double imbalance(const ty_ordinates_job* job, const ty_ordinates_sums* sums) {
-    if (!job->limited || !(job->emitted > 0)) return 0;
-    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
-    return fabs((job->leaving[job->latest] + volume * sums->absorbed) / job->emitted - 1);
-}
-
 /* Estimates what is still to come: what changes so shrink to, added up. */
 static void judge(iteration* it, const ty_ordinates_sums* sums) {
     ty_ordinates_stats* stats = it->job->stats;
     const double change = sums->change > 0 ? sqrt(sums->change / sums->fluence) : 0, rate = rate_of(it, change);
-    stats->change = fmax(change * rate / (1 - rate), imbalance(it->job, sums));
+    stats->change = change * rate / (1 - rate);
     stats->converged = stats->change <= it->job->def->tolerance;
     it->futile = change < it->least ? 0 : it->futile + 1;
     it->least = fmin(it->least, change);
