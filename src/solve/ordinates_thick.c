@@ -33,7 +33,7 @@ static int64_t step_of(const ty_ordinates_job* job, int face) {
 }
 
 static float conductance(const ty_ordinates_job* job, const ty_thick_cell* cell, int face) {
-    return ty_thick_conductance(cell, job->def->cell, face / 2);
+    return ty_thick_conductance(cell, job->def->cell, face);
 }
 
 static double area_of(const ty_ordinates_def* def, int face) {
@@ -122,7 +122,7 @@ static float flow_inside(const ty_ordinates_job* job, const ty_thick_cell* cell,
     }
     const int64_t next = cell->index + step_of(job, face);
     const ty_thick_cell* other = &job->thick.cells[job->thick.slots[next]];
-    const float d = conductance(job, other, face), there = low[place_of(job, next).low];
+    const float d = conductance(job, other, face ^ 1), there = low[place_of(job, next).low];
     return (d * (c * phi + cell->push[face]) - c * (d * there + other->push[face ^ 1])) / (c + d);
 }
 

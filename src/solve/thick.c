@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Free paths, and those after which light has forgotten its direction, across a thick cell at least. */
-static const double THICK = 10, THICK_REDUCED = 4;
+static const double THICK = 6, THICK_REDUCED = 4;
 /* Of P1's D, what a black cell's is less, so that it sends a quarter of its fluence. */
 static const double BLACK = 0.1339745962155614; /* 1 - sqrt(3) / 2 */
 /* The logarithm of what a source grows by from cell to cell, at most, in free paths across a cell. */
@@ -166,6 +166,7 @@ static void set_diffusivity(const finder* f, ty_thick_cell* cell) {
     const double reduced = (double)f->reduced[cell->index], absorption = (double)f->absorption[cell->index];
     const double u = fmax(f->mean / 2 * sqrt(3 * reduced * absorption), 1e-3);
     cell->d = (float)(u / tanh(u) * (1 - BLACK * absorption / reduced) / (3 * reduced));
+    cell->edge_d = (float)(u / (1 + expm1(-2 * u) / (2 * u)) * (1 - BLACK * absorption / reduced) / (3 * reduced));
     cell->lean = (float)(1 - sqrt(fmin(absorption / reduced, 1)));
     push(f, cell, reduced);
     f->reduced[cell->index] = 1 / (3 * cell->d);
