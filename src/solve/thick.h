@@ -14,6 +14,8 @@
 #include "solve/ordinates.h"
 #include "solve/sweep.h"
 
+#include <math.h>
+
 /* What is behind a face of a thick cell: another one; below it, a wall, TY_THICK_WALL - its side; else a skin. */
 enum { TY_THICK_NEXT = -1, TY_THICK_WALL = -2 };
 
@@ -62,7 +64,7 @@ static inline float ty_thick_conductance(const ty_thick_cell* cell, const double
 
 /* What leaves through a face that `in` comes in by: J_out of the above. */
 static inline float ty_thick_out(float c, float phi, float push, float in) {
-    return (c * phi + push + (1 - 2 * c) * in) / (1 + 2 * c);
+    return (c * phi + push + fmaxf(1 - 2 * c, 0) * in) / (1 + 2 * c);
 }
 
 #endif
