@@ -169,6 +169,10 @@ static void begin(ty_ordinates_job* job) {
         ty_ordinates_guess(job);
     }
     ty_ordinates_walls_begin(job);
+    if (job->thick.count == 0) return;
+    double emitted, absorbed;
+    ty_ordinates_walls_balance(job, job->walls_arrived[0], &emitted, &absorbed);
+    job->emitted = ty_ordinates_balance(job, job->moments[0], job->terms).emitted + emitted + job->stats->entering;
 }
 
 static ty_result prepare(ty_ordinates_job* job) {

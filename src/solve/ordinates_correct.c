@@ -289,6 +289,9 @@ static void compare_row(const ty_ordinates_job* job, const row* r, ty_ordinates_
     for (size_t i = 0; i < count; ++i) change[i] = low[i] - before[i];
     sums->change += product_of(change, change, r->cells);
     sums->fluence += product_of(low, low, r->cells);
+    const float *extinction = job->def->extinction + r->first, *scattering = job->def->scattering + r->first;
+    for (size_t x = 0; job->thick.count > 0 && x < r->cells; ++x)
+        sums->absorbed += (double)(extinction[x] - scattering[x]) * (double)low[x];
     for (int32_t k = 0; k < job->count; ++k) sums->products[k] += product_of(change, job->changes[k] + r->low, count);
 }
 

@@ -165,11 +165,18 @@ static double rate_of(const iteration* it, double change) {
     return job->correction != NULL ? fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST) : rate;
 }
 
+/* Of the energy, what is amiss: in thick media little of the light leaves, and little of it is much of what does. */
+static double imbalance(const ty_ordinates_job* job, const ty_ordinates_sums* sums) {
+    if (job->thick.count == 0 || !(job->emitted > 0)) return 0;
+    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
+    return fabs((job->leaving[job->latest] + volume * sums->absorbed) / job->emitted - 1);
+}
+
 /* Estimates what is still to come: what changes so shrink to, added up. */
 static void judge(iteration* it, const ty_ordinates_sums* sums) {
     ty_ordinates_stats* stats = it->job->stats;
     const double change = sums->change > 0 ? sqrt(sums->change / sums->fluence) : 0, rate = rate_of(it, change);
-    stats->change = change * rate / (1 - rate);
+    stats->change = fmax(change * rate / (1 - rate), imbalance(it->job, sums));
     stats->converged = stats->change <= it->job->def->tolerance;
     it->futile = change < it->least ? 0 : it->futile + 1;
     it->least = fmin(it->least, change);

@@ -62,6 +62,7 @@ typedef struct ty_ordinates_job {
     int32_t count;                     /* iterates there are */
     int32_t latest;                    /* of them */
     double missing; /* of the last sweep's fluence, relative, for light to be as much as was emitted */
+    double emitted; /* by the source and walls, with what comes in, W, if there are thick cells */
     bool given;     /* the only iterate is a start: it is not known what a sweep changes it by */
 } ty_ordinates_job;
 

@@ -197,7 +197,9 @@ void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums) 
     const float *arrived = job->walls_arrived[job->latest], *before = job->walls_before;
     float* changes = job->walls_changes[job->latest];
     const double square = to_harmonic * to_harmonic;
-    double change = 0, light = 0;
+    double change = 0, light = 0, emitted, absorbed;
+    ty_ordinates_walls_balance(job, arrived, &emitted, &absorbed);
+    sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI);
     for (int32_t i = 0; i < walls->count; ++i) {
         changes[i] = arrived[i] - before[i];
         change += (double)changes[i] * (double)changes[i];

@@ -31,8 +31,8 @@ typedef struct ty_thick_cell {
     int32_t link[6]; /* of each face */
     float push[6];   /* k, over sqrt(4 pi) */
     float edge_d;
-    float d;         /* D' */
-    float lean;      /* of P1's part along the normal, how much light that leaves has: 1 - sqrt(sigma_a / sigma_tr) */
+    float d;    /* D' */
+    float lean; /* of P1's part along the normal, how much light that leaves has: 1 - sqrt(sigma_a / sigma_tr) */
 } ty_thick_cell;
 
 typedef struct ty_thick {
@@ -59,7 +59,7 @@ void ty_thick_free(ty_thick* thick);
 
 /* c of a cell along an axis, and what flows out of it into a skin, of light alike in all directions or not. */
 static inline float ty_thick_conductance(const ty_thick_cell* cell, const double edges[3], int face) {
-    return 2 * (cell->link[face] == TY_THICK_NEXT ? cell->d : cell->edge_d) / (float)edges[face/2];
+    return 2 * (cell->link[face] == TY_THICK_NEXT ? cell->d : cell->edge_d) / (float)edges[face / 2];
 }
 
 /* What leaves through a face that `in` comes in by: J_out of the above. */
