@@ -218,6 +218,7 @@ static ty_result sweep_more(ty_ordinates_job* job, ty_sweep* sweep, float* emiss
     if (result != TY_OK) return result;
     ty_ordinates_thick_take(job);
     ty_ordinates_walls_take(job);
+    ty_ordinates_thick_reach_walls(job);
     job->stats->leaving += ty_ordinates_thick_leaving(job);
     ty_ordinates_thick_fill(job, kept, terms);
     ty_ordinates_scatter(job, kept, terms, moments);

@@ -135,6 +135,8 @@ double ty_ordinates_thick_leaving(const ty_ordinates_job* job);
  * what the correction e brings to them. */
 double ty_ordinates_thick_excess(ty_ordinates_job* job, bool first);
 void ty_ordinates_thick_correct(ty_ordinates_job* job, const float* e);
+/* What the latest iterate brings to walls of thick cells. */
+void ty_ordinates_thick_reach_walls(ty_ordinates_job* job);
 /* Adds changes and products, as part of ty_ordinates_correct. */
 void ty_ordinates_thick_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 /* The moments of the latest iterate: fluence and flux. `terms` of each cell after one another. */

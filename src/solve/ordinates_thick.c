@@ -273,8 +273,7 @@ double ty_ordinates_thick_excess(ty_ordinates_job* job, bool first) {
     return squares + ty_ordinates_total(job).change;
 }
 
-/* What arrives on walls of thick cells. */
-static void reach_walls(ty_ordinates_job* job) {
+void ty_ordinates_thick_reach_walls(ty_ordinates_job* job) {
     const float* low = job->low[job->latest];
     for (int32_t i = 0; job->def->walls.count > 0 && i < job->thick.count; ++i) {
         const ty_thick_cell* cell = &job->thick.cells[i];
@@ -294,7 +293,7 @@ void ty_ordinates_thick_correct(ty_ordinates_job* job, const float* e) {
         const float face = (p.other * thin + p.c * thick + job->skin_excess[i]) / (p.other + p.c);
         job->skin_arrived[job->latest][i] += 0.25f * face + 0.5f * p.other * (thin - face);
     }
-    reach_walls(job);
+    ty_ordinates_thick_reach_walls(job);
 }
 
 void ty_ordinates_thick_compare(ty_ordinates_job* job, ty_ordinates_sums* sums) {

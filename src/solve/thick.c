@@ -19,7 +19,7 @@ typedef struct finder {
     float* reduced;
     ty_thick* thick;
     int64_t cells, steps[3];
-    double shortest, mean; /* edges, m */
+    double shortest, longest, mean; /* edges, m */
 } finder;
 
 static finder finder_of(const ty_ordinates_def* def, const float* extinction, float* reduced, const float* absorption,
@@ -34,11 +34,12 @@ static finder finder_of(const ty_ordinates_def* def, const float* extinction, fl
                     .cells = (int64_t)size[0] * size[1] * size[2],
                     .steps = {1, size[0], (int64_t)size[0] * size[1]},
                     .shortest = fmin(fmin(edge[0], edge[1]), edge[2]),
+                    .longest = fmax(fmax(edge[0], edge[1]), edge[2]),
                     .mean = cbrt(edge[0] * edge[1] * edge[2])};
 }
 
 static bool is_thick(const finder* f, int64_t cell) {
-    return (double)f->extinction[cell] * f->shortest > THICK && (double)f->reduced[cell] * f->shortest > THICK_REDUCED;
+    return (double)f->extinction[cell] * f->longest > THICK && (double)f->reduced[cell] * f->shortest > THICK_REDUCED;
 }
 
 /* ---- cells ---- */
