@@ -123,7 +123,7 @@ void ty_ordinates_walls_balance(ty_ordinates_job* job, const float* arrived, dou
 /* Finds them; in them `reduced` becomes that of ty_thick_find. Errors: TY_ERROR_MEMORY. */
 ty_result ty_ordinates_thick_find(ty_ordinates_job* job, float* reduced, const float* absorption);
 void ty_ordinates_thick_free(ty_ordinates_job* job);
-/* What arrives on skins of a start, of its fluence. */
+/* What arrives on skins of a start, of its fluence and flux. */
 void ty_ordinates_thick_begin(ty_ordinates_job* job);
 /* What the mixture sends, for sweeps, as part of ty_ordinates_emit, less what comes in through the box's faces without
  * sweeps; and what arrives, of the latest iterate. Both return all of it, W. Of walls, too. */

@@ -13,6 +13,9 @@
 #define SQRT_4PI 3.5449077018110318
 #define SQRT_3 1.7320508075688772f
 
+/* The term of band 1 along an axis. */
+static const int32_t term_of[3] = {3, 1, 2};
+
 /* Where a cell's numbers are in low terms, of which its flux follows a row later each, and in the correction's. */
 typedef struct thick_place {
     ptrdiff_t low, box;
@@ -96,7 +99,9 @@ void ty_ordinates_thick_begin(ty_ordinates_job* job) {
         const ty_thick_skin* skin = &thick->skins[i];
         if (skin->outer) continue;
         const int64_t thin = thick->cells[skin->cell].index + step_of(job, skin->face);
-        job->skin_arrived[0][i] = 0.25f * ty_maxf(job->low[0][place_of(job, thin).low], 0);
+        const float* low = job->low[0] + place_of(job, thin).low;
+        const float flux = job->lows > 1 ? low[term_of[skin->face / 2] * job->def->size[0]] / SQRT_3 : 0;
+        job->skin_arrived[0][i] = ty_maxf(0.25f * low[0] + ((skin->face & 1) != 0 ? -0.5f : 0.5f) * flux, 0);
     }
 }
 
@@ -320,7 +325,6 @@ typedef struct fill_loop {
 
 static void fill_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
-    static const size_t term_of[3] = {3, 1, 2};
     const fill_loop* l = user;
     const ty_ordinates_job* job = l->job;
     const float *low = job->low[job->latest], *arrived = job->skin_arrived[job->latest];
