@@ -116,7 +116,7 @@ void ty_ordinates_give_low(ty_ordinates_job* job) {
 
 /* ---- the source of the correction ---- */
 
-/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. D may be larger than the media's. */
+/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. */
 static void excess_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
@@ -127,7 +127,6 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
         const row r = row_of(l, y, z);
         const float *scattering = job->def->scattering + r.first, *g = job->def->g + r.first;
-        const float* extinction = job->extinction + r.first;
         const float *d = l->diffusivity + r.box, *low = job->low[job->latest] + r.low, *before = job->before + r.low;
         float* change = job->changes[job->latest] + r.low;
 #pragma omp simd
@@ -136,7 +135,7 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
             for (int32_t b = 0; b < bands; ++b) forward *= g[x];
             s[0][x] = scattering[x] * (1 - forward);
             const float s_1 = scattering[x] * (g[x] - forward);
-            s[1][x] = SQRT_3 * s_1 * ty_minf(d[x], 1 / (3 * (extinction[x] - s_1)));
+            s[1][x] = SQRT_3 * s_1 * d[x];
         }
 #pragma omp simd
         for (size_t x = 0; x < r.cells; ++x) change[x] = s[0][x] * (low[x] - before[x] + missing * low[x]);

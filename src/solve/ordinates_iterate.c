@@ -17,8 +17,8 @@ static const double FIRST_REDUCTION = 3e-3;
 static const double SLOWEST = 0.9999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
 /* Changes whose part across others is less than this share of them tell nothing. */
 static const double LEAST_PART = 1e-10;
-/* Sweeps in a row that find no smaller change before it is clear that there will be none: where cells are very thick,
- * what rounding does, and keeping radiance from falling below 0, are corrected as if they were changes. */
+/* Sweeps in a row that find no smaller change before it is clear that there will be none: what rounding does, and
+ * keeping radiance from falling below 0, are corrected as if they were changes. */
 enum { PATIENCE = 12 };
 
 #define SQRT_4PI 3.5449077018110318
