@@ -182,12 +182,17 @@ static void half_spaces_reflect_as_they_should(void** state) {
                 const double edge = box->def.cell[2], depth = 640 * edge * (double)c;
                 box->source[0][c] = (float)(albedos[i] * exp(-depth) * -expm1(-640 * edge) / (edge * SQRT_4PI));
             }
+            float* seen = box->def.seen = make_floats(6 * box->cells);
             solve(*state, box);
             const double leaving = box->stats.leaving / (box->def.cell[0] * box->def.cell[1]);
             const double expected = 1 - sqrt(1 - albedos[i]) * h[ANGLES - 1];
             print_message("albedo %g, cells of %d: %.4f, %.4f expected\n", albedos[i], finer != 0 ? 10 : 40, leaving,
                           expected);
             assert_close(leaving, expected, 0.03);
+            /* Of the faces of all cells an eye sees the first one's alone. */
+            assert_close((double)seen[4] * SQRT_4PI / 4, leaving, 2e-3);
+            for (size_t face = 0; face < 6 * box->cells; ++face) assert_true(face == 4 || seen[face] < 0);
+            free(seen);
             free_box(box);
         }
 }

@@ -15,6 +15,8 @@
 #include <tyndall/base.h>
 
 enum { TY_ORDINATES_MAX = 1024, TY_ORDINATE_BANDS_MAX = 12 };
+/* Free paths across cells that may be diffusion's. */
+enum { TY_ORDINATES_THICK = 6 };
 
 /* Directions with weights that add up to 4 pi, those of one octant after one another: first[o] is where octant o begins
  * (bit a of o: whether the component along axis a is negative), first[8] the count. */
@@ -59,6 +61,9 @@ typedef struct ty_ordinates_def {
                             diffusion's (solve/thick.h); false: source iteration, as many as light scatters */
     double tolerance;    /* of what is still to come, rms of fluences; default 1e-3 */
     int32_t sweeps;      /* at most; 0 (default): 100 accelerated, else 10000 */
+    float* seen;         /* out: of each cell six numbers, one a face (2 * axis, and 1 more for the upper one): of cells
+                            that are diffusion's beside others, 4 / sqrt(4 pi) of what leaves there, the fluence that
+                            an eye before that face sees; below 0 elsewhere. NULL (default): not asked for */
     const float* const* start; /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's) */
     void* memory;              /* ty_ordinates_memory bytes, aligned to 64; NULL (default): from the context */
     ty_progress_fn progress;   /* default NULL */

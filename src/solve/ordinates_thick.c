@@ -319,7 +319,7 @@ void ty_ordinates_thick_compare(ty_ordinates_job* job, ty_ordinates_sums* sums) 
 
 typedef struct fill_loop {
     const ty_ordinates_job* job;
-    float* cells;
+    float *cells, *seen;
     int32_t terms;
 } fill_loop;
 
@@ -333,6 +333,12 @@ static void fill_plane(void* user, int64_t z, int32_t worker) {
         float* to = l->cells + (size_t)cell->index * (size_t)l->terms;
         memset(to, 0, sizeof *to * (size_t)l->terms);
         to[0] = low[place_of(job, cell->index).low];
+        for (int face = 0; l->seen != NULL && face < 6; ++face) {
+            const int32_t skin = cell->link[face];
+            if (skin < 0) continue;
+            const float leaving = flow_out(job, cell, face, low, arrived) + arrived[skin];
+            l->seen[6 * (size_t)cell->index + (size_t)face] = 4 * ty_maxf(leaving, 0);
+        }
         for (int axis = 0; axis < 3 && l->terms > 1; ++axis)
             to[term_of[axis]] =
                 0.5f * SQRT_3 *
@@ -341,7 +347,9 @@ static void fill_plane(void* user, int64_t z, int32_t worker) {
 }
 
 void ty_ordinates_thick_fill(const ty_ordinates_job* job, float* cells, int32_t terms) {
+    float* seen = job->def->seen;
+    for (int64_t i = 0; seen != NULL && i < 6 * job->cells; ++i) seen[i] = -1;
     if (job->thick.count == 0) return;
-    fill_loop l = {.job = job, .cells = cells, .terms = terms};
+    fill_loop l = {.job = job, .cells = cells, .seen = seen, .terms = terms};
     ty_ordinates_planes(job, fill_plane, &l);
 }

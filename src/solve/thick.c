@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Free paths, and those after which light has forgotten its direction, across a thick cell at least. */
-static const double THICK = 6, THICK_REDUCED = 2.5;
+static const double THICK = TY_ORDINATES_THICK, THICK_REDUCED = 1.5;
 /* Of P1's D, what a black cell's is less, so that it sends a quarter of its fluence. */
 static const double BLACK = 0.1339745962155614; /* 1 - sqrt(3) / 2 */
 /* The logarithm of what a source grows by from cell to cell, at most, in free paths across a cell. */
