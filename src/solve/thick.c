@@ -10,7 +10,7 @@
 static const double THICK = TY_ORDINATES_THICK, THICK_REDUCED = 1.5;
 /* Of P1's D, what a black cell's is less, so that it sends a quarter of its fluence. */
 static const double BLACK = 0.1339745962155614; /* 1 - sqrt(3) / 2 */
-/* The logarithm of what a source grows by from cell to cell, at most, in free paths across a cell. */
+/* The logarithm of what a source grows by from cell to cell is at most this often a cell's free paths. */
 static const double STEEPEST = 2;
 
 typedef struct finder {
@@ -166,8 +166,9 @@ static void push(const finder* f, ty_thick_cell* cell, double reduced) {
 static void set_diffusivity(const finder* f, ty_thick_cell* cell) {
     const double reduced = (double)f->reduced[cell->index], absorption = (double)f->absorption[cell->index];
     const double u = fmax(f->mean / 2 * sqrt(3 * reduced * absorption), 1e-3);
-    cell->d = (float)(u / tanh(u) * (1 - BLACK * absorption / reduced) / (3 * reduced));
-    cell->edge_d = (float)(u / (1 + expm1(-2 * u) / (2 * u)) * (1 - BLACK * absorption / reduced) / (3 * reduced));
+    const double long_d = (1 - BLACK * absorption / reduced) / (3 * reduced);
+    cell->d = (float)(long_d * u / tanh(u));
+    cell->edge_d = (float)(long_d * u / (1 + expm1(-2 * u) / (2 * u)));
     cell->lean = (float)(1 - sqrt(fmin(absorption / reduced, 1)));
     push(f, cell, reduced);
     f->reduced[cell->index] = 1 / (3 * cell->d);

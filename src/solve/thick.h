@@ -5,9 +5,10 @@
  *
  *     J = c (phi - phi_f) + k,   c = 2 D' / h,   phi_f / 4 - J / 2 = J_in (Marshak),
  *
- * with D' = D u coth u (1 - (1 - sqrt(3) / 2) sigma_a / sigma_tr), u = h / 2 over the diffusion length: D, where that
- * is long; else what an exponential fall towards the face lets out; and of a black cell what a black body does. k is
- * what of a source that lies nearer to one face than to the other leaves there before it fills the cell. */
+ * with D' = D (1 - (1 - sqrt(3) / 2) sigma_a / sigma_tr) F(u), u = h / 2 over the diffusion length. Between two thick
+ * cells F = u coth u; at other faces F = u / (1 - (1 - e^-2u) / 2u), of phi that is a cell's mean and falls towards the
+ * face as e^-2ux/h. Both are 1 where the diffusion length is long. A black cell sends what a black body does. k is what
+ * of a source that lies nearer to one face than to the other leaves there before it fills the cell. */
 #ifndef TY_SOLVE_THICK_H
 #define TY_SOLVE_THICK_H
 
@@ -30,9 +31,8 @@ typedef struct ty_thick_cell {
     int32_t index;   /* in the box */
     int32_t link[6]; /* of each face */
     float push[6];   /* k, over sqrt(4 pi) */
-    float edge_d;
-    float d;    /* D' */
-    float lean; /* of P1's part along the normal, how much light that leaves has: 1 - sqrt(sigma_a / sigma_tr) */
+    float d, edge_d; /* D', between thick cells and at other faces */
+    float lean;      /* of P1's part along the normal, how much light that leaves has: 1 - sqrt(sigma_a / sigma_tr) */
 } ty_thick_cell;
 
 typedef struct ty_thick {
@@ -57,12 +57,13 @@ ty_result ty_thick_find(ty_context* context, const ty_ordinates_def* def, const 
                         const float* absorption, ty_thick* out);
 void ty_thick_free(ty_thick* thick);
 
-/* c of a cell along an axis, and what flows out of it into a skin, of light alike in all directions or not. */
+/* c of a cell at a face. edges: of cells, m. */
 static inline float ty_thick_conductance(const ty_thick_cell* cell, const double edges[3], int face) {
     return 2 * (cell->link[face] == TY_THICK_NEXT ? cell->d : cell->edge_d) / (float)edges[face / 2];
 }
 
-/* What leaves through a face that `in` comes in by: J_out of the above. */
+/* What leaves through a face that is `in` W m^-2 bright from outside: J_out of the above, at least 0 of what comes in.
+ */
 static inline float ty_thick_out(float c, float phi, float push, float in) {
     return (c * phi + push + fmaxf(1 - 2 * c, 0) * in) / (1 + 2 * c);
 }
