@@ -198,13 +198,11 @@ static void acceleration_changes_sweeps_alone(void** state) {
     }
 }
 
-/* 1000 and 10,000 free paths across, nothing absorbed: diffusion. What is left of rounding then keeps sweeps from
- * seeing that they have converged. */
+/* 1000 and 10,000 free paths across, nothing absorbed: diffusion. */
 static void thick_boxes_diffuse(void** state) {
     for (int thicker = 0; thicker < 2; ++thicker) {
         problem p = make_cube(*state, 32, 1, thicker != 0 ? 10000 : 1000, 0);
         fill_problem(&p, fill_even);
-        if (thicker != 0) p.def.tolerance = 0.02;
         solve(*state, &p);
         ty_diffusion_def def = ty_default_diffusion_def();
         ty_diffusion_out out = {.fluence = make_floats(p.cells)};
@@ -215,7 +213,7 @@ static void thick_boxes_diffuse(void** state) {
         def.source = p.source[0];
         assert_int_equal(ty_diffusion_solve(*state, &def, &out, NULL), TY_OK);
         const double off = difference(p.moments[0], out.fluence, p.cells);
-        if (!(off < (thicker != 0 ? 0.02 : 0.01))) fail_msg("%g", off);
+        if (!(off < 0.01)) fail_msg("%g", off);
         assert_true(p.stats.sweeps <= 5);
         free(out.fluence);
         free_problem(&p);
@@ -223,8 +221,8 @@ static void thick_boxes_diffuse(void** state) {
 }
 
 static void sweeps_hardly_depend_on_thickness(void** state) {
-    static const double extinctions[] = {0.01, 0.1, 1, 10, 100};
-    for (int k = 0; k < 5; ++k) {
+    static const double extinctions[] = {0.01, 0.1, 1, 10, 100, 1000, 10000};
+    for (int k = 0; k < 7; ++k) {
         problem p = make_cube(*state, 16, 3, extinctions[k], 0.5);
         fill_problem(&p, fill_beam);
         solve(*state, &p);
@@ -300,18 +298,17 @@ static void coarse_cells_save_work_and_change_nothing_else(void** state) {
     if (!(left[0] < 0.5 * left[1])) fail_msg("%g is left, and %g without coarse cells", left[0], left[1]);
 }
 
-/* Where corrections leave slow changes to diffusion, a start that is far off is not gone on with. */
+/* Nor do they need one in thick cells, where one that is far off does no harm. */
 static void thick_cells_need_no_start(void** state) {
     problem p = make_cube(*state, 16, 1, 1000, 0), started = make_cube(*state, 16, 1, 1000, 0);
     fill_problem(&p, fill_even);
     fill_problem(&started, fill_even);
-    p.def.tolerance = started.def.tolerance = 3e-3;
     solve(*state, &p);
     float* wrong = make_floats(p.cells);
     const float* start[] = {wrong};
     started.def.start = start;
     solve(*state, &started);
-    assert_true(difference(started.moments[0], p.moments[0], p.cells) < 6e-3);
+    assert_true(difference(started.moments[0], p.moments[0], p.cells) < 2e-3);
     free(wrong);
     free_problem(&p);
     free_problem(&started);

@@ -8,14 +8,6 @@
 /* Optical thickness of the box of which diffusion takes vacuum to be: light streams there, and with the D of thinner
  * media, or none, corrections carry too much of it. The fewest sweeps are between 3 and 12, whatever the cells. */
 static const double THINNEST = 6;
-/* Optical thickness of cells up to which corrections are what they should be. Where cells are thicker, what they make
- * of errors that they cannot know (of rounding; of radiance held above 0; of faces where media change), the square of
- * the thickness, would be more than they mend: there D is larger, and what varies slowly remains what diffusion made of
- * it to start from, which in media so thick is the solution. */
-static const double THICKEST = 25;
-/* The same where thick cells lie beside much thinner ones, of less than this share of their extinction: light comes out
- * of their faces in waves from cell to cell that differences do not dampen, and corrections would raise them. */
-static const double THICKEST_EDGED = 10, EDGE = 0.25;
 
 ty_ordinates_def ty_default_ordinates_def(void) {
     return (ty_ordinates_def){.bands = 4, .kept = 4, .source_terms = 1, .accelerated = true, .tolerance = 1e-3};
@@ -127,13 +119,10 @@ static void free_all(ty_ordinates_job* job) {
     if (job->memory != NULL) ty_free_array(job->context, job->memory, job->bytes, 1);
     ty_sweep_destroy(job->sweep);
     ty_correction_destroy(job->correction);
+    ty_ordinates_thick_free(job);
 }
 
 /* ---- work ---- */
-
-static double longest_edge(const ty_ordinates_def* def) {
-    return fmax(fmax(def->cell[0], def->cell[1]), def->cell[2]);
-}
 
 static bool scatters(const ty_ordinates_def* def, int64_t cells) {
     for (int64_t i = 0; i < cells; ++i)
@@ -141,17 +130,18 @@ static bool scatters(const ty_ordinates_def* def, int64_t cells) {
     return false;
 }
 
-/* sigma*, and the diffusion problem that corrects, of cells up to a thickness; none where nothing scatters. */
-static ty_result scale(ty_ordinates_job* job, double thickest) {
+/* sigma*, and the diffusion problem that corrects; none where nothing scatters. */
+static ty_result scale(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
     /* Planes that other things are in later. */
     float* reduced = def->accelerated ? job->changes[0] : NULL;
     float* absorption = def->accelerated ? job->before : NULL;
-    const double limit = thickest / longest_edge(def);
-    if (!ty_ordinates_scale(job, reduced, absorption, limit * limit))
+    if (!ty_ordinates_scale(job, reduced, absorption))
         return ty_fail(job->context, TY_ERROR_ARGUMENT,
                        "ordinates: extinction, scattering, g or source of a cell is outside its range or not finite");
     if (!def->accelerated || !scatters(def, job->cells)) return TY_OK;
+    const ty_result result = ty_ordinates_thick_find(job, reduced, absorption);
+    if (result != TY_OK) return result;
     ty_diffusion_def diffusion = ty_default_diffusion_def();
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -165,71 +155,36 @@ static ty_result scale(ty_ordinates_job* job, double thickest) {
     return ty_correction_create(job->context, &diffusion, &def->walls, &job->correction);
 }
 
-static void end_correction(ty_ordinates_job* job) {
-    if (job->correction == NULL) return;
-    job->stats->cycles += ty_correction_cycles(job->correction);
-    ty_correction_destroy(job->correction);
-    job->correction = NULL;
-}
-
-static bool is_thick(const ty_ordinates_job* job, int64_t cell) {
-    return (double)job->extinction[cell] * longest_edge(job->def) > THICKEST;
-}
-
-static bool has_thick_cells(const ty_ordinates_job* job) {
-    for (int64_t i = 0; i < job->cells; ++i)
-        if (is_thick(job, i)) return true;
-    return false;
-}
-
-/* Whether a thick cell and the one after it along an axis, or before it, are that unlike. */
-static bool are_edge(const ty_ordinates_job* job, int64_t cell, int64_t after) {
-    const double a = (double)job->extinction[cell], b = (double)job->extinction[after];
-    return (is_thick(job, cell) && b < EDGE * a) || (is_thick(job, after) && a < EDGE * b);
-}
-
-static bool has_edges(const ty_ordinates_job* job) {
-    const int32_t* size = job->def->size;
-    const int64_t steps[3] = {1, size[0], (int64_t)size[0] * size[1]};
-    for (int64_t i = 0; i < job->cells; ++i) {
-        const int64_t place[3] = {i % size[0], i / steps[1] % size[1], i / steps[2]};
-        for (int a = 0; a < 3; ++a)
-            if (place[a] + 1 < size[a] && are_edge(job, i, i + steps[a])) return true;
-    }
-    return false;
-}
-
 /* Where iterations begin: at what the caller has, or the solution on coarser cells, or what diffusion makes of the
- * source; always at the last where they would not mend what of others varies slowly. */
+ * source. */
 static ty_result begin(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
-    job->limited = job->correction != NULL && has_thick_cells(job);
     ty_result result = TY_OK;
-    if (def->start != NULL && !job->limited) {
+    if (def->start != NULL) {
         ty_ordinates_gather(job, def->start, job->terms, job->moments[0]);
         ty_ordinates_start(job);
+        ty_ordinates_thick_begin(job);
     } else if (job->correction != NULL) {
-        if (!job->limited) result = ty_ordinates_start_coarse(job);
+        result = ty_ordinates_start_coarse(job);
         if (result == TY_OK && job->count == 0) ty_ordinates_guess(job);
     }
     if (result != TY_OK) return result;
     ty_ordinates_walls_begin(job);
-    if (!job->limited) return TY_OK;
-    end_correction(job);
-    job->emitted = ty_ordinates_balance(job, job->moments[0], job->terms).emitted;
-    return scale(job, has_edges(job) ? THICKEST_EDGED : THICKEST);
+    if (job->thick.count == 0) return TY_OK;
+    double emitted, absorbed;
+    ty_ordinates_walls_balance(job, job->walls_arrived[0], &emitted, &absorbed);
+    job->emitted = ty_ordinates_balance(job, job->moments[0], job->terms).emitted + emitted + job->stats->entering;
+    return TY_OK;
 }
 
 static ty_result prepare(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
     ty_result result = allocate(job);
-    if (result == TY_OK) result = scale(job, INFINITY);
+    if (result == TY_OK) result = scale(job);
     if (result == TY_OK)
         result =
             ty_sweep_create(job->context, def->size, def->cell, def->set, def->bands, job->extinction, &job->sweep);
     if (result != TY_OK) return result;
-    job->walls = ty_ordinates_walls_of_sweep(job, 0);
-    if (def->walls.count > 0) ty_sweep_set_walls(job->sweep, &job->walls);
     ty_sweep_let_in(job->sweep, def->inflow);
     job->stats->entering = ty_ordinates_entering(def);
     if (job->fixed != NULL) ty_ordinates_gather(job, def->source, job->terms, job->fixed);
@@ -255,15 +210,18 @@ static ty_result sweep_more(ty_ordinates_job* job, ty_sweep* sweep, float* emiss
     const int32_t terms = job->def->kept * job->def->kept;
     ty_ordinates_emit(job);
     ty_ordinates_widen(job, job->emission, terms, emission);
-    job->walls = ty_ordinates_walls_of_sweep(job, job->latest);
-    if (job->def->walls.count > 0) ty_sweep_set_walls(sweep, &job->walls);
+    ty_ordinates_set_sides(job, sweep, job->latest);
     ty_sweep_let_in(sweep, job->def->inflow);
     const double begun = ty_wall_seconds();
     const ty_result result = ty_sweep_run(sweep, emission, kept, &job->stats->leaving, NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
     if (result != TY_OK) return result;
+    ty_ordinates_thick_take(job);
     ty_ordinates_walls_take(job);
+    ty_ordinates_thick_reach_walls(job);
+    job->stats->leaving += ty_ordinates_thick_leaving(job);
+    ty_ordinates_thick_fill(job, kept, terms);
     ty_ordinates_scatter(job, kept, terms, moments);
     note_balance(job, kept, terms, job->walls_arrived[job->latest]);
     return TY_OK;
@@ -293,8 +251,9 @@ static void set_dark(const ty_ordinates_job* job, float* const* moments, int32_t
 static void store(ty_ordinates_job* job, float* const* moments) {
     set_dark(job, moments, job->count > 0 ? job->terms : 0);
     if (job->count == 0) return;
-    const float* latest = job->moments[job->latest];
+    float* latest = job->moments[job->latest];
     ty_ordinates_give_low(job);
+    ty_ordinates_thick_fill(job, latest, job->terms);
     ty_ordinates_scatter(job, latest, job->terms, moments);
     job->stats->leaving = job->leaving[job->latest];
     note_balance(job, latest, job->terms, job->walls_arrived[job->latest]);
@@ -302,8 +261,9 @@ static void store(ty_ordinates_job* job, float* const* moments) {
 
 static ty_result solve(ty_ordinates_job* job, float* const* moments) {
     ty_result result = prepare(job);
-    if (result == TY_OK) result = ty_ordinates_iterate(job);
-    end_correction(job);
+    if (result != TY_OK) return result;
+    result = ty_ordinates_iterate(job);
+    if (job->correction != NULL) job->stats->cycles += ty_correction_cycles(job->correction);
     if (result == TY_OK && job->def->kept > job->def->bands) return sweep_kept(job, moments);
     if (result == TY_OK || result == TY_CANCELLED) store(job, moments);
     return result;

@@ -6,7 +6,8 @@
  * which is the transport equation with a Henyey-Greenstein phase function whose forward peak counts as light that goes
  * straight on (delta-M). phi_lm is the integral of psi Y_lm over all directions, Y_lm are real and orthonormal, without
  * Condon-Shortley sign, number l (l + 1) + m (base/sh.k.h), so that phi_00 sqrt(4 pi) is the fluence. What comes
- * in through the box's faces is given; walls between cells, or around the box, reflect. Cells hold means. The result
+ * in through the box's faces is given; walls between cells, or around the box, reflect. Cells hold means; in those that
+ * are diffusion's, of fluence and flux alone. The result
  * does not depend on the number of threads. */
 #ifndef TY_SOLVE_ORDINATES_H
 #define TY_SOLVE_ORDINATES_H
@@ -14,6 +15,8 @@
 #include <tyndall/base.h>
 
 enum { TY_ORDINATES_MAX = 1024, TY_ORDINATE_BANDS_MAX = 12 };
+/* Free paths across cells that may be diffusion's. */
+enum { TY_ORDINATES_THICK = 6 };
 
 /* Directions with weights that add up to 4 pi, those of one octant after one another: first[o] is where octant o begins
  * (bit a of o: whether the component along axis a is negative), first[8] the count. */
@@ -54,12 +57,14 @@ typedef struct ty_ordinates_def {
     ty_ordinates_walls walls;
     const float* inflow; /* radiance that comes in along each of the set's directions, the same all over the box's
                             faces; NULL (default): none */
-    bool accelerated;    /* diffusion synthetic acceleration: 3 to 12 sweeps where cells are thinner than 25 free paths;
-                            false: source iteration, as many as light scatters */
+    bool accelerated;    /* diffusion synthetic acceleration, 2 to 12 sweeps, and cells of more than 6 free paths are
+                            diffusion's (solve/thick.h); false: source iteration, as many as light scatters */
     double tolerance;    /* of what is still to come, rms of fluences; default 1e-3 */
     int32_t sweeps;      /* at most; 0 (default): 100 accelerated, else 10000 */
-    const float* const* start; /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's,
-                                   which acceleration takes anyway where cells are thicker than 25 free paths) */
+    float* seen;         /* out: of each cell six numbers, one a face (2 * axis, and 1 more for the upper one): of cells
+                            that are diffusion's beside others, 4 / sqrt(4 pi) of what leaves there, the fluence that
+                            an eye before that face sees; below 0 elsewhere. NULL (default): not asked for */
+    const float* const* start; /* moments to start from, bands^2 planes; NULL (default): none (dark, or diffusion's) */
     void* memory;              /* ty_ordinates_memory bytes, aligned to 64; NULL (default): from the context */
     ty_progress_fn progress;   /* default NULL */
     void* progress_user;
@@ -73,8 +78,8 @@ size_t ty_ordinates_memory(const ty_ordinates_def* def);
 typedef struct ty_ordinates_stats {
     bool converged;
     int32_t sweeps, cycles;
-    double change; /* what is still to come, of the rms fluence, estimated; where cells are thicker than 25 free paths
-                      and acceleration leaves what varies slowly to diffusion, what is missing of the energy if more */
+    double change; /* what is still to come, of the rms fluence, estimated; where cells are diffusion's, what is missing
+                      of the energy if more */
     double emitted, absorbed, leaving; /* W: by the source, by the medium, out of the box's faces */
     double walls_emitted, walls_absorbed, entering;
     double seconds, sweep_seconds;

@@ -49,6 +49,27 @@ static row row_of(const loop* l, int32_t y, int64_t z) {
 
 /* ---- low terms ---- */
 
+/* Thick cells keep what the mixture has, or a start. Returns what the row's have taken in the sweep, which is not
+ * theirs. */
+static double hold_row(const ty_ordinates_job* job, const row* r) {
+    double sum = 0;
+    for (size_t x = 0; job->thick.count > 0 && job->count > 0 && x < r->cells; ++x) {
+        if (job->thick.slots[r->first + x] < 0) continue;
+        float* low = job->low[job->latest] + r->low + x;
+        sum += (double)job->extinction[r->first + x] * (double)*low;
+        for (size_t t = 0; t < (size_t)job->lows; ++t)
+            low[t * r->cells] = job->before[(size_t)r->low + x + t * r->cells];
+    }
+    return sum;
+}
+
+/* Nothing of a row's thick cells. */
+static void clear_row(const ty_ordinates_job* job, const row* r, float* terms) {
+    for (size_t x = 0; job->thick.count > 0 && x < r->cells; ++x)
+        for (size_t t = 0; job->thick.slots[r->first + x] >= 0 && t < (size_t)job->lows; ++t)
+            terms[(size_t)r->low + x + t * r->cells] = 0;
+}
+
 static void take_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
@@ -63,6 +84,7 @@ static void take_plane(void* user, int64_t z, int32_t worker) {
             for (size_t t = 0; t < (size_t)job->lows; ++t) low[t * r.cells + x] = moments[x * terms + t];
             sum += (double)extinction[x] * (double)low[x];
         }
+        sum -= hold_row(job, &r);
     }
     job->sums[z] = (ty_ordinates_sums){.taken = sum};
 }
@@ -94,7 +116,7 @@ void ty_ordinates_give_low(ty_ordinates_job* job) {
 
 /* ---- the source of the correction ---- */
 
-/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. D may be larger than the media's. */
+/* T - x, with what is missing of T; of the flux times sqrt(3) D s_1: that of e. */
 static void excess_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
@@ -105,7 +127,6 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
         const row r = row_of(l, y, z);
         const float *scattering = job->def->scattering + r.first, *g = job->def->g + r.first;
-        const float* extinction = job->extinction + r.first;
         const float *d = l->diffusivity + r.box, *low = job->low[job->latest] + r.low, *before = job->before + r.low;
         float* change = job->changes[job->latest] + r.low;
 #pragma omp simd
@@ -114,7 +135,7 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
             for (int32_t b = 0; b < bands; ++b) forward *= g[x];
             s[0][x] = scattering[x] * (1 - forward);
             const float s_1 = scattering[x] * (g[x] - forward);
-            s[1][x] = SQRT_3 * s_1 * ty_minf(d[x], 1 / (3 * (extinction[x] - s_1)));
+            s[1][x] = SQRT_3 * s_1 * d[x];
         }
 #pragma omp simd
         for (size_t x = 0; x < r.cells; ++x) change[x] = s[0][x] * (low[x] - before[x] + missing * low[x]);
@@ -122,6 +143,7 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
 #pragma omp simd
             for (size_t x = 0; x < r.cells; ++x) change[t + x] = s[1][x] * (low[t + x] - before[t + x]);
         }
+        clear_row(job, &r, job->changes[job->latest]);
     }
 }
 
@@ -142,6 +164,7 @@ static void begin_plane(void* user, int64_t z, int32_t worker) {
             for (size_t x = 0; x < r.cells; ++x)
                 change[t * r.cells + x] =
                     job->fixed != NULL ? SQRT_3 * d[x] * job->fixed[(r.first + x) * terms + t] : 0;
+        clear_row(job, &r, job->changes[job->latest]);
     }
 }
 
@@ -210,7 +233,8 @@ double ty_ordinates_excess(ty_ordinates_job* job, bool first) {
     loop l = loop_over(job, NULL);
     ty_ordinates_planes(job, first ? begin_plane : excess_plane, &l);
     ty_ordinates_planes(job, source_plane, &l);
-    return ty_ordinates_total(job).change + ty_ordinates_walls_excess(job, first);
+    const double squares = ty_ordinates_total(job).change;
+    return squares + ty_ordinates_walls_excess(job, first) + ty_ordinates_thick_excess(job, first);
 }
 
 /* ---- the correction ---- */
@@ -243,6 +267,18 @@ static void add_row(const loop* l, const row* r) {
     }
 }
 
+/* In thick cells differences are not those of diamonds, and the flux is not gone on with. */
+static void add_thick(const loop* l, const row* r) {
+    const ty_ordinates_job* job = l->job;
+    const float *e = l->e + r->box, *smooth = ty_correction_smooth(job->correction) + r->box;
+    for (size_t x = 0; job->thick.count > 0 && x < r->cells; ++x) {
+        if (job->thick.slots[r->first + x] < 0) continue;
+        float* low = job->low[job->latest] + r->low + x;
+        low[0] += e[x] - smooth[x];
+        for (size_t t = 1; t < (size_t)job->lows; ++t) low[t * r->cells] = 0;
+    }
+}
+
 /* What the latest iterate is more than its mixture, and its products with those of others. */
 static void compare_row(const ty_ordinates_job* job, const row* r, ty_ordinates_sums* sums) {
     const size_t count = r->cells * (size_t)job->lows;
@@ -252,11 +288,9 @@ static void compare_row(const ty_ordinates_job* job, const row* r, ty_ordinates_
     for (size_t i = 0; i < count; ++i) change[i] = low[i] - before[i];
     sums->change += product_of(change, change, r->cells);
     sums->fluence += product_of(low, low, r->cells);
-    if (job->limited) {
-        const float *extinction = job->def->extinction + r->first, *scattering = job->def->scattering + r->first;
-        for (size_t x = 0; x < r->cells; ++x)
-            sums->absorbed += (double)(extinction[x] - scattering[x]) * (double)low[x];
-    }
+    const float *extinction = job->def->extinction + r->first, *scattering = job->def->scattering + r->first;
+    for (size_t x = 0; job->thick.count > 0 && x < r->cells; ++x)
+        sums->absorbed += (double)(extinction[x] - scattering[x]) * (double)low[x];
     for (int32_t k = 0; k < job->count; ++k) sums->products[k] += product_of(change, job->changes[k] + r->low, count);
 }
 
@@ -267,6 +301,7 @@ static void correct_plane(void* user, int64_t z, int32_t worker) {
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
         const row r = row_of(l, y, z);
         if (l->e != NULL) add_row(l, &r);
+        if (l->e != NULL) add_thick(l, &r);
         compare_row(l->job, &r, &sums);
     }
     l->job->sums[z] = sums;
@@ -276,7 +311,9 @@ ty_ordinates_sums ty_ordinates_correct(ty_ordinates_job* job, const float* e) {
     loop l = loop_over(job, e);
     if (e != NULL) ty_ordinates_walls_correct(job, e);
     ty_ordinates_planes(job, correct_plane, &l);
+    if (e != NULL) ty_ordinates_thick_correct(job, e);
     ty_ordinates_sums sums = ty_ordinates_total(job);
     ty_ordinates_walls_compare(job, &sums);
+    ty_ordinates_thick_compare(job, &sums);
     return sums;
 }

@@ -17,8 +17,8 @@ static const double FIRST_REDUCTION = 3e-3;
 static const double SLOWEST = 0.9999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
 /* Changes whose part across others is less than this share of them tell nothing. */
 static const double LEAST_PART = 1e-10;
-/* Sweeps in a row that find no smaller change before it is clear that there will be none: where cells are very thick,
- * what rounding does, and keeping radiance from falling below 0, are corrected as if they were changes. */
+/* Sweeps in a row that find no smaller change before it is clear that there will be none: what rounding does, and
+ * keeping radiance from falling below 0, are corrected as if they were changes. */
 enum { PATIENCE = 12 };
 
 #define SQRT_4PI 3.5449077018110318
@@ -139,14 +139,15 @@ static ty_result sweep(const iteration* it) {
     ty_ordinates_job* job = it->job;
     const double emitted = ty_ordinates_emit(job);
     make_room(it);
-    job->walls = ty_ordinates_walls_of_sweep(job, job->latest);
+    ty_ordinates_set_sides(job, job->sweep, job->latest);
     const double begun = ty_wall_seconds();
     const ty_result result =
         ty_sweep_run(job->sweep, job->emission, job->moments[job->latest], &job->leaving[job->latest], NULL);
     job->stats->sweep_seconds += ty_wall_seconds() - begun;
     ++job->stats->sweeps;
-    const double arrived = ty_ordinates_walls_take(job);
+    const double skins = ty_ordinates_thick_take(job), arrived = skins + ty_ordinates_walls_take(job);
     account(job, emitted, arrived, ty_ordinates_take_low(job));
+    job->leaving[job->latest] += ty_ordinates_thick_leaving(job);
     return result;
 }
 
@@ -174,9 +175,9 @@ static double rate_of(const iteration* it, double change) {
     return job->correction != NULL ? fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST) : rate;
 }
 
-/* Of the energy, what is amiss: the sign of what varies slowly and limited corrections hardly change. */
+/* Of the energy, what is amiss: in thick media little of the light leaves, and little of it is much of what does. */
 static double imbalance(const ty_ordinates_job* job, const ty_ordinates_sums* sums) {
-    if (!job->limited || !(job->emitted > 0)) return 0;
+    if (job->thick.count == 0 || !(job->emitted > 0)) return 0;
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
     return fabs((job->leaving[job->latest] + volume * sums->absorbed) / job->emitted - 1);
 }

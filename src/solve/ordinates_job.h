@@ -4,7 +4,7 @@
 
 #include "base/arena.h"
 #include "solve/correction.h"
-#include "solve/sweep.h"
+#include "solve/thick.h"
 
 /* Iterates that the next one is mixed from; cells along an axis. */
 enum { TY_ORDINATES_DEPTH = 5, TY_ORDINATES_SIDE_MAX = 512 };
@@ -48,13 +48,21 @@ typedef struct ty_ordinates_job {
     float* walls_arrived[TY_ORDINATES_DEPTH]; /* irradiance, of the iterates */
     float* walls_changes[TY_ORDINATES_DEPTH]; /* from the mixture to the iterate */
 
+    /* Cells whose light is diffusion's; and of their skins, irradiance over sqrt(4 pi). */
+    ty_thick thick;
+    float *skin_before, *skin_excess;        /* of the mixture; the correction's source on the face */
+    float* skin_arrived[TY_ORDINATES_DEPTH]; /* of the iterates */
+    float* skin_changes[TY_ORDINATES_DEPTH]; /* four times from the mixture to the iterate */
+    double skin_inflow;                      /* through the box's faces into thick cells, W */
+    void* skin_memory;
+    size_t skin_bytes;
+
     double shares[TY_ORDINATES_DEPTH]; /* of the iterates in the next mixture; they add up to 1, or all are 0: dark */
     int32_t depth;                     /* iterates there is room for */
     int32_t count;                     /* iterates there are */
     int32_t latest;                    /* of them */
     double missing; /* of the last sweep's fluence, relative, for light to be as much as was emitted */
-    bool limited;   /* cells are so thick that corrections are less than they should be */
-    double emitted; /* by the source, W, if limited */
+    double emitted; /* by the source and walls, with what comes in, W, if there are thick cells */
     bool given;     /* the only iterate is a start: it is not known what a sweep changes it by */
 } ty_ordinates_job;
 
@@ -62,9 +70,9 @@ typedef struct ty_ordinates_job {
 void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user);
 ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job);
 
-/* sigma*; and for diffusion, sigma* - s_1 and sigma_a (NULL: not), the former not above limit / s_0. Returns whether
- * coefficients and sources are what they must be. */
-bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption, double limit);
+/* sigma*; and for diffusion, sigma* - s_1 and sigma_a (NULL: not). Returns whether coefficients and sources are what
+ * they must be. */
+bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption);
 /* Planes, as the caller has them, to terms of cells after one another, and back. */
 void ty_ordinates_gather(ty_ordinates_job* job, const float* const* planes, int32_t terms, float* cells);
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes);
@@ -90,8 +98,9 @@ ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* momen
 void ty_ordinates_walls_lay_out(ty_ordinates_job* job, ty_arena* arena);
 /* Irradiance of the iterate that iterations start from, of its fluence. */
 void ty_ordinates_walls_begin(ty_ordinates_job* job);
-/* What sweeps are told, to leave what arrives in an iterate. */
-ty_sweep_walls ty_ordinates_walls_of_sweep(ty_ordinates_job* job, int32_t iterate);
+/* Tells a sweep of walls and thick cells' skins; what arrives on the former is an iterate's, if there are none of the
+ * latter. */
+void ty_ordinates_set_sides(ty_ordinates_job* job, ty_sweep* sweep, int32_t iterate);
 double ty_ordinates_wall_area(const ty_ordinates_def* def, int32_t side);
 /* What the mixture sends, as part of ty_ordinates_emit; of the latest iterate, after a sweep, W to irradiance. Both
  * return all of it, W. */
@@ -111,6 +120,30 @@ void ty_ordinates_walls_balance(ty_ordinates_job* job, const float* arrived, dou
 
 /* Makes the first iterate, whose moments are there, what iterations start from. */
 void ty_ordinates_start(ty_ordinates_job* job);
+/* ---- thick cells: all nothing where there are none ---- */
+
+/* Finds them; in them `reduced` becomes that of ty_thick_find. Errors: TY_ERROR_MEMORY. */
+ty_result ty_ordinates_thick_find(ty_ordinates_job* job, float* reduced, const float* absorption);
+void ty_ordinates_thick_free(ty_ordinates_job* job);
+/* What arrives on skins of a start, of its fluence and flux. */
+void ty_ordinates_thick_begin(ty_ordinates_job* job);
+/* What the mixture sends, for sweeps, as part of ty_ordinates_emit, less what comes in through the box's faces without
+ * sweeps; and what arrives, of the latest iterate. Both return all of it, W. Of walls, too. */
+double ty_ordinates_thick_send(ty_ordinates_job* job);
+double ty_ordinates_thick_take(ty_ordinates_job* job);
+/* Of the mixture, what leaves the box from thick cells, W. */
+double ty_ordinates_thick_leaving(const ty_ordinates_job* job);
+/* What is amiss of their balances is part of the correction's source; returns what the sum of squares changes by. And
+ * what the correction e brings to them. */
+double ty_ordinates_thick_excess(ty_ordinates_job* job, bool first);
+void ty_ordinates_thick_correct(ty_ordinates_job* job, const float* e);
+/* What the latest iterate brings to walls of thick cells. */
+void ty_ordinates_thick_reach_walls(ty_ordinates_job* job);
+/* Adds changes and products, as part of ty_ordinates_correct. */
+void ty_ordinates_thick_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
+/* The moments of the latest iterate: fluence and flux. `terms` of each cell after one another. */
+void ty_ordinates_thick_fill(const ty_ordinates_job* job, float* cells, int32_t terms);
+
 /* What diffusion alone makes of the source, to start from. */
 void ty_ordinates_guess(ty_ordinates_job* job);
 /* A solution on cells twice as large, to start from: nothing where it would not save sweeps. Errors: as of

@@ -60,6 +60,8 @@ TY_INLINE double emit_row(const ty_ordinates_mixture* m, size_t begin, const int
         for (size_t t = 0; t < lows; ++t)
             emission[t] = scattering * share[t] * low[t * cells + x] + (fixed != NULL ? fixed[t] : 0);
         if (fixed == NULL) emission[0] += m->source[i];
+        /* Thick cells send what their skins do. */
+        if (m->thick != NULL && m->thick[i] >= 0) memset(emission, 0, sizeof *emission * terms);
         sum += (double)emission[0];
     }
     return sum;

@@ -11,8 +11,9 @@ typedef struct ty_ordinates_mixture {
     const float *moments[TY_ORDINATES_DEPTH], *low[TY_ORDINATES_DEPTH];
     float shares[TY_ORDINATES_DEPTH];
     const float *scattering, *g;
-    const float* source; /* of the first term alone, where `fixed` is NULL */
-    const float* fixed;  /* of all terms */
+    const float* source;  /* of the first term alone, where `fixed` is NULL */
+    const float* fixed;   /* of all terms */
+    const int32_t* thick; /* below 0: a cell that sweeps go through; NULL: all are */
     float *before, *emission;
 } ty_ordinates_mixture;
 

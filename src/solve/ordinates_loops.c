@@ -5,7 +5,6 @@
 #include "solve/ordinates_job.h"
 #include "solve/ordinates_kernel.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -21,7 +20,6 @@ typedef struct loop {
     const float* from;
     float *to, *reduced, *absorption;
     int32_t count, terms;
-    double limit;
 } loop;
 
 void ty_ordinates_planes(const ty_ordinates_job* job, ty_parallel_fn body, void* user) {
@@ -82,15 +80,14 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
         const double sigma = (double)def->extinction[i], scattering = (double)def->scattering[i];
         job->extinction[i] = (float)(sigma - forward * scattering);
         if (l->reduced == NULL) continue;
-        l->reduced[i] = (float)fmin(sigma - (def->bands > 1 ? g : forward) * scattering,
-                                    l->limit / fmax((1 - forward) * scattering, DBL_MIN));
+        l->reduced[i] = (float)(sigma - (def->bands > 1 ? g : forward) * scattering);
         l->absorption[i] = (float)(sigma - scattering);
     }
     job->sums[z].change = sound ? 0 : 1;
 }
 
-bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption, double limit) {
-    loop l = {.job = job, .reduced = reduced, .absorption = absorption, .limit = limit};
+bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption) {
+    loop l = {.job = job, .reduced = reduced, .absorption = absorption};
     ty_ordinates_planes(job, scale_plane, &l);
     return ty_ordinates_total(job).change <= 0;
 }
@@ -166,6 +163,7 @@ static ty_ordinates_mixture mixture_of(const ty_ordinates_job* job) {
     m.g = job->def->g;
     m.source = job->def->source[0];
     m.fixed = job->fixed;
+    m.thick = job->thick.count > 0 ? job->thick.slots : NULL;
     m.before = job->before;
     m.emission = job->emission;
     return m;
@@ -197,7 +195,8 @@ double ty_ordinates_emit(ty_ordinates_job* job) {
     loop l = {.job = job};
     ty_ordinates_planes(job, emit_plane, &l);
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
-    return ty_ordinates_total(job).emitted + (ty_ordinates_walls_send(job) + job->stats->entering) / volume;
+    const double walls = ty_ordinates_walls_send(job), skins = ty_ordinates_thick_send(job);
+    return ty_ordinates_total(job).emitted + (walls + skins + job->stats->entering) / volume;
 }
 
 /* ---- energy ---- */

@@ -49,27 +49,36 @@ void ty_ordinates_walls_begin(ty_ordinates_job* job) {
     }
 }
 
-ty_sweep_walls ty_ordinates_walls_of_sweep(ty_ordinates_job* job, int32_t iterate) {
+void ty_ordinates_set_sides(ty_ordinates_job* job, ty_sweep* sweep, int32_t iterate) {
     const ty_ordinates_walls* walls = &job->def->walls;
-    return (ty_sweep_walls){.count = walls->count,
-                            .first = walls->first,
-                            .x = walls->x,
-                            .face = walls->face,
-                            .sent = job->walls_sent,
-                            .arrived = job->walls_arrived[iterate]};
+    job->walls = (ty_sweep_walls){.count = walls->count,
+                                  .first = walls->first,
+                                  .x = walls->x,
+                                  .face = walls->face,
+                                  .sent = job->walls_sent,
+                                  .arrived = job->walls_arrived[iterate]};
+    if (job->thick.count > 0) job->walls = job->thick.sides;
+    if (job->walls.count > 0) ty_sweep_set_walls(sweep, &job->walls);
+}
+
+/* Whether a side is a thick cell's, of which sweeps know nothing. */
+static bool is_thick(const ty_ordinates_job* job, int32_t side, int64_t row) {
+    return job->thick.count > 0 && job->thick.slots[row * job->def->size[0] + job->def->walls.x[side]] >= 0;
 }
 
 double ty_ordinates_walls_send(ty_ordinates_job* job) {
     const ty_ordinates_walls* walls = &job->def->walls;
     double sum = 0;
+    int64_t row = 0;
     for (int32_t i = 0; i < walls->count; ++i) {
         double arrived = 0;
+        row = row_of_side(walls, i, row);
         for (int32_t k = 0; k < job->count; ++k)
             if (job->shares[k] != 0) arrived += job->shares[k] * (double)job->walls_arrived[k][i];
         const double sent = (double)walls->emission[i] + (double)walls->albedo[i] / PI * arrived;
         job->walls_before[i] = (float)arrived;
         job->walls_sent[i] = sent > 0 ? (float)sent : 0;
-        sum += PI * (double)job->walls_sent[i] * ty_ordinates_wall_area(job->def, i);
+        if (!is_thick(job, i, row)) sum += PI * (double)job->walls_sent[i] * ty_ordinates_wall_area(job->def, i);
     }
     return sum;
 }
@@ -146,6 +155,8 @@ double ty_ordinates_walls_excess(ty_ordinates_job* job, bool first) {
     for (int64_t row = 0, side = 0; side < walls->count; ++row)
         for (; side < walls->first[row + 1]; ++side) {
             const wall_cell c = cell_of(job, (int32_t)side, row);
+            ty_correction_rest(job->correction)[side] = 0;
+            if (is_thick(job, (int32_t)side, row)) continue;
             const float albedo = walls->albedo[side], slope = ty_correction_slope(job->correction)[side];
             const float more = job->walls_arrived[job->latest][side] - job->walls_before[side];
             const float sent = (first ? (float)PI * walls->emission[side] : albedo * more) / (float)SQRT_4PI;
@@ -167,6 +178,7 @@ void ty_ordinates_walls_correct(ty_ordinates_job* job, const float* e) {
     for (int64_t row = 0, side = 0; side < walls->count; ++row)
         for (; side < walls->first[row + 1]; ++side) {
             const wall_cell c = cell_of(job, (int32_t)side, row);
+            if (is_thick(job, (int32_t)side, row)) continue;
             const float flux = c.flux >= 0 ? change[c.flux] : 0, here = e[c.box];
             const float flow =
                 ty_correction_slope(job->correction)[side] * here + ty_correction_rest(job->correction)[side];
@@ -187,14 +199,12 @@ void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums) 
     const double square = to_harmonic * to_harmonic;
     double change = 0, light = 0, emitted, absorbed;
     ty_ordinates_walls_balance(job, arrived, &emitted, &absorbed);
-    absorbed -= emitted;
+    sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI);
     for (int32_t i = 0; i < walls->count; ++i) {
         changes[i] = arrived[i] - before[i];
         change += (double)changes[i] * (double)changes[i];
         light += (double)arrived[i] * (double)arrived[i];
     }
-    if (job->limited)
-        sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI);
     sums->change += square * change;
     sums->fluence += square * light;
     for (int32_t k = 0; k < job->count; ++k) {

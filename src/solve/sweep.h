@@ -31,6 +31,7 @@ typedef struct ty_sweep_walls {
     const int32_t* x;     /* the cell that a side is of */
     const uint8_t* face;  /* which of its faces: 2 * axis, and 1 more for the upper one */
     const float* sent;    /* radiance that a side sends, the same in all directions into its cell */
+    const float* tilt;    /* and with their cosines: times half a cell's edge along the face's axis; NULL: none */
     float* arrived;       /* W that arrive on it; sweeps replace them */
 } ty_sweep_walls;
 

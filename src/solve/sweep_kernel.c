@@ -232,6 +232,14 @@ TY_INLINE lanes all_of(float value) {
     return (lanes){0} + value;
 }
 
+/* What a side sends into its cell. */
+static lanes sent_by(const row_walls* row, int32_t side) {
+    const ty_sweep_walls* walls = row->box->walls;
+    const lanes even = all_of(walls->sent[side]);
+    if (walls->tilt == NULL) return even;
+    return even + walls->tilt[side] * load(row->box->twice[walls->face[side] / 2] + row->group * LANES);
+}
+
 static void arrive(const row_walls* row, int32_t side, int32_t axis, lanes light) {
     const lanes power = load(row->box->through[axis] + row->group * LANES) * light;
     float sum = 0;
@@ -250,7 +258,7 @@ static void pass_sides(const row_walls* row, const stream streams[2], bool after
         for (int o = 0; o < 2; ++o) {
             float* face = (axis == 1 ? streams[o].face_y : streams[o].face_z) + walls->x[side] * LANES;
             if (after) arrive(row, side, axis, load(face));
-            store(face, all_of(after ? 0.0f : walls->sent[side]));
+            store(face, after ? all_of(0) : sent_by(row, side));
         }
     }
 }
@@ -276,8 +284,8 @@ static void advance_walls(const row_walls* row, const float* extinction, const r
         end = high_is ? walls->x[high] + 1 : box->size[0];
         streams[0].along = inflow[0];
         streams[1].along = inflow[1];
-        if (low_is) streams[0].along = all_of(walls->sent[low]);
-        if (high_is) streams[1].along = all_of(walls->sent[high]);
+        if (low_is) streams[0].along = sent_by(row, low);
+        if (high_is) streams[1].along = sent_by(row, high);
         advance(box, row->group, extinction, scratch, begin, end, streams, sums);
         if (high_is)
             arrive(row, high, 0, streams[0].along);

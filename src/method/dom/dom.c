@@ -84,6 +84,7 @@ void ty_dom_destroy(ty_dom* light) {
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
+        if (light->seen[c] != NULL) ty_free_array(context, light->seen[c], 6 * light->cells, sizeof(float));
         ty_free_array(context, light->surfaces[c], light->cells, bytes);
     }
     const size_t sides = light->walls != NULL ? (size_t)light->walls->count : 0;

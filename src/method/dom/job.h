@@ -59,6 +59,7 @@ struct ty_dom {
     bool shared; /* whether all channels are the first one's, times color */
     float color[3];
     float* moments[3];  /* of what has scattered, W m^-2 */
+    float* seen[3];     /* as ty_ordinates_def has it; NULL: no cell is so thick */
     float* surfaces[3]; /* of what surfaces sent and has not scattered since; NULL: of none, or part of sources */
     /* Sides of walls: irradiance that what has scattered brings in cells' faces, and of it, in the surface itself, what
        has scattered nearly straight on. */

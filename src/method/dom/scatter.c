@@ -146,6 +146,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.scattering = job->coarse->scattering[plane];
     def.g = job->coarse->g[plane];
     def.source = source;
+    def.seen = light->seen[channel];
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
@@ -177,6 +178,16 @@ static bool is_dark(const ty_dom_job* job, int32_t channel) {
     return ty_dom_walls_are_dark(job, channel);
 }
 
+/* Whether cells may be diffusion's. */
+static bool is_thick(const ty_dom_job* job, int32_t channel) {
+    const double* cell = job->coarse->cell;
+    const float* extinction = job->coarse->extinction[job->light->planes == 3 ? channel : 0];
+    const double longest = fmax(fmax(cell[0], cell[1]), cell[2]);
+    for (size_t i = 0; i < job->light->cells; ++i)
+        if ((double)extinction[i] * longest > TY_ORDINATES_THICK) return true;
+    return false;
+}
+
 /* Places for the moments of all channels, and the channels there is anything to solve for. */
 static ty_result choose_channels(scattering* all) {
     ty_dom_job* job = all->job;
@@ -185,7 +196,10 @@ static ty_result choose_channels(scattering* all) {
         const bool dark = is_dark(job, c);
         light->moments[c] = ty_alloc_array(job->context, light->cells, term_count(light->kept) * sizeof(float), dark);
         if (light->moments[c] == NULL) return TY_ERROR_MEMORY;
-        if (!dark) all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
+        if (dark) continue;
+        if (is_thick(job, c)) light->seen[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
+        if (is_thick(job, c) && light->seen[c] == NULL) return TY_ERROR_MEMORY;
+        all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
     }
     return TY_OK;
 }

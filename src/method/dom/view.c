@@ -43,6 +43,20 @@ void ty_dom_way(const ty_dom* light, const int32_t cell[3], const double eye[3],
     for (int a = 0; a < 3; ++a) way[a] = square > 0 ? way[a] / sqrt(square) : a == 2;
 }
 
+/* Of the fluence that a thick cell's faces show an eye, what it is more than the cell's mean. */
+static double seen_more(const ty_dom* light, int32_t channel, size_t cell, const double way[3]) {
+    double sum = 0, weights = 0;
+    if (light->seen[channel] == NULL) return 0;
+    for (int face = 0; face < 6; ++face) {
+        const double seen = (double)light->seen[channel][6 * cell + (size_t)face];
+        const double weight = (face & 1) != 0 ? way[face / 2] : -way[face / 2];
+        if (seen < 0 || weight <= 0) continue;
+        sum += weight * seen;
+        weights += weight;
+    }
+    return weights > 0 ? sum / weights - (double)light->moments[channel][cell] : 0;
+}
+
 static void send_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const send_job* job = user;
@@ -57,7 +71,7 @@ static void send_row(void* user, int64_t row, int32_t worker) {
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
             const float* surfaces = light->surfaces[c];
-            double sum = 0, power = 1;
+            double sum = y[0] * seen_more(light, c, at, way), power = 1;
             for (int32_t l = 0; l < light->kept; ++l, power *= g)
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
                     const size_t item = light->cells * (size_t)t + at;
