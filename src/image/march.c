@@ -154,11 +154,12 @@ static void pack_plane(void* user, int64_t z, int32_t worker) {
 }
 
 /* Brings a cell's terms together, so that one look finds them in a cache line. */
-static ty_result pack_field(march_job* job, const ty_source_field* field, march_cells* cells, ty_upsample_view* view) {
+static ty_result pack_field(march_job* job, const ty_source_field* field, const ty_cuts* cuts, march_cells* cells,
+                            ty_upsample_view* view) {
     const int32_t* size = field->box.size;
     view->place = place_cells(&field->box);
     view->channels = field->shared ? 1 : 3;
-    view->cuts = ty_cuts_get_view(job->def->cuts);
+    view->cuts = ty_cuts_get_view(cuts);
     view->terms = field->term_count;
     view->floats = field->term_count == 1 ? TY_UPSAMPLE_PLAIN
                    : field->shared        ? TY_UPSAMPLE_SHARED
@@ -173,7 +174,7 @@ static ty_result pack_field(march_job* job, const ty_source_field* field, march_
     pack_job pack = {field, view, cells->floats};
     ty_parallel_for(job->context, size[2], pack_plane, &pack);
     if (!job->def->keeps_means) return TY_OK;
-    return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, job->def->cuts,
+    return ty_sharpen_cells(job->context, size, view->floats, view->terms, view->channels * view->terms, cuts,
                             cells->floats);
 }
 
@@ -182,10 +183,10 @@ static ty_result pack_fields(march_job* job) {
     ty_march_request* request = &job->request;
     if (def->field == NULL) return TY_OK;
     request->has_field = 1;
-    const ty_result result = pack_field(job, def->field, &job->cells, &request->field);
+    const ty_result result = pack_field(job, def->field, def->cuts, &job->cells, &request->field);
     request->surface_field = request->field;
     if (result != TY_OK || def->surface_field == NULL) return result;
-    return pack_field(job, def->surface_field, &job->surface_cells, &request->surface_field);
+    return pack_field(job, def->surface_field, NULL, &job->surface_cells, &request->surface_field);
 }
 
 static ty_result prepare(march_job* job, const ty_scene* scene) {

@@ -36,8 +36,8 @@ typedef struct ty_march_def {
                         (1, g above 0 alone: a reduced beam); default 0: sigma_t */
     const ty_source_field* field;         /* multiply scattered light; NULL (default): none */
     const ty_source_field* surface_field; /* what of it surfaces are lit by; NULL (default): field */
-    const ty_cuts* cuts; /* surfaces between the fields' cells, across which nothing is interpolated; NULL (default):
-                            none that are known of */
+    const ty_cuts* cuts; /* surfaces between field's cells, across which nothing of it is interpolated for media; NULL
+                            (default): none that are known of */
     const ty_image* unscattered; /* R, G, B: radiance that no medium scattered, extinction by media included, in the
                                     same pixels; NULL (default): the environment behind the media's transmittance,
                                     and surfaces show only the scattered light that they reflect, which is there with

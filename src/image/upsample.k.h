@@ -135,9 +135,6 @@ TY_FN void ty_upsample(const ty_upsample_view* view, ty_vec point, float extinct
     ty_upsample_terms(view, eight, weight, way, even, directed, third);
 }
 
-/* Off a surface by this much, in cells, it is told which side of it is meant. */
-#define TY_UPSAMPLE_ASIDE 0.25f
-
 /* What arrives on a surface with a unit normal, W m^-2: of radiance even + directed . way, pi even - 2 pi / 3 directed
  * . normal. The point is inside the box. */
 TY_FN void ty_upsample_irradiance(const ty_upsample_view* view, ty_vec cells, ty_vec normal, float irradiance[3]) {
@@ -146,8 +143,6 @@ TY_FN void ty_upsample_irradiance(const ty_upsample_view* view, ty_vec cells, ty
     float weight[8], even[3], directed[3], third[3];
     ty_upsample_cells(view, &at, eight);
     ty_upsample_weights(&at, weight);
-    if (view->cuts.of_cell != NULL)
-        ty_cuts_weigh(&view->cuts, at.base, ty_mad(cells, normal, TY_UPSAMPLE_ASIDE), weight);
     ty_upsample_terms(view, eight, weight, normal, even, directed, third);
     for (int c = 0; c < 3; ++c) irradiance[c] = ty_maxf(0.0f, TY_PI * (even[c] - 2.0f / 3.0f * directed[c]));
 }

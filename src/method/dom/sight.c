@@ -18,6 +18,7 @@ typedef struct sight_job {
     const ty_dom* light;
     const ty_mesh* mesh;
     const double* eye;
+    const ty_cuts* cuts;      /* NULL: none */
     uint8_t *hidden, *marked; /* as they are, and with another layer */
     int32_t layer;
     float* plane;
@@ -68,8 +69,8 @@ static bool is_before(uint8_t hidden, int32_t layer) {
     return hidden == SEEN || (hidden >= FIRST_LAYER && hidden < layer);
 }
 
-/* The weights of cells about one that are before a layer, the larger the nearer they are; *mean: of a plane by them
- * (NULL: of none). */
+/* The weights of cells about one that it is joined to and that are before a layer, the larger the nearer they are;
+ * *mean: of a plane by them (NULL: of none). */
 static float sum_about(const sight_job* job, const int32_t at[3], int32_t layer, const float* plane, float* mean) {
     const int32_t* size = job->light->box.size;
     float sum = 0, total = 0;
@@ -80,6 +81,7 @@ static float sum_about(const sight_job* job, const int32_t at[3], int32_t layer,
         bool inside = square > 0;
         for (int a = 0; a < 3; ++a) inside = inside && next[a] >= 0 && next[a] < size[a];
         if (!inside || !is_before(job->hidden[cell_at(size, next)], layer)) continue;
+        if (job->cuts != NULL && !ty_cuts_join(job->cuts, at, next)) continue;
         if (plane != NULL) sum += plane[cell_at(size, next)] / (float)square;
         total += 1 / (float)square;
     }
@@ -129,8 +131,8 @@ ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double e
     return whole ? TY_OK : TY_ERROR_MEMORY;
 }
 
-void ty_dom_cover_hidden(const ty_dom* light, const uint8_t* hidden, float* plane) {
-    sight_job job = {.light = light, .hidden = (uint8_t*)hidden, .plane = plane, .visit = fill};
+void ty_dom_cover_hidden(const ty_dom* light, const ty_cuts* cuts, const uint8_t* hidden, float* plane) {
+    sight_job job = {.light = light, .cuts = cuts, .hidden = (uint8_t*)hidden, .plane = plane, .visit = fill};
     if (hidden == NULL) return;
     for (job.layer = FIRST_LAYER; job.layer < FIRST_LAYER + LAYERS; ++job.layer)
         ty_parallel_flushed(light->context, rows_of(light), visit_row, &job);

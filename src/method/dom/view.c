@@ -93,7 +93,7 @@ static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) 
     send_job job = {light, eye, f->sent};
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
     if (light->lobes) ty_dom_mend_lobes(light, eye, f->sent);
-    for (int32_t c = 0; c < ty_dom_channels(light); ++c) ty_dom_cover_hidden(light, f->hidden, f->sent[c]);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) ty_dom_cover_hidden(light, f->cuts, f->hidden, f->sent[c]);
     return TY_OK;
 }
 
@@ -117,7 +117,7 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
         }
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
         ty_dom_turn_to_walls(light, c, f->incident[c]);
-        for (int t = 0; t < TY_FIELD_TERMS; ++t) ty_dom_cover_hidden(light, f->hidden, f->incident[c][t]);
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) ty_dom_cover_hidden(light, NULL, f->hidden, f->incident[c][t]);
     }
     return TY_OK;
 }

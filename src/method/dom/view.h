@@ -3,6 +3,7 @@
 #define TY_METHOD_DOM_VIEW_H
 
 #include "direct/field.h"
+#include "image/cuts.h"
 #include "method/dom/job.h"
 
 /* The unit vector from a cell's middle to the eye. */
@@ -20,8 +21,9 @@ ty_result ty_dom_send_parts(const ty_dom* light, const double eye[3], int32_t ch
 /* Which cells surfaces hide from an eye; NULL where there are no walls. Freed with ty_free_array of as many bytes as
  * there are cells. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double eye[3], uint8_t** hidden);
-/* Gives hidden cells of a plane that are beside others what these have. hidden: NULL: does nothing. */
-void ty_dom_cover_hidden(const ty_dom* light, const uint8_t* hidden, float* plane);
+/* Gives hidden cells of a plane that are beside others what these have; cuts (NULL: none): those that are not behind
+ * them, which interpolation keeps apart by itself. hidden: NULL: does nothing. */
+void ty_dom_cover_hidden(const ty_dom* light, const ty_cuts* cuts, const uint8_t* hidden, float* plane);
 
 /* Turns the light of cells beside walls (a channel's, as a source field has it) such that it brings to them what
  * arrives there, which the first moments alone do not say. */
