@@ -69,7 +69,9 @@ typedef struct slab_case {
     double sigma_s, sigma_a, g, reflected, transmitted;
 } slab_case;
 
-enum { SLAB_WIDTH = 8, SLAB_CELLS = 192, SLAB_LAYERS = SLAB_CELLS / SLAB_WIDTH, WAYS = 4096 };
+/* So wide that what leaves by its sides is missed by less than the middle is measured to: 8 m lose 1 % of R, 6 m 4 %.
+ */
+enum { SLAB_WIDTH = 12, SLAB_CELLS = 192, SLAB_LAYERS = SLAB_CELLS / SLAB_WIDTH, WAYS = 4096 };
 
 /* The net flux downwards at a point, of light that has scattered. */
 static double flux_down(ty_context* context, const ty_dom* light, const double point[3]) {
