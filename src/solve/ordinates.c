@@ -199,20 +199,17 @@ static bool has_edges(const ty_ordinates_job* job) {
     return false;
 }
 
-/* Where iterations begin: at what the caller has, or the solution on coarser cells, or what diffusion makes of the
- * source; always at the last where they would not mend what of others varies slowly. */
+/* Where iterations begin: at what the caller has, or at what diffusion makes of the source; always at the latter where
+ * they would not mend what of the former varies slowly. */
 static ty_result begin(ty_ordinates_job* job) {
     const ty_ordinates_def* def = job->def;
     job->limited = job->correction != NULL && has_thick_cells(job);
-    ty_result result = TY_OK;
     if (def->start != NULL && !job->limited) {
         ty_ordinates_gather(job, def->start, job->terms, job->moments[0]);
         ty_ordinates_start(job);
     } else if (job->correction != NULL) {
-        if (!job->limited) result = ty_ordinates_start_coarse(job);
-        if (result == TY_OK && job->count == 0) ty_ordinates_guess(job);
+        ty_ordinates_guess(job);
     }
-    if (result != TY_OK) return result;
     ty_ordinates_walls_begin(job);
     if (!job->limited) return TY_OK;
     end_correction(job);
@@ -302,7 +299,8 @@ static void store(ty_ordinates_job* job, float* const* moments) {
 
 static ty_result solve(ty_ordinates_job* job, float* const* moments) {
     ty_result result = prepare(job);
-    if (result == TY_OK) result = ty_ordinates_iterate(job);
+    if (result != TY_OK) return result;
+    result = ty_ordinates_iterate(job);
     end_correction(job);
     if (result == TY_OK && job->def->kept > job->def->bands) return sweep_kept(job, moments);
     if (result == TY_OK || result == TY_CANCELLED) store(job, moments);

@@ -113,9 +113,6 @@ void ty_ordinates_walls_balance(ty_ordinates_job* job, const float* arrived, dou
 void ty_ordinates_start(ty_ordinates_job* job);
 /* What diffusion alone makes of the source, to start from. */
 void ty_ordinates_guess(ty_ordinates_job* job);
-/* A solution on cells twice as large, to start from: nothing where it would not save sweeps. Errors: as of
- * ty_ordinates_solve. */
-ty_result ty_ordinates_start_coarse(ty_ordinates_job* job);
 /* Iterates until the def says to end: TY_OK or TY_CANCELLED. The result is the latest iterate. */
 ty_result ty_ordinates_iterate(ty_ordinates_job* job);
 
