@@ -256,50 +256,6 @@ static void a_start_saves_sweeps_and_changes_nothing_else(void** state) {
     free_problem(&none);
 }
 
-/* The same with all of its moments, which thin boxes of many cells take coarser ones for. */
-static void fill_directed_beam(problem* p, size_t i, const double at[3]) {
-    const double g = (double)p->g[i], cut = pow(g, p->def.bands);
-    fill_beam(p, i, at);
-    for (int l = p->def.bands - 1; l >= 0; --l) {
-        const double along = sqrt(2 * l + 1) * (l % 2 == 0 ? 1 : -1); /* Y_l0 at -z over Y_00 */
-        p->source[l * (l + 1)][i] = (float)(along * (pow(g, l) - cut) / (1 - cut) * (double)p->source[0][i]);
-    }
-}
-
-static void coarse_cells_save_work_and_change_nothing_else(void** state) {
-    static const int32_t size[3] = {28, 27, 25}, few[3] = {28, 27, 21};
-    double left[2]; /* estimates after two sweeps */
-    for (int box = 0; box < 2; ++box) {
-        problem p = make_problem(*state, box == 0 ? size : few, 5, 10, 0.7);
-        problem dark = make_problem(*state, box == 0 ? size : few, 5, 10, 0.7);
-        float* none = make_floats(p.cells);
-        const float* start[25];
-        for (int t = 0; t < 25; ++t) start[t] = none;
-        dark.def.start = start;
-        p.def.source_terms = dark.def.source_terms = 25;
-        fill_problem(&p, fill_directed_beam);
-        fill_problem(&dark, fill_directed_beam);
-        solve(*state, &p);
-        solve(*state, &dark);
-        assert_energy(&p);
-        double history[2];
-        assert_int_equal(ty_ordinates_solve(*state, &p.def, p.moments, history, 2, &p.stats), TY_OK);
-        left[box] = history[1];
-        for (int t = 0; t < 25; ++t) {
-            double off = 0, all = 0;
-            for (size_t i = 0; i < p.cells; ++i) {
-                off += pow((double)p.moments[t][i] - (double)dark.moments[t][i], 2);
-                all += pow((double)dark.moments[0][i], 2);
-            }
-            if (!(off < 2e-3 * 2e-3 * all)) fail_msg("term %d: %g", t, sqrt(off / all));
-        }
-        free(none);
-        free_problem(&p);
-        free_problem(&dark);
-    }
-    if (!(left[0] < 0.5 * left[1])) fail_msg("%g is left, and %g without coarse cells", left[0], left[1]);
-}
-
 /* Where corrections leave slow changes to diffusion, a start that is far off is not gone on with. */
 static void thick_cells_need_no_start(void** state) {
     problem p = make_cube(*state, 16, 1, 1000, 0), started = make_cube(*state, 16, 1, 1000, 0);
@@ -463,7 +419,6 @@ int main(void) {
         cmocka_unit_test(thick_boxes_diffuse),
         cmocka_unit_test(sweeps_hardly_depend_on_thickness),
         cmocka_unit_test(a_start_saves_sweeps_and_changes_nothing_else),
-        cmocka_unit_test(coarse_cells_save_work_and_change_nothing_else),
         cmocka_unit_test(thick_cells_need_no_start),
         cmocka_unit_test(more_moments_can_be_kept),
         cmocka_unit_test(threads_change_nothing),
