@@ -40,10 +40,11 @@ static float scattered(const ty_single_light* light, ty_vec point, ty_vec way, f
     const ty_vec cells = ty_scale(ty_add(point, ty_vec_make(1, 1, 1)), per_cell);
     const ty_cell_point at = ty_cell_locate(size, cells);
     static const float whole[TY_SINGLE_FLUENCES][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
-    float out[3] = {0, 0, 0}, again[3] = {0, 0, 0};
-    ty_single_scattered(light, point, &at, way, whole, gs, out, again);
-    assert_true(again[1] == 0);
-    return out[1];
+    static const ty_forward_fit none = {.bands = 0};
+    ty_single_sent sent = {{0}, {0}, {0}};
+    ty_single_scattered(light, point, &at, way, whole, gs, &none, &sent);
+    assert_true(sent.again[1] == 0 && sent.aside[1] == 0);
+    return sent.first[1];
 }
 
 static void beams_keep_their_phase_function(void** state) {

@@ -17,6 +17,19 @@ typedef struct ty_forward {
     float cosine; /* 1: a line; 0..1 */
 } ty_forward;
 
+/* A phase function whose peak counts as light that goes straight on, outside of which its first Legendre moments are
+ * fitted to it: c_l, l < bands. */
+enum { TY_FORWARD_BANDS_MAX = 12 };
+typedef struct ty_forward_fit {
+    int32_t bands; /* 0: none, phase functions are cut after L bands instead (delta-M) */
+    float straight;
+    float moments[TY_FORWARD_BANDS_MAX];
+} ty_forward_fit;
+
+/* Cosines up to which there is nothing of a peak, and from which all of it is. */
+#define TY_FORWARD_BESIDE 0.7f
+#define TY_FORWARD_WITHIN 0.9f
+
 /* (4 pi HG(x) - 1) / x, which is 3 mu at x = 0. */
 TY_FN float ty_hg_slope(float mu, float x) {
     const float base = ty_maxf((1.0f - x) * (1.0f - x) + 2.0f * x * (1.0f - mu), 1e-10f);
@@ -84,6 +97,24 @@ TY_FN float ty_forward_beyond(ty_forward light, float mu, float g, int32_t order
     float below;
     const float tail = ty_forward_tail(ty_forward_cosine(light.straight, light.kept, light.bent), mu, g, order, &below);
     return ty_maxf(0.0f, light.kept - light.straight) * TY_INV_4PI * (below + tail);
+}
+
+/* How much of what is at cosine mu belongs to the peak. */
+TY_FN float ty_forward_share(float mu) {
+    const float x = ty_clampf((mu - TY_FORWARD_BESIDE) * (1.0f / (TY_FORWARD_WITHIN - TY_FORWARD_BESIDE)), 0.0f, 1.0f);
+    return x * x * (3.0f - 2.0f * x);
+}
+
+/* The fitted phase function. */
+TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
+    float before = 0.0f, now = 1.0f, sum = 0.0f;
+    for (int32_t l = 0; l < fit->bands; ++l) {
+        sum += (float)(2 * l + 1) * fit->moments[l] * now;
+        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        before = now;
+        now = next;
+    }
+    return TY_INV_4PI * sum;
 }
 
 /* What of the light that has not scattered does so, the same. */

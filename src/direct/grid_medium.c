@@ -383,6 +383,7 @@ enum { REDUCED_AT_ONCE = 1 << 10 };
 typedef struct reduction {
     const ty_grid_medium* medium;
     int32_t order;
+    float share; /* times g^order */
     float* const* planes;
 } reduction;
 
@@ -396,15 +397,22 @@ static void reduce_some(void* user, int64_t index, int32_t worker) {
     for (int32_t c = 0; c < medium->planes; ++c) {
         const float *g = medium->g[c] + begin, *scattering = medium->scattering[c] + begin;
         const float* extinction = medium->extinction[c] + begin;
-        for (size_t i = 0; i < count; ++i) forward[i] = scattering[i];
+        for (size_t i = 0; i < count; ++i) forward[i] = job->share * scattering[i];
         for (int32_t l = 0; l < job->order; ++l)
             for (size_t i = 0; i < count; ++i) forward[i] *= g[i];
         for (size_t i = 0; i < count; ++i) job->planes[c][begin + i] = ty_maxf(0, extinction[i] - forward[i]);
     }
 }
 
+static void reduce(reduction job) {
+    const size_t chunks = (job.medium->cells + REDUCED_AT_ONCE - 1) / REDUCED_AT_ONCE;
+    ty_parallel_for(job.medium->context, (int64_t)chunks, reduce_some, &job);
+}
+
 void ty_grid_medium_reduce(const ty_grid_medium* medium, int32_t order, float* const planes[3]) {
-    reduction job = {medium, order, planes};
-    ty_parallel_for(medium->context, (int64_t)((medium->cells + REDUCED_AT_ONCE - 1) / REDUCED_AT_ONCE), reduce_some,
-                    &job);
+    reduce((reduction){medium, order, 1, planes});
+}
+
+void ty_grid_medium_reduce_by(const ty_grid_medium* medium, float share, float* const planes[3]) {
+    reduce((reduction){medium, 0, share, planes});
 }

@@ -70,11 +70,31 @@ TY_FN float ty_cell_value(TY_GLOBAL const float* plane, const ty_cell_point* p) 
 /* Which of a light's fluences passes: R (all of it, where there are no lobes), U and S. */
 enum { TY_SINGLE_KEPT = 0, TY_SINGLE_STRAIGHT = 1, TY_SINGLE_BENT = 2, TY_SINGLE_FLUENCES = 3 };
 
-/* A light with lobes: adds what its three fluences, times passing, scatter at cosine mu, for the first time and again.
- */
+/* What lights scatter along a way, per scattering coefficient. */
+typedef struct ty_single_sent {
+    float first[3]; /* what scatters there for the first time; of lights without lobes, all of it */
+    float again[3]; /* what is part of the multiply scattered light, which may be below 0 */
+    float aside[3]; /* with a fit: what of both is seen through what scatters nearly straight on, too */
+} ty_single_sent;
+
+/* Of a light with lobes where phase functions are fitted. Within the peak it is what delta-M makes of it, less what
+ * the fit has there; beyond it the phase function of all that goes about straight, which is seen through as much. */
+TY_FN void ty_single_beside(ty_forward forward, float mu, float g, TY_GLOBAL const ty_forward_fit* fit, float color,
+                            int32_t c, ty_single_sent* sent) {
+    const float share = ty_forward_share(mu), phase = ty_hg(mu, g), fitted = ty_forward_fitted(fit, mu);
+    const float straight = forward.straight * phase;
+    float peak = -straight;
+    if (share > 0.0f)
+        peak += share * (straight + ty_forward_beyond(forward, mu, g, fit->bands) - forward.kept * fitted);
+    sent->first[c] += color * straight;
+    sent->again[c] += color * peak;
+    sent->aside[c] += color * forward.kept * (phase + share * (fitted - phase));
+}
+
+/* A light with lobes: adds what its three fluences, times passing, scatter at cosine mu. */
 TY_FN void ty_single_forward(const ty_single_light* light, const ty_cell_point* at, float mu,
-                             const float passing[TY_SINGLE_FLUENCES][3], const float g[3], float scattered[3],
-                             float again[3]) {
+                             const float passing[TY_SINGLE_FLUENCES][3], const float g[3],
+                             TY_GLOBAL const ty_forward_fit* fit, ty_single_sent* sent) {
     const int32_t planes = light->shared != 0 ? 1 : 3;
     float fluence[TY_SINGLE_FLUENCES][3];
     for (int32_t c = 0; c < planes; ++c) {
@@ -88,9 +108,13 @@ TY_FN void ty_single_forward(const ty_single_light* light, const ty_cell_point* 
         const ty_forward forward = {fluence[TY_SINGLE_STRAIGHT][plane] * passing[TY_SINGLE_STRAIGHT][c],
                                     fluence[TY_SINGLE_KEPT][plane] * passing[TY_SINGLE_KEPT][c],
                                     fluence[TY_SINGLE_BENT][plane] * passing[TY_SINGLE_BENT][c], 1.0f};
-        scattered[c] += color * ty_forward_straight(forward, mu, g[c]);
-        again[c] += color * (light->lobes == 1 ? ty_forward_scattered(forward, mu, g[c])
-                                               : ty_forward_beyond(forward, mu, g[c], light->lobes));
+        if (fit->bands > 0) {
+            ty_single_beside(forward, mu, g[c], fit, color, c, sent);
+            continue;
+        }
+        sent->first[c] += color * ty_forward_straight(forward, mu, g[c]);
+        sent->again[c] += color * (light->lobes == 1 ? ty_forward_scattered(forward, mu, g[c])
+                                                     : ty_forward_beyond(forward, mu, g[c], light->lobes));
     }
 }
 
@@ -101,14 +125,12 @@ TY_FN float ty_single_cosine(const ty_single_light* light, ty_vec point, ty_vec 
     return ty_dot(off, way) / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
 }
 
-/* Light that a point scatters along `way`, per scattering coefficient; of lights with lobes, what scatters there for
- * the first time, and `again` what is part of the multiply scattered light (which may be below 0). passing: times which
- * the light's fluences are there. */
+/* Adds the light that a point scatters along `way`. passing: times which the light's fluences are there. */
 TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const ty_cell_point* at, ty_vec way,
-                               const float passing[TY_SINGLE_FLUENCES][3], const float g[3], float scattered[3],
-                               float again[3]) {
+                               const float passing[TY_SINGLE_FLUENCES][3], const float g[3],
+                               TY_GLOBAL const ty_forward_fit* fit, ty_single_sent* sent) {
     if (light->lobes != 0) {
-        ty_single_forward(light, at, ty_single_cosine(light, point, way), passing, g, scattered, again);
+        ty_single_forward(light, at, ty_single_cosine(light, point, way), passing, g, fit, sent);
         return;
     }
     const int32_t planes = light->shared != 0 ? 1 : 3;
@@ -125,7 +147,7 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
     }
     if (light->kind >= TY_SINGLE_MANY) {
         for (int32_t c = 0; c < 3; ++c)
-            scattered[c] +=
+            sent->first[c] +=
                 passing[TY_SINGLE_KEPT][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
     }
@@ -133,7 +155,7 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
     float phase = 0.0f;
     for (int32_t c = 0; c < 3; ++c) {
         if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);
-        scattered[c] += passing[TY_SINGLE_KEPT][c] * phase * fluence[c];
+        sent->first[c] += passing[TY_SINGLE_KEPT][c] * phase * fluence[c];
     }
 }
 

@@ -205,6 +205,7 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->lights = def->lights;
     request->light_count = def->light_count;
     request->reduced = def->reduced;
+    if (def->fit != NULL) request->fit = *def->fit;
     return pack_fields(job);
 }
 

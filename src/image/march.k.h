@@ -14,6 +14,7 @@
 /* What a ray brings. */
 typedef struct ty_march_light {
     float transmittance[3], glow[3], single[3], multiple[3];
+    float aside[3]; /* transmittance for light that may scatter nearly straight on: with a fit alone */
 } ty_march_light;
 
 typedef struct ty_march_ray {
@@ -41,10 +42,16 @@ typedef struct ty_march_scattering {
     float amount[3], forward[3], third[3];
 } ty_march_scattering;
 
-/* What one medium scatters and sends at a point, times how much of it is seen: reach is transmittance times the mean
- * decay over the step. Adds to scattering what the field's light is scattered by. */
+/* How much is seen of what a step sends: transmittance times the mean decay over it; aside: of what may scatter nearly
+ * straight on on its way, which is the same without a fit. */
+typedef struct ty_march_reach {
+    float all[3], aside[3];
+} ty_march_reach;
+
+/* What one medium scatters and sends at a point, times how much of it is seen. Adds to scattering what the field's
+ * light is scattered by. */
 TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point, const ty_near_light* lights,
-                          const float reach[3], ty_march_scattering* scattering) {
+                          const ty_march_reach* reach, ty_march_scattering* scattering) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     float sigma_s[3], g[3];
     ty_medium_sigma_s(track->medium, point, sigma_s);
@@ -59,17 +66,18 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
         ty_medium_emission(track->medium, point, glow);
         for (int32_t c = 0; c < 3; ++c)
             ray->light.glow[c] +=
-                reach[c] * track->amount * glow[c] * ty_maxf(0.0f, track->medium->sigma_t[c] - sigma_s[c]);
+                reach->all[c] * track->amount * glow[c] * ty_maxf(0.0f, track->medium->sigma_t[c] - sigma_s[c]);
     }
     if (request->light_count == 0) return;
     const ty_vec way = ty_scale(ray->direction, -1.0f);
-    float scattered[3] = {0.0f, 0.0f, 0.0f}, again[3] = {0.0f, 0.0f, 0.0f};
+    ty_single_sent sent;
+    memset(&sent, 0, sizeof sent);
     for (int32_t i = 0; i < request->light_count; ++i)
-        ty_single_scattered(&request->lights[i], point, &lights[i].at, way, lights[i].passing, g, scattered, again);
+        ty_single_scattered(&request->lights[i], point, &lights[i].at, way, lights[i].passing, g, &request->fit, &sent);
     for (int32_t c = 0; c < 3; ++c) {
-        const float seen = reach[c] * track->amount * sigma_s[c];
-        ray->light.single[c] += seen * scattered[c];
-        ray->light.multiple[c] += seen * again[c];
+        const float amount = track->amount * sigma_s[c], seen = reach->all[c] * amount;
+        ray->light.single[c] += seen * sent.first[c];
+        ray->light.multiple[c] += seen * sent.again[c] + reach->aside[c] * amount * sent.aside[c];
     }
 }
 
@@ -114,7 +122,7 @@ TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, float extinction,
 }
 
 /* Looks up what reaches the eye from a step around a place `at` metres along. */
-TY_FN void ty_march_add(ty_march_ray* ray, float at, const float reach[3]) {
+TY_FN void ty_march_add(ty_march_ray* ray, float at, const ty_march_reach* reach) {
     TY_GLOBAL const ty_march_request* request = ray->request;
     ty_march_scattering scattering = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
     ty_near_light lights[TY_MARCH_LIGHTS_MAX];
@@ -125,13 +133,13 @@ TY_FN void ty_march_add(ty_march_ray* ray, float at, const float reach[3]) {
         const ty_track* track = &ray->tracks[ray->active[i]];
         if (track->amount > 0.0f) ty_march_shine(ray, track, point, lights, reach, &scattering);
     }
-    if (request->has_field != 0) ty_march_add_field(ray, point, extinction, reach, &scattering);
+    if (request->has_field != 0) ty_march_add_field(ray, point, extinction, reach->aside, &scattering);
     ++ray->steps;
 }
 
 /* Channels that are black count no more for how long steps are; false when all are. */
 TY_FN bool ty_march_dim(ty_march_ray* ray) {
-    const float* passed = ray->light.transmittance;
+    const float* passed = ray->light.aside;
     const bool live[3] = {passed[0] >= TY_MARCH_BLACK, passed[1] >= TY_MARCH_BLACK, passed[2] >= TY_MARCH_BLACK};
     if (live[0] && live[1] && live[2]) return true;
     for (int32_t i = 0; i < ray->count; ++i) {
@@ -143,17 +151,45 @@ TY_FN bool ty_march_dim(ty_march_ray* ray) {
     return live[0] || live[1] || live[2];
 }
 
+/* Of a step of these optical depths, what is seen; dims what is behind it. */
+TY_FN void ty_march_pass(const float depth[3], float transmittance[3], float reach[3]) {
+    for (int c = 0; c < 3; ++c) {
+        const float decay = ty_decay(depth[c]);
+        reach[c] = transmittance[c] * ty_mean_decay(depth[c], decay);
+        transmittance[c] *= decay;
+    }
+}
+
+/* Takes from a step's optical depths what scatters nearly straight on in it. */
+TY_FN void ty_march_reduce(const ty_march_ray* ray, float at, float depth[3]) {
+    const ty_vec point = ty_mad(ray->origin, ray->direction, at);
+    for (int32_t i = 0; i < ray->active_count; ++i) {
+        const ty_track* track = &ray->tracks[ray->active[i]];
+        float sigma_s[3];
+        if (!(track->amount > 0.0f)) continue;
+        ty_medium_sigma_s(track->medium, point, sigma_s);
+        for (int c = 0; c < 3; ++c)
+            depth[c] = ty_maxf(0.0f, depth[c] - ray->request->fit.straight * sigma_s[c] * track->amount);
+    }
+}
+
 /* Ends a step; false when nothing behind it is seen. */
 TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
-    float depth[3], reach[3], at;
+    ty_march_reach reach;
+    float depth[3], at;
     const bool dense = ty_march_weigh(ray, end, depth, &at);
     if (dense) {
-        for (int c = 0; c < 3; ++c) {
-            const float decay = ty_decay(depth[c]);
-            reach[c] = ray->light.transmittance[c] * ty_mean_decay(depth[c], decay);
-            ray->light.transmittance[c] *= decay;
+        ty_march_pass(depth, ray->light.transmittance, reach.all);
+        if (ray->request->fit.bands > 0) {
+            ty_march_reduce(ray, at, depth);
+            ty_march_pass(depth, ray->light.aside, reach.aside);
+        } else {
+            for (int c = 0; c < 3; ++c) {
+                reach.aside[c] = reach.all[c];
+                ray->light.aside[c] = ray->light.transmittance[c];
+            }
         }
-        if (ray->looks != 0) ty_march_add(ray, at, reach);
+        if (ray->looks != 0) ty_march_add(ray, at, &reach);
     }
     for (int32_t i = 0; i < ray->active_count; ++i) {
         ty_track* track = &ray->tracks[ray->active[i]];
@@ -200,7 +236,7 @@ TY_FN float ty_march_piece(ty_march_ray* ray, float t, float most) {
 /* Steps where all but a little is hidden may err by more: an error that rises with the square of the length is least in
  * all, for as many steps, if lengths go with transmittance^(-1/3); this is close to that, and bounded. */
 TY_FN float ty_march_grown(const ty_march_ray* ray) {
-    const float* passed = ray->light.transmittance;
+    const float* passed = ray->light.aside;
     const float hidden = 1.0f - ty_maxf(passed[0], ty_maxf(passed[1], passed[2]));
     return 1.0f + ray->growth * hidden * hidden;
 }
@@ -274,7 +310,7 @@ TY_FN void ty_march_begin(ty_march_ray* ray, TY_GLOBAL const ty_march_request* r
     ray->steps = 0;
     ray->depth = 0.0f;
     memset(&ray->light, 0, sizeof ray->light);
-    for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = 1.0f;
+    for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = ray->light.aside[c] = 1.0f;
     ty_spans_find(scene->media, scene->medium_count, origin, direction, far, &spans);
     ray->looks = request->light_count > 0 || request->has_field != 0 || spans.emits != 0;
     float light_per_metre = 0.0f;

@@ -62,10 +62,11 @@ TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL co
     ty_medium_sigma_s(medium, middle, sigma_s);
     ty_medium_g(medium, middle, g);
     for (int32_t c = 0; c < 3; ++c) {
-        const float sigma_t = medium->sigma_t[c], forward = ty_near_kept(request->reduced, g[c]) * sigma_s[c];
-        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, sigma_t - forward);
+        const float sigma_t = medium->sigma_t[c], power = ty_near_kept(request->reduced, g[c]);
+        const float kept = request->fit.bands > 0 ? request->fit.straight : power;
+        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, sigma_t - kept * sigma_s[c]);
         depth[TY_SINGLE_STRAIGHT][c] += amount * sigma_t;
-        depth[TY_SINGLE_BENT][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * forward);
+        depth[TY_SINGLE_BENT][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * power * sigma_s[c]);
     }
 }
 

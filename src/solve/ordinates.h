@@ -52,6 +52,8 @@ typedef struct ty_ordinates_def {
     const float* extinction;    /* sigma_t, 1/m, x fastest; 0: vacuum */
     const float* scattering;    /* sigma_s, 1/m, at most sigma_t */
     const float* g;             /* mean cosine, (-1, 1) */
+    const float* scattered;     /* s_l / sigma_s, l < bands, the same in all cells, in place of what g makes of them:
+                                   the first at most 1, and what it leaves goes straight on; NULL (default): by g */
     const float* const* source; /* q_lm: `source_terms` planes */
     int32_t source_terms;       /* 1 or bands^2 */
     ty_ordinates_walls walls;

@@ -204,6 +204,7 @@ static bool define(coarse_box* coarse) {
     def->bands = def->kept = BANDS;
     def->source_terms = TERMS;
     def->sweeps = SWEEPS;
+    def->scattered = NULL;
     def->progress = def->progress != NULL ? report : NULL;
     def->progress_user = coarse->fine;
     if (!take_memory(coarse)) return false;

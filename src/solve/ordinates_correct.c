@@ -122,6 +122,7 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
     const int32_t bands = job->def->bands;
+    const float* fitted = bands > 1 ? job->def->scattered : NULL;
     const float missing = (float)job->missing;
     float s[2][TY_ORDINATES_SIDE_MAX];
     for (int32_t y = 0; y < l->box.size[1]; ++y) {
@@ -133,9 +134,8 @@ static void excess_plane(void* user, int64_t z, int32_t worker) {
         for (size_t x = 0; x < r.cells; ++x) {
             float forward = 1;
             for (int32_t b = 0; b < bands; ++b) forward *= g[x];
-            s[0][x] = scattering[x] * (1 - forward);
-            const float s_1 = scattering[x] * (g[x] - forward);
-            s[1][x] = SQRT_3 * s_1 * d[x];
+            s[0][x] = scattering[x] * (fitted != NULL ? fitted[0] : 1 - forward);
+            s[1][x] = SQRT_3 * scattering[x] * d[x] * (fitted != NULL ? fitted[1] : g[x] - forward);
         }
 #pragma omp simd
         for (size_t x = 0; x < r.cells; ++x) change[x] = s[0][x] * (low[x] - before[x] + missing * low[x]);

@@ -22,12 +22,13 @@ static void mix(const ty_ordinates_mixture* m, const float* const* iterates, siz
     for (int32_t k = 0; k < m->count; ++k) add_share(m->shares[k], iterates[k] + begin, count, to);
 }
 
-/* Of each term, g^l - g^L. */
-TY_INLINE void turn(float g, const int32_t bands, float* share) {
+/* Of each term, what the caller has, or g^l - g^L. */
+TY_INLINE void turn(const float* scattered, float g, const int32_t bands, float* share) {
     float forward = 1, power = 1;
     for (int32_t l = 0; l < bands; ++l) forward *= g;
     for (int32_t l = 0; l < bands; ++l, power *= g)
-        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) share[t] = power - forward;
+        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
+            share[t] = scattered != NULL ? scattered[l] : power - forward;
 }
 
 /* Makes of a cell's mixture what it emits. fixed: NULL: nothing is added. */
@@ -47,7 +48,7 @@ TY_INLINE double emit_row(const ty_ordinates_mixture* m, size_t begin, const int
     const size_t cells = (size_t)m->cells, terms = (size_t)(bands * bands), lows = bands > 1 ? 4 : 1;
     float *low = m->before + begin * lows, share[TERMS_MAX], g = m->g[begin];
     double sum = 0;
-    turn(g, bands, share);
+    turn(m->scattered, g, bands, share);
     mix(m, m->low, begin * lows, cells * lows, low);
     mix(m, m->moments, begin * terms, cells * terms, m->emission + begin * terms);
     for (size_t x = 0; x < cells; ++x) {
@@ -55,7 +56,7 @@ TY_INLINE double emit_row(const ty_ordinates_mixture* m, size_t begin, const int
         const float scattering = m->scattering[i], *fixed = m->fixed != NULL ? m->fixed + i * terms : NULL;
         float* emission = m->emission + i * terms;
         /* Most media have the same g all over a row. */
-        if (m->g[i] != g) turn(g = m->g[i], bands, share);
+        if (m->g[i] != g) turn(m->scattered, g = m->g[i], bands, share);
         emit_cell(scattering, share, fixed, terms, emission);
         for (size_t t = 0; t < lows; ++t)
             emission[t] = scattering * share[t] * low[t * cells + x] + (fixed != NULL ? fixed[t] : 0);

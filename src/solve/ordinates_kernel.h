@@ -10,7 +10,7 @@ typedef struct ty_ordinates_mixture {
     int32_t count;        /* of iterates */
     const float *moments[TY_ORDINATES_DEPTH], *low[TY_ORDINATES_DEPTH];
     float shares[TY_ORDINATES_DEPTH];
-    const float *scattering, *g;
+    const float *scattering, *g, *scattered;
     const float* source;  /* of the first term alone, where `fixed` is NULL */
     const float* fixed;   /* of all terms */
     const int32_t* thick; /* below 0: a cell that sweeps go through; NULL: all are */

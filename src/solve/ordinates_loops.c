@@ -76,11 +76,13 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
         sound = sound && are_finite(def->source[t] + begin, plane_cells(job));
     for (size_t i = begin; i < begin + plane_cells(job); ++i) {
         sound = sound && is_sound(def, i);
-        const double g = (double)def->g[i], forward = power(g, def->bands);
+        const double g = (double)def->g[i];
+        const double forward = def->scattered != NULL ? 1 - (double)def->scattered[0] : power(g, def->bands);
         const double sigma = (double)def->extinction[i], scattering = (double)def->scattering[i];
         job->extinction[i] = (float)(sigma - forward * scattering);
         if (l->reduced == NULL) continue;
-        l->reduced[i] = (float)(sigma - (def->bands > 1 ? g : forward) * scattering);
+        const double turned = def->scattered != NULL ? (double)def->scattered[1] : g - forward;
+        l->reduced[i] = (float)(sigma - (def->bands > 1 ? forward + turned : forward) * scattering);
         l->absorption[i] = (float)(sigma - scattering);
     }
     job->sums[z].change = sound ? 0 : 1;
@@ -161,6 +163,7 @@ static ty_ordinates_mixture mixture_of(const ty_ordinates_job* job) {
     }
     m.scattering = job->def->scattering;
     m.g = job->def->g;
+    m.scattered = job->def->scattered;
     m.source = job->def->source[0];
     m.fixed = job->fixed;
     m.thick = job->thick.count > 0 ? job->thick.slots : NULL;

@@ -41,6 +41,7 @@ typedef struct ty_dom_piece {
 struct ty_dom {
     ty_context* context;
     int32_t bands, kept; /* L; of moments */
+    ty_forward_fit fit;  /* no bands: phase functions are cut (delta-M); else they are fitted (peak.c) */
     /* Uncollided light, on fine cells. */
     ty_grid_box fine_box;
     bool lobes; /* whether what scatters nearly straight on is told from what has not scattered */
@@ -96,6 +97,8 @@ typedef struct ty_dom_job {
     ty_dom_stats stats;
 } ty_dom_job;
 
+/* Fits a phase function with so many bands, at least 3. */
+void ty_dom_fit_peak(double g, int32_t bands, ty_forward_fit* out);
 /* Fails with the first field that is out of its range. */
 ty_result ty_dom_check(ty_context* context, const ty_dom_def* def);
 ty_image_options ty_dom_image_options(const ty_dom_def* def);

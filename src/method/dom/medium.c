@@ -15,6 +15,16 @@ enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64, THICK = 4, MOST_TIMES = 2 }
  * the latter where lights are many, each of which is followed through all cells. */
 enum { EDGES = 2, MOST_EDGED = 256, MOST_EDGED_MANY = 192 };
 
+/* Whether a beam or lamp each is all of the scene's lights, and they are few. */
+static bool has_few_lights(const ty_scene* scene) {
+    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    for (int32_t i = 0; i < lights->count; ++i) {
+        const int32_t kind = lights->lights[i].kind;
+        if (kind != TY_KIND_DIRECTIONAL && kind != TY_KIND_POINT && kind != TY_KIND_SPOT) return false;
+    }
+    return lights->count <= TY_DOM_OWN_MAX;
+}
+
 /* ---- bands ---- */
 
 static double largest_g(const ty_grid_medium* medium) {
@@ -30,11 +40,40 @@ static const double peak = 0.2;
 /* Below this it need not be told from light that has not scattered. */
 static const double least_peak = 0.02;
 
+/* Bands below which nothing is fitted. */
+enum { LEAST_FITTED = 3 };
+
 static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
     const int32_t most = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
     if (job->def->bands > 0) return job->def->bands;
     if (!(g > 0)) return 1;
     return (int32_t)fmin(most, fmax(2, ceil(log(peak) / log(g))));
+}
+
+/* Relative difference up to which mean cosines are the same: they are means of many. */
+static const double alike = 1e-4;
+
+static bool is_all(const ty_grid_medium* medium, double g) {
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i)
+            if (medium->scattering[p][i] > 0 && fabs((double)medium->g[p][i] / g - 1) > alike) return false;
+    return true;
+}
+
+/* Where the bands are not enough, and all light comes in lobes of its own: what is said of others, and of surfaces,
+ * is for phase functions that are cut. */
+static bool is_fitted(const ty_dom_job* job, double g) {
+    return job->light->bands >= LEAST_FITTED && pow(g, job->light->bands) > peak + alike &&
+           ty_scene_get_view(job->scene)->mesh == NULL && has_few_lights(job->scene) && is_all(job->fine, g) &&
+           is_all(job->coarse, g);
+}
+
+/* Moments of a fit fall off to next to nothing, so that directions bear two bands more than of cut ones. */
+static void fit_bands(ty_dom_job* job, double g) {
+    ty_dom* light = job->light;
+    if (!is_fitted(job, g)) return;
+    if (job->def->bands == 0) light->bands = light->bands + 2 < TY_DOM_BANDS_MAX ? light->bands + 2 : TY_DOM_BANDS_MAX;
+    ty_dom_fit_peak(g, light->bands, &light->fit);
 }
 
 /* Bands of moments that are kept for the eye, which phase functions tell apart as far as g^l is worth it; two for
@@ -46,6 +85,7 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     const double g = largest_g(job->coarse);
     light->even = !(g > 0);
     light->bands = choose_bands(job, g, exact);
+    fit_bands(job, g);
     light->lobes = pow(g, light->bands) > least_peak;
     light->kept = light->bands < LEAST_KEPT ? LEAST_KEPT : light->bands;
     job->stats.bands = light->bands;
@@ -88,16 +128,6 @@ static bool has_edges(const ty_scene* scene) {
     for (int32_t m = 0; m < view->medium_count; ++m)
         if (view->media[m].transfer != NULL) return true;
     return false;
-}
-
-/* Whether a beam or lamp each is all of the scene's lights, and they are few. */
-static bool has_few_lights(const ty_scene* scene) {
-    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
-    for (int32_t i = 0; i < lights->count; ++i) {
-        const int32_t kind = lights->lights[i].kind;
-        if (kind != TY_KIND_DIRECTIONAL && kind != TY_KIND_POINT && kind != TY_KIND_SPOT) return false;
-    }
-    return lights->count <= TY_DOM_OWN_MAX;
 }
 
 /* How many cells of uncollided light there are for each of a box. */

@@ -57,7 +57,8 @@ typedef struct add_job {
     const float* scattering;   /* of the medium there */
     const float* g;            /* and its mean cosines */
     bool uniform;              /* whether all that scatters has the same */
-    float power[TY_DOM_MEANS]; /* where uniform: g^l; else 1 */
+    float power[TY_DOM_MEANS]; /* where uniform: g^l, or what a fit has in place of it, the last of what goes straight
+                                  on; else 1 */
     int32_t channel_count, channels[3];
     float factor[3]; /* of the fluence, for each */
 } add_job;
@@ -160,10 +161,12 @@ static void add_fine_cell(const add_job* add, const double lamp[3], const int32_
         near_harmonics(add, lamp, middle, y);
     else
         ty_harmonics_at(way, bands, y);
-    const double straight = pow(g, bands);
+    const double straight = add->uniform ? (double)add->power[bands] : pow(g, bands);
     double power = 1;
-    for (int32_t l = 0; l < bands; ++l, power *= g)
-        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] += sent * (power - straight) * y[t];
+    for (int32_t l = 0; l < bands; ++l, power *= g) {
+        const double turned = (add->uniform ? (double)add->power[l] : power) - straight;
+        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] += sent * turned * y[t];
+    }
 }
 
 /* A coarse cell about a lamp, fine cell by fine cell. */
@@ -273,6 +276,16 @@ static void choose_channels(add_job* add, const ty_light_field* field, int32_t p
     }
 }
 
+static void find_powers(add_job* add, float g) {
+    const ty_dom* light = add->job->light;
+    add->power[0] = 1;
+    for (int32_t l = 1; l < TY_DOM_MEANS; ++l) add->power[l] = add->uniform ? add->power[l - 1] * g : 1;
+    if (light->fit.bands == 0) return;
+    const float straight = light->fit.straight;
+    for (int32_t l = 0; l < light->bands; ++l) add->power[l] = straight + light->fit.moments[l];
+    add->power[light->bands] = straight;
+}
+
 void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
                        const ty_source* source, float cosine, ty_dom_scratch* scratch) {
     const ty_grid_medium* fine = job->fine;
@@ -284,10 +297,8 @@ void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_si
         add.fluence = field->fluence[p];
         add.scattering = fine->scattering[plane];
         add.g = fine->g[plane];
-        add.uniform = scratch->uniform[plane];
-        add.power[0] = 1;
-        for (int32_t l = 1; l < TY_DOM_MEANS; ++l)
-            add.power[l] = add.uniform ? add.power[l - 1] * scratch->g[plane] : 1;
+        add.uniform = scratch->uniform[plane] || light->fit.bands > 0;
+        find_powers(&add, scratch->g[plane]);
         choose_channels(&add, field, p);
         find_means(&add);
         ty_parallel_for(job->context, rows, single->kind == TY_SINGLE_LAMP ? add_lamp_row : add_beam_row, &add);

@@ -146,6 +146,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.scattering = job->coarse->scattering[plane];
     def.g = job->coarse->g[plane];
     def.source = source;
+    if (light->fit.bands > 0) def.scattered = light->fit.moments;
     def.seen = light->seen[channel];
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;

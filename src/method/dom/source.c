@@ -209,7 +209,10 @@ static ty_result take_extinction(direct_job* direct, int32_t fluence, int32_t or
         direct->extinction[fluence][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
         if (direct->extinction[fluence][p] == NULL) return TY_ERROR_MEMORY;
     }
-    ty_grid_medium_reduce(job->fine, order, direct->extinction[fluence]);
+    if (fluence == TY_SINGLE_KEPT && job->light->fit.bands > 0)
+        ty_grid_medium_reduce_by(job->fine, job->light->fit.straight, direct->extinction[fluence]);
+    else
+        ty_grid_medium_reduce(job->fine, order, direct->extinction[fluence]);
     return TY_OK;
 }
 

@@ -71,12 +71,15 @@ static void send_row(void* user, int64_t row, int32_t worker) {
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
             const float* surfaces = light->surfaces[c];
-            double sum = y[0] * seen_more(light, c, at, way), power = 1;
-            for (int32_t l = 0; l < light->kept; ++l, power *= g)
+            const ty_forward_fit* fit = light->fit.bands > 0 ? &light->fit : NULL;
+            double sum = y[0] * seen_more(light, c, at, way) * (fit != NULL ? (double)fit->moments[0] : 1), of_g = 1;
+            for (int32_t l = 0; l < light->kept; ++l, of_g *= g) {
+                const double power = fit != NULL ? (double)fit->moments[l] : of_g;
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
                     const size_t item = light->cells * (size_t)t + at;
                     sum += power * y[t] * (double)(light->moments[c][item] + (surfaces != NULL ? surfaces[item] : 0));
                 }
+            }
             job->out[c][at] = (float)sum;
         }
     }
@@ -92,7 +95,7 @@ static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) 
     memcpy(f->seen.color, light->color, sizeof f->seen.color);
     send_job job = {light, eye, f->sent};
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
-    if (light->lobes) ty_dom_mend_lobes(light, eye, f->sent);
+    if (light->lobes && light->fit.bands == 0) ty_dom_mend_lobes(light, eye, f->sent);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) ty_dom_cover_hidden(light, f->cuts, f->hidden, f->sent[c]);
     return TY_OK;
 }
@@ -226,6 +229,7 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     march.lights = f.lights;
     march.light_count = light->light_count;
     march.reduced = light->bands;
+    march.fit = light->fit.bands > 0 ? &light->fit : NULL;
     march.field = &f.seen;
     march.surface_field = surfaces ? &f.surfaces : NULL;
     march.guided = 0;

@@ -110,12 +110,14 @@ static void add_sharp_radiance(const ty_pop* light, ty_vec point, ty_vec way, fl
     static const float whole[TY_SINGLE_FLUENCES][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     /* Scattered once more without being turned, it is the light itself. */
     static const float straight_on[3] = {1, 1, 1};
+    static const ty_forward_fit none = {.bands = 0};
     const ty_cell_point place = locate(&light->fine_box, point);
     for (int32_t l = 0; l < light->light_count; ++l) {
-        float straight[3] = {0};
+        ty_single_sent sent = {{0}, {0}, {0}};
         if (light->lights[l].lobes == 0) continue;
         ty_single_forward(&light->lights[l], &place, ty_single_cosine(&light->lights[l], point, way), whole,
-                          straight_on, straight, radiance);
+                          straight_on, &none, &sent);
+        for (int c = 0; c < 3; ++c) radiance[c] += sent.again[c];
     }
 }
 

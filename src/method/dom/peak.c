@@ -1,0 +1,77 @@
+/* Phase functions too narrow for the bands that directions tell apart. Cut after L bands (delta-M), what is left of
+ * them swings between many times too much and less than nothing at wide angles, where pictures from the side look. So
+ * it is their shape outside of the peak that L bands are fitted to (delta-fit, Hu et al. 2000), and what these leave
+ * out counts as light that goes straight on. */
+#include "method/dom/job.h"
+#include "scene/phase.k.h"
+
+#include <math.h>
+
+/* Angle about the peak that is left out; relative errors beyond it count by the solid angle they are of, and those
+ * straight back by this as well. Angles that are looked at. */
+static const double peak_angle = 0.785, least_weight = 0.02;
+enum { ANGLES = 400 };
+
+/* Normal equations of least squares. */
+typedef struct normal {
+    double a[TY_DOM_BANDS_MAX][TY_DOM_BANDS_MAX], b[TY_DOM_BANDS_MAX];
+    int32_t count;
+} normal;
+
+static void add_row(normal* n, const double* row, double wanted, double weight) {
+    for (int32_t i = 0; i < n->count; ++i) {
+        n->b[i] += weight * row[i] * wanted;
+        for (int32_t j = 0; j < n->count; ++j) n->a[i][j] += weight * row[i] * row[j];
+    }
+}
+
+/* By Cholesky's factors, in place. */
+static void solve(normal* n, double* x) {
+    for (int32_t i = 0; i < n->count; ++i)
+        for (int32_t j = 0; j <= i; ++j) {
+            double sum = n->a[i][j];
+            for (int32_t k = 0; k < j; ++k) sum -= n->a[i][k] * n->a[j][k];
+            n->a[i][j] = i == j ? sqrt(sum) : sum / n->a[j][j];
+        }
+    for (int32_t i = 0; i < n->count; ++i) {
+        x[i] = n->b[i];
+        for (int32_t k = 0; k < i; ++k) x[i] -= n->a[i][k] * x[k];
+        x[i] /= n->a[i][i];
+    }
+    for (int32_t i = n->count - 1; i >= 0; --i) {
+        for (int32_t k = i + 1; k < n->count; ++k) x[i] -= n->a[k][i] * x[k];
+        x[i] /= n->a[i][i];
+    }
+}
+
+/* (2 l + 1) P_l(mu) / (4 pi p(mu)), l < bands. */
+static void relative_terms(double mu, double g, int32_t bands, double* terms) {
+    const double phase = 4 * (double)TY_PI * (double)ty_hg((float)mu, (float)g);
+    double before = 0, now = 1;
+    for (int32_t l = 0; l < bands; ++l) {
+        terms[l] = (2 * l + 1) * now / phase;
+        const double next = ((2 * l + 1) * mu * now - l * before) / (l + 1);
+        before = now;
+        now = next;
+    }
+}
+
+void ty_dom_fit_peak(double g, int32_t bands, ty_forward_fit* out) {
+    normal n = {.count = bands - 1};
+    double terms[TY_DOM_BANDS_MAX], x[TY_DOM_BANDS_MAX];
+    for (int32_t i = 0; i < ANGLES; ++i) {
+        const double angle = peak_angle + ((double)TY_PI - peak_angle) * (i + 0.5) / ANGLES;
+        relative_terms(cos(angle), g, bands, terms);
+        /* Light turns aside as much as it does in all: c_1 is c_0 less 1 - g. */
+        const double wanted = 1 + (1 - g) * terms[1];
+        terms[0] += terms[1];
+        for (int32_t l = 1; l < n.count; ++l) terms[l] = terms[l + 1];
+        add_row(&n, terms, wanted, sin(angle) + least_weight);
+    }
+    solve(&n, x);
+    out->bands = bands;
+    out->straight = (float)(1 - x[0]);
+    out->moments[0] = (float)x[0];
+    out->moments[1] = (float)(x[0] - (1 - g));
+    for (int32_t l = 2; l < bands; ++l) out->moments[l] = (float)x[l - 1];
+}

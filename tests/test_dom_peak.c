@@ -1,0 +1,53 @@
+/* Phase functions fitted outside of their peaks. */
+#include "method/dom/job.h"
+#include "scene/phase.k.h"
+#include "checks.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double anisotropies[] = {0.77, 0.8, 0.9, 0.96, 0.98, 0.995};
+enum { COUNT = sizeof anisotropies / sizeof anisotropies[0] };
+
+/* What turns aside in all is the phase function's, and moments are those of something that can be. */
+static void light_turns_as_much_as_it_should(void** state) {
+    (void)state;
+    for (int i = 0; i < COUNT; ++i)
+        for (int32_t bands = 3; bands <= TY_DOM_BANDS_MAX; ++bands) {
+            const double g = anisotropies[i];
+            ty_forward_fit fit;
+            ty_dom_fit_peak(g, bands, &fit);
+            assert_int_equal(fit.bands, bands);
+            assert_true(fit.straight > 0 && fit.straight < 1);
+            assert_true(fabs((double)(fit.straight + fit.moments[0]) - 1) < 1e-6);
+            assert_true(fabs((double)(fit.moments[0] - fit.moments[1]) - (1 - g)) < 1e-6);
+            for (int32_t l = 1; l < bands; ++l)
+                if (!(fabsf(fit.moments[l]) < fit.moments[0])) fail_msg("g %g, %d bands: c_%d", g, (int)bands, (int)l);
+        }
+}
+
+/* At wide angles fits are near the phase function, where what is cut after as many bands is not. */
+static void wide_angles_are_right(void** state) {
+    (void)state;
+    for (int i = 0; i < COUNT; ++i) {
+        const double g = anisotropies[i];
+        double fitted = 0, cut = 0;
+        ty_forward_fit fit, other = {.bands = 8};
+        ty_dom_fit_peak(g, 8, &fit);
+        for (int32_t l = 0; l < 8; ++l) other.moments[l] = (float)(pow(g, l) - pow(g, 8));
+        for (int degrees = 60; degrees <= 175; degrees += 5) {
+            const float mu = (float)cos(degrees * 3.14159265358979 / 180), phase = ty_hg(mu, (float)g);
+            fitted = fmax(fitted, fabs((double)(ty_forward_fitted(&fit, mu) / phase - 1)));
+            cut = fmax(cut, fabs((double)(ty_forward_fitted(&other, mu) / phase - 1)));
+        }
+        printf("g %g: off by %.3f, cut by %.3f\n", g, fitted, cut);
+        if (!(fitted < 0.2)) fail_msg("g %g: off by %g", g, fitted);
+        assert_true(g < 0.8 || cut > 2 * fitted);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(light_turns_as_much_as_it_should),
+                                       cmocka_unit_test(wide_angles_are_right)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
