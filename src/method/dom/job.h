@@ -97,7 +97,10 @@ typedef struct ty_dom_job {
     ty_dom_stats stats;
 } ty_dom_job;
 
-/* Fits a phase function with so many bands, at least 3. */
+/* Bands below which nothing is fitted. */
+enum { TY_DOM_LEAST_FITTED = 4 };
+
+/* Fits a phase function with so many bands, at least TY_DOM_LEAST_FITTED. */
 void ty_dom_fit_peak(double g, int32_t bands, ty_forward_fit* out);
 /* Fails with the first field that is out of its range. */
 ty_result ty_dom_check(ty_context* context, const ty_dom_def* def);

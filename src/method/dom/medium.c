@@ -40,9 +40,6 @@ static const double peak = 0.2;
 /* Below this it need not be told from light that has not scattered. */
 static const double least_peak = 0.02;
 
-/* Bands below which nothing is fitted. */
-enum { LEAST_FITTED = 3 };
-
 static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
     const int32_t most = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
     if (job->def->bands > 0) return job->def->bands;
@@ -63,17 +60,19 @@ static bool is_all(const ty_grid_medium* medium, double g) {
 /* Where the bands are not enough, and all light comes in lobes of its own: what is said of others, and of surfaces,
  * is for phase functions that are cut. */
 static bool is_fitted(const ty_dom_job* job, double g) {
-    return job->light->bands >= LEAST_FITTED && pow(g, job->light->bands) > peak + alike &&
-           ty_scene_get_view(job->scene)->mesh == NULL && has_few_lights(job->scene) && is_all(job->fine, g) &&
-           is_all(job->coarse, g);
+    return pow(g, job->light->bands) > peak + alike && ty_scene_get_view(job->scene)->mesh == NULL &&
+           has_few_lights(job->scene) && is_all(job->fine, g) && is_all(job->coarse, g);
 }
 
-/* Moments of a fit fall off to next to nothing, so that directions bear two bands more than of cut ones. */
+/* Moments of a fit fall off to next to nothing, so that directions bear more than of cut ones: as many as they are. */
 static void fit_bands(ty_dom_job* job, double g) {
     ty_dom* light = job->light;
     if (!is_fitted(job, g)) return;
-    if (job->def->bands == 0) light->bands = light->bands + 2 < TY_DOM_BANDS_MAX ? light->bands + 2 : TY_DOM_BANDS_MAX;
-    ty_dom_fit_peak(g, light->bands, &light->fit);
+    const int32_t borne = (int32_t)lround(sqrt(job->set->count));
+    const int32_t bands = job->def->bands > 0 ? job->def->bands : borne < TY_DOM_BANDS_MAX ? borne : TY_DOM_BANDS_MAX;
+    if (bands < TY_DOM_LEAST_FITTED) return;
+    light->bands = bands;
+    ty_dom_fit_peak(g, bands, &light->fit);
 }
 
 /* Bands of moments that are kept for the eye, which phase functions tell apart as far as g^l is worth it; two for
