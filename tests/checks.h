@@ -4,6 +4,7 @@
 #define TY_TESTS_CHECKS_H
 
 #include "base/vector.k.h"
+#include "uniform.h"
 
 #include <tyndall/tyndall.h>
 
@@ -50,14 +51,6 @@ static inline void assert_error(ty_context* context, const char* words) {
     if (strstr(ty_last_error(context), words) == NULL)
         fail_msg("\"%s\" does not say \"%s\"", ty_last_error(context), words);
     ty_clear_error(context);
-}
-
-/* Uniform in [0, 1); splitmix64, apart from the library's own. */
-static inline double uniform(uint64_t* state) {
-    uint64_t x = *state += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return (double)((x ^ x >> 31) >> 11) * 0x1p-53;
 }
 
 static inline double uniform_in(uint64_t* state, double low, double high) {

@@ -45,6 +45,22 @@ static void the_unit_cube(void** state) {
     assert_true(right);
 }
 
+/* The walks that sharp lobes are held against tell what paths do. */
+static void walks_are_paths(void** state) {
+    static truth expected;
+    ty_scene* scene = cube_in_light(*state, 0.7);
+    double *walked = new_numbers(3 * CELLS), *fluence = new_numbers(3 * CELLS);
+    trace(scene, 0.7, &expected);
+    walk(0.7, fewer(8000000, 4), 7, walked);
+    for (int i = 0; i < CELLS; ++i) fluence[3 * i] = mirrored(walked, i) + expected.uncollided[i];
+    const error off = error_of(fluence, &expected);
+    printf("walks: %.4f / %.4f\n", off.mean_ratio, off.rmse);
+    assert_true(fabs(off.mean_ratio - 1) <= 0.003 && off.rmse <= 0.02);
+    free(walked);
+    free(fluence);
+    ty_scene_destroy(scene);
+}
+
 /* Whatever L is, the light is the same: the less of it is in the peak, the more ordinates carry. */
 static void bands_agree(void** state) {
     static truth expected;
@@ -216,7 +232,7 @@ static void point_sources(void** state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_unit_cube), cmocka_unit_test(bands_agree),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_unit_cube), cmocka_unit_test(walks_are_paths), cmocka_unit_test(bands_agree),
                                        cmocka_unit_test(slabs), cmocka_unit_test(point_sources)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
