@@ -232,7 +232,8 @@ static void point_sources(void** state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_unit_cube), cmocka_unit_test(walks_are_paths), cmocka_unit_test(bands_agree),
-                                       cmocka_unit_test(slabs), cmocka_unit_test(point_sources)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_unit_cube), cmocka_unit_test(walks_are_paths),
+                                       cmocka_unit_test(bands_agree), cmocka_unit_test(slabs),
+                                       cmocka_unit_test(point_sources)};
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

@@ -126,9 +126,9 @@ typedef struct ty_lpv ty_lpv;
  * that glow). */
 TY_API ty_result ty_lpv_check_scene(const ty_scene* scene);
 
-/* Other lights than those of ty_lpv_check_scene are not for this method. Without media it is plain light propagation. stats may be NULL. *out is freed with ty_lpv_destroy; NULL after an error.
- * Errors: TY_ERROR_ARGUMENT (def, maps, a light of another kind, named by its place, only surfaces that glow),
- * TY_ERROR_MEMORY; TY_CANCELLED. */
+/* Other lights than those of ty_lpv_check_scene are not for this method. Without media it is plain light propagation.
+ * stats may be NULL. *out is freed with ty_lpv_destroy; NULL after an error. Errors: TY_ERROR_ARGUMENT (def, maps, a
+ * light of another kind, named by its place, only surfaces that glow), TY_ERROR_MEMORY; TY_CANCELLED. */
 TY_API ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** out, ty_lpv_stats* stats);
 /* Frees the light; NULL is allowed. */
 TY_API void ty_lpv_destroy(ty_lpv* light);

@@ -57,11 +57,12 @@ static bool is_all(const ty_grid_medium* medium, double g) {
     return true;
 }
 
-/* Where the bands are not enough, and all light comes in lobes of its own: what is said of others, and of surfaces,
- * is for phase functions that are cut. */
+/* Where the bands are not enough, and all light comes in lobes of its own: what is said of others, of surfaces and of
+ * media that glow, is for phase functions that are cut. */
 static bool is_fitted(const ty_dom_job* job, double g) {
-    return pow(g, job->light->bands) > peak + alike && ty_scene_get_view(job->scene)->mesh == NULL &&
-           has_few_lights(job->scene) && is_all(job->fine, g) && is_all(job->coarse, g);
+    return pow(g, job->light->bands) > peak + alike && job->coarse->emission[0] == NULL &&
+           ty_scene_get_view(job->scene)->mesh == NULL && has_few_lights(job->scene) && is_all(job->fine, g) &&
+           is_all(job->coarse, g);
 }
 
 /* Moments of a fit fall off to next to nothing, so that directions bear more than of cut ones: as many as they are. */

@@ -8,10 +8,15 @@
 #include <math.h>
 
 /* Angle about the peak that is left out; relative errors beyond it count by the solid angle they are of, and those
- * straight back by this as well. Angles that are looked at. Bands that are right, whatever those beyond are: with the
- * second, light spreads sideways as far as it does in all. */
+ * straight back by this as well. Angles that are looked at. */
 static const double peak_angle = 0.7, least_weight = 0.02;
-enum { ANGLES = 400, RIGHT = TY_DOM_LEAST_FITTED - 1 };
+enum { ANGLES = 400 };
+
+/* Bands that are right, whatever those beyond are: with the third, light spreads sideways as far as it does in all. An
+ * odd number of them, since an even one makes pictures dimmer; more where enough are left over. */
+static int32_t right_bands(int32_t bands) {
+    return bands < TY_DOM_BANDS_MAX ? 3 : 5;
+}
 
 /* Normal equations of least squares. */
 typedef struct normal {
@@ -58,24 +63,25 @@ static void relative_terms(double mu, double g, int32_t bands, double* terms) {
 }
 
 void ty_dom_fit_peak(double g, int32_t bands, ty_forward_fit* out) {
-    normal n = {.count = bands - RIGHT + 1};
+    const int32_t right = right_bands(bands);
+    normal n = {.count = bands - right + 1};
     double terms[TY_DOM_BANDS_MAX], x[TY_DOM_BANDS_MAX];
     for (int32_t i = 0; i < ANGLES; ++i) {
         const double angle = peak_angle + ((double)TY_PI - peak_angle) * (i + 0.5) / ANGLES;
         relative_terms(cos(angle), g, bands, terms);
         /* What light that goes straight on has no part in: c_l is c_0 less 1 - g^l. */
         double wanted = 1;
-        for (int32_t l = 1; l < RIGHT; ++l) {
+        for (int32_t l = 1; l < right; ++l) {
             wanted += (1 - pow(g, l)) * terms[l];
             terms[0] += terms[l];
         }
-        for (int32_t l = RIGHT; l < bands; ++l) terms[l - RIGHT + 1] = terms[l];
+        for (int32_t l = right; l < bands; ++l) terms[l - right + 1] = terms[l];
         add_row(&n, terms, wanted, sin(angle) + least_weight);
     }
     solve(&n, x);
     out->bands = bands;
     out->straight = (float)(1 - x[0]);
     out->moments[0] = (float)x[0];
-    for (int32_t l = 1; l < RIGHT; ++l) out->moments[l] = (float)(x[0] - (1 - pow(g, l)));
-    for (int32_t l = RIGHT; l < bands; ++l) out->moments[l] = (float)x[l - RIGHT + 1];
+    for (int32_t l = 1; l < right; ++l) out->moments[l] = (float)(x[0] - (1 - pow(g, l)));
+    for (int32_t l = right; l < bands; ++l) out->moments[l] = (float)x[l - right + 1];
 }
