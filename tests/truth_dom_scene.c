@@ -10,7 +10,7 @@ static ty_dom_def dom_def(const scene_case* c, const ty_image* surfaces) {
     ty_dom_def def = ty_default_dom_def();
     def.width = c->width;
     def.height = c->height;
-    def.spp = 4;
+    def.spp = 16;
     def.unscattered = surfaces;
     return def;
 }
@@ -144,24 +144,12 @@ static void smoke(void** state) {
     assert_true(is_near_in_lights(*state, "scenes/plume.json", plume, 36, 48));
 }
 
-/* Cells of many mean free paths, and edges that a transfer function makes within a voxel: not within what is asked of
- * others, but nearer than both other methods. */
+/* Cells of many mean free paths, and edges that a transfer function makes within a voxel. */
 static void dense_head(void** state) {
     static const char data[] = "volumes/headsq_ct_64x64x93_i16.nrrd", dense[] = "media[0].sigma_t=1500";
     static const char sun[] = "lights=[{\"type\":\"directional\",\"direction\":[0.7,0.5,-0.6],\"irradiance\":1}]";
     const scene_case head = {"scenes/ct_head.json", data, {DENSITY, dense, sun}, 48, 48, 512, 0, 0};
-    if (!in_full()) return;
-    ty_scene* scene = read_case(*state, &head);
-    ty_image* truth = path_image(scene, &head, 0);
-    const ty_dom_def def = dom_def(&head, NULL);
-    printf("%s, mean ratio / relative RMSE:\n", head.path);
-    const ty_difference dom = compare(*state, "dom", dom_image(scene, &def), truth);
-    const ty_difference fld = compare(*state, "fld", fld_image(scene, &head, NULL), truth);
-    const ty_difference pop = compare(*state, "pop", pop_image(scene, &head, NULL), truth);
-    ty_image_destroy(truth);
-    ty_scene_destroy(scene);
-    assert_true(fabs(dom.mean_ratio[3] - 1) <= 0.04 && dom.relative_rmse[3] <= 0.1);
-    assert_true(dom.relative_rmse[3] < fld.relative_rmse[3] && dom.relative_rmse[3] < pop.relative_rmse[3]);
+    assert_true(!in_full() || is_near(*state, &head, "1500/m, sun"));
 }
 
 /* In the same light from everywhere nothing that absorbs nothing is to be seen. Narrow lobes about the environment's 64

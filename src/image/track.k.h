@@ -7,8 +7,9 @@
 /* Parts of a piece in which a transfer function has a point. */
 enum { TY_TRACK_PARTS = 4 };
 
-/* Steps per voxel of a temperature, times those of other things. */
+/* Steps per voxel of a temperature, and where transfer functions make edges, times those of other things. */
 #define TY_TRACK_GLOWS 4.0f
+#define TY_TRACK_EDGES 2.0f
 
 /* How much longer steps are behind all that is seen, of what they are before it: of voxels, which are finer than
  * scattered light is, and of other things. */
@@ -70,12 +71,14 @@ TY_FN float ty_track_colors_per_metre(TY_GLOBAL const ty_medium_view* medium, ty
     return most;
 }
 
-/* light_per_metre: cells per metre along the ray that light changes over, 0 if it does not. */
+/* light_per_metre: cells per metre along the ray that light changes over, 0 if it does not. Transfer functions make
+ * edges within voxels, on whose lit sides light is lost within less. */
 TY_FN float ty_track_step(TY_GLOBAL const ty_medium_view* medium, ty_vec direction, float light_per_metre) {
     float per_metre = light_per_metre;
     if (medium->has_grid != 0) {
         const float voxels = ty_track_per_metre(medium->to_index, direction);
         per_metre = light_per_metre > 0.0f ? ty_minf(voxels, light_per_metre) : voxels;
+        if (medium->transfer != NULL) per_metre = TY_TRACK_EDGES * voxels;
     }
     per_metre = ty_maxf(per_metre, ty_track_colors_per_metre(medium, direction));
     return per_metre > 0.0f ? 1.0f / per_metre : TY_FLOAT_MAX;

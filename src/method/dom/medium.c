@@ -8,8 +8,10 @@
 
 /* Cells of ordinates where nothing is asked for: a third of those of uncollided light, so many at least and at most.
  * Where they are thicker than so many mean free paths they are finer, up to twice: what is within them is not known,
- * and light that leaves dense things leaves from the first mean free path. */
+ * and light that leaves dense things leaves from the first mean free path. Media with edges are as
+ * dense as they get where they begin: two mean free paths, up to three times, which is as fine as voxels. */
 enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64, THICK = 4, MOST_TIMES = 2 };
+enum { EDGED_CELLS = 96, EDGED_THICK = 2, EDGED_TIMES = 3 };
 
 /* Cells of uncollided light for each voxel's side where media have edges, as long as these are no more along a side:
  * the latter where lights are many, each of which is followed through all cells. */
@@ -118,8 +120,11 @@ static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, i
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = fmax(longest, box->upper[a] - box->lower[a]);
     const double thickness = mean_extinction(fine) * longest / fmax(cells, LEAST_CELLS);
-    cells = (int32_t)(cells * fmin(MOST_TIMES, fmax(1, thickness / THICK)));
-    return cells < LEAST_CELLS ? LEAST_CELLS : cells > MOST_CELLS ? MOST_CELLS : cells;
+    const bool edged = times > 1;
+    const int32_t most = edged ? EDGED_CELLS : MOST_CELLS;
+    cells =
+        (int32_t)(cells * fmin(edged ? EDGED_TIMES : MOST_TIMES, fmax(1, thickness / (edged ? EDGED_THICK : THICK))));
+    return cells < LEAST_CELLS ? LEAST_CELLS : cells > most ? most : cells;
 }
 
 /* Whether transfer functions make densities of values, whose edges are sharper than voxels. */
