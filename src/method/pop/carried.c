@@ -6,8 +6,8 @@
 #include <math.h>
 
 /* Of the flux that light of diffusion's first moment has where it is even, E* (carried.h): limited diffusion lets less
- * through. With all of it narrow media are too bright behind, with 0.6 thick ones everywhere (docs/method/pop.md). */
-static const float most_carried = 0.7f;
+ * through. With all of it narrow media are too bright behind (docs/method/pop.md). */
+static const float most_carried = 0.62f;
 
 /* ---- from cell to cell ---- */
 
