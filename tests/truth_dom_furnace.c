@@ -77,14 +77,9 @@ static spread picture_off(const ty_scene* scene, const ty_dom* light, ty_dom_def
 static bool is_unseen(ty_context* context, double sigma) {
     const ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 1);
     ty_scene* scene = white_box(context, sigma, &sky);
-    ty_dom_def def = ty_default_dom_def();
+    const ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
     ty_dom_stats stats;
-    if(getenv("EB")) def.environment_beams=atoi(getenv("EB"));
-    if(getenv("DI")) def.direct=atoi(getenv("DI"));
-    if(getenv("RE")) def.resolution=atoi(getenv("RE"));
-    if(getenv("TOL")) def.tolerance=atof(getenv("TOL"));
-    if(getenv("DIRS")) def.directions=atoi(getenv("DIRS"));
     must(context, ty_dom_solve(scene, &def, &light, &stats));
     assert_true(stats.converged);
     const double entered = stats.emitted[1] / (4 * pi);
