@@ -1,5 +1,5 @@
 /* White boxes of fog that are open on one side, by discrete ordinates: what enters by the opening is all there is, and
- * light alike from everywhere shows nothing of them. */
+ * light alike from everywhere shows nothing of them. Walls are in the faces of the fog's box, or a little within. */
 #include "truth.h"
 
 #include <tyndall/dom.h>
@@ -9,11 +9,12 @@
 /* Pixels of a picture's side, and cells of the box's. */
 enum { ACROSS = 32, CUT = 6 };
 
-/* The cube [-1, 1]^3 of fog that absorbs nothing, and white walls in its faces but for the one towards +z. */
-static ty_scene* white_box(ty_context* context, double sigma, const ty_light_def* light) {
+/* A cube of fog of half side `half` that absorbs nothing, and white walls in the faces of [-1, 1]^3 but for the one
+ * towards +z. */
+static ty_scene* white_box(ty_context* context, double half, double sigma, const ty_light_def* light) {
     static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     ty_scene* scene = new_scene(context);
-    const ty_medium_def fog = medium_cube(1, sigma, 0, 0);
+    const ty_medium_def fog = medium_cube(half, sigma, 0, 0);
     ty_camera_def camera = ty_default_camera_def();
     for (int face = 0; face < 5; ++face) {
         const int a = face / 2;
@@ -34,15 +35,14 @@ static ty_scene* white_box(ty_context* context, double sigma, const ty_light_def
 
 /* How far off numbers are from 1. */
 typedef struct spread {
-    double mean, rms, worst;
+    double mean, rms;
 } spread;
 
 static spread spread_of(const double* values, int count) {
-    spread s = {0, 0, 0};
+    spread s = {0, 0};
     for (int i = 0; i < count; ++i) {
         s.mean += (values[i] - 1) / count;
         s.rms += (values[i] - 1) * (values[i] - 1) / count;
-        s.worst = fmax(s.worst, fabs(values[i] - 1));
     }
     s.rms = sqrt(s.rms);
     return s;
@@ -74,29 +74,40 @@ static spread picture_off(const ty_scene* scene, const ty_dom* light, ty_dom_def
     return spread_of(pixels, ACROSS * ACROSS);
 }
 
-static bool is_unseen(ty_context* context, double sigma) {
+/* How near the box is to what it should be: nowhere to be seen. Numbers below 0 are not looked at. */
+typedef struct box_case {
+    double half, sigma; /* m; 1/m */
+    double emitted, fluence, picture;
+} box_case;
+
+static bool is_unseen(ty_context* context, const box_case* c) {
     const ty_light_def sky = light_of(TY_LIGHT_ENVIRONMENT, 1);
-    ty_scene* scene = white_box(context, sigma, &sky);
+    ty_scene* scene = white_box(context, c->half, c->sigma, &sky);
     const ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
     ty_dom_stats stats;
     must(context, ty_dom_solve(scene, &def, &light, &stats));
     assert_true(stats.converged);
-    const double entered = stats.emitted[1] / (4 * pi);
+    const double emitted = stats.emitted[1] / (4 * pi) - 1;
     const spread fluence = fluence_off(context, light), picture = picture_off(scene, light, def);
-    printf(
-        "white box, %g/m: emitted %.4f of what enters; fluence %+.4f, rms %.4f, worst %.4f; picture %+.4f, rms %.4f, "
-        "worst %.4f; %.2f s direct, %.2f s walls\n",
-        sigma, entered, fluence.mean, fluence.rms, fluence.worst, picture.mean, picture.rms, picture.worst,
-        stats.direct_seconds, stats.wall_seconds);
+    printf("white box, %g/m in %g m: emitted %+.4f; fluence %+.4f, rms %.4f; picture %+.4f, rms %.4f\n", c->sigma,
+           2 * c->half, emitted, fluence.mean, fluence.rms, picture.mean, picture.rms);
     ty_dom_destroy(light);
     ty_scene_destroy(scene);
-    return fabs(entered - 1) <= 0.03 && fabs(fluence.mean) <= 0.05 && fabs(picture.mean) <= 0.05;
+    return (c->emitted < 0 || fabs(emitted) <= c->emitted) && (c->fluence < 0 || fabs(fluence.mean) <= c->fluence) &&
+           fabs(picture.mean) <= c->picture;
 }
 
+/* Of all that is emitted 1.3 % and more is what 64 beams make of the sky's irradiance. At 20/m cells of ordinates are
+ * 1.7 mean free paths thick, and light that has entered is on the mean nearer to the opening than their middles. Fog
+ * beyond the walls is lit as well, and adds to what is emitted. */
 static void a_white_box_is_unseen(void** state) {
+    static const box_case cases[] = {
+        {1, 0.5, 0.03, 0.05, 0.03}, {1, 2, 0.03, 0.05, 0.03},    {1, 20, 0.03, -1, 0.1},
+        {1.01, 2, -1, 0.05, 0.05},  {1.03, 0.5, -1, 0.05, 0.05}, {1.03, 8, -1, -1, 0.05},
+    };
     bool unseen = true;
-    for (int i = 0; i < 3; ++i) unseen = is_unseen(*state, (const double[]){0.5, 2, 20}[i]) && unseen;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) unseen = is_unseen(*state, &cases[i]) && unseen;
     assert_true(unseen);
 }
 
@@ -104,7 +115,7 @@ static void a_white_box_is_unseen(void** state) {
 static bool keeps_the_sun(ty_context* context, double x, double y, double sigma) {
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 1);
     set3(sun.direction, x, y, -1);
-    ty_scene* scene = white_box(context, sigma, &sun);
+    ty_scene* scene = white_box(context, 1, sigma, &sun);
     const ty_dom_def def = ty_default_dom_def();
     ty_dom* light = NULL;
     ty_dom_stats stats;
