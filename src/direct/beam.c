@@ -83,31 +83,37 @@ static void ray_begin(const hit_job* job, int32_t column, int32_t row, int32_t r
     }
 }
 
-static float hit_along(const hit_job* job, const ty_hit* hit, const double begin[3]) {
-    double along = (double)TY_FLOAT_MAX;
-    if (hit->surface >= 0)
-        along = ((double)hit->position.x - begin[0]) * job->way[0] +
-                ((double)hit->position.y - begin[1]) * job->way[1] + ((double)hit->position.z - begin[2]) * job->way[2];
-    return ty_stop_within(&job->room, begin, job->inverse, (float)along);
+static float stop_of(const hit_job* job, const ty_hit* hit, const double begin[3], double enter) {
+    if (hit->surface < 0) return TY_FLOAT_MAX;
+    const double along = ((double)hit->position.x - begin[0]) * job->way[0] +
+                         ((double)hit->position.y - begin[1]) * job->way[1] +
+                         ((double)hit->position.z - begin[2]) * job->way[2];
+    return along > enter ? (float)along : 0;
 }
 
 /* At most a packet of tubes' rays, one of each tube. */
 static void find_packet(const hit_job* job, int32_t column, int32_t count, int32_t row, int32_t ray) {
     const ty_beam* beam = job->beam;
-    double begin[TY_PACKET][3];
+    float* out = beam->hit + ty_beam_tubes(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
+    double begin[TY_PACKET][3], enter[TY_PACKET];
+    int32_t tube[TY_PACKET], traced = 0;
     ty_ray rays[TY_PACKET];
     ty_hit hits[TY_PACKET];
     for (int32_t i = 0; i < count; ++i) {
-        ray_begin(job, column + i, row, ray, begin[i]);
-        rays[i].far = TY_FLOAT_MAX;
+        double span[2];
+        ray_begin(job, column + i, row, ray, begin[traced]);
+        out[i] = TY_STOP_NONE;
+        if (!ty_stop_span(&job->room, begin[traced], job->inverse, span)) continue;
+        enter[traced] = span[0];
+        rays[traced].far = (float)(job->back + span[1]);
         for (int a = 0; a < 3; ++a) {
-            rays[i].origin[a] = (float)(begin[i][a] - job->back * job->way[a]);
-            rays[i].direction[a] = (float)job->way[a];
+            rays[traced].origin[a] = (float)(begin[traced][a] - job->back * job->way[a]);
+            rays[traced].direction[a] = (float)job->way[a];
         }
+        tube[traced++] = i;
     }
-    ty_mesh_intersect_packet(job->mesh, rays, count, hits);
-    float* out = beam->hit + ty_beam_tubes(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
-    for (int32_t i = 0; i < count; ++i) out[i] = hit_along(job, &hits[i], begin[i]);
+    if (traced > 0) ty_mesh_intersect_packet(job->mesh, rays, traced, hits);
+    for (int32_t i = 0; i < traced; ++i) out[tube[i]] = stop_of(job, &hits[i], begin[i], enter[i]);
 }
 
 static void find_hits(void* user, int64_t row, int32_t worker) {

@@ -174,18 +174,21 @@ static ty_lamp_rays rays_through(const ty_lamp_lattice* l, int32_t slab, double 
     return rays;
 }
 
-/* How far along a ray a surface stops it, as a distance along w. */
-static float hit_along(const trace_job* job, double p, double q) {
+/* A ray's stop, as a distance along w. */
+static float stop_along(const trace_job* job, double p, double q) {
     const ty_lamp_lattice* l = job->l;
     const ty_vec lamp = l->of->source->position;
     const double length = sqrt(1 + p * p + q * q), place[3] = {(double)lamp.x, (double)lamp.y, (double)lamp.z};
-    double way[3], inverse[3];
+    double way[3], inverse[3], span[2];
     way[l->axis[0]] = p / length;
     way[l->axis[1]] = q / length;
     way[l->axis[2]] = (l->backwards ? -1 : 1) / length;
     for (int a = 0; a < 3; ++a) inverse[a] = ty_stop_inverse(way[a]);
-    const float reach = ty_lamp_reach(l->of, ty_vec_make((float)way[0], (float)way[1], (float)way[2]), TY_FLOAT_MAX);
-    return ty_stop_within(&job->room, place, inverse, reach) / (float)length;
+    if (!ty_stop_span(&job->room, place, inverse, span) || span[1] <= 0) return TY_STOP_NONE;
+    const ty_vec toward = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+    const float leave = (float)span[1], reach = ty_lamp_reach(l->of, toward, leave);
+    if (!(reach < leave)) return TY_FLOAT_MAX;
+    return (double)reach > span[0] ? reach / (float)length : 0;
 }
 
 static void trace_row(void* user, int64_t row, int32_t worker) {
@@ -212,7 +215,7 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
         }
     }
     for (size_t i = 0; i < count && l->hit != NULL; ++i)
-        l->hit[first + i] = hit_along(job, l->low[0] + l->step[0] * (double)i, q);
+        l->hit[first + i] = stop_along(job, l->low[0] + l->step[0] * (double)i, q);
     ty_restore_denormals(state);
 }
 

@@ -1,6 +1,8 @@
 /* Rays beside a box. */
 #include "direct/stops.h"
 
+#include <string.h>
+
 /* Of a cell's sides. */
 static const double rim = 1e-3;
 
@@ -13,17 +15,25 @@ ty_stop_room ty_stop_room_of(const ty_grid_medium* medium) {
     return room;
 }
 
-/* `count` rays, so many floats apart: from those of them that are in the room to either side. */
-static void fill_line(float* stops, size_t count, size_t apart) {
+static bool is_none(float stop) {
+    return stop < 0;
+}
+
+static void fill_row(float* row, size_t count) {
     for (size_t i = 1; i < count; ++i)
-        if (signbit(stops[i * apart])) stops[i * apart] = stops[(i - 1) * apart];
+        if (is_none(row[i])) row[i] = row[i - 1];
     for (size_t i = count - 1; i-- > 0;)
-        if (signbit(stops[i * apart])) stops[i * apart] = stops[(i + 1) * apart];
+        if (is_none(row[i])) row[i] = row[i + 1];
+}
+
+/* A row that has been filled, if with nothing. */
+static void fill_from(float* row, const float* other, size_t count) {
+    if (is_none(row[0])) memcpy(row, other, count * sizeof *row);
 }
 
 void ty_stops_fill(float* stops, int32_t columns, int32_t rows) {
     const size_t across = (size_t)columns, down = (size_t)rows;
-    for (size_t row = 0; row < down; ++row) fill_line(stops + row * across, across, 1);
-    for (size_t column = 0; column < across; ++column) fill_line(stops + column, down, across);
-    for (size_t i = 0; i < across * down; ++i) stops[i] = fabsf(stops[i]);
+    for (size_t row = 0; row < down; ++row) fill_row(stops + row * across, across);
+    for (size_t row = 1; row < down; ++row) fill_from(stops + row * across, stops + (row - 1) * across, across);
+    for (size_t row = down - 1; row-- > 0;) fill_from(stops + row * across, stops + (row + 1) * across, across);
 }

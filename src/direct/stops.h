@@ -1,6 +1,7 @@
 /* Where surfaces stop rays, for cells that have no more than a ray's nearest to tell whether they are lit. A ray beside
  * the box may be lit where the cell next to it is behind a wall in the box's face, or the other way round: so rays have
- * everywhere what they have within the box. */
+ * everywhere what they have within the box. A ray's stop is how far it gets, m: 0 if it is stopped before it enters the
+ * box, TY_FLOAT_MAX if it gets through. */
 #ifndef TY_DIRECT_STOPS_H
 #define TY_DIRECT_STOPS_H
 
@@ -14,27 +15,29 @@ typedef struct ty_stop_room {
 
 ty_stop_room ty_stop_room_of(const ty_grid_medium* medium);
 
-/* What ty_stop_within takes of a ray's way along one axis. */
+/* The stop of a ray that passes the room by, until ty_stops_fill. */
+#define TY_STOP_NONE (-1.0f)
+
+/* What ty_stop_span takes of a ray's way along one axis. */
 static inline double ty_stop_inverse(double way) {
     return way != 0 ? 1 / way : 1e300;
 }
 
-/* along: m from the origin to the first surface, TY_FLOAT_MAX: none. Returns 0 where the ray is stopped before it
- * enters the room, TY_FLOAT_MAX where it gets through, else along; less than 0, or -0, where it passes the room by. */
-static inline float ty_stop_within(const ty_stop_room* room, const double origin[3], const double inverse[3],
-                                   float along) {
-    double enter = -INFINITY, leave = INFINITY;
+/* Where a ray enters and leaves the room, m from its origin; false: it passes it by. */
+static inline bool ty_stop_span(const ty_stop_room* room, const double origin[3], const double inverse[3],
+                                double span[2]) {
+    span[0] = -INFINITY;
+    span[1] = INFINITY;
     for (int a = 0; a < 3; ++a) {
         const double low = (room->lower[a] - origin[a]) * inverse[a], high = (room->upper[a] - origin[a]) * inverse[a];
-        enter = ty_cell_max(enter, ty_cell_min(low, high));
-        leave = ty_cell_min(leave, ty_cell_max(low, high));
+        span[0] = ty_cell_max(span[0], ty_cell_min(low, high));
+        span[1] = ty_cell_min(span[1], ty_cell_max(low, high));
     }
-    if (!(enter < leave)) return -ty_maxf(along, 0.0f);
-    return (double)along <= enter ? 0.0f : (double)along >= leave ? TY_FLOAT_MAX : along;
+    return span[0] < span[1];
 }
 
-/* Rows of rays that ty_stop_within has looked at: those that pass the room by get what their nearest in the row has
- * that does not, or in the column; if none does, what they were stopped at. */
+/* Rows of rays' stops: those that pass the room by get that of the nearest in their row that does not, and rows of
+ * which all do that of the next row. */
 void ty_stops_fill(float* stops, int32_t columns, int32_t rows);
 
 #endif
