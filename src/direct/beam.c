@@ -91,7 +91,11 @@ static float stop_of(const hit_job* job, const ty_hit* hit, const double begin[3
     return along > enter ? (float)along : 0;
 }
 
-/* At most a packet of tubes' rays, one of each tube. */
+static ty_stop_span cut_span(const hit_job* job, ty_stop_span span, int32_t axis, const double begin[3]) {
+    return ty_stop_cut(span, &job->room, axis, begin[axis], job->inverse[axis]);
+}
+
+/* At most a packet of tubes' rays, one of each tube, which begin along u apart. */
 static void find_packet(const hit_job* job, int32_t column, int32_t count, int32_t row, int32_t ray) {
     const ty_beam* beam = job->beam;
     float* out = beam->hit + ty_beam_tubes(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
@@ -99,13 +103,16 @@ static void find_packet(const hit_job* job, int32_t column, int32_t count, int32
     int32_t tube[TY_PACKET], traced = 0;
     ty_ray rays[TY_PACKET];
     ty_hit hits[TY_PACKET];
+    ty_stop_span across = {-INFINITY, INFINITY};
+    ray_begin(job, column, row, ray, begin[0]);
+    for (int i = 1; i < 3; ++i) across = cut_span(job, across, beam->axis[i], begin[0]);
     for (int32_t i = 0; i < count; ++i) {
-        double span[2];
         ray_begin(job, column + i, row, ray, begin[traced]);
+        const ty_stop_span span = cut_span(job, across, beam->axis[0], begin[traced]);
         out[i] = TY_STOP_NONE;
-        if (!ty_stop_span(&job->room, begin[traced], job->inverse, span)) continue;
-        enter[traced] = span[0];
-        rays[traced].far = (float)(job->back + span[1]);
+        if (!(span.enter < span.leave)) continue;
+        enter[traced] = span.enter;
+        rays[traced].far = (float)(job->back + span.leave);
         for (int a = 0; a < 3; ++a) {
             rays[traced].origin[a] = (float)(begin[traced][a] - job->back * job->way[a]);
             rays[traced].direction[a] = (float)job->way[a];

@@ -179,16 +179,17 @@ static float stop_along(const trace_job* job, double p, double q) {
     const ty_lamp_lattice* l = job->l;
     const ty_vec lamp = l->of->source->position;
     const double length = sqrt(1 + p * p + q * q), place[3] = {(double)lamp.x, (double)lamp.y, (double)lamp.z};
-    double way[3], inverse[3], span[2];
+    double way[3];
+    ty_stop_span span = {0, INFINITY};
     way[l->axis[0]] = p / length;
     way[l->axis[1]] = q / length;
     way[l->axis[2]] = (l->backwards ? -1 : 1) / length;
-    for (int a = 0; a < 3; ++a) inverse[a] = ty_stop_inverse(way[a]);
-    if (!ty_stop_span(&job->room, place, inverse, span) || span[1] <= 0) return TY_STOP_NONE;
+    for (int a = 0; a < 3; ++a) span = ty_stop_cut(span, &job->room, a, place[a], ty_stop_inverse(way[a]));
+    if (!(span.enter < span.leave)) return TY_STOP_NONE;
     const ty_vec toward = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
-    const float leave = (float)span[1], reach = ty_lamp_reach(l->of, toward, leave);
+    const float leave = (float)span.leave, reach = ty_lamp_reach(l->of, toward, leave);
     if (!(reach < leave)) return TY_FLOAT_MAX;
-    return (double)reach > span[0] ? reach / (float)length : 0;
+    return (double)reach > span.enter ? reach / (float)length : 0;
 }
 
 static void trace_row(void* user, int64_t row, int32_t worker) {

@@ -18,22 +18,22 @@ ty_stop_room ty_stop_room_of(const ty_grid_medium* medium);
 /* The stop of a ray that passes the room by, until ty_stops_fill. */
 #define TY_STOP_NONE (-1.0f)
 
-/* What ty_stop_span takes of a ray's way along one axis. */
+/* What ty_stop_cut takes of a ray's way along one axis. */
 static inline double ty_stop_inverse(double way) {
     return way != 0 ? 1 / way : 1e300;
 }
 
-/* Where a ray enters and leaves the room, m from its origin; false: it passes it by. */
-static inline bool ty_stop_span(const ty_stop_room* room, const double origin[3], const double inverse[3],
-                                double span[2]) {
-    span[0] = -INFINITY;
-    span[1] = INFINITY;
-    for (int a = 0; a < 3; ++a) {
-        const double low = (room->lower[a] - origin[a]) * inverse[a], high = (room->upper[a] - origin[a]) * inverse[a];
-        span[0] = ty_cell_max(span[0], ty_cell_min(low, high));
-        span[1] = ty_cell_min(span[1], ty_cell_max(low, high));
-    }
-    return span[0] < span[1];
+/* Where a ray enters and leaves the room, m from its origin: empty where it passes it by. */
+typedef struct ty_stop_span {
+    double enter, leave;
+} ty_stop_span;
+
+/* Cuts a span to the room along one axis, of which the ray's origin and way are given. */
+static inline ty_stop_span ty_stop_cut(ty_stop_span span, const ty_stop_room* room, int axis, double origin,
+                                       double inverse) {
+    const double low = (room->lower[axis] - origin) * inverse, high = (room->upper[axis] - origin) * inverse;
+    return (ty_stop_span){ty_cell_max(span.enter, ty_cell_min(low, high)),
+                          ty_cell_min(span.leave, ty_cell_max(low, high))};
 }
 
 /* Rows of rays' stops: those that pass the room by get that of the nearest in their row that does not, and rows of
