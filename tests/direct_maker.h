@@ -64,6 +64,33 @@ static inline ty_grid* direct_noise(ty_context* context, int32_t nx, int32_t ny,
     return grid;
 }
 
+/* Walls in the faces of a box but for its upper one along z. */
+static inline void direct_add_walls(ty_scene* scene, const double lower[3], const double upper[3]) {
+    for (int face = 0; face < 5; ++face) {
+        const int a = face / 2, b = (a + 1) % 3, c = (a + 2) % 3;
+        ty_shape_def wall = ty_default_shape_def();
+        memcpy(wall.origin, lower, sizeof wall.origin);
+        wall.origin[a] = face % 2 == 0 ? lower[a] : upper[a];
+        set3(wall.u, 0, 0, 0);
+        set3(wall.v, 0, 0, 0);
+        wall.u[b] = upper[b] - lower[b];
+        wall.v[c] = upper[c] - lower[c];
+        check_result(ty_scene_context(scene), ty_scene_add_shape(scene, &wall));
+    }
+}
+
+/* How far within the open face of such a box the light that gets to a point comes in, m; less than 0: it does not. */
+static inline double direct_through_opening(const double lower[3], const double upper[3], const double point[3],
+                                            const double toward[3]) {
+    double within = INFINITY;
+    const double far = (upper[2] - point[2]) / toward[2];
+    for (int a = 0; a < 2; ++a) {
+        const double at = point[a] + far * toward[a];
+        within = fmin(within, fmin(at - lower[a], upper[a] - at));
+    }
+    return within;
+}
+
 static inline void direct_add_sun(ty_scene* scene, double x, double y, double z, float irradiance) {
     ty_light_def sun = ty_default_light_def();
     set3(sun.direction, x, y, z);

@@ -17,9 +17,9 @@ test_scenes_name_the_method() {
 # Every key changes what it should, or nothing at all.
 test_options() {
   changed_by dom fog.json resolution=12 direct=20 directions=48 bands=2 tolerance=0.3 iterations=1 environment_beams=7 \
-    spp=4 step=0.3 acceleration=none
+    spp=4 step=0.3 acceleration=none last_directions=48
   kept_by dom fog.json resolution=8 direct=16 directions=96 bands=0 tolerance=1e-3 iterations=0 iterations=100 \
-    environment_beams=64 surface_points=3 spp=1 step=1 acceleration=diffusion
+    environment_beams=64 surface_points=3 last_directions=0 spp=1 step=1 acceleration=diffusion
   dom fog.json seeded.exr --seed 3
   different plain.exr seeded.exr
 }
@@ -29,6 +29,8 @@ test_wrong_options() {
 direction=48 did you mean .*directions
 directions=7 render.dom.directions
 directions=1025 render.dom.directions
+last_directions=7 dom.last_directions: 7 is outside \[8, 1024\]
+last_directions=1025 render.dom.last_directions
 resolution=513 render.dom.resolution
 resolution=3 dom.resolution: 3 is outside \[4, 512\]
 direct=1025 render.dom.direct

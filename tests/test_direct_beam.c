@@ -140,6 +140,14 @@ static void slanting_light_converges(void** state) {
     }
 }
 
+static void middle_of(const ty_grid_medium* medium, size_t cell, double at[3]) {
+    for (int a = 0; a < 3; ++a) {
+        const size_t size = (size_t)medium->box.size[a];
+        at[a] = medium->box.lower[a] + medium->cell[a] * ((double)(cell % size) + 0.5);
+        cell /= size;
+    }
+}
+
 /* Behind a board across the light there is none of it, beside it there is all, however far. */
 static void boards_throw_sharp_shadows(void** state) {
     ty_scene* scene = box_scene(*state, 0, 0);
@@ -152,15 +160,11 @@ static void boards_throw_sharp_shadows(void** state) {
     direct_case made = direct_begin(scene, 60, 1, 1);
     ty_light_field* field = direct_light(&made, false);
     const ty_grid_medium* medium = made.medium;
-    const int32_t* size = medium->box.size;
     int dark = 0;
     for (size_t i = 0; i < medium->cells; ++i) {
-        const double x = medium->box.lower[0] + medium->cell[0] * ((double)(i % (size_t)size[0]) + 0.5);
-        const double y =
-            medium->box.lower[1] + medium->cell[1] * ((double)(i / (size_t)size[0] % (size_t)size[1]) + 0.5);
-        const double z =
-            medium->box.lower[2] + medium->cell[2] * ((double)(i / (size_t)size[0] / (size_t)size[1]) + 0.5);
-        const double inside = fmin(x - 0.25 * (z + 3), y - 1.5);
+        double at[3];
+        middle_of(medium, i, at);
+        const double inside = fmin(at[0] - 0.25 * (at[2] + 3), at[1] - 1.5);
         if (fabs(inside) < 1.5 * medium->cell[0]) continue;
         assert_close(field->fluence[0][i], inside > 0 ? 0 : 1, 2e-6);
         dark += inside > 0;
@@ -168,6 +172,36 @@ static void boards_throw_sharp_shadows(void** state) {
     assert_true(dark > 1000);
     ty_light_field_destroy(field);
     direct_end(&made);
+}
+
+/* Walls in the box's own faces keep out what slants at them from outside, and lose nothing of what slants at them from
+ * within: the cells next to them are as dark, or as bright, as those before them. */
+static void walls_in_the_faces_keep_light_apart(void** state) {
+    static const double lower[3] = {-1, 0.5, -2}, upper[3] = {1, 2.5, 1};
+    for (int w = 0; w < WAYS; ++w) {
+        if (!(ways[w][2] < 0)) continue;
+        ty_scene* scene = box_scene(*state, 0, 0);
+        direct_add_walls(scene, lower, upper);
+        direct_add_sun(scene, ways[w][0], ways[w][1], ways[w][2], 1);
+        direct_case made = direct_begin(scene, 45, 1, 1);
+        ty_light_field* field = direct_light(&made, false);
+        const ty_grid_medium* medium = made.medium;
+        const double toward[3] = {-ways[w][0], -ways[w][1], -ways[w][2]};
+        const double shallow = 1 + fmax(fabs(ways[w][0]), fabs(ways[w][1])) / -ways[w][2];
+        int edges = 0;
+        for (size_t i = 0; i < medium->cells; ++i) {
+            double at[3];
+            middle_of(medium, i, at);
+            const double within = direct_through_opening(lower, upper, at, toward);
+            const bool sure = ways[w][0] == 0 && ways[w][1] == 0;
+            if (!sure && fabs(within) < 2.5 * medium->cell[0] * shallow) continue;
+            assert_close(field->fluence[0][i], within > 0 ? 1 : 0, 2e-6);
+            for (int a = 0; a < 2; ++a) edges += fmin(at[a] - lower[a], upper[a] - at[a]) < 0.75 * medium->cell[a];
+        }
+        assert_true(edges > 1000);
+        ty_light_field_destroy(field);
+        direct_end(&made);
+    }
 }
 
 /* A floor in the middle of the box: light ends there. */
@@ -228,6 +262,7 @@ int main(void) {
         cmocka_unit_test(no_light_is_lost),
         cmocka_unit_test(slanting_light_converges),
         cmocka_unit_test(boards_throw_sharp_shadows),
+        cmocka_unit_test(walls_in_the_faces_keep_light_apart),
         cmocka_unit_test(floors_end_light),
         cmocka_unit_test(threads_change_no_bit),
     };

@@ -158,6 +158,33 @@ static void boards_shade_lamps(void** state) {
     direct_end(&made);
 }
 
+/* Walls in the cube's own faces, and a lamp before the one that is open, beside it, or in the plane of a wall. */
+static void walls_in_the_faces_keep_lamps_out(void** state) {
+    static const double places[][3] = {{-2.5, 0.3, 2.5}, {0.2, 3, 1.7}, {4, -5, 3}, {-1, 0.1, 2}, {0, 0, 9}};
+    static const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1};
+    for (int n = 0; n < 5; ++n) {
+        ty_scene* scene = cube_scene(*state, 0, places[n]);
+        direct_add_walls(scene, lower, upper);
+        direct_case made = direct_begin(scene, 30, 1, 1);
+        ty_light_field* field = direct_light(&made, false);
+        int edges = 0;
+        for (size_t i = 0; i < made.medium->cells; ++i) {
+            const double at[3] = {-1 + (i % 30 + 0.5) / 15.0, -1 + (i / 30 % 30 + 0.5) / 15.0,
+                                  -1 + (i / 900 + 0.5) / 15.0};
+            const double toward[3] = {places[n][0] - at[0], places[n][1] - at[1], places[n][2] - at[2]};
+            const double square = toward[0] * toward[0] + toward[1] * toward[1] + toward[2] * toward[2];
+            const double within = direct_through_opening(lower, upper, at, toward);
+            const double shallow = 1 + fmax(fabs(toward[0]), fabs(toward[1])) / toward[2];
+            if (fabs(within) < 2.0 / 15 * shallow) continue;
+            assert_close((double)field->fluence[0][i] * square, within > 0 ? 1 : 0, 0.005);
+            edges += fmax(fabs(at[0]), fabs(at[1])) > 14.0 / 15;
+        }
+        assert_true(edges > 500);
+        ty_light_field_destroy(field);
+        direct_end(&made);
+    }
+}
+
 static void transmittance_has_no_distance_in_it(void** state) {
     ty_scene* scene = cube_scene(*state, 2, lamps[3]);
     direct_case made = direct_begin(scene, 16, 1, 1);
@@ -195,9 +222,13 @@ static void threads_change_no_bit(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(inverse_squares_are_met), cmocka_unit_test(even_media_dim_lamps),
-        cmocka_unit_test(finer_cells_are_nearer),  cmocka_unit_test(long_boxes_are_met),
-        cmocka_unit_test(boards_shade_lamps),      cmocka_unit_test(transmittance_has_no_distance_in_it),
+        cmocka_unit_test(inverse_squares_are_met),
+        cmocka_unit_test(even_media_dim_lamps),
+        cmocka_unit_test(finer_cells_are_nearer),
+        cmocka_unit_test(long_boxes_are_met),
+        cmocka_unit_test(boards_shade_lamps),
+        cmocka_unit_test(walls_in_the_faces_keep_lamps_out),
+        cmocka_unit_test(transmittance_has_no_distance_in_it),
         cmocka_unit_test(threads_change_no_bit),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

@@ -94,6 +94,8 @@ static const bad_field bad_fields[] = {
     DOM(direct, FIELD_INT, 1025, "dom.direct"),
     DOM(directions, FIELD_INT, 7, "dom.directions: 7 is outside [8, 1024]"),
     DOM(directions, FIELD_INT, 1025, "dom.directions"),
+    DOM(last_directions, FIELD_INT, 7, "dom.last_directions: 7 is outside [8, 1024]"),
+    DOM(last_directions, FIELD_INT, 1025, "dom.last_directions"),
     DOM(bands, FIELD_INT, -1, "dom.bands: -1 is outside [1, 12]"),
     DOM(bands, FIELD_INT, 13, "dom.bands"),
     DOM(acceleration, FIELD_INT, 2, "dom.acceleration"),
@@ -142,7 +144,7 @@ static void points_are_checked(void** state) {
 static void defaults_are_as_documented(void** state) {
     (void)state;
     const ty_dom_def def = ty_default_dom_def();
-    assert_int_equal(def.resolution | def.direct | def.bands | def.iterations, 0);
+    assert_int_equal(def.resolution | def.direct | def.last_directions | def.bands | def.iterations, 0);
     assert_int_equal(def.directions, 96);
     assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
     assert_true(def.tolerance == 1e-3 && def.step == 1 && def.start == NULL);

@@ -81,6 +81,7 @@ static void expect_dom_defaults(const ty_dom_settings* settings) {
     assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
     assert_true(settings->resolution == def.resolution && settings->direct == def.direct);
     assert_true(settings->directions == def.directions && settings->bands == def.bands);
+    assert_int_equal(settings->last_directions, def.last_directions);
     assert_true(settings->tolerance == def.tolerance && settings->iterations == def.iterations);
     assert_true(settings->environment_beams == def.environment_beams);
     assert_true(settings->surface_points == def.surface_points);
@@ -472,7 +473,8 @@ static const char every_key[] =
     "\"lpv\":{\"mode\":\"published\",\"parts\":\"both\",\"place\":\"camera\",\"resolution\":24,\"extent\":20,"
     "\"cascades\":3,\"bands\":3,\"window\":0.1,\"iterations\":10,\"tolerance\":0.02,\"map_side\":64,\"samples\":4,"
     "\"block_side\":2,\"shadow_side\":128,\"shadow_rays\":false,\"half\":false,\"step\":0.75,\"spp\":5},"
-    "\"dom\":{\"resolution\":20,\"direct\":60,\"directions\":48,\"bands\":4,\"acceleration\":\"none\","
+    "\"dom\":{\"resolution\":20,\"direct\":60,\"directions\":48,\"last_directions\":80,\"bands\":4,\"acceleration\":"
+    "\"none\","
     "\"tolerance\":1e-4,\"iterations\":50,\"environment_beams\":9,\"surface_points\":6,\"spp\":4,\"step\":2}}}";
 
 /* Fails on a key under "properties" anywhere in the schema that does not stand in the text. */
@@ -536,6 +538,7 @@ static void test_every_key_is_accepted(void** state) {
     const ty_dom_settings dom = ty_scene_render_settings(scene).dom;
     assert_string_equal(dom.acceleration, "none");
     assert_true(dom.resolution == 20 && dom.direct == 60 && dom.directions == 48 && dom.bands == 4);
+    assert_int_equal(dom.last_directions, 80);
     assert_true(dom.tolerance == 1e-4 && dom.iterations == 50 && dom.step == 2 && dom.spp == 4);
     assert_true(dom.environment_beams == 9 && dom.surface_points == 6);
     ty_scene_destroy(scene);

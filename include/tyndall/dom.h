@@ -38,6 +38,8 @@ typedef struct ty_dom_def {
                            twice as many where transfer functions make edges, but 256 at most (of these 192 where not
                            all lights shine from one direction or place); 64 where media have no voxels */
     int32_t directions; /* ordinates, 8..1024; default 96 */
+    int32_t last_directions; /* of one more sweep at the end, 8..1024, so that few do not show as rays: 400 there cost
+                                as much as four sweeps of 96 and look like 400 all along; 0 (default): none */
     int32_t bands; /* L: Legendre terms that the scaled phase function keeps, 1..12; 0 (default): from the media's g
                       and the number of directions */
     ty_dom_acceleration acceleration; /* default TY_DOM_ACCELERATION_DIFFUSION */

@@ -384,12 +384,12 @@ typedef struct ty_lpv_settings {
 
 /* ty_dom_def in words; 0 for what it calls its own choice. */
 typedef struct ty_dom_settings {
-    char acceleration[16];                                 /* "diffusion" (default) or "none" */
-    int32_t resolution, direct, directions, bands;         /* as in ty_dom_def */
-    double tolerance;                                      /* as in ty_dom_def */
-    int32_t iterations, environment_beams, surface_points; /* as in ty_dom_def */
-    double step;                                           /* as in ty_dom_def */
-    int32_t spp;                                           /* rays per pixel */
+    char acceleration[16];                                          /* "diffusion" (default) or "none" */
+    int32_t resolution, direct, directions, last_directions, bands; /* as in ty_dom_def */
+    double tolerance;                                               /* as in ty_dom_def */
+    int32_t iterations, environment_beams, surface_points;          /* as in ty_dom_def */
+    double step;                                                    /* as in ty_dom_def */
+    int32_t spp;                                                    /* rays per pixel */
 } ty_dom_settings;
 
 /* What `render` in a scene file asked for; defaults when a scene was built by calls. */

@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/float_mode.h"
+#include "direct/stops.h"
 
 size_t ty_beam_tubes(const ty_beam* beam) {
     return (size_t)beam->tubes[0] * (size_t)beam->tubes[1];
@@ -66,8 +67,9 @@ typedef struct hit_job {
     const ty_mesh* mesh;
     const ty_grid_medium* medium;
     ty_beam* beam;
-    double way[3];
+    double way[3], inverse[3];
     double back; /* m from where tubes begin to where rays do, before everything */
+    ty_stop_room room;
 } hit_job;
 
 /* Where one of a tube's rays, two by two, meets the first slab's near side. */
@@ -81,30 +83,44 @@ static void ray_begin(const hit_job* job, int32_t column, int32_t row, int32_t r
     }
 }
 
-static float hit_along(const hit_job* job, const ty_hit* hit, const double begin[3]) {
+static float stop_of(const hit_job* job, const ty_hit* hit, const double begin[3], double enter) {
     if (hit->surface < 0) return TY_FLOAT_MAX;
-    return (float)(((double)hit->position.x - begin[0]) * job->way[0] +
-                   ((double)hit->position.y - begin[1]) * job->way[1] +
-                   ((double)hit->position.z - begin[2]) * job->way[2]);
+    const double along = ((double)hit->position.x - begin[0]) * job->way[0] +
+                         ((double)hit->position.y - begin[1]) * job->way[1] +
+                         ((double)hit->position.z - begin[2]) * job->way[2];
+    return along > enter ? (float)along : 0;
 }
 
-/* At most a packet of tubes' rays, one of each tube. */
+static ty_stop_span cut_span(const hit_job* job, ty_stop_span span, int32_t axis, const double begin[3]) {
+    return ty_stop_cut(span, &job->room, axis, begin[axis], job->inverse[axis]);
+}
+
+/* At most a packet of tubes' rays, one of each tube, which begin along u apart. */
 static void find_packet(const hit_job* job, int32_t column, int32_t count, int32_t row, int32_t ray) {
     const ty_beam* beam = job->beam;
-    double begin[TY_PACKET][3];
+    float* out = beam->hit + ty_beam_tubes(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
+    double begin[TY_PACKET][3], enter[TY_PACKET];
+    int32_t tube[TY_PACKET], traced = 0;
     ty_ray rays[TY_PACKET];
     ty_hit hits[TY_PACKET];
+    ty_stop_span across = {-INFINITY, INFINITY};
+    ray_begin(job, column, row, ray, begin[0]);
+    for (int i = 1; i < 3; ++i) across = cut_span(job, across, beam->axis[i], begin[0]);
     for (int32_t i = 0; i < count; ++i) {
-        ray_begin(job, column + i, row, ray, begin[i]);
-        rays[i].far = TY_FLOAT_MAX;
+        ray_begin(job, column + i, row, ray, begin[traced]);
+        const ty_stop_span span = cut_span(job, across, beam->axis[0], begin[traced]);
+        out[i] = TY_STOP_NONE;
+        if (!(span.enter < span.leave)) continue;
+        enter[traced] = span.enter;
+        rays[traced].far = (float)(job->back + span.leave);
         for (int a = 0; a < 3; ++a) {
-            rays[i].origin[a] = (float)(begin[i][a] - job->back * job->way[a]);
-            rays[i].direction[a] = (float)job->way[a];
+            rays[traced].origin[a] = (float)(begin[traced][a] - job->back * job->way[a]);
+            rays[traced].direction[a] = (float)job->way[a];
         }
+        tube[traced++] = i;
     }
-    ty_mesh_intersect_packet(job->mesh, rays, count, hits);
-    float* out = beam->hit + ty_beam_tubes(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
-    for (int32_t i = 0; i < count; ++i) out[i] = hit_along(job, &hits[i], begin[i]);
+    if (traced > 0) ty_mesh_intersect_packet(job->mesh, rays, traced, hits);
+    for (int32_t i = 0; i < traced; ++i) out[tube[i]] = stop_of(job, &hits[i], begin[i], enter[i]);
 }
 
 static void find_hits(void* user, int64_t row, int32_t worker) {
@@ -116,6 +132,13 @@ static void find_hits(void* user, int64_t row, int32_t worker) {
         for (int32_t column = 0; column < tubes; column += TY_PACKET)
             find_packet(job, column, tubes - column < TY_PACKET ? tubes - column : TY_PACKET, (int32_t)row, ray);
     ty_restore_denormals(state);
+}
+
+/* One of the tubes' rays. */
+static void fill_hits(void* user, int64_t ray, int32_t worker) {
+    (void)worker;
+    const ty_beam* beam = ((const hit_job*)user)->beam;
+    ty_stops_fill(beam->hit + ty_beam_tubes(beam) * (size_t)ray, beam->tubes[0], beam->tubes[1]);
 }
 
 /* How far the corner of a box farthest upstream of where tubes begin may be. */
@@ -182,6 +205,9 @@ ty_result ty_beam_begin(const ty_scene_view* scene, const ty_grid_medium* medium
     result = take_tubes(beam, scene->mesh != NULL);
     if (result != TY_OK || scene->mesh == NULL) return result;
     job.back = reach_back(medium, outside);
+    job.room = ty_stop_room_of(medium);
+    for (int a = 0; a < 3; ++a) job.inverse[a] = ty_stop_inverse(job.way[a]);
     ty_parallel_for(beam->context, beam->tubes[1], find_hits, &job);
+    ty_parallel_for(beam->context, TY_BEAM_RAYS, fill_hits, &job);
     return TY_OK;
 }

@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/float_mode.h"
+#include "direct/stops.h"
 
 /* MARGIN: cells beside the box within which rays are still followed. */
 enum { FIRST_SLABS = 4, MARGIN = 4 };
@@ -106,6 +107,7 @@ static double entry_of(double p, double low, double high) {
 typedef struct trace_job {
     ty_lamp_lattice* l;
     const ty_lamp_lattice* before;
+    ty_stop_room room;
 } trace_job;
 
 static float between_rays(const ty_lamp_lattice* l, const float* plane, const int32_t at[2], const float share[2]) {
@@ -172,14 +174,22 @@ static ty_lamp_rays rays_through(const ty_lamp_lattice* l, int32_t slab, double 
     return rays;
 }
 
-/* How far along a ray a surface is, as a distance along w. */
-static float hit_along(const ty_lamp_lattice* l, double p, double q) {
-    const double length = sqrt(1 + p * p + q * q);
-    float way[3];
-    way[l->axis[0]] = (float)(p / length);
-    way[l->axis[1]] = (float)(q / length);
-    way[l->axis[2]] = (float)((l->backwards ? -1 : 1) / length);
-    return ty_lamp_reach(l->of, ty_vec_load(way), TY_FLOAT_MAX) / (float)length;
+/* A ray's stop, as a distance along w. */
+static float stop_along(const trace_job* job, double p, double q) {
+    const ty_lamp_lattice* l = job->l;
+    const ty_vec lamp = l->of->source->position;
+    const double length = sqrt(1 + p * p + q * q), place[3] = {(double)lamp.x, (double)lamp.y, (double)lamp.z};
+    double way[3];
+    ty_stop_span span = {0, INFINITY};
+    way[l->axis[0]] = p / length;
+    way[l->axis[1]] = q / length;
+    way[l->axis[2]] = (l->backwards ? -1 : 1) / length;
+    for (int a = 0; a < 3; ++a) span = ty_stop_cut(span, &job->room, a, place[a], ty_stop_inverse(way[a]));
+    if (!(span.enter < span.leave)) return TY_STOP_NONE;
+    const ty_vec toward = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+    const float leave = (float)span.leave, reach = ty_lamp_reach(l->of, toward, leave);
+    if (!(reach < leave)) return TY_FLOAT_MAX;
+    return (double)reach > span.enter ? reach / (float)length : 0;
 }
 
 static void trace_row(void* user, int64_t row, int32_t worker) {
@@ -206,14 +216,15 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
         }
     }
     for (size_t i = 0; i < count && l->hit != NULL; ++i)
-        l->hit[first + i] = hit_along(l, l->low[0] + l->step[0] * (double)i, q);
+        l->hit[first + i] = stop_along(job, l->low[0] + l->step[0] * (double)i, q);
     ty_restore_denormals(state);
 }
 
 ty_result ty_lamp_lattice_trace(ty_lamp_lattice* l, const ty_lamp_lattice* before) {
     const ty_result result = take_lattice(l);
     if (result != TY_OK) return result;
-    trace_job job = {.l = l, .before = before};
+    trace_job job = {.l = l, .before = before, .room = ty_stop_room_of(l->of->medium)};
     ty_parallel_for(l->of->medium->context, l->count[1], trace_row, &job);
+    if (l->hit != NULL) ty_stops_fill(l->hit, l->count[0], l->count[1]);
     return TY_OK;
 }

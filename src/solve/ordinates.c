@@ -33,11 +33,17 @@ static bool have_planes(const float* const* planes, int32_t count) {
     return true;
 }
 
+static bool is_set(const ty_ordinate_set* set) {
+    return set != NULL && set->count >= 8 && set->count <= TY_ORDINATES_MAX;
+}
+
 static ty_result check(ty_context* context, const ty_ordinates_def* def, float* const* moments) {
     const ty_result result = check_size(context, def);
     if (result != TY_OK) return result;
-    if (def->set == NULL || def->set->count < 8 || def->set->count > TY_ORDINATES_MAX)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: set: there are no directions");
+    if (!is_set(def->set)) return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: set: there are no directions");
+    if (def->last != NULL && (!is_set(def->last) || def->inflow != NULL))
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "ordinates: last: there are no directions, or inflow is along those of set");
     if (def->bands < 1 || def->bands > TY_ORDINATE_BANDS_MAX)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ordinates: bands: %d are outside 1..%d", (int)def->bands,
                        TY_ORDINATE_BANDS_MAX);
@@ -204,7 +210,8 @@ static void note_balance(ty_ordinates_job* job, const float* moments, int32_t te
         memcpy(walls->arrived, arrived, sizeof *arrived * (size_t)walls->count);
 }
 
-/* One more sweep, for more moments than iterations need: `terms` of them, emission and moments of each cell. */
+/* One more sweep, for more moments than iterations need, or of more directions: `terms` of them, emission and moments
+ * of each cell. */
 static ty_result sweep_more(ty_ordinates_job* job, ty_sweep* sweep, float* emission, float* kept,
                             float* const* moments) {
     const int32_t terms = job->def->kept * job->def->kept;
@@ -230,9 +237,9 @@ static ty_result sweep_more(ty_ordinates_job* job, ty_sweep* sweep, float* emiss
 static ty_result sweep_kept(ty_ordinates_job* job, float* const* moments) {
     const ty_ordinates_def* def = job->def;
     const size_t count = (size_t)job->cells * (size_t)(def->kept * def->kept);
+    const ty_ordinate_set* set = def->last != NULL ? def->last : def->set;
     ty_sweep* sweep = NULL;
-    ty_result result =
-        ty_sweep_create(job->context, def->size, def->cell, def->set, def->kept, job->extinction, &sweep);
+    ty_result result = ty_sweep_create(job->context, def->size, def->cell, set, def->kept, job->extinction, &sweep);
     if (result != TY_OK) return result;
     float* both = ty_alloc_array(job->context, 2 * count, sizeof(float), false);
     job->stats->bytes += (double)ty_sweep_bytes(sweep) + 2 * sizeof(float) * (double)count;
@@ -264,7 +271,8 @@ static ty_result solve(ty_ordinates_job* job, float* const* moments) {
     if (result != TY_OK) return result;
     result = ty_ordinates_iterate(job);
     if (job->correction != NULL) job->stats->cycles += ty_correction_cycles(job->correction);
-    if (result == TY_OK && job->def->kept > job->def->bands) return sweep_kept(job, moments);
+    const bool more = job->def->kept > job->def->bands || job->def->last != NULL;
+    if (result == TY_OK && more) return sweep_kept(job, moments);
     if (result == TY_OK || result == TY_CANCELLED) store(job, moments);
     return result;
 }

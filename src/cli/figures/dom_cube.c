@@ -93,7 +93,7 @@ static ty_result run_setting(figure_run* run, const ty_scene* scene, int column,
     ty_dom* light = NULL;
     ty_dom_stats stats;
     const int32_t resolution = settings[setting].resolution / (run->options->quick ? 4 : 1);
-    ty_result result = dom_solve(run, scene, settings[setting].directions, resolution, &light, &stats);
+    ty_result result = dom_solve(run, scene, settings[setting].directions, 0, resolution, &light, &stats);
     if (result == TY_OK) result = dom_scattered_fluence(light, &pop_cube_cells, truth, fluence);
     ty_dom_destroy(light);
     if (result != TY_OK) return result;

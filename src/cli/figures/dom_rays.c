@@ -5,9 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SCENES = 3, COUNTS = 3, WIDTH = 192, PICTURE_WIDTH = 280, SLICE = 32, SLICE_QUICK = 12, SAMPLES = 2048 };
+enum { SCENES = 3, COUNTS = 4, WIDTH = 192, PICTURE_WIDTH = 280, SLICE = 32, SLICE_QUICK = 12, SAMPLES = 2048 };
 
-static const int32_t counts[COUNTS] = {24, 96, 400};
+/* Directions of sweeps, and of one more at the end; 0: there is none. */
+static const struct { int32_t all, last; } counts[COUNTS] = {{24, 0}, {96, 0}, {96, 400}, {400, 0}};
+
+static void name_count(int index, char out[FIGURE_NAME_SIZE]) {
+    if (counts[index].last == 0)
+        snprintf(out, FIGURE_NAME_SIZE, "%d directions", (int)counts[index].all);
+    else
+        snprintf(out, FIGURE_NAME_SIZE, "%d directions, at last %d", (int)counts[index].all, (int)counts[index].last);
+}
 
 /* So fine that what is left to see is what directions do. */
 enum { RESOLUTION = 48, DIRECT = 144 };
@@ -106,12 +114,14 @@ static double mean_error(const slice* s) {
 
 static ty_result fill_cell(figure_run* run, const char* item, const ty_scene* scene, int column, slice* s,
                            plot_sheet* sheet) {
-    char own[FIGURE_NAME_SIZE], error[16];
+    char count[FIGURE_NAME_SIZE], own[2 * FIGURE_NAME_SIZE], error[16];
     ty_dom* light = NULL;
     ty_dom_stats stats;
     plot_cell* cell = plot_sheet_cell(sheet, 0, 1 + column);
-    snprintf(own, sizeof own, "%s, slice, %d directions", item, (int)counts[column]);
-    ty_result result = dom_solve(run, scene, counts[column], run->options->quick ? 0 : RESOLUTION, &light, &stats);
+    name_count(column, count);
+    snprintf(own, sizeof own, "%s, slice, %s", item, count);
+    ty_result result = dom_solve(run, scene, counts[column].all, counts[column].last,
+                                 run->options->quick ? 0 : RESOLUTION, &light, &stats);
     if (result == TY_OK) result = dom_scattered_fluence(light, &s->box, NULL, s->fluence);
     ty_dom_destroy(light);
     if (result == TY_OK) result = make_image(run, &s->box, (const double(*)[3])s->fluence, &s->found);
@@ -176,10 +186,11 @@ static ty_result show_scene(figure_run* run, int index) {
     ty_result result = ty_scene_parse(run->session->context, text, strlen(text), item, NULL, NULL, 0, &scene);
     for (int i = 0; i < COUNTS && result == TY_OK; ++i) {
         settings[i] = ty_scene_render_settings(scene).dom;
-        settings[i].directions = counts[i];
+        settings[i].directions = counts[i].all;
+        settings[i].last_directions = counts[i].last;
         settings[i].resolution = run->options->quick ? 0 : RESOLUTION;
         settings[i].direct = run->options->quick ? 0 : DIRECT;
-        snprintf(titles[i], sizeof titles[i], "%d directions", (int)counts[i]);
+        name_count(i, titles[i]);
         variants[i] = (figure_variant){titles[i], dom_render_variant, &settings[i]};
     }
     if (result == TY_OK) result = figure_show_variants(run, item, scene, variants, COUNTS, size, PICTURE_WIDTH, errors);
@@ -194,7 +205,9 @@ ty_result figure_dom_rays(figure_run* run) {
     snprintf(
         run->caption, sizeof run->caption,
         "Boxes of 4 m, all isotropic: a lamp in thin air (σs = 0.05/m) beside a blob of 20/m; a beam 6° wide in fog "
-        "of 0.7/m; a spot light through smoke of noise. By path tracing and by 24, 96 and 400 directions through "
+        "of 0.7/m; a spot light through smoke of noise. By path tracing and by 24, 96, 96 with a last sweep of 400, "
+        "and "
+        "400 directions through "
         "%d³ cells: pictures, and the fluence of light that has scattered in a slice through the middle. Errors "
         "of pictures are of means over %d × %d pixels, relative RMSEs without the truth's own noise.",
         RESOLUTION, FIGURE_BLOCK, FIGURE_BLOCK);

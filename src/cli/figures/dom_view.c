@@ -30,10 +30,11 @@ ty_result dom_render_variant(figure_run* run, const char* item, ty_scene* scene,
     return dom_render(run, item, scene, user, size, out);
 }
 
-ty_result dom_solve(figure_run* run, const ty_scene* scene, int32_t directions, int32_t resolution, ty_dom** out,
-                    ty_dom_stats* stats) {
+ty_result dom_solve(figure_run* run, const ty_scene* scene, int32_t directions, int32_t last, int32_t resolution,
+                    ty_dom** out, ty_dom_stats* stats) {
     ty_dom_def def = ty_default_dom_def();
     def.directions = directions;
+    def.last_directions = last;
     def.resolution = resolution;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;

@@ -12,9 +12,10 @@ ty_result dom_render(figure_run* run, const char* item, ty_scene* scene, const t
 ty_result dom_render_variant(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],
                              const void* user, figure_picture* out);
 
-/* Solves with so many directions, on so many cells along the longest side (0: the method's own choice). */
-ty_result dom_solve(figure_run* run, const ty_scene* scene, int32_t directions, int32_t resolution, ty_dom** out,
-                    ty_dom_stats* stats);
+/* Solves with so many directions, and in a last sweep (0: there is none), on so many cells along the longest side (0:
+ * the method's own choice). */
+ty_result dom_solve(figure_run* run, const ty_scene* scene, int32_t directions, int32_t last, int32_t resolution,
+                    ty_dom** out, ty_dom_stats* stats);
 /* Fluence of what has scattered: all but the truth's uncollided light, since the method counts light that is sent
  * nearly straight on as uncollided; in isotropic media, which have none of that, truth may be NULL, and edges of
  * shadows do not count. */

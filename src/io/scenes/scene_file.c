@@ -134,6 +134,7 @@ static void read_dom(const json_t* dom, ty_dom_settings* settings) {
     ty_read_int(dom, "resolution", &settings->resolution);
     ty_read_int(dom, "direct", &settings->direct);
     ty_read_int(dom, "directions", &settings->directions);
+    ty_read_int(dom, "last_directions", &settings->last_directions);
     ty_read_int(dom, "bands", &settings->bands);
     ty_read_number(dom, "tolerance", &settings->tolerance);
     ty_read_int(dom, "iterations", &settings->iterations);

@@ -1,5 +1,6 @@
 /* Cells that a surface cuts belong to one side of it, that of their middles. What scatters in the rest of them for the
- * first time is a source of the cell that the rest is before. */
+ * first time is a source of the cell that the rest is before; what scatters between a surface and the box's own face is
+ * outside of all cells. */
 #include "base/context.h"
 #include "method/dom/job.h"
 
@@ -8,6 +9,11 @@
 
 /* Fine cells that a surface cuts, or that are partly in its shadow, are no farther from it than about this. */
 static const double OFF = 2;
+
+/* Layers between surfaces and the box's faces, in fine cells, and how much surfaces face them: others cut cells askew.
+ */
+#define LEAST_LAYER 1e-2f
+#define LEAST_FACING 0.9f
 
 typedef struct cut_job {
     ty_dom_job* job;
@@ -89,7 +95,56 @@ static void keep(const cut_job* cut, size_t at, float share) {
         for (size_t t = 0; t < terms; ++t) cut->job->source[c][t * light->cells + at] *= share;
 }
 
+/* The fine cell so many from the box's face that a side is in, on the line through the middle of the side's cell. */
+static float fine_from_face(const cut_job* cut, const int32_t cell[3], int face, int32_t off) {
+    const ty_dom* light = cut->job->light;
+    size_t at = 0;
+    for (int a = 2; a >= 0; --a) {
+        const int32_t size = light->fine_box.size[a];
+        int32_t place = (int32_t)((cell[a] + 0.5) * size / light->box.size[a]);
+        if (a == face / 2) {
+            const int32_t within = off < size ? off : size - 1;
+            place = (face & 1) != 0 ? size - 1 - within : within;
+        }
+        at = at * (size_t)size + (size_t)place;
+    }
+    return cut->fine[at];
+}
+
+/* How much of what a cell has is between the box's face and a surface before it: what there is more than if the light
+ * inside began at the surface, but no more than the outermost fine cell tells of, lest a lamp near the surface counts.
+ * Fine cells next to the one that the surface is in have some of both sides. */
+static float outside_of(const cut_job* cut, const int32_t cell[3], int32_t side) {
+    const ty_dom* light = cut->job->light;
+    const ty_vec normal = cut->job->walls->sides[side].normal;
+    const int face = cut->job->walls->face[side];
+    const float facing = fabsf(face / 2 == 0 ? normal.x : face / 2 == 1 ? normal.y : normal.z);
+    const float across = (float)light->fine_box.size[face / 2] / (float)light->box.size[face / 2];
+    const float layer = (0.5f - cut->job->walls->sides[side].depth) * across;
+    if (!(layer > LEAST_LAYER && facing > LEAST_FACING)) return 0;
+    const int32_t mixed = (int32_t)ceilf(layer) + 1;
+    float all = 0, before = 0;
+    for (int32_t i = 0; (float)i < across; ++i)
+        all += ty_minf(1, across - (float)i) * fine_from_face(cut, cell, face, i);
+    for (int32_t i = 0; i < mixed; ++i) before += fine_from_face(cut, cell, face, i);
+    const float outside = before - ((float)mixed - layer) * fine_from_face(cut, cell, face, mixed);
+    const float most = ty_maxf(layer + 0.5f, 1) * fine_from_face(cut, cell, face, 0);
+    return all > 0 ? ty_clampf(ty_minf(outside, most) / all, 0, 1) : 0;
+}
+
+static bool is_outside(const cut_job* cut, const int32_t cell[3], int32_t face) {
+    return cell[face / 2] == ((face & 1) != 0 ? cut->job->walls->size[face / 2] - 1 : 0);
+}
+
 /* The sides [first, end) are those of one cell. */
+static void leave_outside(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
+    float kept = 1;
+    for (int32_t side = first; side < end; ++side)
+        if (is_outside(cut, cell, cut->job->walls->face[side])) kept *= 1 - outside_of(cut, cell, side);
+    if (kept < 1) keep(cut, at, kept);
+}
+
+/* The same sides. */
 static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
     const ty_walls* walls = cut->job->walls;
     const int32_t* size = walls->size;
@@ -130,7 +185,9 @@ static void cut_cells(const cut_job* cut) {
         for (int32_t side = walls->first[row], end; side < walls->first[row + 1]; side = end) {
             const int32_t cell[3] = {walls->x[side], (int32_t)(row % walls->size[1]), (int32_t)(row / walls->size[1])};
             for (end = side; end < walls->first[row + 1] && walls->x[end] == cell[0];) ++end;
-            cut_cell(cut, cell, (size_t)row * (size_t)walls->size[0] + (size_t)cell[0], side, end);
+            const size_t at = (size_t)row * (size_t)walls->size[0] + (size_t)cell[0];
+            leave_outside(cut, cell, at, side, end);
+            cut_cell(cut, cell, at, side, end);
         }
 }
 

@@ -11,6 +11,7 @@ ty_dom_def ty_dom_def_of(const ty_dom_settings* settings) {
     def.resolution = settings->resolution;
     def.direct = settings->direct;
     def.directions = settings->directions;
+    def.last_directions = settings->last_directions;
     def.bands = settings->bands;
     def.acceleration = (ty_dom_acceleration)ty_setting_index(settings->acceleration, accelerations, 2);
     def.tolerance = settings->tolerance;
@@ -30,6 +31,8 @@ static ty_result check_solve(ty_context* context, const ty_dom_def* def) {
     ty_result result = ty_check_choice(context, "dom.resolution", def->resolution, 4, TY_DOM_CELLS_MAX);
     if (result == TY_OK) result = ty_check_choice(context, "dom.direct", def->direct, 4, 1024);
     if (result == TY_OK) result = ty_check_number(context, "dom.directions", def->directions, 8, TY_DOM_DIRECTIONS_MAX);
+    if (result == TY_OK)
+        result = ty_check_choice(context, "dom.last_directions", def->last_directions, 8, TY_DOM_DIRECTIONS_MAX);
     if (result == TY_OK) result = ty_check_choice(context, "dom.bands", def->bands, 1, TY_DOM_BANDS_MAX);
     if (result == TY_OK) result = ty_check_number(context, "dom.acceleration", (double)def->acceleration, 0, 1);
     if (result == TY_OK) result = ty_check_within(context, "dom.tolerance", def->tolerance, 0, 1);

@@ -13,6 +13,7 @@ static void end_job(ty_dom_job* job) {
     for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
     ty_sources_destroy(job->context, job->sources, job->source_capacity);
     ty_free_array(job->context, job->set, 1, sizeof *job->set);
+    ty_free_array(job->context, job->last, 1, sizeof *job->last);
     ty_dom_free_walls(job);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);

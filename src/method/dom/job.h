@@ -84,6 +84,7 @@ typedef struct ty_dom_job {
     const ty_dom_def* def;
     ty_part_progress progress;
     ty_ordinate_set* set;
+    ty_ordinate_set* last;  /* of the last sweep; NULL: the same */
     ty_grid_medium* fine;   /* cells of uncollided light */
     ty_grid_medium* coarse; /* cells of ordinates */
     ty_source* sources;

@@ -174,11 +174,16 @@ static ty_result keep_medium(ty_dom_job* job) {
     return TY_OK;
 }
 
+static ty_result make_set(const ty_dom_job* job, int32_t count, ty_ordinate_set** set, int32_t* exact) {
+    *set = ty_alloc_array(job->context, 1, sizeof **set, true);
+    return *set != NULL ? ty_ordinate_set_make(job->context, count, *set, exact) : TY_ERROR_MEMORY;
+}
+
 ty_result ty_dom_sample_media(ty_dom_job* job) {
     int32_t exact = 0;
-    job->set = ty_alloc_array(job->context, 1, sizeof *job->set, true);
-    if (job->set == NULL) return TY_ERROR_MEMORY;
-    ty_result result = ty_ordinate_set_make(job->context, job->def->directions, job->set, &exact);
+    ty_result result = make_set(job, job->def->directions, &job->set, &exact);
+    if (result == TY_OK && job->def->last_directions > 0)
+        result = make_set(job, job->def->last_directions, &job->last, NULL);
     if (result == TY_OK) result = sample(job);
     if (result == TY_OK) result = keep_medium(job);
     if (result == TY_OK) choose_all_bands(job, exact);

@@ -121,6 +121,7 @@ static ty_ordinates_def define(const ty_dom_job* job) {
     memcpy(def.size, light->box.size, sizeof def.size);
     memcpy(def.cell, job->coarse->cell, sizeof def.cell);
     def.set = job->set;
+    def.last = job->last;
     def.bands = light->bands;
     def.kept = light->kept;
     def.source_terms = (int32_t)term_count(light->bands);

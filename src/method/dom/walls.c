@@ -219,6 +219,7 @@ static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, 
     def->start = NULL;
     def->walls = walls_of(job, channel, job->wall_light[channel]);
     def->inflow = job->inflow[channel];
+    if (def->inflow != NULL) def->last = NULL;
     const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
     if (result != TY_OK) return result;
     const double scattered = scatter_first(job, channel, planes->moments);
