@@ -149,47 +149,45 @@ typedef struct stream {
     float *light, *face_y, *face_z;
 } stream;
 
-/* The cell balances again without the faces that would fall below 0, until there are none: face holds what comes in,
- * then what goes out. */
-static __attribute__((noinline)) lanes hold_faces(const lanes twice[3], float extinction, lanes source, lanes middle,
-                                                  lanes face[3], double* fixed) {
+/* The cell balances again without the faces that fell below 0, until there are none: a face that is closed lets in half
+ * of what it does otherwise, and nothing out. */
+TY_INLINE lanes hold_faces(const lanes twice[3], float extinction, lanes source, const lanes in[3], lanes out[3],
+                           double* fixed) {
     const lanes none = {0};
-    const lanes taken[3] = {twice[0] * face[0], twice[1] * face[1], twice[2] * face[2]};
-    whole_lanes open[3], closed = {0};
-    for (int a = 0; a < 3; ++a) open[a] = none == none;
-    for (;;) {
-        whole_lanes closing = {0};
+    lanes middle, half[3];
+    whole_lanes open[3], falling;
+    for (int a = 0; a < 3; ++a) {
+        open[a] = none == none;
+        half[a] = 0.5f * twice[a] * in[a];
+        source += half[a];
+    }
+    do {
+        lanes above = source, below = none + extinction;
         for (int a = 0; a < 3; ++a) {
-            const whole_lanes low = open[a] & (middle + middle < face[a]);
-            open[a] ^= low;
-            closing |= low;
-        }
-        if (signs(closing) == 0) break;
-        closed |= closing;
-        /* A face that is closed lets in half of what it does otherwise. */
-        lanes above = none, below = none + extinction;
-        for (int a = 0; a < 3; ++a) {
-            above += taken[a] + (lanes)((whole_lanes)taken[a] & open[a]);
+            open[a] &= out[a] >= none;
+            above += (lanes)((whole_lanes)half[a] & open[a]);
             below += (lanes)((whole_lanes)twice[a] & open[a]);
         }
-        middle = (lanes)((whole_lanes)((source + 0.5f * above) * invert(below)) & (below > none));
-    }
-    *fixed += __builtin_popcount(signs(closed));
-    for (int a = 0; a < 3; ++a) face[a] = (lanes)((whole_lanes)(middle + middle - face[a]) & open[a]);
+        middle = (lanes)((whole_lanes)(above * invert(below)) & (below > none));
+        falling = (whole_lanes){0};
+        for (int a = 0; a < 3; ++a) {
+            out[a] = middle + middle - in[a];
+            falling |= open[a] & (out[a] < none);
+        }
+    } while (signs(falling) != 0);
+    for (int a = 0; a < 3; ++a) out[a] = (lanes)((whole_lanes)out[a] & open[a]);
+    *fixed += __builtin_popcount(signs(~(open[0] & open[1] & open[2])));
     return middle;
 }
 
 TY_INLINE void cross_cell(stream* s, const lanes twice[3], float extinction, lanes inverse, ptrdiff_t x,
                           double* fixed) {
-    const lanes source = load(s->light + x * LANES), y = load(s->face_y + x * LANES), z = load(s->face_z + x * LANES);
-    lanes middle = (source + twice[1] * y + twice[2] * z) * inverse + twice[0] * inverse * s->along;
-    lanes out[3] = {middle + middle - s->along, middle + middle - y, middle + middle - z};
-    if (__builtin_expect(signs((whole_lanes)out[0] | (whole_lanes)out[1] | (whole_lanes)out[2]) != 0, 0)) {
-        out[0] = s->along;
-        out[1] = y;
-        out[2] = z;
-        middle = hold_faces(twice, extinction, source, middle, out, fixed);
-    }
+    const lanes source = load(s->light + x * LANES);
+    const lanes in[3] = {s->along, load(s->face_y + x * LANES), load(s->face_z + x * LANES)};
+    lanes middle = (source + twice[1] * in[1] + twice[2] * in[2]) * inverse + twice[0] * inverse * in[0];
+    lanes out[3] = {middle + middle - in[0], middle + middle - in[1], middle + middle - in[2]};
+    if (__builtin_expect(signs((whole_lanes)out[0] | (whole_lanes)out[1] | (whole_lanes)out[2]) != 0, 0))
+        middle = hold_faces(twice, extinction, source, in, out, fixed);
     s->along = out[0];
     store(s->face_y + x * LANES, out[1]);
     store(s->face_z + x * LANES, out[2]);
