@@ -110,13 +110,13 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
         copy.alloc = default_alloc;
         copy.free = default_free;
     }
-    const int32_t threads = copy.threads > 0 ? copy.threads : available_processors();
+    const int32_t processors = available_processors(), threads = copy.threads > 0 ? copy.threads : processors;
     ty_context* context = copy.alloc(copy.alloc_user, context_size(threads));
     if (context == NULL) return TY_ERROR_MEMORY;
     memset(context, 0, context_size(threads));
     context->def = copy;
     context->threads = threads;
-    ty_team_create(&context->team, context->members, threads - 1);
+    ty_team_create(&context->team, context->members, threads - 1, threads <= processors);
     context->machine_memory = physical_memory();
     atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
