@@ -110,13 +110,13 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
         copy.alloc = default_alloc;
         copy.free = default_free;
     }
-    const int32_t threads = copy.threads > 0 ? copy.threads : available_processors();
+    const int32_t processors = available_processors(), threads = copy.threads > 0 ? copy.threads : processors;
     ty_context* context = copy.alloc(copy.alloc_user, context_size(threads));
     if (context == NULL) return TY_ERROR_MEMORY;
     memset(context, 0, context_size(threads));
     context->def = copy;
     context->threads = threads;
-    ty_team_create(&context->team, context->members, threads - 1);
+    ty_team_create(&context->team, context->members, threads - 1, threads <= processors);
     context->machine_memory = physical_memory();
     atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
@@ -197,6 +197,26 @@ ty_result ty_check_memory(ty_context* context, double bytes, const char* what) {
                    what, bytes / mebibyte, context->machine_memory / mebibyte);
 }
 
+typedef struct clearing {
+    char* begin;
+    size_t size;
+} clearing;
+
+enum { CLEARED_AT_ONCE = 1 << 20 };
+
+static void clear_part(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const clearing* all = user;
+    const size_t begin = (size_t)index * CLEARED_AT_ONCE, left = all->size - begin;
+    memset(all->begin + begin, 0, left < CLEARED_AT_ONCE ? left : CLEARED_AT_ONCE);
+}
+
+/* By all threads: the system makes pages when they are written to. */
+static void clear(ty_context* context, void* begin, size_t size) {
+    clearing all = {begin, size};
+    ty_parallel_for(context, (int64_t)((size + CLEARED_AT_ONCE - 1) / CLEARED_AT_ONCE), clear_part, &all);
+}
+
 void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, bool zero) {
     size_t size = 0;
     void* pointer = NULL;
@@ -211,7 +231,7 @@ void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, boo
         return NULL;
     }
     atomic_fetch_add(&context->taken, size);
-    if (zero) memset(pointer, 0, size);
+    if (zero) clear(context, pointer, size);
     return pointer;
 }
 

@@ -7,6 +7,27 @@
 
 #include "base/float_mode.h"
 
+/* Looks before a thread sleeps, some tens of microseconds: it takes about as long to wake one up, and longer than many
+ * loops do, which often follow each other at once. */
+enum { LOOKS = 2000 };
+
+/* Between two looks. */
+static void pause_shortly(void) {
+#if defined(__x86_64__)
+    __builtin_ia32_pause();
+#endif
+}
+
+/* Until there is a loop after so many, or for a while. */
+static void look_for_loop(ty_team* team, uint64_t seen) {
+    for (int i = 0; i < LOOKS && atomic_load_explicit(&team->calls, memory_order_relaxed) == seen; ++i) pause_shortly();
+}
+
+/* Until all members have finished, or for a while. */
+static void look_for_end(ty_team* team) {
+    for (int i = 0; i < LOOKS && atomic_load_explicit(&team->working, memory_order_relaxed) > 0; ++i) pause_shortly();
+}
+
 static void work(ty_loop* loop, int32_t worker) {
     for (;;) {
         const int64_t index = atomic_fetch_add_explicit(&loop->next, 1, memory_order_relaxed);
@@ -19,8 +40,9 @@ static void* wait_for_loops(void* argument) {
     const ty_team_member* self = argument;
     ty_team* team = self->team;
     uint64_t seen = 0;
-    pthread_mutex_lock(&team->lock);
     for (;;) {
+        if (team->watches) look_for_loop(team, seen);
+        pthread_mutex_lock(&team->lock);
         while (!team->ends && (team->loop == NULL || team->calls == seen || self->index > team->members))
             pthread_cond_wait(&team->called, &team->lock);
         if (team->ends) break;
@@ -31,13 +53,14 @@ static void* wait_for_loops(void* argument) {
         work(loop, self->index);
         pthread_mutex_lock(&team->lock);
         if (--team->working == 0) pthread_cond_signal(&team->finished);
+        pthread_mutex_unlock(&team->lock);
     }
     pthread_mutex_unlock(&team->lock);
     return NULL;
 }
 
-void ty_team_create(ty_team* team, ty_team_member* threads, int32_t wanted) {
-    *team = (ty_team){.threads = threads, .wanted = wanted};
+void ty_team_create(ty_team* team, ty_team_member* threads, int32_t wanted, bool watches) {
+    *team = (ty_team){.threads = threads, .wanted = wanted, .watches = watches};
     pthread_mutex_init(&team->turn, NULL);
     pthread_mutex_init(&team->lock, NULL);
     pthread_cond_init(&team->called, NULL);
@@ -83,6 +106,9 @@ void ty_team_run(ty_team* team, ty_loop* loop) {
     work(loop, 0);
     pthread_mutex_lock(&team->lock);
     team->loop = NULL; /* whoever has not woken up by now finds nothing to do, and is not waited for */
+    pthread_mutex_unlock(&team->lock);
+    if (team->watches) look_for_end(team);
+    pthread_mutex_lock(&team->lock);
     while (team->working > 0) pthread_cond_wait(&team->finished, &team->lock);
     pthread_mutex_unlock(&team->lock);
     pthread_mutex_unlock(&team->turn);

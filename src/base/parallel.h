@@ -28,18 +28,19 @@ typedef struct ty_team {
     pthread_mutex_t turn; /* held by the loop that has the team */
     pthread_mutex_t lock; /* guards what follows */
     pthread_cond_t called, finished;
-    ty_loop* loop;   /* the current one, as long as it has work to hand out; else NULL */
-    uint64_t calls;  /* how many loops there were */
-    int32_t members; /* that the current loop has use for, beside the caller */
-    int32_t working; /* of them, those that have begun and not finished */
-    int32_t started; /* threads there are */
-    int32_t wanted;  /* threads there may be */
+    ty_loop* loop;           /* the current one, as long as it has work to hand out; else NULL */
+    _Atomic uint64_t calls;  /* how many loops there were */
+    int32_t members;         /* that the current loop has use for, beside the caller */
+    _Atomic int32_t working; /* of them, those that have begun and not finished */
+    int32_t started;         /* threads there are */
+    int32_t wanted;          /* threads there may be */
+    bool watches;            /* whether threads look out for a while before they sleep */
     bool ends;
     ty_team_member* threads; /* wanted of them */
 } ty_team;
 
-/* threads: room for `wanted` members. */
-void ty_team_create(ty_team* team, ty_team_member* threads, int32_t wanted);
+/* threads: room for `wanted` members. watches: there is a processor for each of them and the caller. */
+void ty_team_create(ty_team* team, ty_team_member* threads, int32_t wanted, bool watches);
 /* Waits for the threads to end. */
 void ty_team_destroy(ty_team* team);
 /* ty_parallel_for with denormals off (base/float_mode.h); without a context in the calling thread alone. */

@@ -6,8 +6,8 @@
 /* Rows whose cells stay in the cache while beam after beam adds to them. */
 enum { BLOCK_ROWS = 16 };
 
-/* Slabs of fewer cells, times beams, are gone through by one thread: waking others takes longer. */
-enum { CELLS_FOR_THREADS = 1 << 13 };
+/* Slabs of fewer cells, times beams, are gone through by one thread: handing them to others takes longer. */
+enum { CELLS_FOR_THREADS = 1 << 12 };
 
 typedef struct pass_job {
     const ty_beams* of;

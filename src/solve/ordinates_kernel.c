@@ -10,16 +10,29 @@
 
 enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
 
-/* Not inlined: of the loop around it, compilers make one over single floats. */
-static __attribute__((noinline)) void add_share(float share, const float* from, size_t count, float* to) {
+/* Shares of two at a time: each pass over what is there already costs about as much as reading one from memory. Not
+ * inlined: of the loop around it, compilers make one over single floats. */
+static __attribute__((noinline)) void set_shares(const float share[2], const float* a, const float* b, size_t count,
+                                                 float* to) {
 #pragma omp simd
-    for (size_t i = 0; i < count; ++i) to[i] += share * from[i];
+    for (size_t i = 0; i < count; ++i) to[i] = share[0] * a[i] + share[1] * b[i];
 }
 
-/* `count` floats from `begin` on, of each iterate. */
+static __attribute__((noinline)) void add_shares(const float share[2], const float* a, const float* b, size_t count,
+                                                 float* to) {
+#pragma omp simd
+    for (size_t i = 0; i < count; ++i) to[i] += share[0] * a[i] + share[1] * b[i];
+}
+
+/* `count` floats from `begin` on, of each iterate. Of an odd number the last is there once more, with no share. */
 static void mix(const ty_ordinates_mixture* m, const float* const* iterates, size_t begin, size_t count, float* to) {
-    memset(to, 0, sizeof(float) * count);
-    for (int32_t k = 0; k < m->count; ++k) add_share(m->shares[k], iterates[k] + begin, count, to);
+    if (m->count == 0) memset(to, 0, sizeof(float) * count);
+    for (int32_t k = 0; k < m->count; k += 2) {
+        const bool two = k + 1 < m->count;
+        const float *a = iterates[k] + begin, *b = two ? iterates[k + 1] + begin : a;
+        const float share[2] = {m->shares[k], two ? m->shares[k + 1] : 0};
+        (k == 0 ? set_shares : add_shares)(share, a, b, count, to);
+    }
 }
 
 /* Of each term, what the caller has, or g^l - g^L. */

@@ -276,7 +276,7 @@ ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, d
         all.leaving += sweep->sums[i].leaving;
         all.fixed += sweep->sums[i].fixed;
     }
-    if (fixed != NULL) *fixed = all.fixed;
+    if (fixed != NULL) *fixed = (double)all.fixed;
     if (leaving == NULL) return TY_OK;
     ty_parallel_flushed(sweep->context, 8, sum_octant, sweep);
     for (int o = 0; o < 8; ++o) all.leaving += sweep->leaving[o];

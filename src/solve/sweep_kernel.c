@@ -55,6 +55,56 @@ TY_INLINE uint32_t signs(whole_lanes value) {
 #endif
 }
 
+/* Which lanes: bits where processors have registers of them, else all or no bits of each. */
+#if defined(__AVX512F__)
+typedef __mmask16 choice;
+#else
+typedef whole_lanes choice;
+#endif
+
+TY_INLINE choice exceeds(lanes a, lanes b) {
+#if defined(__AVX512F__)
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_GT_OQ);
+#else
+    return a > b;
+#endif
+}
+
+/* A bit for each lane. */
+TY_INLINE uint32_t bits_of(choice which) {
+#if defined(__AVX512F__)
+    return which;
+#else
+    return signs(which);
+#endif
+}
+
+/* What is not chosen is 0. */
+TY_INLINE lanes keep(choice which, lanes value) {
+#if defined(__AVX512F__)
+    return (lanes)_mm512_maskz_mov_ps(which, (__m512)value);
+#else
+    return (lanes)((whole_lanes)value & which);
+#endif
+}
+
+/* sum + a b, and sum + a, where chosen. */
+TY_INLINE lanes add_product(choice which, lanes sum, lanes a, lanes b) {
+#if defined(__AVX512F__)
+    return (lanes)_mm512_mask3_fmadd_ps((__m512)a, (__m512)b, (__m512)sum, which);
+#else
+    return sum + keep(which, a) * b;
+#endif
+}
+
+TY_INLINE lanes add(choice which, lanes sum, lanes a) {
+#if defined(__AVX512F__)
+    return (lanes)_mm512_mask_add_ps((__m512)sum, which, (__m512)sum, (__m512)a);
+#else
+    return sum + keep(which, a);
+#endif
+}
+
 /* 1 / value to 2 ulp. */
 TY_INLINE lanes invert(lanes value) {
 #if defined(__AVX512F__)
@@ -149,51 +199,48 @@ typedef struct stream {
     float *light, *face_y, *face_z;
 } stream;
 
-/* The cell balances again without the faces that would fall below 0, until there are none: face holds what comes in,
- * then what goes out. */
-static __attribute__((noinline)) lanes hold_faces(const lanes twice[3], float extinction, lanes source, lanes middle,
-                                                  lanes face[3], double* fixed) {
+/* The cell balances again without the faces that fell below 0, until there are none: a face that is closed lets in half
+ * of what it does otherwise, and nothing out. Returns twice the light in the middle. */
+TY_INLINE lanes hold_faces(const lanes twice[3], float extinction, lanes source, const lanes in[3], lanes out[3],
+                           int64_t* fixed) {
     const lanes none = {0};
-    const lanes taken[3] = {twice[0] * face[0], twice[1] * face[1], twice[2] * face[2]};
-    whole_lanes open[3], closed = {0};
-    for (int a = 0; a < 3; ++a) open[a] = none == none;
-    for (;;) {
-        whole_lanes closing = {0};
-        for (int a = 0; a < 3; ++a) {
-            const whole_lanes low = open[a] & (middle + middle < face[a]);
-            open[a] ^= low;
-            closing |= low;
-        }
-        if (signs(closing) == 0) break;
-        closed |= closing;
-        /* A face that is closed lets in half of what it does otherwise. */
-        lanes above = none, below = none + extinction;
-        for (int a = 0; a < 3; ++a) {
-            above += taken[a] + (lanes)((whole_lanes)taken[a] & open[a]);
-            below += (lanes)((whole_lanes)twice[a] & open[a]);
-        }
-        middle = (lanes)((whole_lanes)((source + 0.5f * above) * invert(below)) & (below > none));
+    lanes twofold, all = source + source;
+    choice open[3], low[3];
+    for (int a = 0; a < 3; ++a) {
+        all += twice[a] * in[a];
+        low[a] = exceeds(none, out[a]);
+        open[a] = (choice)~low[a];
     }
-    *fixed += __builtin_popcount(signs(closed));
-    for (int a = 0; a < 3; ++a) face[a] = (lanes)((whole_lanes)(middle + middle - face[a]) & open[a]);
-    return middle;
+    do {
+        lanes above = all, below = none + extinction;
+        for (int a = 0; a < 3; ++a) {
+            above = add_product(open[a], above, twice[a], in[a]);
+            below = add(open[a], below, twice[a]);
+        }
+        twofold = keep(exceeds(below, none), above * invert(below));
+        for (int a = 0; a < 3; ++a) {
+            out[a] = keep(open[a], twofold - in[a]);
+            low[a] = exceeds(none, out[a]);
+            open[a] = (choice)(open[a] & ~low[a]);
+        }
+    } while (bits_of((choice)(low[0] | low[1] | low[2])) != 0);
+    *fixed += LANES - __builtin_popcount(bits_of((choice)(open[0] & open[1] & open[2])));
+    return twofold;
 }
 
 TY_INLINE void cross_cell(stream* s, const lanes twice[3], float extinction, lanes inverse, ptrdiff_t x,
-                          double* fixed) {
-    const lanes source = load(s->light + x * LANES), y = load(s->face_y + x * LANES), z = load(s->face_z + x * LANES);
-    lanes middle = (source + twice[1] * y + twice[2] * z) * inverse + twice[0] * inverse * s->along;
-    lanes out[3] = {middle + middle - s->along, middle + middle - y, middle + middle - z};
-    if (__builtin_expect(signs((whole_lanes)out[0] | (whole_lanes)out[1] | (whole_lanes)out[2]) != 0, 0)) {
-        out[0] = s->along;
-        out[1] = y;
-        out[2] = z;
-        middle = hold_faces(twice, extinction, source, middle, out, fixed);
-    }
+                          int64_t* fixed) {
+    const lanes source = load(s->light + x * LANES);
+    const lanes in[3] = {s->along, load(s->face_y + x * LANES), load(s->face_z + x * LANES)};
+    const lanes middle = (source + twice[1] * in[1] + twice[2] * in[2]) * inverse + twice[0] * inverse * in[0];
+    lanes twofold = middle + middle;
+    lanes out[3] = {twofold - in[0], twofold - in[1], twofold - in[2]};
+    if (__builtin_expect(signs((whole_lanes)out[0] | (whole_lanes)out[1] | (whole_lanes)out[2]) != 0, 0))
+        twofold = hold_faces(twice, extinction, source, in, out, fixed);
     s->along = out[0];
     store(s->face_y + x * LANES, out[1]);
     store(s->face_z + x * LANES, out[2]);
-    store(s->light + x * LANES, middle);
+    store(s->light + x * LANES, 0.5f * twofold);
 }
 
 /* Through cells [begin, end) of a row, up and down. */

@@ -38,7 +38,7 @@ typedef struct ty_sweep_block {
 
 typedef struct ty_sweep_sums {
     double leaving; /* through the faces at the ends of rows, W */
-    double fixed;
+    int64_t fixed;  /* cells, of each direction, that had a face held at 0 */
 } ty_sweep_sums;
 
 typedef struct ty_sweep_kernels {
