@@ -17,14 +17,32 @@ enum { EDGED_CELLS = 96, EDGED_THICK = 2, EDGED_TIMES = 3 };
  * the latter where lights are many, each of which is followed through all cells. */
 enum { EDGES = 2, MOST_EDGED = 256, MOST_EDGED_MANY = 192 };
 
-/* Whether a beam or lamp each is all of the scene's lights, and they are few. */
-static bool has_few_lights(const ty_scene* scene) {
+/* How many lights are a beam or lamp each, and environments; false where there are others. */
+static bool count_lights(const ty_scene* scene, int32_t* own, int32_t* environments) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    *own = *environments = 0;
     for (int32_t i = 0; i < lights->count; ++i) {
         const int32_t kind = lights->lights[i].kind;
-        if (kind != TY_KIND_DIRECTIONAL && kind != TY_KIND_POINT && kind != TY_KIND_SPOT) return false;
+        if (kind == TY_KIND_ENVIRONMENT)
+            ++*environments;
+        else if (kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT)
+            ++*own;
+        else
+            return false;
     }
-    return lights->count <= TY_DOM_OWN_MAX;
+    return true;
+}
+
+/* Whether a beam or lamp each is all of the scene's lights, and they are few. */
+static bool has_few_lights(const ty_scene* scene) {
+    int32_t own, environments;
+    return count_lights(scene, &own, &environments) && own <= TY_DOM_OWN_MAX && environments == 0;
+}
+
+/* The same, but for environments. */
+static bool has_fitted_lights(const ty_scene* scene) {
+    int32_t own, environments;
+    return count_lights(scene, &own, &environments) && own <= TY_DOM_OWN_MAX;
 }
 
 /* ---- bands ---- */
@@ -63,7 +81,7 @@ static bool is_all(const ty_grid_medium* medium, double g) {
  * media that glow, is for phase functions that are cut. */
 static bool is_fitted(const ty_dom_job* job, double g) {
     return pow(g, job->light->bands) > peak + alike && job->coarse->emission[0] == NULL &&
-           ty_scene_get_view(job->scene)->mesh == NULL && has_few_lights(job->scene) && is_all(job->fine, g) &&
+           ty_scene_get_view(job->scene)->mesh == NULL && has_fitted_lights(job->scene) && is_all(job->fine, g) &&
            is_all(job->coarse, g);
 }
 
