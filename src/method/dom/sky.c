@@ -16,6 +16,8 @@
 enum { PIECES = 1024, SIDE = TY_DOM_SKY_SIDE };
 /* Steps of a table of lobes over the sine of half the angle. */
 enum { STEPS = 256 };
+/* Places within a piece. */
+enum { RINGS = 4, PER_RING = 8 };
 /* What parts without extent count as, in 1 less the mean cosine. */
 static const float least_spread = 1e-4f;
 
@@ -202,7 +204,7 @@ void ty_dom_sky_free(const ty_dom* light, ty_dom_sky* sky) {
 
 typedef struct blur_job {
     const ty_dom* light;
-    const float (*kernel)[STEPS + 2];
+    const float* kernel; /* STEPS + 2, over the sine of half the angle */
     float* map;
 } blur_job;
 
@@ -217,24 +219,36 @@ static void blur_texel(void* user, int64_t texel, int32_t worker) {
         const ty_dom_piece* piece = &light->pieces[i];
         const float at = sqrtf(ty_maxf(0, 0.5f * (1 + ty_dot(piece->way, look)))) * STEPS;
         const int32_t step = at < STEPS ? (int32_t)at : STEPS;
-        const float* kernel = *job->kernel + step;
+        const float* kernel = job->kernel + step;
         const float share = ty_lerpf(kernel[0], kernel[1], at - (float)step);
         for (int c = 0; c < 3; ++c) out[c] += share * piece->color[c];
     }
 }
 
+/* What scatters within the peak, about a piece as large as they are in the mean: points would show one by one. */
+static float within_peak(const ty_dom* light, float mu) {
+    const float sine = sqrtf(ty_maxf(0, 1 - mu * mu)), g = light->mean_g[0];
+    float sum = 0;
+    for (int32_t i = 0; i < RINGS * PER_RING; ++i) {
+        const float turned = 2 * TY_PI * ((float)(i % PER_RING) + 0.5f) / PER_RING;
+        const float up = 1 - 2 * (1 - light->piece_cosine) * ((float)(i / PER_RING) + 0.5f) / RINGS;
+        const float to = ty_clampf(mu * up + sine * sqrtf(ty_maxf(0, 1 - up * up)) * cosf(turned), -1, 1);
+        sum += ty_maxf(0, ty_hg(to, g) - ty_forward_aside(&light->fit, to, g));
+    }
+    return sum;
+}
+
 void ty_dom_sky_blur(const ty_dom* light, float* map) {
     float kernel[STEPS + 2];
-    const float g = light->mean_g[0];
     double sum = 0;
     for (int32_t i = 0; i < STEPS + 2; ++i) {
-        const float sine = ty_minf(1, (float)i / STEPS), mu = 1 - 2 * sine * sine;
-        kernel[i] = ty_maxf(0, ty_hg(mu, g) - ty_forward_aside(&light->fit, mu, g));
-        /* d mu = 4 s ds */
-        sum += 2 * (double)TY_PI * (double)kernel[i] * 4 * (double)sine / STEPS;
+        const float sine = ty_minf(1, (float)i / STEPS);
+        kernel[i] = within_peak(light, 1 - 2 * sine * sine);
+        /* The sphere's share of a step of this sine: 4 pi times the change of its square. */
+        sum += 8 * (double)(TY_PI * kernel[i] * sine / STEPS);
     }
     for (int32_t i = 0; i < STEPS + 2; ++i) kernel[i] = (float)((double)kernel[i] / sum);
-    blur_job job = {light, &kernel, map};
+    blur_job job = {light, kernel, map};
     ty_parallel_for(light->context, TY_DOM_SKY_TEXELS, blur_texel, &job);
 }
 
