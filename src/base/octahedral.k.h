@@ -38,4 +38,25 @@ TY_FN void ty_octahedral_wrap(int32_t n, int32_t* i, int32_t* j) {
     }
 }
 
+/* The middle of a cell of a map of n x n cells, row by row. */
+TY_FN ty_vec ty_octahedral_texel(int32_t n, int32_t cell) {
+    const float side = 2.0f / (float)n;
+    return ty_octahedral_direction(((float)(cell % n) + 0.5f) * side - 1.0f, ((float)(cell / n) + 0.5f) * side - 1.0f);
+}
+
+/* The four cells about a direction, and their shares. */
+TY_FN void ty_octahedral_around(int32_t n, ty_vec d, int32_t cell[4], float share[4]) {
+    float u, v;
+    ty_octahedral_map(d, &u, &v);
+    const float x = (u + 1.0f) * 0.5f * (float)n - 0.5f, y = (v + 1.0f) * 0.5f * (float)n - 0.5f;
+    const int32_t i = (int32_t)floorf(x), j = (int32_t)floorf(y);
+    const float fx = x - (float)i, fy = y - (float)j;
+    for (int32_t k = 0; k < 4; ++k) {
+        int32_t at[2] = {i + (k & 1), j + (k >> 1)};
+        ty_octahedral_wrap(n, &at[0], &at[1]);
+        cell[k] = at[0] + n * at[1];
+        share[k] = ((k & 1) != 0 ? fx : 1.0f - fx) * (k >> 1 != 0 ? fy : 1.0f - fy);
+    }
+}
+
 #endif

@@ -117,6 +117,12 @@ TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
     return TY_INV_4PI * sum;
 }
 
+/* What is seen through what scatters nearly straight on: the phase function beside the peak, and in it the fit. */
+TY_FN float ty_forward_aside(TY_GLOBAL const ty_forward_fit* fit, float mu, float g) {
+    const float phase = ty_hg(mu, g);
+    return phase + ty_forward_share(mu) * (ty_forward_fitted(fit, mu) - phase);
+}
+
 /* What of the light that has not scattered does so, the same. */
 TY_FN float ty_forward_straight(ty_forward light, float mu, float g) {
     return light.straight * ty_hg(mu, light.cosine * g);

@@ -146,9 +146,9 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
         forward[c] = forward[0] * light->color[c];
     }
     if (light->kind >= TY_SINGLE_MANY) {
+        float* to = fit->bands > 0 ? sent->aside : sent->first;
         for (int32_t c = 0; c < 3; ++c)
-            sent->first[c] +=
-                passing[TY_SINGLE_KEPT][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
+            to[c] += passing[TY_SINGLE_KEPT][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
     }
     const float mu = ty_single_cosine(light, point, way);

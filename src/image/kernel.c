@@ -2,6 +2,7 @@
 #include "image/kernel.h"
 
 #include "base/float_mode.h"
+#include "base/octahedral.k.h"
 #include "image/reflect.k.h"
 
 #define TY_JOIN_(a, b) a##b
@@ -34,6 +35,17 @@ static void add_environment(const ty_march_request* request, ty_vec direction, c
     }
 }
 
+/* Environments through what scatters nearly straight on. */
+static void add_blurred(const ty_march_request* request, ty_vec direction, const ty_march_light* light,
+                        float multiple[3]) {
+    int32_t cell[4];
+    float share[4];
+    ty_octahedral_around(TY_MARCH_BLURRED, direction, cell, share);
+    for (int32_t k = 0; k < 4; ++k)
+        for (int c = 0; c < 3; ++c)
+            multiple[c] += (light->aside[c] - light->transmittance[c]) * share[k] * request->blurred[3 * cell[k] + c];
+}
+
 static void add_ray(const ty_march_request* request, ty_march_ray* ray, ty_vec direction, float offset,
                     ty_march_pixel* pixel) {
     const ty_mesh* mesh = request->scene->mesh;
@@ -49,6 +61,7 @@ static void add_ray(const ty_march_request* request, ty_march_ray* ray, ty_vec d
         pixel->transmittance[c] += light.transmittance[c];
     }
     if (!hits) {
+        if (request->blurred != NULL) add_blurred(request, direction, &light, pixel->multiple);
         if (request->has_background != 0) add_environment(request, direction, light.transmittance, pixel->unscattered);
         return;
     }

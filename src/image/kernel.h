@@ -19,6 +19,7 @@ typedef struct ty_march_request {
     int32_t light_count;
     int32_t reduced;    /* as in ty_march_def */
     ty_forward_fit fit; /* no bands: none */
+    TY_GLOBAL const float* blurred;
     int32_t has_field;
     ty_upsample_view field;
     ty_upsample_view surface_field; /* what surfaces in the field's box are lit by */

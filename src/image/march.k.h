@@ -338,7 +338,7 @@ TY_FN void ty_march_follow(ty_march_ray* ray, TY_GLOBAL const ty_march_request* 
     while (ray->count > 0 && t < TY_FLOAT_MAX) {
         const float end = ty_march_activate(ray, t);
         if (ray->active_count > 0 && !ty_march_stretch(ray, t, end)) {
-            for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = 0.0f;
+            for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = ray->light.aside[c] = 0.0f;
             return;
         }
         t = end;

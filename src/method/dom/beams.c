@@ -47,13 +47,15 @@ typedef struct add_job {
     ty_dom_job* job;
     const ty_dom_beams* beams;
     int32_t channel, plane;
-    float share[TERMS_MAX][TY_DOM_TOGETHER]; /* of what scatters, for each term: (g^l - g^L) b^l Y_lm */
+    float share[TERMS_MAX]
+               [TY_DOM_TOGETHER]; /* of what scatters, for each term: (g^l - g^L) b^l Y_lm, or with what a fit has */
 } add_job;
 
 /* g: of the medium, of which the light that goes straight on is left out. */
 static void find_shares(add_job* add, float g) {
     const ty_dom_beams* beams = add->beams;
     const int32_t bands = add->job->light->bands;
+    const ty_forward_fit* fit = &add->job->light->fit;
     float straight = 1;
     for (int32_t l = 0; l < bands; ++l) straight *= g;
     for (int32_t i = 0; i < beams->count; ++i) {
@@ -64,7 +66,7 @@ static void find_shares(add_job* add, float g) {
         ty_harmonics_at(way, bands, y);
         for (int32_t l = 0; l < bands; ++l, power *= g, spread *= source->cosine)
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                add->share[t][i] = (power - straight) * spread * (float)y[t];
+                add->share[t][i] = (fit->bands > 0 ? fit->moments[l] : power - straight) * spread * (float)y[t];
     }
 }
 

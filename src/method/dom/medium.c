@@ -17,14 +17,45 @@ enum { EDGED_CELLS = 96, EDGED_THICK = 2, EDGED_TIMES = 3 };
  * the latter where lights are many, each of which is followed through all cells. */
 enum { EDGES = 2, MOST_EDGED = 256, MOST_EDGED_MANY = 192 };
 
+static bool is_beam_or_lamp(int32_t kind) {
+    return kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
+}
+
 /* Whether a beam or lamp each is all of the scene's lights, and they are few. */
 static bool has_few_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
-    for (int32_t i = 0; i < lights->count; ++i) {
-        const int32_t kind = lights->lights[i].kind;
-        if (kind != TY_KIND_DIRECTIONAL && kind != TY_KIND_POINT && kind != TY_KIND_SPOT) return false;
-    }
+    for (int32_t i = 0; i < lights->count; ++i)
+        if (!is_beam_or_lamp(lights->lights[i].kind)) return false;
     return lights->count <= TY_DOM_OWN_MAX;
+}
+
+/* How much of an environment's light a cell of 1.4 degrees may bring at most where it is to be seen through a fit's
+ * peak: a sun among it is too sharp for the map it is seen on. */
+static const double most_in_cell = 0.02;
+
+static bool is_soft(const ty_environment_view* environment) {
+    double most = 0, sum = 0;
+    if (environment->pixels == NULL) return true;
+    for (int32_t i = 0; i < environment->cells_width * environment->cells_height; ++i) {
+        const float* color = environment->cells[i].color;
+        const double bright = (double)(color[0] + color[1] + color[2]);
+        most = fmax(most, bright);
+        sum += bright;
+    }
+    return most <= most_in_cell * sum;
+}
+
+/* Whether all light is few beams or lamps, and soft environments. */
+static bool has_fitted_lights(const ty_scene* scene) {
+    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    int32_t own = 0;
+    for (int32_t i = 0; i < lights->count; ++i) {
+        const ty_light_view* light = &lights->lights[i];
+        const bool environment = light->kind == TY_KIND_ENVIRONMENT;
+        if (environment ? !is_soft(&light->environment) : !is_beam_or_lamp(light->kind)) return false;
+        own += environment ? 0 : 1;
+    }
+    return own <= TY_DOM_OWN_MAX;
 }
 
 /* ---- bands ---- */
@@ -63,7 +94,7 @@ static bool is_all(const ty_grid_medium* medium, double g) {
  * media that glow, is for phase functions that are cut. */
 static bool is_fitted(const ty_dom_job* job, double g) {
     return pow(g, job->light->bands) > peak + alike && job->coarse->emission[0] == NULL &&
-           ty_scene_get_view(job->scene)->mesh == NULL && has_few_lights(job->scene) && is_all(job->fine, g) &&
+           ty_scene_get_view(job->scene)->mesh == NULL && has_fitted_lights(job->scene) && is_all(job->fine, g) &&
            is_all(job->coarse, g);
 }
 

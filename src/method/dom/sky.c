@@ -13,9 +13,11 @@
 #include <string.h>
 
 /* Pieces that an environment is cut into; texels along the side of an octahedral map of ways. */
-enum { PIECES = 1024, SIDE = 32 };
+enum { PIECES = 1024, SIDE = TY_DOM_SKY_SIDE };
 /* Steps of a table of lobes over the sine of half the angle. */
 enum { STEPS = 256 };
+/* Places within a piece. */
+enum { RINGS = 4, PER_RING = 8 };
 /* What parts without extent count as, in 1 less the mean cosine. */
 static const float least_spread = 1e-4f;
 
@@ -99,21 +101,6 @@ void ty_dom_sky_destroy(ty_dom* light) {
 
 /* ---- ways ---- */
 
-/* The four texels about a way. */
-static void find_texels(ty_vec way, int32_t texel[4], float share[4]) {
-    float u, v;
-    ty_octahedral_map(way, &u, &v);
-    const float x = (u + 1) * 0.5f * SIDE - 0.5f, y = (v + 1) * 0.5f * SIDE - 0.5f;
-    const int32_t i = (int32_t)floorf(x), j = (int32_t)floorf(y);
-    const float fx = x - (float)i, fy = y - (float)j;
-    for (int32_t k = 0; k < 4; ++k) {
-        int32_t at[2] = {i + (k & 1), j + (k >> 1)};
-        ty_octahedral_wrap(SIDE, &at[0], &at[1]);
-        texel[k] = at[0] + SIDE * at[1];
-        share[k] = ((k & 1) != 0 ? fx : 1 - fx) * (k >> 1 != 0 ? fy : 1 - fy);
-    }
-}
-
 static ty_vec way_of(const ty_dom* light, const double eye[3], const int32_t cell[3]) {
     double way[3];
     ty_dom_way(light, cell, eye, way);
@@ -130,7 +117,7 @@ static void number_texels(const ty_dom* light, const double eye[3], ty_dom_sky* 
             for (cell[0] = 0; cell[0] < size[0]; ++cell[0]) {
                 int32_t texel[4];
                 float share[4];
-                find_texels(way_of(light, eye, cell), texel, share);
+                ty_octahedral_around(SIDE, way_of(light, eye, cell), texel, share);
                 for (int32_t k = 0; k < 4; ++k) {
                     if (sky->number[texel[k]] >= 0) continue;
                     sky->texel[sky->ways] = texel[k];
@@ -152,7 +139,9 @@ static void fill_lobes(const ty_dom* light, float g, lobe_table* table) {
         const float sine = ty_minf(1, (float)i / STEPS), mu = 1 - 2 * sine * sine;
         for (int32_t n = 0; n < TY_DOM_SKY_LOBES; ++n) {
             float below = 0, tail = 4 * TY_PI * ty_hg(mu, g);
-            if (n + 1 < TY_DOM_SKY_LOBES && light->lobes)
+            if (light->fit.bands > 0)
+                tail = 4 * TY_PI * ty_forward_aside(&light->fit, mu, g);
+            else if (n + 1 < TY_DOM_SKY_LOBES && light->lobes)
                 tail = ty_forward_tail((float)n / (TY_DOM_SKY_LOBES - 1), mu, g, light->bands, &below);
             table->lobe[i][n] = below + tail;
         }
@@ -170,8 +159,7 @@ static void weigh_way(void* user, int64_t number, int32_t worker) {
     const weigh_job* job = user;
     const ty_dom* light = job->light;
     const int32_t texel = job->sky->texel[number];
-    const ty_vec way = ty_octahedral_direction(((float)(texel % SIDE) + 0.5f) * (2.0f / SIDE) - 1.0f,
-                                               ((float)(texel / SIDE) + 0.5f) * (2.0f / SIDE) - 1.0f);
+    const ty_vec way = ty_octahedral_texel(SIDE, texel);
     ty_dom_sky_weight* weights = job->sky->weights + (size_t)number * (size_t)light->part_count;
     memset(weights, 0, sizeof *weights * (size_t)light->part_count);
     for (int32_t i = 0; i < light->piece_count; ++i) {
@@ -212,12 +200,64 @@ void ty_dom_sky_free(const ty_dom* light, ty_dom_sky* sky) {
     ty_free_array(light->context, sky->weights, sky->count, sizeof *sky->weights);
 }
 
+/* ---- behind media ---- */
+
+typedef struct blur_job {
+    const ty_dom* light;
+    const float* kernel; /* STEPS + 2, over the sine of half the angle */
+    float* map;
+} blur_job;
+
+static void blur_texel(void* user, int64_t texel, int32_t worker) {
+    (void)worker;
+    const blur_job* job = user;
+    const ty_dom* light = job->light;
+    const ty_vec look = ty_octahedral_texel(TY_DOM_SKY_SIDE, (int32_t)texel);
+    float* out = job->map + 3 * texel;
+    for (int c = 0; c < 3; ++c) out[c] = 0;
+    for (int32_t i = 0; i < light->piece_count; ++i) {
+        const ty_dom_piece* piece = &light->pieces[i];
+        const float at = sqrtf(ty_maxf(0, 0.5f * (1 + ty_dot(piece->way, look)))) * STEPS;
+        const int32_t step = at < STEPS ? (int32_t)at : STEPS;
+        const float* kernel = job->kernel + step;
+        const float share = ty_lerpf(kernel[0], kernel[1], at - (float)step);
+        for (int c = 0; c < 3; ++c) out[c] += share * piece->color[c];
+    }
+}
+
+/* What scatters within the peak, about a piece as large as they are in the mean: points would show one by one. */
+static float within_peak(const ty_dom* light, float mu) {
+    const float sine = sqrtf(ty_maxf(0, 1 - mu * mu)), g = light->mean_g[0];
+    float sum = 0;
+    for (int32_t i = 0; i < RINGS * PER_RING; ++i) {
+        const float turned = 2 * TY_PI * ((float)(i % PER_RING) + 0.5f) / PER_RING;
+        const float up = 1 - 2 * (1 - light->piece_cosine) * ((float)(i / PER_RING) + 0.5f) / RINGS;
+        const float to = ty_clampf(mu * up + sine * sqrtf(ty_maxf(0, 1 - up * up)) * cosf(turned), -1, 1);
+        sum += ty_maxf(0, ty_hg(to, g) - ty_forward_aside(&light->fit, to, g));
+    }
+    return sum;
+}
+
+void ty_dom_sky_blur(const ty_dom* light, float* map) {
+    float kernel[STEPS + 2];
+    double sum = 0;
+    for (int32_t i = 0; i < STEPS + 2; ++i) {
+        const float sine = ty_minf(1, (float)i / STEPS);
+        kernel[i] = within_peak(light, 1 - 2 * sine * sine);
+        /* The sphere's share of a step of this sine: 4 pi times the change of its square. */
+        sum += 8 * (double)(TY_PI * kernel[i] * sine / STEPS);
+    }
+    for (int32_t i = 0; i < STEPS + 2; ++i) kernel[i] = (float)((double)kernel[i] / sum);
+    blur_job job = {light, kernel, map};
+    ty_parallel_for(light->context, TY_DOM_SKY_TEXELS, blur_texel, &job);
+}
+
 /* ---- looking ---- */
 
 void ty_dom_sky_look(const ty_dom* light, const ty_dom_sky* sky, ty_vec way, ty_dom_sky_view* view) {
     int32_t texel[4];
     view->lobes = light->lobes;
-    find_texels(way, texel, view->share);
+    ty_octahedral_around(SIDE, way, texel, view->share);
     for (int32_t k = 0; k < 4; ++k)
         view->weights[k] = sky->weights + (size_t)sky->number[texel[k]] * (size_t)light->part_count;
 }

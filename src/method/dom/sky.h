@@ -3,10 +3,15 @@
 #define TY_METHOD_DOM_SKY_H
 
 #include "direct/forward.k.h"
+#include "image/march.h"
 #include "method/dom/view.h"
 
 /* Mean cosines, from 0 to 1, that lobes are tabulated for; texels of the map of ways. */
-enum { TY_DOM_SKY_LOBES = 5, TY_DOM_SKY_TEXELS = 32 * 32 };
+enum {
+    TY_DOM_SKY_LOBES = 5,
+    TY_DOM_SKY_SIDE = TY_MARCH_BLURRED,
+    TY_DOM_SKY_TEXELS = TY_DOM_SKY_SIDE * TY_DOM_SKY_SIDE
+};
 
 /* Of a part along a way: what its light is turned into, times 4 pi, if all of it arrives. */
 typedef struct ty_dom_sky_weight {
@@ -28,6 +33,10 @@ typedef struct ty_dom_sky_view {
 /* Weights of all parts for an eye. Errors: TY_ERROR_MEMORY; ty_dom_sky_free may follow. */
 ty_result ty_dom_sky_see(const ty_dom* light, const double eye[3], ty_dom_sky* sky);
 void ty_dom_sky_free(const ty_dom* light, ty_dom_sky* sky);
+
+/* With a fit: environments' radiance through what scatters once within the peak, as ty_march_def.blurred has it: of
+ * TY_DOM_SKY_TEXELS. */
+void ty_dom_sky_blur(const ty_dom* light, float* map);
 
 /* Along the way from a cell of ordinates to the eye; then what a part is turned into of which U, R and S arrive, times
  * 4 pi. */

@@ -2,7 +2,7 @@
 #include "base/context.h"
 #include "image/march.h"
 #include "method/dom/job.h"
-#include "method/dom/view.h"
+#include "method/dom/sky.h"
 #include "scene/scene.h"
 #include "solve/harmonics.h"
 
@@ -22,6 +22,7 @@ typedef struct fields {
     ty_cuts* cuts;   /* surfaces between cells; NULL: there are none */
     uint8_t* hidden; /* cells behind surfaces; NULL: there are none */
     size_t fine_cells;
+    float* blurred; /* environments behind media, with a fit */
     float* many[3]; /* of fine cells: what lights without fields of their own send to the eye, times 4 pi */
 } fields;
 
@@ -192,11 +193,21 @@ static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f
     return light->even ? TY_OK : make_many(light, eye, f);
 }
 
+/* What of environments is seen through a fit's peak. */
+static ty_result make_blurred(const ty_dom* light, fields* f) {
+    if (light->fit.bands == 0 || light->piece_count == 0) return TY_OK;
+    f->blurred = ty_alloc_array(light->context, TY_DOM_SKY_TEXELS, 3 * sizeof(float), false);
+    if (f->blurred == NULL) return TY_ERROR_MEMORY;
+    ty_dom_sky_blur(light, f->blurred);
+    return TY_OK;
+}
+
 /* ---- images ---- */
 
 static void free_fields(const ty_dom* light, fields* f) {
     ty_cuts_destroy(f->cuts);
     ty_free_array(light->context, f->hidden, light->cells, 1);
+    ty_free_array(light->context, f->blurred, TY_DOM_SKY_TEXELS, 3 * sizeof(float));
     for (int c = 0; c < 3; ++c) {
         ty_free_array(light->context, f->sent[c], light->cells, sizeof(float));
         ty_free_array(light->context, f->many[c], f->fine_cells, sizeof(float));
@@ -214,6 +225,7 @@ static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const d
     if (result == TY_OK) result = make_seen(light, eye, f);
     if (result == TY_OK && surfaces) result = make_incident(light, f);
     if (result == TY_OK) result = make_lights(light, eye, f);
+    if (result == TY_OK) result = make_blurred(light, f);
     return result;
 }
 
@@ -240,6 +252,7 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     ty_march_stats marched = {0};
     ty_result result = make_fields(light, scene, camera.position, &f);
     march.cuts = f.cuts;
+    march.blurred = f.blurred;
     if (result == TY_OK) result = ty_march(scene, &march, out, &marched);
     free_fields(light, &f);
     if (result == TY_OK && stats != NULL) {
