@@ -47,8 +47,38 @@ static void wide_angles_are_right(void** state) {
     }
 }
 
+/* Of a line of light after n scatterings in the mean: what the fit lacks is the series of all moments less the fit's.
+ */
+static void the_peak_is_whole(void** state) {
+    (void)state;
+    for (int i = 0; i < COUNT; ++i) {
+        const double g = anisotropies[i];
+        ty_forward_fit fit;
+        ty_dom_fit_peak(g, BANDS, &fit);
+        for (double n = 0.1; n < 20; n *= 3)
+            for (double mu = 0.91; mu < 1; mu += 0.03) {
+                double before = 0, now = 1, sum = 0, all = 0;
+                for (int l = 0; l < 8000; ++l) {
+                    const double of_g = pow(g, l), straight = (double)fit.straight;
+                    const double d = straight + (l < BANDS ? (double)fit.moments[l] : 0);
+                    all += (2 * l + 1) * now * of_g * exp(n * (of_g - 1));
+                    if (l < BANDS)
+                        sum += (2 * l + 1) * now * (d * exp(n * (d - 1)) - straight * exp(n * (straight - 1)));
+                    const double next = ((2 * l + 1) * mu * now - l * before) / (l + 1);
+                    before = now;
+                    now = next;
+                }
+                const ty_forward light = {(float)exp(-n), (float)exp(n * ((double)fit.straight - 1)), 0, 1};
+                const double found =
+                    4 * 3.14159265358979 * (double)ty_forward_lacking(light, (float)mu, (float)g, &fit);
+                if (!(fabs(found - (all - sum)) <= 0.04 * all))
+                    fail_msg("g %g, n %g, mu %g: %g of %g is %g", g, n, mu, all - sum, all, found);
+            }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(light_turns_as_much_as_it_should),
-                                       cmocka_unit_test(wide_angles_are_right)};
+                                       cmocka_unit_test(wide_angles_are_right), cmocka_unit_test(the_peak_is_whole)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -26,6 +26,9 @@ typedef struct ty_forward_fit {
     float moments[TY_FORWARD_BANDS_MAX];
 } ty_forward_fit;
 
+/* Scatterings in the mean after which hardly any light goes about straight, and whose power floats still hold. */
+#define TY_FORWARD_MOST 80.0f
+
 /* Cosines up to which there is nothing of a peak, and from which all of it is. */
 #define TY_FORWARD_BESIDE 0.7f
 #define TY_FORWARD_WITHIN 0.9f
@@ -121,6 +124,27 @@ TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
 TY_FN float ty_forward_aside(TY_GLOBAL const ty_forward_fit* fit, float mu, float g) {
     const float phase = ty_hg(mu, g);
     return phase + ty_forward_share(mu) * (ty_forward_fitted(fit, mu) - phase);
+}
+
+/* What light along a line scatters at cosine mu beyond what a fit says of it, per scattering coefficient. After n
+ * scatterings in the mean, moments of what goes that way are U e^(g^l n), of the fit U e^(d_l n), d_l = c_l + straight,
+ * of which the fit sees, along ways on which straight goes on, what R = U e^(straight n) does not stand for. From l = L
+ * on, they are as in ty_forward_beyond. */
+TY_FN float ty_forward_lacking(ty_forward light, float mu, float g, TY_GLOBAL const ty_forward_fit* fit) {
+    const float most = light.kept / ty_maxf(light.straight, 1e-30f);
+    const float n = ty_minf(TY_FORWARD_MOST, logf(ty_maxf(1.0f, most)) / fit->straight);
+    float before = 0.0f, now = 1.0f, of_g = 1.0f, sum = 0.0f, below;
+    for (int32_t l = 0; l < fit->bands; ++l) {
+        const float d = fit->moments[l] + fit->straight, weight = (float)(2 * l + 1) * now;
+        sum += weight * (of_g * (expf(n * of_g) - 1.0f) - d * expf(n * d) + fit->straight * expf(n * fit->straight));
+        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        before = now;
+        now = next;
+        of_g *= g;
+    }
+    const float kept = expf(n * of_g) - 1.0f, bent = expf(n * of_g * g) - 1.0f;
+    const float tail = ty_forward_tail(kept > 0.0f ? bent / kept : g, mu, g, fit->bands, &below);
+    return light.straight * (ty_hg(mu, g) + TY_INV_4PI * (sum + kept * tail));
 }
 
 /* What of the light that has not scattered does so, the same. */

@@ -77,17 +77,16 @@ typedef struct ty_single_sent {
     float aside[3]; /* with a fit: what of both is seen through what scatters nearly straight on, too */
 } ty_single_sent;
 
-/* Of a light with lobes where phase functions are fitted. Within the peak it is what delta-M makes of it, less what
- * the fit has there; beyond it the phase function of all that goes about straight, which is seen through as much. */
+/* Of a light with lobes where phase functions are fitted: what goes about straight scatters by the fit, and is seen
+ * through as much that does. Within the peak, what the fit lacks there comes to it; beyond it, where it is good for
+ * what scatters often, the phase function is as it is. */
 TY_FN void ty_single_beside(ty_forward forward, float mu, float g, TY_GLOBAL const ty_forward_fit* fit, float color,
                             int32_t c, ty_single_sent* sent) {
     const float share = ty_forward_share(mu), phase = ty_hg(mu, g), fitted = ty_forward_fitted(fit, mu);
     const float straight = forward.straight * phase;
-    float peak = -straight;
-    if (share > 0.0f)
-        peak += share * (straight + ty_forward_beyond(forward, mu, g, fit->bands) - forward.kept * fitted);
+    const float lacking = share > 0.0f ? share * ty_forward_lacking(forward, mu, g, fit) : 0.0f;
     sent->first[c] += color * straight;
-    sent->again[c] += color * peak;
+    sent->again[c] += color * (lacking - straight);
     sent->aside[c] += color * forward.kept * (phase + share * (fitted - phase));
 }
 
