@@ -82,12 +82,11 @@ typedef struct ty_single_sent {
  * what scatters often, the phase function is as it is. */
 TY_FN void ty_single_beside(ty_forward forward, float mu, float g, TY_GLOBAL const ty_forward_fit* fit, float color,
                             int32_t c, ty_single_sent* sent) {
-    const float share = ty_forward_share(mu), phase = ty_hg(mu, g), fitted = ty_forward_fitted(fit, mu);
-    const float straight = forward.straight * phase;
+    const float share = ty_forward_share(mu), straight = forward.straight * ty_hg(mu, g);
     const float lacking = share > 0.0f ? share * ty_forward_lacking(forward, mu, g, fit) : 0.0f;
     sent->first[c] += color * straight;
     sent->again[c] += color * (lacking - straight);
-    sent->aside[c] += color * forward.kept * (phase + share * (fitted - phase));
+    sent->aside[c] += color * forward.kept * ty_forward_aside(fit, mu, g);
 }
 
 /* A light with lobes: adds what its three fluences, times passing, scatter at cosine mu. */

@@ -38,8 +38,8 @@ typedef struct ty_march_def {
                                   straight on by fit->straight, not g^L, and the field has what the fit scatters to the
                                   eye, per scattering coefficient, to be seen through the same; NULL (default): none */
     const float* blurred;      /* with a fit: environments' radiance, blurred as much as scattering once within the peak
-                                  does:      an octahedral map of ways that one looks along, TY_MARCH_BLURRED x
-                                  TY_MARCH_BLURRED      cells      of R, G, B; NULL (default): none is seen */
+                                  does; an octahedral map of ways that one looks along, TY_MARCH_BLURRED cells a side, of
+                                  R, G, B; NULL (default): none is seen */
     const ty_source_field* field;         /* multiply scattered light; NULL (default): none */
     const ty_source_field* surface_field; /* what of it surfaces are lit by; NULL (default): field */
     const ty_cuts* cuts; /* surfaces between field's cells, across which nothing of it is interpolated for media; NULL

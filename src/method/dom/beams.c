@@ -48,7 +48,7 @@ typedef struct add_job {
     const ty_dom_beams* beams;
     int32_t channel, plane;
     float share[TERMS_MAX]
-               [TY_DOM_TOGETHER]; /* of what scatters, for each term: (g^l - g^L) b^l Y_lm, or with what a fit has */
+               [TY_DOM_TOGETHER]; /* of what scatters, for each term: (g^l - g^L) b^l Y_lm, or c_l b^l Y_lm */
 } add_job;
 
 /* g: of the medium, of which the light that goes straight on is left out. */

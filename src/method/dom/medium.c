@@ -90,8 +90,8 @@ static bool is_all(const ty_grid_medium* medium, double g) {
     return true;
 }
 
-/* Where the bands are not enough, and all light comes in lobes of its own: what is said of others, of surfaces and of
- * media that glow, is for phase functions that are cut. */
+/* Where the bands are not enough: what is done about area lights, surfaces and media that glow is for phase functions
+ * that are cut. */
 static bool is_fitted(const ty_dom_job* job, double g) {
     return pow(g, job->light->bands) > peak + alike && job->coarse->emission[0] == NULL &&
            ty_scene_get_view(job->scene)->mesh == NULL && has_fitted_lights(job->scene) && is_all(job->fine, g) &&
