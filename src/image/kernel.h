@@ -17,8 +17,9 @@ typedef struct ty_march_request {
     ty_cell_place light; /* the cells that lights lie on */
     const ty_single_light* lights;
     int32_t light_count;
-    int32_t reduced;    /* as in ty_march_def */
-    ty_forward_fit fit; /* no bands: none */
+    int32_t reduced;          /* as in ty_march_def */
+    ty_forward_fit fit;       /* no bands: none */
+    ty_march_octaves octaves; /* count 0: none */
     TY_GLOBAL const float* blurred;
     int32_t has_field;
     ty_upsample_view field;

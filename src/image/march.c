@@ -206,6 +206,7 @@ static ty_result prepare(march_job* job, const ty_scene* scene) {
     request->light_count = def->light_count;
     request->reduced = def->reduced;
     if (def->fit != NULL) request->fit = *def->fit;
+    if (def->octaves != NULL) request->octaves = *def->octaves;
     request->blurred = def->blurred;
     return pack_fields(job);
 }

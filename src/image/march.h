@@ -14,6 +14,17 @@
 enum { TY_MARCH_LIGHTS_MAX = 16, TY_MARCH_BLURRED = 32 };
 enum { TY_MARCH_AOVS = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH };
 
+/* Multiple scattering octaves (Wrenninge, Kulla, Lundqvist 2013, "Oz: The Great and Volumetric"): octave i is single
+ * scattering by a^i sigma_s behind b^i sigma_t; its lights' broadening has c^i in it. */
+enum { TY_OCTAVES_MAX = 8 };
+typedef struct ty_march_octaves {
+    int32_t count;    /* N, octave 0 included, 0..TY_OCTAVES_MAX; below 2 there is single scattering alone */
+    bool scales_view; /* b^i scales extinction towards the eye as well as towards the light; needs count >= 2 */
+    float scattering[TY_OCTAVES_MAX], extinction[TY_OCTAVES_MAX]; /* a^i, b^i */
+    const ty_single_light* lights; /* octaves 1 to N - 1, one after the other: each has as many lights as octave 0, of
+                                      the same kinds in the same order; their fluence is attenuated by b^i sigma_t */
+} ty_march_octaves;
+
 typedef struct ty_march_def {
     int32_t width, height;         /* pixels; must be set */
     int32_t spp;                   /* rays per pixel, stratified over it, 1..64; default 1: through its middle */
@@ -40,7 +51,9 @@ typedef struct ty_march_def {
     const float* blurred;      /* with a fit: environments' radiance, blurred as much as scattering once within the peak
                                   does; an octahedral map of ways that one looks along, TY_MARCH_BLURRED cells a side, of
                                   R, G, B; NULL (default): none is seen */
-    const ty_source_field* field;         /* multiply scattered light; NULL (default): none */
+    const ty_march_octaves* octaves; /* of the lights, which then have no lobes and are not reduced; what octaves from 1
+                                  on scatter counts as multiple scattering; NULL (default): none */
+    const ty_source_field* field;    /* multiply scattered light; NULL (default): none */
     const ty_source_field* surface_field; /* what of it surfaces are lit by; NULL (default): field */
     const ty_cuts* cuts; /* surfaces between field's cells, across which nothing of it is interpolated for media; NULL
                             (default): none that are known of */

@@ -2,7 +2,7 @@
 #ifndef TY_IMAGE_MARCH_K_H
 #define TY_IMAGE_MARCH_K_H
 
-#include "image/near.k.h"
+#include "image/octaves.k.h"
 #include "image/track.k.h"
 
 /* Transmittance below which a ray ends: nothing behind can be seen any more. */
@@ -14,7 +14,9 @@
 /* What a ray brings. */
 typedef struct ty_march_light {
     float transmittance[3], glow[3], single[3], multiple[3];
-    float aside[3]; /* transmittance for light that may scatter nearly straight on: with a fit alone */
+    float aside[3]; /* transmittance for light that may scatter nearly straight on (with a fit), or of the last octave:
+                       the largest of all */
+    float octaves[TY_OCTAVES_MAX][3]; /* transmittance of each octave, where they scale the view */
 } ty_march_light;
 
 typedef struct ty_march_ray {
@@ -46,6 +48,7 @@ typedef struct ty_march_scattering {
  * straight on on its way, which is the same without a fit. */
 typedef struct ty_march_reach {
     float all[3], aside[3];
+    float octaves[TY_OCTAVES_MAX][3]; /* of each octave, where they scale the view */
 } ty_march_reach;
 
 /* What one medium scatters and sends at a point, times how much of it is seen. Adds to scattering what the field's
@@ -78,6 +81,12 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
         const float amount = track->amount * sigma_s[c], seen = reach->all[c] * amount;
         ray->light.single[c] += seen * sent.first[c];
         ray->light.multiple[c] += seen * sent.again[c] + reach->aside[c] * amount * sent.aside[c];
+    }
+    for (int32_t i = 1; i < request->octaves.count; ++i) {
+        const float* passed = request->octaves.scales_view ? reach->octaves[i] : reach->all;
+        ty_octave_scattered(request, i, point, lights, way, g, sent.first);
+        for (int32_t c = 0; c < 3; ++c)
+            ray->light.multiple[c] += passed[c] * track->amount * sigma_s[c] * sent.first[c];
     }
 }
 
@@ -160,6 +169,17 @@ TY_FN void ty_march_pass(const float depth[3], float transmittance[3], float rea
     }
 }
 
+/* The same of each octave, where b^i scales sigma_t towards the eye. */
+TY_FN void ty_march_pass_octaves(ty_march_ray* ray, const float depth[3], ty_march_reach* reach) {
+    TY_GLOBAL const ty_march_octaves* octaves = &ray->request->octaves;
+    for (int32_t i = 1; i < octaves->count; ++i) {
+        float scaled[3];
+        for (int c = 0; c < 3; ++c) scaled[c] = octaves->extinction[i] * depth[c];
+        ty_march_pass(scaled, ray->light.octaves[i], reach->octaves[i]);
+    }
+    for (int c = 0; c < 3; ++c) ray->light.aside[c] = ray->light.octaves[octaves->count - 1][c];
+}
+
 /* Takes from a step's optical depths what scatters nearly straight on in it. */
 TY_FN void ty_march_reduce(const ty_march_ray* ray, float at, float depth[3]) {
     const ty_vec point = ty_mad(ray->origin, ray->direction, at);
@@ -188,6 +208,7 @@ TY_FN bool ty_march_end_step(ty_march_ray* ray, float end) {
                 reach.aside[c] = reach.all[c];
                 ray->light.aside[c] = ray->light.transmittance[c];
             }
+            if (ray->request->octaves.scales_view) ty_march_pass_octaves(ray, depth, &reach);
         }
         if (ray->looks != 0) ty_march_add(ray, at, &reach);
     }
@@ -311,6 +332,8 @@ TY_FN void ty_march_begin(ty_march_ray* ray, TY_GLOBAL const ty_march_request* r
     ray->depth = 0.0f;
     memset(&ray->light, 0, sizeof ray->light);
     for (int c = 0; c < 3; ++c) ray->light.transmittance[c] = ray->light.aside[c] = 1.0f;
+    for (int32_t i = 1; i < request->octaves.count; ++i)
+        for (int c = 0; c < 3; ++c) ray->light.octaves[i][c] = 1.0f;
     ty_spans_find(scene->media, scene->medium_count, origin, direction, far, &spans);
     ray->looks = request->light_count > 0 || request->has_field != 0 || spans.emits != 0;
     float light_per_metre = 0.0f;

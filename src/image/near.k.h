@@ -25,6 +25,8 @@ enum { TY_NEAR_PIECES = 8, TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
 typedef struct ty_near_light {
     ty_cell_point at;                     /* where its fluences are taken */
     float passing[TY_SINGLE_FLUENCES][3]; /* what of each comes from there */
+    float depth[3];                       /* optical depth of sigma_t from the point to there */
+    float falloff; /* squared ratio of the distances to a lamp: irradiance at the point over that there */
 } ty_near_light;
 
 /* The integral of a medium's density between two distances along a ray, m. extinction: about what it is there, 1/m. */
@@ -159,6 +161,8 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
     for (int32_t f = 0; f < (light->lobes != 0 ? TY_SINGLE_FLUENCES : 1); ++f)
         for (int32_t c = 0; c < 3; ++c) out->passing[f][c] = spread * spread * ty_decay(depth[f][c]);
+    for (int32_t c = 0; c < 3; ++c) out->depth[c] = depth[TY_SINGLE_STRAIGHT][c];
+    out->falloff = spread * spread;
     out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, far));
     return true;
 }
@@ -185,6 +189,8 @@ TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point,
         if (thick && light->kind < TY_SINGLE_MANY && ty_near_follow(request, light, point, extinction, &lights[i]))
             continue;
         lights[i].at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
+        lights[i].falloff = 1.0f;
+        for (int32_t c = 0; c < 3; ++c) lights[i].depth[c] = 0.0f;
         for (int32_t f = 0; f < TY_SINGLE_FLUENCES; ++f)
             for (int32_t c = 0; c < 3; ++c) lights[i].passing[f][c] = 1.0f;
     }

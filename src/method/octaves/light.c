@@ -1,0 +1,111 @@
+/* The light that reaches the cells of a medium: uncollided in octave 0, behind b^i sigma_t in octave i. */
+#include "method/octaves/job.h"
+
+#include "base/context.h"
+
+#include <math.h>
+
+/* The light of a group, or (NULL) of all sources without a field of their own, as octave i scatters it: by a phase
+ * function of mean cosine c^i g. */
+static ty_single_light describe_light(const ty_octaves_job* job, const ty_source_group* group,
+                                      const ty_light_field* field, int32_t octave) {
+    ty_single_light light = ty_source_group_light(job->sources, group, field);
+    light.broadening = (float)(1 - pow(job->def->anisotropy, octave));
+    return light;
+}
+
+/* One octave: the groups with fields of their own, then all others together. */
+static ty_result light_octave(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
+    ty_octaves* light = job->light;
+    ty_light_field** fields = light->fields[octave];
+    ty_light_field** others = &fields[TY_OCTAVES_OWN_MAX];
+    ty_single_light* lights = &light->lights[octave * light->light_count];
+    const double from = job->progress.from, share = job->progress.share;
+    ty_result result = TY_OK;
+    int32_t own = 0;
+    job->progress.share = share / ty_maxf(1, (float)job->group_count);
+    for (int32_t i = 0; i < job->group_count && result == TY_OK; ++i) {
+        const ty_source_group* group = &job->groups[i];
+        ty_light_field** field = group->own ? &fields[own] : others;
+        result = ty_part_show(&job->progress, "direct light");
+        if (result == TY_OK && *field == NULL)
+            result =
+                ty_source_groups_field(job->sources, group->own ? group : job->groups,
+                                       group->own ? 1 : job->group_count, group->own, job->medium, !group->own, field);
+        if (result == TY_OK)
+            result = ty_uncollided_add_watched(job->scene, job->medium, extinction, &job->sources[group->first],
+                                               group->count, *field, ty_part_report, &job->progress);
+        job->progress.from += job->progress.share;
+        if (result == TY_OK && group->own) lights[own++] = describe_light(job, group, *field, octave);
+    }
+    job->progress.from = from;
+    job->progress.share = share;
+    if (result == TY_OK && *others != NULL) lights[own] = describe_light(job, NULL, *others, octave);
+    return result;
+}
+
+/* b^i sigma_t on all cells. */
+static void scale_extinction(const ty_grid_medium* medium, float scale, float* const extinction[3]) {
+    for (int32_t p = 0; p < medium->planes; ++p)
+        for (size_t i = 0; i < medium->cells; ++i) extinction[p][i] = scale * medium->extinction[p][i];
+}
+
+static ty_result light_octaves(ty_octaves_job* job, float* const extinction[3]) {
+    const ty_march_octaves* octaves = &job->light->octaves;
+    const double from = job->progress.from, share = job->progress.share;
+    ty_result result = TY_OK;
+    job->progress.share = share / octaves->count;
+    for (int32_t i = 0; i < octaves->count && result == TY_OK; ++i) {
+        scale_extinction(job->medium, octaves->extinction[i], extinction);
+        result = light_octave(job, extinction, i);
+        job->progress.from += job->progress.share;
+    }
+    job->progress.from = from;
+    job->progress.share = share;
+    return result;
+}
+
+/* Fields per octave: one of each group with a field of its own, and one of all others. */
+static int32_t count_lights(const ty_octaves_job* job) {
+    int32_t own = 0;
+    for (int32_t i = 0; i < job->group_count; ++i) own += job->groups[i].own;
+    return own + (own < job->group_count);
+}
+
+static double field_bytes(const ty_octaves* light) {
+    double bytes = 0;
+    for (int32_t i = 0; i < light->octaves.count; ++i)
+        for (int32_t l = 0; l < TY_OCTAVES_LIGHTS_MAX; ++l) {
+            const ty_light_field* field = light->fields[i][l];
+            if (field == NULL) continue;
+            const int32_t planes = field->planes * (field->flux[0][0] != NULL ? 4 : 1);
+            bytes += (double)planes * (double)field->cells * sizeof(float);
+        }
+    return bytes;
+}
+
+ty_result ty_octaves_light(ty_octaves_job* job) {
+    const ty_source_def def = {
+        .environment = job->def->environment_beams, .surface = job->def->surface_points, .seed = job->def->seed};
+    const ty_grid_medium* medium = job->medium;
+    float* extinction[3] = {0};
+    ty_result result = ty_sources_create(job->scene, &def, &job->sources, &job->source_count);
+    for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
+        extinction[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
+        if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
+    }
+    const size_t count = (size_t)job->source_count;
+    if (result == TY_OK) job->groups = ty_alloc_array(job->context, count, sizeof *job->groups, false);
+    if (result == TY_OK && job->groups == NULL) result = TY_ERROR_MEMORY;
+    if (result == TY_OK) {
+        job->group_count = ty_source_groups_find(job->scene, &medium->box, job->sources, job->source_count,
+                                                 TY_OCTAVES_OWN_MAX, job->groups);
+        job->light->light_count = job->stats.lights = count_lights(job);
+        result = light_octaves(job, extinction);
+        job->stats.bytes = field_bytes(job->light);
+    }
+    ty_free_array(job->context, job->groups, count, sizeof *job->groups);
+    for (int32_t p = 0; p < medium->planes; ++p)
+        ty_free_array(job->context, extinction[p], medium->cells, sizeof(float));
+    return result;
+}
