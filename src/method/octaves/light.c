@@ -54,14 +54,12 @@ static ty_result light_octaves(ty_octaves_job* job, float* const extinction[3]) 
     const ty_march_octaves* octaves = &job->light->octaves;
     const double from = job->progress.from, share = job->progress.share;
     ty_result result = TY_OK;
-    job->progress.share = share / octaves->count;
+    job->progress.share = 0; /* the octaves divide it */
     for (int32_t i = 0; i < octaves->count && result == TY_OK; ++i) {
+        result = ty_part_next(&job->progress, "direct light", from + share * (i + 1) / octaves->count);
         scale_extinction(job->medium, octaves->extinction[i], extinction);
-        result = light_octave(job, extinction, i);
-        job->progress.from += job->progress.share;
+        if (result == TY_OK) result = light_octave(job, extinction, i);
     }
-    job->progress.from = from;
-    job->progress.share = share;
     return result;
 }
 
