@@ -73,7 +73,7 @@ test_usage() {
     usage_error 'locked' render builtin:cube_g0 -o locked/a.exr
   fi
   usage_error "did you mean 'path'" bench pat
-  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, impulse, bake, load, all' bench everything
+  usage_error 'machine, path, direct, rays, screen, fld, pop, lpv, dom, octaves, impulse, bake, load, all' bench everything
   absent a.exr
 }
 

@@ -79,7 +79,7 @@ static void scenes_need_media(void** state) {
 static void defaults_are_as_documented(void** state) {
     (void)state;
     const ty_octaves_def def = ty_default_octaves_def();
-    assert_int_equal(def.count, 3);
+    assert_int_equal(def.count, 6);
     assert_true(def.scattering == 0.5 && def.extinction == 0.5 && def.anisotropy == 0.5 && def.step == 1);
     assert_int_equal(def.view_extinction, TY_OCTAVES_VIEW_UNSCALED);
     assert_int_equal(def.resolution, 0);

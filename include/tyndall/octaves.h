@@ -29,7 +29,7 @@ enum { TY_OCTAVES_COUNT_MAX = 8 };
 typedef struct ty_octaves_def {
     uint32_t cookie; /* set by ty_default_octaves_def; checked */
 
-    int32_t count;                              /* N: octaves, single scattering included, 1..8; default 3 */
+    int32_t count;                              /* N: octaves, single scattering included, 1..8; default 6; engines have 2 or 3 */
     double scattering;                          /* a, 0..1: octave i scatters a^i sigma_s; default 0.5 */
     double extinction;                          /* b, 0..1: b^i sigma_t attenuates the light of octave i; default 0.5 */
     double anisotropy;                          /* c, 0..1: c^i g is the mean cosine of octave i; default 0.5 */

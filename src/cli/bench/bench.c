@@ -18,6 +18,7 @@ static const bench_entry benches[] = {
     {"pop", "principal-ordinates propagation: its stages, and how they grow", bench_pop},
     {"lpv", "light propagation volumes: stages as in the paper's Table 1, growth, a frame", bench_lpv},
     {"dom", "discrete ordinates: solves, sweeps against thickness, images beside path", bench_dom},
+    {"octaves", "multiple scattering octaves: images by the number of octaves, beside path", bench_octaves},
     {"impulse", "tables of impulse responses: making, reading, looking up", bench_impulse},
     {"bake", "baking: what light in cells and impulse responses cost, and save beside paths", bench_bake},
     {"load", "reading volumes of every format", bench_load},

@@ -8,7 +8,7 @@
 
 ty_octaves_def ty_default_octaves_def(void) {
     return (ty_octaves_def){.cookie = TY_DEF_COOKIE,
-                            .count = 3,
+                            .count = 6,
                             .scattering = 0.5,
                             .extinction = 0.5,
                             .anisotropy = 0.5,
