@@ -3,11 +3,13 @@
  * measured to be. */
 #include "truth_scene.h"
 
-/* A scene, and the least and largest ratio of the means and the largest relative RMSE that pass. */
+/* A scene, and what passes: scene.rmse and the ratio of means hold for the image, measured and .05 more on both sides.
+ */
 typedef struct octaves_case {
     scene_case scene;
-    double single_rmse;     /* of octave 0 beside single scattering of paths, whose mean it must have to 2 % */
-    double low, high, rmse; /* of the image: measured, and a twentieth of the mean more on both sides */
+    double low, high;
+    double single_rmse; /* of octave 0 beside single scattering of paths, whose mean it must have to 3 %; 0: not looked
+                           at, as of lights that are known by two moments, or of peaks that paths find seldom */
 } octaves_case;
 
 static ty_image* octaves_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces, int32_t count) {
@@ -52,11 +54,11 @@ static void check_case(ty_context* context, const octaves_case* c) {
     const ty_difference full = compare(context, "octaves", "", all, truth);
     assert_true(fabs(passed.mean_ratio[3] - 1) <= 0.005);
     if (c->single_rmse > 0) {
-        assert_true(fabs(single.mean_ratio[3] - 1) <= 0.02);
+        assert_true(fabs(single.mean_ratio[3] - 1) <= 0.03);
         assert_true(single.relative_rmse[3] <= c->single_rmse);
     }
     assert_true(full.mean_ratio[3] >= c->low && full.mean_ratio[3] <= c->high);
-    assert_true(full.relative_rmse[3] <= c->rmse);
+    assert_true(full.relative_rmse[3] <= c->scene.rmse);
     assert_true(full.relative_rmse[3] < first.relative_rmse[3]);
     ty_image_destroy(all);
     ty_image_destroy(one);
@@ -66,42 +68,54 @@ static void check_case(ty_context* context, const octaves_case* c) {
 }
 
 static void cube_scattering_evenly(void** state) {
-    check_case(*state, &(octaves_case){{"builtin:cube_g0", NULL, {NULL}, 48, 48, fewer(256, 2)}, 0.05, 0, 9, 9});
+    check_case(*state,
+               &(octaves_case){{"builtin:cube_g0", NULL, {NULL}, 48, 48, fewer(256, 2), 0.35, 0}, 0.96, 1.06, 0.04});
 }
 
 static void cube_scattering_forwards(void** state) {
-    check_case(*state, &(octaves_case){{"builtin:cube_g0.7", NULL, {NULL}, 48, 48, fewer(256, 2)}, 0.05, 0, 9, 9});
+    check_case(*state,
+               &(octaves_case){{"builtin:cube_g0.7", NULL, {NULL}, 48, 48, fewer(256, 2), 0.49, 0}, 0.84, 0.94, 0.04});
 }
 
 static void cloud_in_sunlight(void** state) {
-    check_case(*state, &(octaves_case){{"builtin:cloud_sun", NULL, {NULL}, 48, 48, fewer(256, 2)}, 0.05, 0, 9, 9});
+    check_case(*state,
+               &(octaves_case){{"builtin:cloud_sun", NULL, {NULL}, 48, 48, fewer(256, 2), 0.55, 0}, 0.71, 0.81, 0.05});
 }
 
 static void thick_cloud(void** state) {
-    check_case(*state,
-               &(octaves_case){
-                   {"builtin:cloud_sun", NULL, {NULL, "media[0].sigma_t=60", "media[0].g=0.9"}, 48, 48, fewer(256, 2)},
-                   0,
-                   0,
-                   9,
-                   9});
+    check_case(*state, &(octaves_case){{"builtin:cloud_sun",
+                                        NULL,
+                                        {NULL, "media[0].sigma_t=60", "media[0].g=0.9"},
+                                        48,
+                                        48,
+                                        fewer(256, 2),
+                                        0.46,
+                                        0},
+                                       0.98,
+                                       1.08,
+                                       0});
 }
 
 static void cloud_under_a_sky(void** state) {
-    check_case(*state, &(octaves_case){{"builtin:cloud_sky", NULL, {NULL}, 48, 48, fewer(128, 2)}, 0, 0, 9, 9});
+    check_case(*state,
+               &(octaves_case){{"builtin:cloud_sky", NULL, {NULL}, 48, 48, fewer(128, 2), 0.20, 0}, 0.86, 0.96, 0});
 }
 
 static void nebulae(void** state) {
-    check_case(*state, &(octaves_case){{"builtin:nebulae", NULL, {NULL}, 48, 48, fewer(128, 2)}, 0.1, 0, 9, 9});
+    check_case(*state,
+               &(octaves_case){{"builtin:nebulae", NULL, {NULL}, 48, 48, fewer(128, 2), 0.43, 0}, 1.15, 1.25, 0.07});
 }
 
 static void spot_light_in_a_box(void** state) {
-    check_case(*state, &(octaves_case){{"builtin:fog_cornell", NULL, {NULL}, 48, 36, fewer(256, 2)}, 0.1, 0, 9, 9});
+    check_case(*state, &(octaves_case){
+                           {"builtin:fog_cornell", NULL, {NULL}, 48, 36, fewer(256, 2), 0.62, 0}, 0.58, 0.68, 0.09});
 }
 
 static void smoke(void** state) {
-    check_case(*state, &(octaves_case){
-                           {"scenes/plume.json", "volumes/plume/plume_0042.vdb", {DENSITY}, 36, 48, 128}, 0, 0, 9, 9});
+    check_case(
+        *state,
+        &(octaves_case){
+            {"scenes/plume.json", "volumes/plume/plume_0042.vdb", {DENSITY}, 36, 48, 128, 0.11, 0}, 0.94, 1.04, 0.06});
 }
 
 int main(void) {

@@ -28,9 +28,9 @@ typedef struct ty_octaves_job {
     const ty_octaves_def* def;
     ty_part_progress progress;
     ty_grid_medium* medium;
-    ty_source* sources;
+    ty_source* sources; /* of the octave that is lit, as are groups */
     int32_t source_count;
-    ty_source_group* groups; /* while light is found */
+    ty_source_group* groups;
     int32_t group_count;
     ty_octaves* light;
     ty_octaves_stats stats;

@@ -14,8 +14,8 @@ static ty_single_light describe_light(const ty_octaves_job* job, const ty_source
     return light;
 }
 
-/* One octave: the groups with fields of their own, then all others together. */
-static ty_result light_octave(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
+/* The groups with fields of their own, then all others together. */
+static ty_result light_groups(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
     ty_octaves* light = job->light;
     ty_light_field** fields = light->fields[octave];
     ty_light_field** others = &fields[TY_OCTAVES_OWN_MAX];
@@ -44,30 +44,47 @@ static ty_result light_octave(ty_octaves_job* job, float* const extinction[3], i
     return result;
 }
 
+/* Fields per octave: one of each group with a field of its own, and one of all others. */
+static int32_t count_lights(const ty_octaves_job* job) {
+    int32_t own = 0;
+    for (int32_t i = 0; i < job->group_count; ++i) own += job->groups[i].own;
+    return own + (own < job->group_count);
+}
+
 /* b^i sigma_t on all cells. */
 static void scale_extinction(const ty_grid_medium* medium, float scale, float* const extinction[3]) {
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < medium->cells; ++i) extinction[p][i] = scale * medium->extinction[p][i];
 }
 
-static ty_result light_octaves(ty_octaves_job* job, float* const extinction[3]) {
-    const ty_march_octaves* octaves = &job->light->octaves;
-    const double from = job->progress.from, share = job->progress.share;
-    ty_result result = TY_OK;
-    job->progress.share = 0; /* the octaves divide it */
-    for (int32_t i = 0; i < octaves->count && result == TY_OK; ++i) {
-        result = ty_part_next(&job->progress, "direct light", from + share * (i + 1) / octaves->count);
-        scale_extinction(job->medium, octaves->extinction[i], extinction);
-        if (result == TY_OK) result = light_octave(job, extinction, i);
-    }
-    return result;
+/* Light behind b^i sigma_t varies less with direction: every octave takes half as many directions of environments. */
+enum { FEW_BEAMS = 8 };
+
+static ty_source_def source_def(const ty_octaves_def* def, int32_t octave) {
+    const int32_t all = def->environment_beams, beams = all >> octave;
+    return (ty_source_def){.environment = beams >= FEW_BEAMS ? beams
+                                          : all < FEW_BEAMS  ? all
+                                                             : FEW_BEAMS,
+                           .surface = def->surface_points,
+                           .seed = def->seed};
 }
 
-/* Fields per octave: one of each group with a field of its own, and one of all others. */
-static int32_t count_lights(const ty_octaves_job* job) {
-    int32_t own = 0;
-    for (int32_t i = 0; i < job->group_count; ++i) own += job->groups[i].own;
-    return own + (own < job->group_count);
+static ty_result light_octave(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
+    const ty_source_def def = source_def(job->def, octave);
+    ty_result result = ty_sources_create(job->scene, &def, &job->sources, &job->source_count);
+    if (result != TY_OK) return result;
+    const size_t count = (size_t)job->source_count;
+    job->groups = ty_alloc_array(job->context, count, sizeof *job->groups, false);
+    if (job->groups != NULL) {
+        job->group_count = ty_source_groups_find(job->scene, &job->medium->box, job->sources, job->source_count,
+                                                 TY_OCTAVES_OWN_MAX, job->groups);
+        job->light->light_count = count_lights(job);
+        scale_extinction(job->medium, job->light->octaves.extinction[octave], extinction);
+    }
+    result = job->groups != NULL ? light_groups(job, extinction, octave) : TY_ERROR_MEMORY;
+    ty_free_array(job->context, job->groups, count, sizeof *job->groups);
+    ty_sources_destroy(job->context, job->sources, job->source_count);
+    return result;
 }
 
 static double field_bytes(const ty_octaves* light) {
@@ -83,26 +100,22 @@ static double field_bytes(const ty_octaves* light) {
 }
 
 ty_result ty_octaves_light(ty_octaves_job* job) {
-    const ty_source_def def = {
-        .environment = job->def->environment_beams, .surface = job->def->surface_points, .seed = job->def->seed};
     const ty_grid_medium* medium = job->medium;
+    const int32_t count = job->light->octaves.count;
+    const double from = job->progress.from, share = job->progress.share;
     float* extinction[3] = {0};
-    ty_result result = ty_sources_create(job->scene, &def, &job->sources, &job->source_count);
+    ty_result result = TY_OK;
     for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
         extinction[p] = ty_alloc_array(job->context, medium->cells, sizeof(float), false);
         if (extinction[p] == NULL) result = TY_ERROR_MEMORY;
     }
-    const size_t count = (size_t)job->source_count;
-    if (result == TY_OK) job->groups = ty_alloc_array(job->context, count, sizeof *job->groups, false);
-    if (result == TY_OK && job->groups == NULL) result = TY_ERROR_MEMORY;
-    if (result == TY_OK) {
-        job->group_count = ty_source_groups_find(job->scene, &medium->box, job->sources, job->source_count,
-                                                 TY_OCTAVES_OWN_MAX, job->groups);
-        job->light->light_count = job->stats.lights = count_lights(job);
-        result = light_octaves(job, extinction);
-        job->stats.bytes = field_bytes(job->light);
+    job->progress.share = 0; /* the octaves divide it */
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
+        result = ty_part_next(&job->progress, "direct light", from + share * (i + 1) / count);
+        if (result == TY_OK) result = light_octave(job, extinction, i);
     }
-    ty_free_array(job->context, job->groups, count, sizeof *job->groups);
+    job->stats.lights = job->light->light_count;
+    job->stats.bytes = field_bytes(job->light);
     for (int32_t p = 0; p < medium->planes; ++p)
         ty_free_array(job->context, extinction[p], medium->cells, sizeof(float));
     return result;

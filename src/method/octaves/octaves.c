@@ -47,7 +47,6 @@ static ty_result solve(const ty_scene* scene, const ty_octaves_def* def, double 
     result = run_part(&job, "media", share * medium_until, sample_media, &job.stats.medium_seconds);
     if (result == TY_OK) result = run_part(&job, "direct light", share, ty_octaves_light, &job.stats.direct_seconds);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
-    ty_sources_destroy(context, job.sources, job.source_count);
     ty_grid_medium_destroy(job.medium);
     if (result != TY_OK) {
         ty_octaves_destroy(job.light);
