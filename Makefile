@@ -27,11 +27,17 @@ validate:
 	@scripts/build.sh release
 	@ctest --test-dir build/release -C Validate -L validate --output-on-failure
 
-# The reference of the C API, build/docs/api/index.html, and docs/commands.md anew.
+# The reference of the C API, build/docs/api/index.html, and anew from the tables of options: docs/commands.md, the schema
+# of scene files, the options on the methods' pages.
 docs:
 	@scripts/setup.sh build docs
 	@scripts/build.sh release tyndall_cli
 	@build/release/bin/tyndall help --markdown > docs/commands.md
+	@build/release/bin/tyndall help --schema > docs/scene.schema.json
+	@mkdir -p out
+	@for page in $$(grep -l '^<!-- options of' docs/method/*.md); do method=$$(basename $$page .md) && \
+	  build/release/bin/tyndall help --options $$method > out/options.md && \
+	  scripts/insert_between_marks.sh $$page "options of $$method" out/options.md || exit 1; done
 	@scripts/docs.sh
 
 # All of the papers' figures into out/figures, and what they measured into docs/figures.md. Goes on where it was

@@ -19,7 +19,7 @@ test_options() {
   changed_by pop fog.json mode=published mode=collided resolution=10 merged=8 sharp=false direct=8 ordinates=5 \
     prefilter=0 importance=false streaming=1 spp=4 step=0.3
   kept_by pop fog.json mode=split merged=12 tolerance=1e-2 sharp=true direct=64 prefilter=1 importance=true \
-    surface_points=9 vpls=9 clamp=0.2 shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 streaming=0 \
+    surface_points=9 vpls=9 clamp=0.2 shadow_texels=64 iterations=3 residuum=0.5 residuum_iterations=2 streaming=auto \
     spp=1 step=1
   pop fog.json seeded.exr --seed 3
   different plain.exr seeded.exr

@@ -87,32 +87,8 @@ static const volume_calls calls = {.name = "dom",
 
 static const bad_field bad_fields[] = {
     DOM(cookie, FIELD_INT, 0, "ty_default_dom_def"),
-    DOM(resolution, FIELD_INT, 3, "dom.resolution: 3 is outside [4, 512]"),
-    DOM(resolution, FIELD_INT, 513, "dom.resolution"),
-    DOM(resolution, FIELD_INT, -1, "dom.resolution"),
-    DOM(direct, FIELD_INT, 3, "dom.direct: 3 is outside [4, 1024]"),
-    DOM(direct, FIELD_INT, 1025, "dom.direct"),
-    DOM(directions, FIELD_INT, 7, "dom.directions: 7 is outside [8, 1024]"),
-    DOM(directions, FIELD_INT, 1025, "dom.directions"),
-    DOM(last_directions, FIELD_INT, 7, "dom.last_directions: 7 is outside [8, 1024]"),
-    DOM(last_directions, FIELD_INT, 1025, "dom.last_directions"),
-    DOM(bands, FIELD_INT, -1, "dom.bands: -1 is outside [1, 12]"),
-    DOM(bands, FIELD_INT, 13, "dom.bands"),
-    DOM(acceleration, FIELD_INT, 2, "dom.acceleration"),
-    DOM(tolerance, FIELD_DOUBLE, 0, "dom.tolerance: 0 is outside (0, 1)"),
-    DOM(tolerance, FIELD_DOUBLE, 1, "dom.tolerance"),
-    DOM(tolerance, FIELD_DOUBLE, NAN, "dom.tolerance"),
-    DOM(iterations, FIELD_INT, -1, "dom.iterations: -1"),
-    DOM(environment_beams, FIELD_INT, 0, "dom.environment_beams: 0 is outside [1, 65536]"),
-    DOM(environment_beams, FIELD_INT, 65537, "dom.environment_beams"),
-    DOM(surface_points, FIELD_INT, 0, "dom.surface_points: 0 is outside [1, 65536]"),
-    DOM(surface_points, FIELD_INT, 65537, "dom.surface_points"),
     DOM(width, FIELD_INT, 0, "dom: 0 x 11"),
     DOM(height, FIELD_INT, 65537, "dom: 19 x 65537"),
-    DOM(spp, FIELD_INT, 0, "dom.spp: 0 is outside [1, 64]"),
-    DOM(spp, FIELD_INT, 65, "dom.spp"),
-    DOM(step, FIELD_DOUBLE, 0.01, "dom.step: 0.01 is outside [0.05, 8]"),
-    DOM(step, FIELD_DOUBLE, 9, "dom.step"),
     DOM(aovs, FIELD_INT, TY_AOV_NORMAL, "dom.aovs: "),
 };
 
@@ -139,20 +115,6 @@ static void points_are_checked(void** state) {
     assert_error(*state, "dom: point");
     ty_dom_destroy(light);
     ty_scene_destroy(scene);
-}
-
-static void defaults_are_as_documented(void** state) {
-    (void)state;
-    const ty_dom_def def = ty_default_dom_def();
-    assert_int_equal(def.resolution | def.direct | def.last_directions | def.bands | def.iterations, 0);
-    assert_int_equal(def.directions, 96);
-    assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
-    assert_true(def.tolerance == 1e-3 && def.step == 1 && def.start == NULL);
-    assert_int_equal(def.environment_beams, 64);
-    assert_int_equal(def.surface_points, 16);
-    assert_int_equal(def.spp, 1);
-    assert_int_equal(def.width | def.height | (int32_t)def.aovs, 0);
-    assert_true(def.seed == 0 && def.unscattered == NULL && def.progress == NULL);
 }
 
 /* ---- what is told ---- */
@@ -356,21 +318,13 @@ static void nothing_comes_from_nothing(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_defs_are_refused),
-        cmocka_unit_test(scenes_need_media),
-        cmocka_unit_test(cuts_of_boxes_are_checked),
-        cmocka_unit_test(points_are_checked),
-        cmocka_unit_test(defaults_are_as_documented),
-        cmocka_unit_test(statistics_tell_what_was_done),
-        cmocka_unit_test(progress_runs_to_the_end),
-        cmocka_unit_test(callers_can_cancel_at_any_time),
-        cmocka_unit_test(refused_memory_leaves_nothing),
-        cmocka_unit_test(threads_do_not_change_bits),
-        cmocka_unit_test(cameras_move_without_solving_again),
-        cmocka_unit_test(radiance_adds_up_to_fluence),
-        cmocka_unit_test(starts_save_sweeps),
-        cmocka_unit_test(gray_scenes_are_solved_once),
-        cmocka_unit_test(many_lamps_add_up),
+        cmocka_unit_test(wrong_defs_are_refused),         cmocka_unit_test(scenes_need_media),
+        cmocka_unit_test(cuts_of_boxes_are_checked),      cmocka_unit_test(points_are_checked),
+        cmocka_unit_test(statistics_tell_what_was_done),  cmocka_unit_test(progress_runs_to_the_end),
+        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing),
+        cmocka_unit_test(threads_do_not_change_bits),     cmocka_unit_test(cameras_move_without_solving_again),
+        cmocka_unit_test(radiance_adds_up_to_fluence),    cmocka_unit_test(starts_save_sweeps),
+        cmocka_unit_test(gray_scenes_are_solved_once),    cmocka_unit_test(many_lamps_add_up),
         cmocka_unit_test(nothing_comes_from_nothing),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

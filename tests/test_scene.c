@@ -266,7 +266,7 @@ static void settings_and_hash_are_kept(void** state) {
     ty_render_settings settings = ty_scene_render_settings(scene);
     assert_string_equal(settings.method, "auto");
     assert_int_equal(settings.spp, 64);
-    assert_true(settings.seed == 0 && settings.path.max_depth == 0 && ty_scene_hash(scene) == 0);
+    assert_true(settings.seed == 0 && ty_scene_hash(scene) == 0);
     settings.seed = 7;
     ty_scene_set_render_settings(scene, &settings);
     ty_scene_set_hash(scene, 99);

@@ -279,7 +279,14 @@ static const bad_case bad_cases[] = {
     {HEAD "\"render\": {\"seed\": -1}}", NULL, "s.json:2: render.seed: -1 is outside [0, 9007199254740991]"},
     {HEAD "\"render\": {\"screen\": {\"filter\": 5}}}", NULL,
      "s.json:2: render.screen.filter: 5 is not a multiple of 2"},
-    {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL, "s.json:2: render.screen.levels: 16 is outside [0, 15]"},
+    {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL,
+     "s.json:2: render.screen.levels: 16 is outside [1, 15]; write \"auto\" for the default choice"},
+    {HEAD "\"render\": {\n\"dom\": {\"resolution\": 0}}}", NULL,
+     "s.json:3: render.dom.resolution: 0 is outside [4, 512]; write \"auto\" for the default choice"},
+    {HEAD "\"render\": {\n\"dom\": {\"resolution\": \"fine\"}}}", NULL,
+     "s.json:3: render.dom.resolution: expected an integer or \"auto\", found \"fine\""},
+    {HEAD "\"render\": {\n\"dom\": {\"last_directions\": 7}}}", NULL,
+     "s.json:3: render.dom.last_directions: 7 is outside [8, 1024]"},
     {HEAD "\"render\": {\"method\": \"pth\"}}", NULL,
      "s.json:2: render.method: \"pth\" is not one of \"auto\", \"path\", \"screen\", \"fld\", \"cda\", \"pop\", "
      "\"lpv\", "

@@ -16,6 +16,7 @@
 #include <tyndall/dom.h>
 #include <tyndall/io.h>
 #include <tyndall/lpv.h>
+#include <tyndall/method.h>
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 #define BOX "\"bounds\":[[0,0,0],[1,1,1]]"
@@ -57,35 +58,11 @@ static void expect_rgb(const float v[3], double r, double g, double b) {
 
 /* ---- Defaults and values ---- */
 
-/* What a scene leaves unsaid is what the method itself has. */
-static void expect_lpv_defaults(const ty_lpv_settings* settings) {
-    const ty_lpv_def def = ty_default_lpv_def();
-    assert_string_equal(settings->mode, "links");
-    assert_int_equal(def.mode, TY_LPV_MODE_LINKS);
-    assert_string_equal(settings->parts, "all");
-    assert_int_equal(def.parts, TY_LPV_ALL);
-    assert_string_equal(settings->place, "scene");
-    assert_int_equal(def.place, TY_LPV_PLACE_SCENE);
-    assert_true(settings->resolution == def.resolution && settings->cascades == def.cascades);
-    assert_true(settings->bands == def.bands && settings->extent == def.extent && settings->window == def.window);
-    assert_true(settings->iterations == def.iterations && settings->tolerance == def.tolerance);
-    assert_true(settings->map_side == def.map_side && settings->samples == def.samples);
-    assert_true(settings->block_side == def.block_side && settings->shadow_side == def.shadow_side);
-    assert_true(settings->shadow_rays == def.shadow_rays && settings->half == def.half);
-    assert_true(settings->step == def.step && settings->spp == def.spp);
-}
-
-static void expect_dom_defaults(const ty_dom_settings* settings) {
-    const ty_dom_def def = ty_default_dom_def();
-    assert_string_equal(settings->acceleration, "diffusion");
-    assert_int_equal(def.acceleration, TY_DOM_ACCELERATION_DIFFUSION);
-    assert_true(settings->resolution == def.resolution && settings->direct == def.direct);
-    assert_true(settings->directions == def.directions && settings->bands == def.bands);
-    assert_int_equal(settings->last_directions, def.last_directions);
-    assert_true(settings->tolerance == def.tolerance && settings->iterations == def.iterations);
-    assert_true(settings->environment_beams == def.environment_beams);
-    assert_true(settings->surface_points == def.surface_points);
-    assert_true(settings->step == def.step && settings->spp == def.spp);
+/* An option of a method, as the scene keeps it. */
+static void expect_option(const ty_scene* scene, const char* method, const char* key, const char* value) {
+    const char* kept = ty_scene_get_option(scene, method, key);
+    if (kept == NULL || strcmp(kept, value) != 0)
+        fail_msg("render.%s.%s is %s, not %s", method, key, kept == NULL ? "not there" : kept, value);
 }
 
 static void test_the_smallest_scene_has_the_defaults(void** state) {
@@ -100,15 +77,11 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     assert_string_equal(render.method, "auto");
     assert_int_equal(render.spp, 64);
     assert_int_equal(render.seed, 0);
-    assert_int_equal(render.path.max_depth, 0);
-    assert_string_equal(render.screen.variant, "scatter");
-    assert_string_equal(render.screen.spread, "small_angle");
-    assert_int_equal(render.screen.filter, 4);
-    assert_int_equal(render.screen.levels, 0);
-    assert_string_equal(render.screen.environment, "around");
-    assert_true(render.screen.balance);
-    expect_lpv_defaults(&render.lpv);
-    expect_dom_defaults(&render.dom);
+    ty_dom_def dom = ty_default_dom_def();
+    const ty_dom_def plain = ty_default_dom_def();
+    expect_ok(context, ty_method_options(scene, "dom", &dom));
+    assert_memory_equal(&dom, &plain, sizeof dom);
+    assert_null(ty_scene_get_option(scene, "dom", "directions"));
     assert_int_equal(ty_scene_up_axis(scene), TY_AXIS_Y);
     assert_int_equal(ty_scene_get_info(scene).media, 0);
     ty_scene_destroy(scene);
@@ -138,13 +111,13 @@ static void test_camera_and_render(void** state) {
     const ty_render_settings render = ty_scene_render_settings(scene);
     assert_int_equal(render.spp, 7);
     assert_true(render.seed == 9007199254740991u);
-    assert_int_equal(render.path.max_depth, 3);
-    assert_string_equal(render.screen.variant, "naive");
-    assert_string_equal(render.screen.spread, "gaussian");
-    assert_int_equal(render.screen.filter, 6);
-    assert_int_equal(render.screen.levels, 5);
-    assert_string_equal(render.screen.environment, "lights");
-    assert_false(render.screen.balance);
+    expect_option(scene, "path", "max_depth", "3");
+    expect_option(scene, "screen", "variant", "naive");
+    expect_option(scene, "screen", "spread", "gaussian");
+    expect_option(scene, "screen", "filter", "6");
+    expect_option(scene, "screen", "levels", "5");
+    expect_option(scene, "screen", "environment", "lights");
+    expect_option(scene, "screen", "balance", "false");
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }
@@ -414,7 +387,7 @@ static void test_overrides(void** state) {
     ty_scene* scene = parse_with(context, text, overrides, COUNT(overrides));
     const ty_render_settings render = ty_scene_render_settings(scene);
     assert_int_equal(render.spp, 4);
-    assert_int_equal(render.path.max_depth, 5);
+    expect_option(scene, "path", "max_depth", "5");
     ty_medium_def medium;
     assert_int_equal(ty_scene_get_medium(scene, 1, &medium), TY_OK);
     expect_rgb(medium.g, 0, 0, -0.5);
@@ -461,7 +434,8 @@ static const char every_key[] =
     "\"transform\":{}},{\"file\":\"tetra.obj\",\"meshes\":true,\"lights\":true,\"light_scale\":1,"
     "\"emission_scale\":1,\"material\":{}},{\"box\":[[0,0,0],[1,1,1]]},{\"sphere\":{\"center\":[0,0,0],\"radius\":1}}],"
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0},"
-    "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":0,\"environment\":\"none\","
+    "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":\"auto\",\"environment\":"
+    "\"none\","
     "\"balance\":false},"
     "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"streaming\":1,\"boundary\":\"dirichlet\",\"solver\":\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
@@ -512,35 +486,21 @@ static void test_every_key_is_accepted(void** state) {
     assert_int_equal(ty_scene_get_medium(scene, 3, &medium), TY_OK);
     const int32_t size[3] = {4, 5, 6};
     assert_memory_equal(ty_grid_get_info(medium.density_grid).size, size, sizeof size);
-    const ty_fld_settings fld = ty_scene_render_settings(scene).fld;
-    assert_string_equal(fld.limiter, "larsen");
-    assert_string_equal(fld.boundary, "dirichlet");
-    assert_string_equal(fld.solver, "sor");
-    assert_string_equal(fld.beam, "published");
-    assert_true(fld.larsen_power == 3 && fld.streaming == 1 && fld.relaxation == 1.5 && fld.tolerance == 1e-3);
-    assert_true(fld.sigma_eps == 0.1 && fld.ratio == 2 && fld.step == 0.5 && fld.iterations == 9);
-    assert_true(fld.resolution == 32 && fld.environment_beams == 8 && fld.surface_points == 4 && fld.spp == 2);
-    const ty_pop_settings pop = ty_scene_render_settings(scene).pop;
-    assert_string_equal(pop.mode, "collided");
-    assert_true(pop.resolution == 16 && pop.merged == 24 && pop.direct == 40 && pop.ordinates == 27);
-    assert_true(!pop.sharp && !pop.importance && pop.prefilter == 0.5 && pop.clamp == 0.1 && pop.residuum == 0.2);
-    assert_true(pop.surface_points == 5 && pop.vpls == 7 && pop.shadow_texels == 32);
-    assert_true(pop.iterations == 11 && pop.residuum_iterations == 12 && pop.spp == 3);
-    assert_true(pop.streaming == 0.7 && pop.tolerance == 1e-2 && pop.step == 0.25);
-    const ty_lpv_settings lpv = ty_scene_render_settings(scene).lpv;
-    assert_string_equal(lpv.mode, "published");
-    assert_string_equal(lpv.parts, "both");
-    assert_string_equal(lpv.place, "camera");
-    assert_true(lpv.resolution == 24 && lpv.extent == 20 && lpv.cascades == 3 && lpv.bands == 3 && lpv.window == 0.1);
-    assert_true(lpv.iterations == 10 && lpv.tolerance == 0.02 && lpv.map_side == 64 && lpv.samples == 4);
-    assert_true(lpv.block_side == 2 && lpv.shadow_side == 128 && !lpv.shadow_rays && !lpv.half);
-    assert_true(lpv.step == 0.75 && lpv.spp == 5);
-    const ty_dom_settings dom = ty_scene_render_settings(scene).dom;
-    assert_string_equal(dom.acceleration, "none");
-    assert_true(dom.resolution == 20 && dom.direct == 60 && dom.directions == 48 && dom.bands == 4);
-    assert_int_equal(dom.last_directions, 80);
-    assert_true(dom.tolerance == 1e-4 && dom.iterations == 50 && dom.step == 2 && dom.spp == 4);
-    assert_true(dom.environment_beams == 9 && dom.surface_points == 6);
+    expect_option(scene, "screen", "spread", "gaussian");
+    expect_option(scene, "fld", "limiter", "larsen");
+    expect_option(scene, "fld", "relaxation", "1.5");
+    expect_option(scene, "pop", "sharp", "false");
+    expect_option(scene, "pop", "merged", "24");
+    expect_option(scene, "lpv", "window", "0.1");
+    ty_lpv_def lpv = ty_default_lpv_def();
+    expect_ok(context, ty_method_options(scene, "lpv", &lpv));
+    assert_int_equal(lpv.mode, TY_LPV_MODE_PUBLISHED);
+    assert_int_equal(lpv.parts, TY_LPV_PLAIN | TY_LPV_MARCH | TY_LPV_SINGLE);
+    assert_true(lpv.tolerance == 0.02 && lpv.step == 0.75 && !lpv.shadow_rays && !lpv.half);
+    ty_dom_def dom = ty_default_dom_def();
+    expect_ok(context, ty_method_options(scene, "dom", &dom));
+    assert_int_equal(dom.acceleration, TY_DOM_ACCELERATION_NONE);
+    assert_true(dom.resolution == 20 && dom.last_directions == 80 && dom.tolerance == 1e-4);
     ty_scene_destroy(scene);
     ty_context_destroy(context);
 }

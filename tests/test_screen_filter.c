@@ -29,7 +29,7 @@ static void check_uniform(ty_context* context, variant v, int32_t filter, int32_
 
 /* Also where the paper's masks have just begun to open: spreads a little above 0.8, 1.6 and 3.2 pixels. */
 static void uniform_stays_uniform(void** state) {
-    static const int32_t levels[] = {1, 2, 3, 4, 6, 9, 15, TY_SCREEN_LEVELS_AUTO, TY_SCREEN_LEVELS_ALL};
+    static const int32_t levels[] = {1, 2, 3, 4, 6, 9, 15, TY_AUTO, TY_SCREEN_LEVELS_ALL};
     static const double distances[] = {0.001, 0.04001, 0.16008, 0.3, 0.65, 7, 90};
     for (int v = 0; v < VARIANT_COUNT; ++v)
         for (int32_t filter = 2; v != PUBLISHED && filter <= 6; filter += 2)

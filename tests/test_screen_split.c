@@ -261,7 +261,7 @@ static double any_of(uint64_t* state, const double* values, int count) {
 
 static ty_screen_def any_def(uint64_t* state) {
     static const double cosines[] = {-0.99999994, -0.999, -0.3, 0, 1e-30, 0.5, 0.9999, 0.99999994};
-    static const double filters[] = {2, 4, 6}, levels[] = {1, 2, 7, 15, TY_SCREEN_LEVELS_AUTO, TY_SCREEN_LEVELS_ALL};
+    static const double filters[] = {2, 4, 6}, levels[] = {1, 2, 7, 15, TY_AUTO, TY_SCREEN_LEVELS_ALL};
     ty_screen_def def = ty_default_screen_def();
     for (int c = 0; c < 3; ++c) {
         def.sigma_s[c] = (float)(uniform(state) < 0.2 ? 0 : any_size(state, 1e-30, 1e15));

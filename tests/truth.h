@@ -23,7 +23,7 @@ static inline ty_context* truth_context(int32_t threads) {
 }
 
 static inline int truth_start(void** state) {
-    *state = truth_context(0);
+    *state = truth_context(TY_AUTO);
     return 0;
 }
 

@@ -152,7 +152,7 @@ static void sponza_probes(void** state) {
 int main(int argc, char** argv) {
     if (argc > 3) {
         bake_difference found[CASES][WAYS];
-        ty_context* context = truth_context(0);
+        ty_context* context = truth_context(TY_AUTO);
         compare_fog(context, atof(argv[1]), atof(argv[2]), atof(argv[3]), CASES, found);
         ty_context_destroy(context);
         return 0;

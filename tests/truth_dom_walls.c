@@ -3,12 +3,13 @@
 #include "truth_scene.h"
 
 #include <tyndall/dom.h>
+#include <tyndall/method.h>
 
 static const double most_off = 0.03;
 
 static ty_image* dom_image(const ty_scene* scene, const scene_case* c, const ty_image* surfaces) {
-    const ty_render_settings settings = ty_scene_render_settings(scene);
-    ty_dom_def def = ty_dom_def_of(&settings.dom);
+    ty_dom_def def = ty_default_dom_def();
+    must(ty_scene_context(scene), ty_method_options(scene, "dom", &def));
     ty_image* image = NULL;
     ty_dom_stats stats;
     def.width = c->width;

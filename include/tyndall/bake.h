@@ -69,6 +69,7 @@ typedef struct ty_bake_cache ty_bake_cache;
 /* How to bake; made by ty_default_bake_def. */
 typedef struct ty_bake_def {
     uint32_t cookie;       /* set by ty_default_bake_def; checked */
+    uint32_t bytes;        /* set by ty_default_bake_def: size of the def */
     ty_bake_method method; /* default TY_BAKE_CACHE */
     int32_t spp;           /* paths per receiver at most, 1..2^20; default 64 */
     double error;    /* stop a receiver when its standard error is below this part of its irradiance (or of the mean of
@@ -81,15 +82,21 @@ typedef struct ty_bake_def {
                                    default true */
     const ty_impulse* tables;   /* method TY_BAKE_IMPULSE; NULL: made with defaults */
     const ty_bake_cache* cache; /* method TY_BAKE_CACHE, of the same scene; NULL: made of this def */
-    int32_t cells;              /* of a cache along the longest side of its box, 1..512; 0 (default): 32 */
-    int32_t cell_paths;         /* of a cache, per cell, 1..2^20; 0 (default): 64 */
+    int32_t cells;              /* of a cache along the longest side of its box, 1..512; default 32 */
+    int32_t cell_paths;         /* of a cache, per cell, 1..2^20; default 64 */
     uint64_t seed;              /* any; default 0 */
     ty_progress_fn progress;    /* default NULL */
     void* progress_user;        /* passed on to progress; default NULL */
 } ty_bake_def;
 
+/* Fills in a ty_bake_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_bake_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_bake_def ty_default_bake_def(void);
+static inline ty_bake_def ty_default_bake_def(void) {
+    ty_bake_def def;
+    ty_init_bake_def(&def, sizeof def);
+    return def;
+}
 
 /* What a bake took. */
 typedef struct ty_bake_stats {
@@ -153,6 +160,7 @@ TY_API void ty_bake_probe_sum(const ty_bake_probe* probe, float sh[3][TY_BAKE_SH
 /* How many texels a lightmap has; made by ty_default_atlas_def. */
 typedef struct ty_atlas_def {
     uint32_t cookie;       /* set by ty_default_atlas_def; checked */
+    uint32_t bytes;        /* set by ty_default_atlas_def: size of the def */
     int32_t width, height; /* texels of one map, 4..16384; 0 (default): from density */
     double density;        /* texels per metre, > 0; default 8; at most 4096 texels a side come of it */
     int32_t padding;       /* texels around charts that are filled, 0..64; default 4 */
@@ -160,8 +168,14 @@ typedef struct ty_atlas_def {
                          alike; default true */
 } ty_atlas_def;
 
+/* Fills in a ty_atlas_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_atlas_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_atlas_def ty_default_atlas_def(void);
+static inline ty_atlas_def ty_default_atlas_def(void) {
+    ty_atlas_def def;
+    ty_init_atlas_def(&def, sizeof def);
+    return def;
+}
 
 /* Where the texels of a mesh's second texture coordinates lie on it. */
 typedef struct ty_atlas ty_atlas;

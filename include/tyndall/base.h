@@ -26,6 +26,9 @@ extern "C" {
 #define TY_VERSION_MINOR 1 /* of TY_VERSION */
 #define TY_VERSION_PATCH 0 /* of TY_VERSION */
 
+/* In a field of a def: the library chooses, as the field's words say. */
+#define TY_AUTO (-1)
+
 /* code, name, text */
 #define TY_RESULT_LIST(X)                                                                                              \
     X(0, TY_OK, "done")                                                                                                \
@@ -72,7 +75,8 @@ typedef void (*ty_free_fn)(void* user, void* pointer, size_t size);
 /* What a context is made of; made by ty_default_context_def. */
 typedef struct ty_context_def {
     uint32_t cookie;   /* set by ty_default_context_def; checked */
-    int32_t threads;   /* threads for long work, 1..1024, or 0 (default) for one per available processor */
+    uint32_t bytes;    /* set by ty_default_context_def: size of the struct that the program was compiled with */
+    int32_t threads;   /* threads for long work, 1..1024; TY_AUTO (default): one per available processor */
     ty_log_fn log;     /* default NULL: warnings and errors are only kept, not printed */
     void* log_user;    /* default NULL */
     ty_alloc_fn alloc; /* default NULL: aligned_alloc; alloc and free are given together */
@@ -80,8 +84,16 @@ typedef struct ty_context_def {
     void* alloc_user;  /* default NULL */
 } ty_context_def;
 
+/* Fills in a def of `bytes` bytes; ty_default_context_def calls it. Every def has such a function, so that fields can
+ * be added at its end: a program that was compiled against a smaller struct goes on to work, and new fields have their
+ * defaults. */
+TY_API void ty_init_context_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_context_def ty_default_context_def(void);
+static inline ty_context_def ty_default_context_def(void) {
+    ty_context_def def;
+    ty_init_context_def(&def, sizeof def);
+    return def;
+}
 
 /* Errors: TY_ERROR_ARGUMENT (def not made by its default function, or a field out of range), TY_ERROR_MEMORY. */
 TY_API ty_result ty_context_create(const ty_context_def* def, ty_context** out);

@@ -25,6 +25,7 @@ enum {
 /* What is asked of the picture. */
 typedef struct ty_choose_def {
     uint32_t cookie; /* set by ty_default_choose_def; checked */
+    uint32_t bytes;  /* set by ty_default_choose_def: size of the def */
     uint32_t asks;   /* TY_ASK_... together; default 0 */
     uint32_t aovs;   /* TY_AOV_... together, the channels that are asked for; default 0 */
 } ty_choose_def;
@@ -53,8 +54,14 @@ typedef struct ty_choice {
     ty_look look;       /* what was seen of the scene */
 } ty_choice;
 
+/* Fills in a ty_choose_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_choose_def(void* def, size_t bytes);
 /* Nothing but a picture. */
-TY_API ty_choose_def ty_default_choose_def(void);
+static inline ty_choose_def ty_default_choose_def(void) {
+    ty_choose_def def;
+    ty_init_choose_def(&def, sizeof def);
+    return def;
+}
 
 /* Chooses for a committed scene, whose camera counts. What is chosen does not refuse the scene. It depends on nothing
  * but the scene and def. Errors: TY_ERROR_ARGUMENT (def, scene not committed), TY_ERROR_MEMORY. */

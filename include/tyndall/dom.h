@@ -30,22 +30,23 @@ typedef struct ty_dom ty_dom;
 /* What to solve and how; made by ty_default_dom_def. */
 typedef struct ty_dom_def {
     uint32_t cookie; /* set by ty_default_dom_def; checked */
+    uint32_t bytes;  /* set by ty_default_dom_def: size of the def */
 
-    int32_t resolution; /* cells that ordinates go through along the longest side of the box around all media, 4..512; 0
-                           (default): a third of the voxels (of 64 where there are none), 24..64; where these would be
-                           thicker than four mean free paths, up to twice as many, but 64 */
-    int32_t direct;     /* cells of uncollided light along that side, 4..1024; 0 (default): as the finest voxels, or
-                           twice as many where transfer functions make edges, but 256 at most (of these 192 where not
-                           all lights shine from one direction or place); 64 where media have no voxels */
-    int32_t directions; /* ordinates, 8..1024; default 96 */
+    int32_t resolution; /* cells that ordinates go through along the longest side of the box around all media, 4..512;
+                           TY_AUTO (default): a third of the voxels (of 64 where there are none), 24..64; where these
+                           would be thicker than four mean free paths, up to twice as many, but 64 */
+    int32_t direct; /* cells of uncollided light along that side, 4..1024; TY_AUTO (default): as the finest voxels, or
+                       twice as many where transfer functions make edges, but 256 at most (of these 192 where not
+                       all lights shine from one direction or place); 64 where media have no voxels */
+    int32_t directions;      /* ordinates, 8..1024; default 96 */
     int32_t last_directions; /* of one more sweep at the end, 8..1024, so that few do not show as rays: 400 there cost
                                 as much as four sweeps of 96 and look like 400 all along; 0 (default): none */
-    int32_t bands; /* L: Legendre terms that the scaled phase function keeps, 1..12; 0 (default): from the media's g
-                      and the number of directions */
+    int32_t bands; /* L: Legendre terms that the scaled phase function keeps, 1..12; TY_AUTO (default): from the media's
+                      g and the number of directions */
     ty_dom_acceleration acceleration; /* default TY_DOM_ACCELERATION_DIFFUSION */
     double tolerance;                 /* of the fluence: relative change in the root mean square that is still to come,
                                          (0, 1); default 1e-3 */
-    int32_t iterations;               /* sweeps at most; 0 (default): 100, and 10000 without acceleration */
+    int32_t iterations;               /* sweeps at most; TY_AUTO (default): 100, and 10000 without acceleration */
     const ty_dom* start;              /* light of the same grid to start from, as of an animation's last frame: it saves
                                          sweeps and changes the result within the tolerance. NULL (default): none */
 
@@ -64,11 +65,14 @@ typedef struct ty_dom_def {
     void* progress_user;     /* passed on to progress; default NULL */
 } ty_dom_def;
 
+/* Fills in a ty_dom_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_dom_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_dom_def ty_default_dom_def(void);
-/* What a scene file's render.dom asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
- * that are none of a setting's count as the first of them. */
-TY_API ty_dom_def ty_dom_def_of(const ty_dom_settings* settings);
+static inline ty_dom_def ty_default_dom_def(void) {
+    ty_dom_def def;
+    ty_init_dom_def(&def, sizeof def);
+    return def;
+}
 
 /* What a solve, and a view after it, did. Per channel where there are three. */
 typedef struct ty_dom_stats {

@@ -50,28 +50,29 @@ enum { TY_FLD_CELLS_MAX = 1024 };
 /* What to solve and how; made by ty_default_fld_def. */
 typedef struct ty_fld_def {
     uint32_t cookie; /* set by ty_default_fld_def; checked */
+    uint32_t bytes;  /* set by ty_default_fld_def: size of the def */
 
-    int32_t resolution; /* cells of direct light along the longest side of the box around all media, 4..1024; 0
+    int32_t resolution; /* cells of direct light along the longest side of the box around all media, 4..1024; TY_AUTO
                            (default): as the finest voxels, but 256 at most; 64 where media have no voxels */
-    double ratio; /* cells of direct light per cell of diffusion, along each side, 1..64; 0 (default): 3, but 2 where
-                     that leaves less than 48 cells along the longest side. Above 3 diffuse light is relaxed, and kept,
-                     on cells half as large */
+    double ratio; /* cells of direct light per cell of diffusion, along each side, 1..64; TY_AUTO (default): 3, but 2
+                     where that leaves less than 48 cells along the longest side. Above 3 diffuse light is relaxed, and
+                     kept, on cells half as large */
     ty_fld_beam beam; /* default TY_FLD_BEAM_REDUCED */
 
     ty_fld_limiter limiter; /* default TY_FLD_LIMITER_LEVERMORE_POMRANING */
     double larsen_power;    /* n, 1..100; default 2 */
-    double streaming; /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go; 0 (default): 0.55,
-                         and up to 0.8 as the share of light grows that comes from lamps within the media's box. 0.55 is
-                         about what light has where it leaves thick media for vacuum (0.5 if it left alike in all
-                         outward directions, 1 / sqrt(3) in Milne's problem); 1: the paper's, true of light far from
+    double streaming; /* the largest ratio of flux to fluence, (0, 1]: where limiters let R F(R) go; TY_AUTO (default):
+                         0.55, and up to 0.8 as the share of light grows that comes from lamps within the media's box.
+                         0.55 is about what light has where it leaves thick media for vacuum (0.5 if it left alike in
+                         all outward directions, 1 / sqrt(3) in Milne's problem); 1: the paper's, true of light far from
                          its source */
     ty_fld_boundary boundary; /* default TY_FLD_BOUNDARY_MARSHAK */
-    double sigma_eps;         /* least extinction, 1/m, >= 0; 0 (default): 1e-3 / the longest side */
+    double sigma_eps;         /* least extinction, 1/m, > 0; TY_AUTO (default): 1e-3 / the longest side */
     ty_fld_solver solver;     /* default TY_FLD_SOLVER_MULTIGRID */
     double relaxation;        /* omega of SOR, (0, 2); default 1.85 */
     double tolerance;         /* of rms(residual) / rms(source), (0, 1); default 1e-3, which is 3e-4 of images at most;
                                  unless the limiter is none, there are two iterations at least */
-    int32_t iterations;       /* at most; 0 (default): the solver's own bound */
+    int32_t iterations;       /* at most; TY_AUTO (default): the solver's own bound */
 
     int32_t environment_beams; /* per environment light, 1..65536; default 64 */
     int32_t surface_points;    /* per area light and glowing sphere, 1..65536; default 16 */
@@ -90,11 +91,14 @@ typedef struct ty_fld_def {
     void* progress_user;     /* passed on to progress; default NULL */
 } ty_fld_def;
 
+/* Fills in a ty_fld_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_fld_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_fld_def ty_default_fld_def(void);
-/* What a scene file's render.fld asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
- * that are none of a setting's count as the first of them. */
-TY_API ty_fld_def ty_fld_def_of(const ty_fld_settings* settings);
+static inline ty_fld_def ty_default_fld_def(void) {
+    ty_fld_def def;
+    ty_init_fld_def(&def, sizeof def);
+    return def;
+}
 
 /* What a solve, and a view after it, did. Per channel where there are three. */
 typedef struct ty_fld_stats {

@@ -36,6 +36,7 @@ typedef enum ty_grid_type { TY_GRID_F32 = 0, TY_GRID_F16 = 1 } ty_grid_type;
 /* What a grid is made of; made by ty_default_grid_def. */
 typedef struct ty_grid_def {
     uint32_t cookie;          /* set by ty_default_grid_def; checked */
+    uint32_t bytes;           /* set by ty_default_grid_def: size of the def */
     int32_t size[3];          /* voxels along x, y, z; each 1..16384, default 0 (must be set) */
     ty_grid_type type;        /* of values; default TY_GRID_F32 */
     const void* values;       /* size[0]*size[1]*size[2] values, copied; NULL (default) fills with 0 */
@@ -45,8 +46,14 @@ typedef struct ty_grid_def {
     float background;         /* value outside, for placed grids; default 0 */
 } ty_grid_def;
 
+/* Fills in a ty_grid_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_grid_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_grid_def ty_default_grid_def(void);
+static inline ty_grid_def ty_default_grid_def(void) {
+    ty_grid_def def;
+    ty_init_grid_def(&def, sizeof def);
+    return def;
+}
 
 /* Non-finite values become 0 with a warning that counts them.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY (also when the size overflows). The result has one owner. */
@@ -90,6 +97,7 @@ typedef enum ty_noise_kind {
 /* What noise is made of; made by ty_default_noise_def. */
 typedef struct ty_noise_def {
     uint32_t cookie;    /* set by ty_default_noise_def; checked */
+    uint32_t bytes;     /* set by ty_default_noise_def: size of the def */
     ty_noise_kind kind; /* default TY_NOISE_CLOUD */
     int32_t size[3];    /* voxels, each 1..4096; default 96 */
     uint32_t seed;      /* default 1 */
@@ -102,8 +110,14 @@ typedef struct ty_noise_def {
     float sharpness;    /* slope of the edge from 0 to 1, (0, 1e6]; default 4 */
 } ty_noise_def;
 
+/* Fills in a ty_noise_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_noise_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_noise_def ty_default_noise_def(void);
+static inline ty_noise_def ty_default_noise_def(void) {
+    ty_noise_def def;
+    ty_init_noise_def(&def, sizeof def);
+    return def;
+}
 /* Makes the grid, which has one owner. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_grid_noise(ty_context* context, const ty_noise_def* def, ty_grid** out);
 

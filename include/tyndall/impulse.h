@@ -29,6 +29,7 @@ enum {
 /* What tables hold; made by ty_default_impulse_def. */
 typedef struct ty_impulse_def {
     uint32_t cookie;         /* set by ty_default_impulse_def; checked */
+    uint32_t bytes;          /* set by ty_default_impulse_def: size of the def */
     int32_t bounces;         /* scatterings at most, 1..64; default 10 */
     double range;            /* optical distance that tables go to, 1..100; default 20 */
     const char* folder;      /* where tables are kept between runs; NULL (default): $XDG_CACHE_HOME/tyndall, or
@@ -37,8 +38,14 @@ typedef struct ty_impulse_def {
     void* progress_user;     /* passed on to progress; default NULL */
 } ty_impulse_def;
 
+/* Fills in a ty_impulse_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_impulse_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_impulse_def ty_default_impulse_def(void);
+static inline ty_impulse_def ty_default_impulse_def(void) {
+    ty_impulse_def def;
+    ty_init_impulse_def(&def, sizeof def);
+    return def;
+}
 
 /* Tables of impulse responses; immutable. */
 typedef struct ty_impulse ty_impulse;

@@ -73,6 +73,7 @@ TY_API ty_result ty_vdb_write(ty_context* context, const ty_grid* grid, const ch
 /* What of a volume file is read, and how; made by ty_default_volume_def. */
 typedef struct ty_volume_def {
     uint32_t cookie;       /* set by ty_default_volume_def; checked */
+    uint32_t bytes;        /* set by ty_default_volume_def: size of the def */
     const char* grid;      /* VDB, NanoVDB: the grid's name; default "density" */
     int32_t component;     /* of grids and NRRDs with several values per voxel; default 0 */
     int32_t frame;         /* takes the place of the #s in the file's name, zero-padded to as many digits; default 0 */
@@ -83,8 +84,14 @@ typedef struct ty_volume_def {
     double raw_spacing[3]; /* raw: units between voxels, the first one's centre at 0; default 0: unplaced */
 } ty_volume_def;
 
+/* Fills in a ty_volume_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_volume_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_volume_def ty_default_volume_def(void);
+static inline ty_volume_def ty_default_volume_def(void) {
+    ty_volume_def def;
+    ty_init_volume_def(&def, sizeof def);
+    return def;
+}
 /* A scalar grid from an OpenVDB (.vdb: float, half, double, vec3s by component), NanoVDB (.nvdb, plain or zip: float,
  * half, double, fp4 to fp16, fpn, vec3f by component), NRRD (.nrrd, .nhdr; raw, gzip, text; attached data, or one file
  * in the header's folder or below it) or raw file (any other extension, with raw_size), told by content where that is
@@ -129,6 +136,7 @@ TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, cons
  * What has no material is grey 0.5, or its vertices' colours; in glTF it is white, as its specification says. */
 typedef struct ty_mesh_file_def {
     uint32_t cookie;                 /* set by ty_default_mesh_file_def; checked */
+    uint32_t bytes;                  /* set by ty_default_mesh_file_def: size of the def */
     ty_affine transform;             /* file units to m, invertible; default identity */
     bool to_z_up;                    /* turn y-up files (glTF) into a z-up scene, (x, y, z) -> (x, -z, y), before
                                         transform; default false */
@@ -140,8 +148,14 @@ typedef struct ty_mesh_file_def {
                                         colours still multiply it; default NULL */
 } ty_mesh_file_def;
 
+/* Fills in a ty_mesh_file_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_mesh_file_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_mesh_file_def ty_default_mesh_file_def(void);
+static inline ty_mesh_file_def ty_default_mesh_file_def(void) {
+    ty_mesh_file_def def;
+    ty_init_mesh_file_def(&def, sizeof def);
+    return def;
+}
 /* Adds the meshes and lights of a file to a scene; when it fails, some may have been added.
  * Errors: TY_ERROR_FILE, TY_ERROR_INPUT, TY_ERROR_MEMORY, TY_ERROR_ARGUMENT (def). */
 TY_API ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mesh_file_def* def);

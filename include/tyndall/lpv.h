@@ -56,6 +56,7 @@ typedef struct ty_lpv_view_def {
 /* What to solve and how; made by ty_default_lpv_def. */
 typedef struct ty_lpv_def {
     uint32_t cookie;  /* set by ty_default_lpv_def; checked */
+    uint32_t bytes;   /* set by ty_default_lpv_def: size of the def */
     ty_lpv_mode mode; /* default TY_LPV_MODE_LINKS */
     uint32_t parts;   /* TY_LPV_... together; default TY_LPV_ALL */
 
@@ -67,8 +68,8 @@ typedef struct ty_lpv_def {
                            says for scenes, the narrowest for cameras; 1..6; default 1 */
     int32_t bands;      /* of spherical harmonics: 2 (default, the paper's) or 3 */
     double window;      /* against ringing: how much less of band l is injected, 1 / (1 + window l^2 (l + 1)^2), 0..1;
-                           default 0 with 2 bands; -1 (default): 0.01 with 3 */
-    int32_t iterations; /* 1..4096; 0 (default): until a hundredth of what came in is under way; published: 8 */
+                           TY_AUTO (default): 0 with 2 bands, 0.01 with 3 */
+    int32_t iterations; /* 1..4096; TY_AUTO (default): until a hundredth of what came in is under way; published: 8 */
     double tolerance;   /* that hundredth, (0, 1); default 0.01 */
 
     /* Injection. */
@@ -94,11 +95,14 @@ typedef struct ty_lpv_def {
     void* progress_user;     /* passed on to progress; default NULL */
 } ty_lpv_def;
 
+/* Fills in a ty_lpv_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_lpv_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_lpv_def ty_default_lpv_def(void);
-/* What a scene file's render.lpv asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
- * that are none of a setting's count as the first of them. */
-TY_API ty_lpv_def ty_lpv_def_of(const ty_lpv_settings* settings);
+static inline ty_lpv_def ty_default_lpv_def(void) {
+    ty_lpv_def def;
+    ty_init_lpv_def(&def, sizeof def);
+    return def;
+}
 
 /* What a solve, and a view after it, did. Seconds of all lights, channels and cascades together. */
 typedef struct ty_lpv_stats {

@@ -28,15 +28,16 @@ enum { TY_OCTAVES_COUNT_MAX = 8 };
 /* The options of a solve and a view; made by ty_default_octaves_def. */
 typedef struct ty_octaves_def {
     uint32_t cookie; /* set by ty_default_octaves_def; checked */
+    uint32_t bytes;  /* set by ty_default_octaves_def: size of the def */
 
-    int32_t count;                              /* N: octaves, single scattering included, 1..8; default 6; engines have 2 or 3 */
-    double scattering;                          /* a, 0..1: octave i scatters a^i sigma_s; default 0.5 */
-    double extinction;                          /* b, 0..1: b^i sigma_t attenuates the light of octave i; default 0.5 */
-    double anisotropy;                          /* c, 0..1: c^i g is the mean cosine of octave i; default 0.5 */
+    int32_t count;     /* N: octaves, single scattering included, 1..8; default 6; engines have 2 or 3 */
+    double scattering; /* a, 0..1: octave i scatters a^i sigma_s; default 0.5 */
+    double extinction; /* b, 0..1: b^i sigma_t attenuates the light of octave i; default 0.5 */
+    double anisotropy; /* c, 0..1: c^i g is the mean cosine of octave i; default 0.5 */
     ty_octaves_view_extinction view_extinction; /* default TY_OCTAVES_VIEW_UNSCALED; with TY_OCTAVES_VIEW_SCALED a must
                                                    not exceed b, or octaves grow as (a / b)^i */
 
-    int32_t resolution;        /* cells of light along the longest side of the box around all media, 4..1024; 0
+    int32_t resolution;        /* cells of light along the longest side of the box around all media, 4..1024; TY_AUTO
                                   (default): as the finest voxels, but 256 at most; 64 where media have no voxels */
     int32_t environment_beams; /* directions per environment light, 1..65536; default 64 */
     int32_t surface_points;    /* points per area light and glowing sphere, 1..65536; default 16 */
@@ -55,8 +56,14 @@ typedef struct ty_octaves_def {
     void* progress_user;     /* passed on to progress; default NULL */
 } ty_octaves_def;
 
+/* Fills in a ty_octaves_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_octaves_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_octaves_def ty_default_octaves_def(void);
+static inline ty_octaves_def ty_default_octaves_def(void) {
+    ty_octaves_def def;
+    ty_init_octaves_def(&def, sizeof def);
+    return def;
+}
 
 /* Figures of a solve and of a view after it. */
 typedef struct ty_octaves_stats {

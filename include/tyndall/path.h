@@ -37,6 +37,7 @@ typedef bool (*ty_path_state_fn)(void* user, const void* state, size_t size);
 /* How paths are traced; made by ty_default_path_def. */
 typedef struct ty_path_def {
     uint32_t cookie;       /* set by ty_default_path_def; checked */
+    uint32_t bytes;        /* set by ty_default_path_def: size of the def */
     int32_t spp;           /* samples per pixel (ray, cell) at most, 1..2^24; default 64 */
     uint64_t seed;         /* any; images of different seeds are independent; default 0 */
     int32_t max_depth;     /* scatterings and reflections at most; 0 (default) for unlimited with Russian roulette */
@@ -67,8 +68,14 @@ typedef struct ty_path_def {
     void* progress_user;     /* default NULL */
 } ty_path_def;
 
+/* Fills in a ty_path_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_path_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_path_def ty_default_path_def(void);
+static inline ty_path_def ty_default_path_def(void) {
+    ty_path_def def;
+    ty_init_path_def(&def, sizeof def);
+    return def;
+}
 
 /* What a run did; with what runs did that it resumed. */
 typedef struct ty_path_stats {

@@ -35,17 +35,18 @@ enum {
 /* What to solve and how; made by ty_default_pop_def. */
 typedef struct ty_pop_def {
     uint32_t cookie;  /* set by ty_default_pop_def; checked */
+    uint32_t bytes;   /* set by ty_default_pop_def: size of the def */
     ty_pop_mode mode; /* default TY_POP_MODE_SPLIT */
 
-    int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; 0 (default): a third of the cells
-                           of `direct`, 32..48, modes published and collided 32 (the paper: 20); split mode has twice as
-                           many along the light */
+    int32_t resolution; /* cells of an ordinate's grid along each of its axes, 4..128; TY_AUTO (default): a third of the
+                           cells of `direct`, 32..48, modes published and collided 32 (the paper: 20); split mode has
+                           twice as many along the light */
     int32_t merged; /* cells of the grid that all ordinates are brought together in, along the longest side of the box
-                       around all media, 4..512; 0 (default): one and a half of the resolution, but no more than 48 or
-                       the resolution; modes published and collided twice (Sec. 5.3) */
+                       around all media, 4..512; TY_AUTO (default): one and a half of the resolution, but no more than
+                       48 or the resolution; modes published and collided twice (Sec. 5.3) */
     bool sharp;     /* whether directional, point and spot lights (the first eight of them) go through cells as fine
                        as the medium's instead of grids of their own; default true; split mode alone */
-    int32_t direct; /* these cells along the longest side, 4..1024; 0 (default): as the finest voxels, but 256 at
+    int32_t direct; /* these cells along the longest side, 4..1024; TY_AUTO (default): as the finest voxels, but 256 at
                        most; 64 where media have no voxels */
 
     int32_t ordinates; /* N, per environment light, 1..4096; default 64 */
@@ -67,13 +68,13 @@ typedef struct ty_pop_def {
                         ty_pop_fluence knows the uncollided light; default false */
 
     /* Modes published and collided. */
-    int32_t iterations; /* M, 1..10000; 0 (default): as many as the resolution, or m' of Eq. 10 if that is more */
+    int32_t iterations; /* M, 1..10000; TY_AUTO (default): as many as the resolution, or m' of Eq. 10 if that is more */
     double residuum;    /* eps_a of Sec. 5.4: mean cosine below which light counts as isotropic and goes on in one grid
                            for all ordinates, 0..1; default 0.1; 0: never */
-    int32_t residuum_iterations; /* at most, 1..10000; 0 (default): until a thousandth of what came in is left */
+    int32_t residuum_iterations; /* at most, 1..10000; TY_AUTO (default): until a thousandth of what came in is left */
 
     /* Mode split: as in ty_fld_def, on the merged grid. */
-    double streaming; /* 0 (default): 0.5, and up to 0.8 by lamps within the media's box */
+    double streaming; /* TY_AUTO (default): 0.5, and up to 0.8 by lamps within the media's box */
     double tolerance; /* default 1e-2, which is 1e-3 of images at most */
 
     uint64_t seed; /* of where ordinates, points and VPLs lie; default 0 */
@@ -89,11 +90,14 @@ typedef struct ty_pop_def {
     void* progress_user;     /* passed on to progress; default NULL */
 } ty_pop_def;
 
+/* Fills in a ty_pop_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_pop_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_pop_def ty_default_pop_def(void);
-/* What a scene file's render.pop asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
- * that are none of a setting's count as the first of them. */
-TY_API ty_pop_def ty_pop_def_of(const ty_pop_settings* settings);
+static inline ty_pop_def ty_default_pop_def(void) {
+    ty_pop_def def;
+    ty_init_pop_def(&def, sizeof def);
+    return def;
+}
 
 /* What a solve, and a view after it, did. */
 typedef struct ty_pop_stats {

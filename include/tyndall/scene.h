@@ -23,6 +23,7 @@ typedef enum ty_axis { TY_AXIS_Y = 1, TY_AXIS_Z = 2 } ty_axis;
 /* A pinhole camera; made by ty_default_camera_def. */
 typedef struct ty_camera_def {
     uint32_t cookie;       /* set by ty_default_camera_def; checked */
+    uint32_t bytes;        /* set by ty_default_camera_def: size of the def */
     double position[3];    /* m; default (0, 0, 5) */
     double target[3];      /* m, not at position; default (0, 0, 0) */
     double up[3];          /* not along the view; default (0, 1, 0) */
@@ -68,6 +69,7 @@ enum { TY_TRANSFER_MAX = 256 };
  * grid's trilinear value, or the transfer function of that value. Media may overlap: their coefficients add. */
 typedef struct ty_medium_def {
     uint32_t cookie;         /* set by ty_default_medium_def; checked */
+    uint32_t bytes;          /* set by ty_default_medium_def: size of the def */
     const char* name;        /* default ""; copied */
     ty_bounds_kind bounds;   /* what a homogeneous medium or an unplaced grid fills, and where a placed grid is cut;
                                 default TY_BOUNDS_NONE (allowed for placed grids only) */
@@ -154,6 +156,7 @@ typedef enum ty_light_kind {
 /* A light; made by ty_default_light_def. */
 typedef struct ty_light_def {
     uint32_t cookie;       /* set by ty_default_light_def; checked */
+    uint32_t bytes;        /* set by ty_default_light_def: size of the def */
     ty_light_kind kind;    /* default TY_LIGHT_DIRECTIONAL */
     float color[3];        /* see ty_light_kind; >= 0, finite; default 1 */
     double direction[3];   /* not zero; default (0, -1, 0) */
@@ -173,6 +176,7 @@ typedef enum ty_shape_kind { TY_SHAPE_QUAD = 0, TY_SHAPE_BOX = 1, TY_SHAPE_SPHER
 /* A Lambertian surface, reflecting on both sides, emitting on its front only (u x v, or outwards). */
 typedef struct ty_shape_def {
     uint32_t cookie;     /* set by ty_default_shape_def; checked */
+    uint32_t bytes;      /* set by ty_default_shape_def: size of the def */
     ty_shape_kind kind;  /* default TY_SHAPE_QUAD */
     double origin[3];    /* m; quad: corner; box: lower corner; sphere: centre */
     double u[3], v[3];   /* m; quad: edges; box: u is the upper corner */
@@ -191,6 +195,7 @@ typedef enum ty_wrap { TY_WRAP_REPEAT = 0, TY_WRAP_CLAMP = 1, TY_WRAP_MIRROR = 2
 /* What a texture is made of; made by ty_default_texture_def. */
 typedef struct ty_texture_def {
     uint32_t cookie;       /* set by ty_default_texture_def; checked */
+    uint32_t bytes;        /* set by ty_default_texture_def: size of the def */
     int32_t width, height; /* 1..32768; of rgba8 */
     const uint8_t* rgba8;  /* 4 bytes a texel, colour coded as sRGB, alpha linear; copied. Exactly one of rgba8 and */
     const ty_image* image; /* image is given: linear R, G, B, or one channel, and A if there is one; copied */
@@ -198,8 +203,14 @@ typedef struct ty_texture_def {
     bool nearest;          /* default false: bilinear */
 } ty_texture_def;
 
+/* Fills in a ty_texture_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_texture_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_texture_def ty_default_texture_def(void);
+static inline ty_texture_def ty_default_texture_def(void) {
+    ty_texture_def def;
+    ty_init_texture_def(&def, sizeof def);
+    return def;
+}
 /* Makes a texture with one owner. Colours are clamped to [0, 1e15], not finite ones count as 0. Errors:
  * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 TY_API ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_texture** out);
@@ -220,6 +231,7 @@ typedef enum ty_alpha_mode {
 /* A Lambertian surface. Colours multiply: factor, texture, and for albedo the vertex colour. */
 typedef struct ty_material_def {
     uint32_t cookie;              /* set by ty_default_material_def; checked */
+    uint32_t bytes;               /* set by ty_default_material_def: size of the def */
     float albedo[3];              /* 0..1; default 0.5 */
     float alpha;                  /* 0..1; default 1 */
     ty_texture* albedo_texture;   /* its alpha multiplies alpha; retained; default NULL */
@@ -247,6 +259,7 @@ typedef struct ty_mesh_origin {
 /* Triangles, counter-clockwise seen from the front. All arrays are copied. */
 typedef struct ty_mesh_def {
     uint32_t cookie;          /* set by ty_default_mesh_def; checked */
+    uint32_t bytes;           /* set by ty_default_mesh_def: size of the def */
     int64_t vertex_count;     /* 1..2^31 - 1 */
     int64_t triangle_count;   /* 1..2^31 - 1 */
     const float* positions;   /* 3 per vertex, m, before transform */
@@ -265,6 +278,7 @@ typedef struct ty_mesh_def {
  * solar irradiance. */
 typedef struct ty_sky_def {
     uint32_t cookie;         /* set by ty_default_sky_def; checked */
+    uint32_t bytes;          /* set by ty_default_sky_def: size of the def */
     double sun_direction[3]; /* the way sunlight travels, not zero; default (-0.5, -0.6, -0.4) */
     float solar[3];          /* irradiance above the atmosphere, W m^-2 per channel; default (1.00, 1.00, 1.00) * 1.5 */
     double haze;             /* aerosol amount, 0 (clear) .. 10; default 1 */
@@ -273,20 +287,62 @@ typedef struct ty_sky_def {
     int32_t width;           /* of the equirectangular image, even, 16..8192; default 512; height is half */
 } ty_sky_def;
 
+/* Fills in a ty_camera_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_camera_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_camera_def ty_default_camera_def(void);
+static inline ty_camera_def ty_default_camera_def(void) {
+    ty_camera_def def;
+    ty_init_camera_def(&def, sizeof def);
+    return def;
+}
+/* Fills in a ty_medium_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_medium_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_medium_def ty_default_medium_def(void);
+static inline ty_medium_def ty_default_medium_def(void) {
+    ty_medium_def def;
+    ty_init_medium_def(&def, sizeof def);
+    return def;
+}
+/* Fills in a ty_light_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_light_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_light_def ty_default_light_def(void);
+static inline ty_light_def ty_default_light_def(void) {
+    ty_light_def def;
+    ty_init_light_def(&def, sizeof def);
+    return def;
+}
+/* Fills in a ty_shape_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_shape_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_shape_def ty_default_shape_def(void);
+static inline ty_shape_def ty_default_shape_def(void) {
+    ty_shape_def def;
+    ty_init_shape_def(&def, sizeof def);
+    return def;
+}
+/* Fills in a ty_material_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_material_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_material_def ty_default_material_def(void);
+static inline ty_material_def ty_default_material_def(void) {
+    ty_material_def def;
+    ty_init_material_def(&def, sizeof def);
+    return def;
+}
+/* Fills in a ty_mesh_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_mesh_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_mesh_def ty_default_mesh_def(void);
+static inline ty_mesh_def ty_default_mesh_def(void) {
+    ty_mesh_def def;
+    ty_init_mesh_def(&def, sizeof def);
+    return def;
+}
+/* Fills in a ty_sky_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_sky_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_sky_def ty_default_sky_def(void);
+static inline ty_sky_def ty_default_sky_def(void) {
+    ty_sky_def def;
+    ty_init_sky_def(&def, sizeof def);
+    return def;
+}
 
 /* Makes the sky image (R, G, B) for an environment light, and the sun's irradiance at the ground, W m^-2.
  * Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
@@ -320,96 +376,24 @@ TY_API ty_axis ty_scene_up_axis(const ty_scene* scene);
 /* The camera, or the default one where none was set. */
 TY_API ty_camera_def ty_scene_camera(const ty_scene* scene);
 
-/* What a method is asked for under its own name in `render`. */
-typedef struct ty_path_settings {
-    int32_t max_depth; /* scatterings and reflections at most; 0 (default) for unlimited */
-} ty_path_settings;
-
-/* ty_screen_def in words. */
-typedef struct ty_screen_settings {
-    char variant[16]; /* "scatter" (default), "gather", "naive", "published" or "reference" */
-    char spread[16];  /* of variant "scatter" and "reference": "small_angle" (default) or "gaussian" (the paper's) */
-    int32_t filter;   /* taps, 2, 4 (default) or 6 */
-    int32_t levels;   /* of the pyramid, 1..15; 0 (default): as many as are needed */
-    char environment[16]; /* what light from outside the picture counts: "around" (default): the mean radiance that
-                             arrives at the camera from all directions, without media; "lights": that of environment
-                             lights alone; "none" */
-    bool balance;         /* whether it is put in only for what the picture's own light loses to backward scattering
-                             (ty_screen_balance), default, or in full; without "none" full is far too bright */
-} ty_screen_settings;
-
-/* ty_fld_def in words; 0 for what it calls its own choice. */
-typedef struct ty_fld_settings {
-    char limiter[24];  /* "levermore_pomraning" (default), "sum", "max", "kershaw", "larsen" or "none" */
-    char boundary[16]; /* "marshak" (default) or "dirichlet" (the paper's) */
-    char solver[16];   /* "multigrid" (default), "sor" (the paper's) or "sor_float" */
-    char beam[16];     /* "reduced" (default) or "published" */
-    double larsen_power, streaming, relaxation, tolerance, sigma_eps, ratio, step; /* as in ty_fld_def */
-    int32_t resolution, iterations, environment_beams, surface_points;             /* as in ty_fld_def */
-    int32_t spp;                                                                   /* rays per pixel */
-} ty_fld_settings;
-
-/* ty_pop_def in words; 0 for what it calls its own choice. */
-typedef struct ty_pop_settings {
-    char mode[16];                               /* "split" (default), "published" (the paper's) or "collided" */
-    int32_t resolution, merged, direct;          /* as in ty_pop_def, as are all below */
-    bool sharp;                                  /* as in ty_pop_def */
-    int32_t ordinates;                           /* as in ty_pop_def */
-    double prefilter;                            /* as in ty_pop_def */
-    bool importance;                             /* as in ty_pop_def */
-    int32_t surface_points, vpls, shadow_texels; /* as in ty_pop_def */
-    double clamp;                                /* as in ty_pop_def */
-    int32_t iterations, residuum_iterations;     /* as in ty_pop_def */
-    double residuum, streaming, tolerance, step; /* as in ty_pop_def */
-    int32_t spp;                                 /* rays per pixel */
-} ty_pop_settings;
-
-/* ty_lpv_def in words; 0 for what it calls its own choice. */
-typedef struct ty_lpv_settings {
-    char mode[16];  /* "links" (default) or "published" (the paper's) */
-    char parts[16]; /* what takes part: "all" (default), or as in the paper's Fig. 5 "shadow_map", "plain",
-                       "plain_march", "single" or "both" */
-    char place[16]; /* of the lattice: "scene" (default) or "camera" */
-    int32_t resolution, cascades, bands;   /* as in ty_lpv_def */
-    double extent;                         /* m */
-    double window;                         /* -1: its own choice */
-    int32_t iterations;                    /* as in ty_lpv_def */
-    double tolerance;                      /* as in ty_lpv_def */
-    int32_t map_side, samples, block_side; /* as in ty_lpv_def */
-    int32_t shadow_side;                   /* as in ty_lpv_def */
-    bool shadow_rays, half;                /* as in ty_lpv_def */
-    double step;                           /* as in ty_lpv_def */
-    int32_t spp;                           /* rays per pixel */
-} ty_lpv_settings;
-
-/* ty_dom_def in words; 0 for what it calls its own choice. */
-typedef struct ty_dom_settings {
-    char acceleration[16];                                          /* "diffusion" (default) or "none" */
-    int32_t resolution, direct, directions, last_directions, bands; /* as in ty_dom_def */
-    double tolerance;                                               /* as in ty_dom_def */
-    int32_t iterations, environment_beams, surface_points;          /* as in ty_dom_def */
-    double step;                                                    /* as in ty_dom_def */
-    int32_t spp;                                                    /* rays per pixel */
-} ty_dom_settings;
-
-/* What `render` in a scene file asked for; defaults when a scene was built by calls. */
+/* The method of a scene and the bounds that all methods share; options of single methods are ty_scene_set_option's. */
 typedef struct ty_render_settings {
-    char method[16]; /* "auto" (default; ty_choose_method), "path", "screen", "fld", "cda" (fld without limiter), "pop",
-                        "lpv" or "dom" */
+    char method[16]; /* "auto" (default; ty_choose_method), or the name of a method (<tyndall/method.h>) */
     int32_t spp;     /* samples per pixel, 1..2^24; default 64 */
     uint64_t seed;   /* default 0 */
-    ty_path_settings path;     /* of method path, as below of others */
-    ty_screen_settings screen; /* of method screen */
-    ty_fld_settings fld;       /* of methods fld and cda */
-    ty_pop_settings pop;       /* of method pop */
-    ty_lpv_settings lpv;       /* of method lpv */
-    ty_dom_settings dom;       /* of method dom */
 } ty_render_settings;
 
-/* What the scene asks for. */
+/* The scene's settings. */
 TY_API ty_render_settings ty_scene_render_settings(const ty_scene* scene);
-/* Sets what the scene asks for; checked where it is used. */
+/* Replaces the scene's settings; they are checked where they are used. */
 TY_API void ty_scene_set_render_settings(ty_scene* scene, const ty_render_settings* settings);
+
+/* Sets one option of a method, as `render.METHOD.KEY` of a scene file does: ty_scene_set_option(scene, "dom",
+ * "directions", "48"). value: a number, "true", "false", "auto" or a word; NULL forgets the option. Keys and values are
+ * checked where they are used (ty_method_options). Errors: TY_ERROR_ARGUMENT (too long a text), TY_ERROR_MEMORY. */
+TY_API ty_result ty_scene_set_option(ty_scene* scene, const char* method, const char* key, const char* value);
+/* The value of an option that was set, valid until the next set call; NULL if it was not. */
+TY_API const char* ty_scene_get_option(const ty_scene* scene, const char* method, const char* key);
 
 /* A hash of the scene's content (file text after overrides, and the bytes of every file it names); 0 when the
  * scene was built by calls. */

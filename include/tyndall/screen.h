@@ -36,11 +36,12 @@ typedef enum ty_screen_mask {
     TY_SCREEN_MASK_SMOOTH = 2 /* smoothstep from T to (1 + mask_width) T */
 } ty_screen_mask;
 
-enum { TY_SCREEN_LEVELS_AUTO = -1, TY_SCREEN_LEVELS_ALL = -2, TY_SCREEN_LEVELS_MAX = 15 };
+enum { TY_SCREEN_LEVELS_ALL = -2, TY_SCREEN_LEVELS_MAX = 15 };
 
 /* Medium, camera and filter; made by ty_default_screen_def. */
 typedef struct ty_screen_def {
     uint32_t cookie; /* set by ty_default_screen_def; checked */
+    uint32_t bytes;  /* set by ty_default_screen_def: size of the def */
 
     /* The medium that fills everything between the camera and what it sees. */
     float sigma_s[3]; /* scattering coefficient, 1/m, >= 0; default 0 */
@@ -65,9 +66,9 @@ typedef struct ty_screen_def {
     ty_screen_variant variant; /* default TY_SCREEN_SCATTER */
     ty_screen_spread spread;   /* TY_SCREEN_SCATTER; the other variants are Gaussian. Default small angles */
     int32_t filter;            /* taps along x and y from one level to the next: 2, 4 or 6; default 4 */
-    int32_t levels; /* K, 1..TY_SCREEN_LEVELS_MAX; TY_SCREEN_LEVELS_AUTO (default): as many as the largest spread needs,
-                       but of Gaussians 6 at most, as in the paper; TY_SCREEN_LEVELS_ALL: as many as it needs. Wider
-                       spreads are cut to what K levels hold. Sides of one pixel end the pyramid */
+    int32_t levels;            /* K, 1..TY_SCREEN_LEVELS_MAX; TY_AUTO (default): as many as the largest spread needs,
+                                  but of Gaussians 6 at most, as in the paper; TY_SCREEN_LEVELS_ALL: as many as it needs. Wider
+                                  spreads are cut to what K levels hold. Sides of one pixel end the pyramid */
 
     /* TY_SCREEN_GATHER alone. The defaults are the paper's method with its masks normalised; ty_screen_naive_def and
      * ty_screen_published_def change them. */
@@ -85,8 +86,14 @@ typedef struct ty_screen_def {
     void* progress_user;     /* default NULL */
 } ty_screen_def;
 
+/* Fills in a ty_screen_def of `bytes` bytes, as ty_init_context_def does. */
+TY_API void ty_init_screen_def(void* def, size_t bytes);
 /* A def with every field at its default. */
-TY_API ty_screen_def ty_default_screen_def(void);
+static inline ty_screen_def ty_default_screen_def(void) {
+    ty_screen_def def;
+    ty_init_screen_def(&def, sizeof def);
+    return def;
+}
 /* Makes a def TY_SCREEN_GATHER without masks, weights and blurred distances: the baseline that leaks. */
 TY_API void ty_screen_naive_def(ty_screen_def* def);
 /* Makes a def TY_SCREEN_GATHER to the paper's letter: masks that take light away. */

@@ -13,6 +13,7 @@
 #include <tyndall/io.h>
 #include <tyndall/light_map.h>
 #include <tyndall/lpv.h>
+#include <tyndall/method.h>
 #include <tyndall/octaves.h>
 #include <tyndall/path.h>
 #include <tyndall/pop.h>

@@ -26,16 +26,19 @@ typedef struct survey {
     double surface_area, map_area; /* m^2; of the unit square */
 } survey;
 
-ty_atlas_def ty_default_atlas_def(void) {
-    return (ty_atlas_def){.cookie = TY_DEF_COOKIE, .density = 8, .padding = 4, .close_seams = true};
+void ty_init_atlas_def(void* def, size_t bytes) {
+    const ty_atlas_def own = {.density = 8, .padding = 4, .close_seams = true};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static ty_result check_side(ty_context* context, const char* field, int32_t side) {
     return side == 0 ? TY_OK : ty_check_number(context, field, side, SIDE_MIN, SIDE_MAX);
 }
 
-static ty_result check_atlas_def(ty_context* context, const ty_atlas_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_atlas_def");
+static ty_result check_atlas_def(ty_context* context, const ty_atlas_def** given, ty_atlas_def* own) {
+    *own = ty_default_atlas_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_atlas_def", own, sizeof *own);
+    const ty_atlas_def* def = *given = own;
     if (result == TY_OK) result = check_side(context, "atlas.width", def->width);
     if (result == TY_OK) result = check_side(context, "atlas.height", def->height);
     if (result == TY_OK) result = ty_check_number(context, "atlas.padding", def->padding, 0, PADDING_MAX);
@@ -138,7 +141,8 @@ static void estimate(const survey* found, const ty_atlas_def* def, ty_atlas_size
 ty_result ty_atlas_estimate(const ty_scene* scene, int32_t mesh, const char* name, const ty_atlas_def* def,
                             ty_atlas_size* out) {
     survey found;
-    ty_result result = check_atlas_def(ty_scene_context(scene), def);
+    ty_atlas_def own;
+    ty_result result = check_atlas_def(ty_scene_context(scene), &def, &own);
     if (result == TY_OK) result = survey_mesh(scene, mesh, name, &found);
     if (result == TY_OK) estimate(&found, def, out);
     return result;
@@ -265,7 +269,8 @@ ty_result ty_atlas_create(const ty_scene* scene, int32_t mesh, const char* name,
     ty_context* context = ty_scene_context(scene);
     survey found;
     ty_atlas_size size;
-    ty_result result = check_atlas_def(context, def);
+    ty_atlas_def own;
+    ty_result result = check_atlas_def(context, &def, &own);
     if (result == TY_OK) result = survey_mesh(scene, mesh, name, &found);
     if (result != TY_OK) return result;
     estimate(&found, def, &size);

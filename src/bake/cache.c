@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { CELLS_DEFAULT = 32, PATHS_DEFAULT = 64, BLOCK = 8, CHUNK_FIRST = 64 };
+enum { BLOCK = 8, CHUNK_FIRST = 64 };
 /* A wall takes as much; as many of them as this times the square of cells on one side of a lattice are counted on: six
  * sides, and as much again within. */
 enum { WALL_BYTES = TY_WALL_FLOATS * (int)sizeof(float), WALLS_TYPICAL = 12 };
@@ -71,7 +71,7 @@ static bool is_colored(const ty_scene_view* view) {
 static void place(const ty_scene* scene, const ty_bake_def* def, const ty_scene_view* media, ty_cache_view* view,
                   ty_bake_cache_info* info) {
     double lower[3], upper[3], side = 0;
-    const int32_t longest = def->cells > 0 ? def->cells : CELLS_DEFAULT;
+    const int32_t longest = def->cells;
     view->floats = !turns(media) ? TY_CACHE_EVEN : is_colored(media) ? TY_CACHE_COLORED : TY_CACHE_GRAY;
     info->bytes = (double)(TY_CACHE_SIDES * (TY_CACHE_KINDS * view->floats + 3)) * sizeof(float) + 6;
     find_box(scene, lower, upper);
@@ -278,7 +278,7 @@ static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
     fill f = {.kernel = choose_kernel(false), .known = cache->known};
     f.request = (ty_cache_request){.path = run->request.path, .view = cache->view};
     f.request.path.seed ^= seed_salt;
-    f.request.paths = (uint32_t)(run->def->cell_paths > 0 ? run->def->cell_paths : PATHS_DEFAULT);
+    f.request.paths = (uint32_t)run->def->cell_paths;
     f.request.met = ty_alloc_array(cache->context, cache->cells, sizeof *f.request.met, true);
     int32_t* cells = ty_alloc_array(cache->context, cache->cells, sizeof *cells, false);
     const ty_result result =
@@ -311,8 +311,9 @@ ty_result ty_bake_cache_estimate(const ty_scene* scene, const ty_bake_def* def, 
     const ty_scene_view* media = ty_scene_get_view(scene);
     *out = (ty_bake_cache_info){.cell = 0};
     if (media == NULL) return TY_ERROR_ARGUMENT;
-    const ty_result result = ty_bake_check(ty_scene_context(scene), def);
-    if (result == TY_OK && media->medium_count > 0) place(scene, def, media, &view, out);
+    ty_bake_def known;
+    const ty_result result = ty_bake_take_def(ty_scene_context(scene), def, &known);
+    if (result == TY_OK && media->medium_count > 0) place(scene, &known, media, &view, out);
     return result;
 }
 

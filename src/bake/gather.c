@@ -130,8 +130,8 @@ static ty_result begin_path(ty_bake_run* run, const ty_scene* scene) {
 ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def) {
     memset(run, 0, sizeof *run);
     run->context = ty_scene_context(scene);
-    run->def = def;
-    ty_result result = ty_bake_check(run->context, def);
+    ty_result result = ty_bake_take_def(run->context, def, &run->known);
+    def = run->def = &run->known;
     if (result == TY_OK) result = begin_path(run, scene);
     if (result == TY_OK) result = take_media(run, ty_scene_get_view(scene));
     if (result != TY_OK) return result;

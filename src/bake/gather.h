@@ -7,9 +7,10 @@
 
 typedef struct ty_bake_run {
     ty_context* context;
-    const ty_bake_def* def;
-    ty_path_run path;      /* the scene as surfaces alone see it, lights and all; then with its media */
-    ty_medium_view* media; /* those with any matter; media_size of them */
+    const ty_bake_def* def; /* known */
+    ty_bake_def known;      /* the caller's def in the library's own size */
+    ty_path_run path;       /* the scene as surfaces alone see it, lights and all; then with its media */
+    ty_medium_view* media;  /* those with any matter; media_size of them */
     size_t media_size;
     ty_impulse* tables;   /* made here; NULL: the caller's */
     ty_bake_cache* cache; /* the same */
@@ -25,7 +26,8 @@ typedef struct ty_bake_run {
     ty_bake_stats stats;
 } ty_bake_run;
 
-ty_result ty_bake_check(ty_context* context, const ty_bake_def* def);
+/* Copies a caller's def to own, in the library's own size, and checks it. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_bake_take_def(ty_context* context, const ty_bake_def* def, ty_bake_def* own);
 /* Checks def and looks at the scene: what comes before a cache. Whatever it returns, ty_bake_run_end is to follow. */
 ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def);
 /* Whether a medium does the same to all channels. */

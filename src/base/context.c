@@ -60,6 +60,44 @@ static size_t round_up(size_t size, size_t to) {
     return (size + to - 1) / to * to;
 }
 
+void ty_mark_def(void* def, size_t bytes) {
+    const ty_def_head head = {TY_DEF_COOKIE, (uint32_t)bytes};
+    memcpy(def, &head, sizeof head);
+}
+
+void ty_init_def(void* def, size_t bytes, const void* defaults, size_t size) {
+    memset(def, 0, bytes);
+    memcpy(def, defaults, bytes < size ? bytes : size);
+    ty_mark_def(def, bytes);
+}
+
+ty_result ty_check_def(ty_context* context, const void* def, const char* default_function) {
+    ty_def_head head = {0, 0};
+    if (def != NULL) memcpy(&head, def, sizeof head);
+    if (head.cookie == TY_DEF_COOKIE && head.bytes >= sizeof head) return TY_OK;
+    return ty_fail(context, TY_ERROR_ARGUMENT, "a def was not made by %s()", default_function);
+}
+
+size_t ty_def_bytes(const void* def) {
+    ty_def_head head;
+    memcpy(&head, def, sizeof head);
+    return head.bytes;
+}
+
+ty_result ty_take_def(ty_context* context, const void* def, const char* default_function, void* own, size_t size) {
+    const ty_result result = ty_check_def(context, def, default_function);
+    if (result != TY_OK) return result;
+    const size_t bytes = ty_def_bytes(def);
+    if (bytes > size)
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "a def of %s() has %zu bytes, and this library knows %zu: the program was compiled against a "
+                       "newer version",
+                       default_function, bytes, size);
+    memcpy(own, def, bytes);
+    ty_mark_def(own, size);
+    return TY_OK;
+}
+
 /* Large arrays are on large pages where the system has them: the first touch of each small one costs as much as working
  * through it. */
 static void* default_alloc(void* user, size_t size) {
@@ -93,8 +131,9 @@ static double physical_memory(void) {
     return pages > 0 && page > 0 ? (double)pages * (double)page : INFINITY;
 }
 
-ty_context_def ty_default_context_def(void) {
-    return (ty_context_def){.cookie = TY_DEF_COOKIE};
+void ty_init_context_def(void* def, size_t bytes) {
+    const ty_context_def own = {.threads = TY_AUTO};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static size_t context_size(int32_t threads) {
@@ -102,10 +141,11 @@ static size_t context_size(int32_t threads) {
 }
 
 ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
-    if (out == NULL || def == NULL || def->cookie != TY_DEF_COOKIE || def->threads < 0 ||
-        def->threads > TY_THREADS_MAX || (def->alloc == NULL) != (def->free == NULL))
+    ty_context_def copy = ty_default_context_def();
+    if (out == NULL || ty_take_def(NULL, def, "ty_default_context_def", &copy, sizeof copy) != TY_OK)
         return TY_ERROR_ARGUMENT;
-    ty_context_def copy = *def;
+    const bool counted = copy.threads >= 1 && copy.threads <= TY_THREADS_MAX;
+    if ((copy.threads != TY_AUTO && !counted) || (copy.alloc == NULL) != (copy.free == NULL)) return TY_ERROR_ARGUMENT;
     if (copy.alloc == NULL) {
         copy.alloc = default_alloc;
         copy.free = default_free;
@@ -177,13 +217,6 @@ void ty_log(ty_context* context, ty_log_level level, const char* format, ...) {
     pthread_mutex_lock(&context->lock);
     context->def.log(context->def.log_user, level, text);
     pthread_mutex_unlock(&context->lock);
-}
-
-ty_result ty_check_def(ty_context* context, const void* def, const char* default_function) {
-    uint32_t cookie = 0;
-    if (def != NULL) memcpy(&cookie, def, sizeof cookie);
-    if (cookie == TY_DEF_COOKIE) return TY_OK;
-    return ty_fail(context, TY_ERROR_ARGUMENT, "a def was not made by %s()", default_function);
 }
 
 /* More than the machine has would be promised, and the process killed when it uses what it was promised. */

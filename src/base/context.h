@@ -6,8 +6,13 @@
 
 enum { TY_THREADS_MAX = 1024 };
 
-/* Every def made by its ty_default_*_def starts with this. */
+/* The first field of every def made by its ty_default_*_def. */
 #define TY_DEF_COOKIE 0x74796466u
+
+/* The first fields of every def. */
+typedef struct ty_def_head {
+    uint32_t cookie, bytes;
+} ty_def_head;
 
 /* Formats a message, keeps it if it is the first, logs it as an error, and returns result:
  * return ty_fail(context, TY_ERROR_INPUT, "%s: ...", path); */
@@ -15,8 +20,18 @@ ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...
 /* Logs a line without failing. */
 void ty_log(ty_context* context, ty_log_level level, const char* format, ...) __attribute__((format(printf, 3, 4)));
 
+/* Sets cookie and size of a caller's def. */
+void ty_mark_def(void* def, size_t bytes);
+/* Copies the library's defaults, of size bytes, into a caller's def of `bytes`, which may be smaller: that of a program
+ * that was compiled against an older definition. */
+void ty_init_def(void* def, size_t bytes, const void* defaults, size_t size);
 /* Fails with TY_ERROR_ARGUMENT when def is NULL or was not made by its default function. */
 ty_result ty_check_def(ty_context* context, const void* def, const char* default_function);
+/* The size of a def that ty_check_def passes. */
+size_t ty_def_bytes(const void* def);
+/* Copies a caller's def over own, which holds the library's defaults and is of size bytes. Fails with
+ * TY_ERROR_ARGUMENT when def is NULL, was not made by its default function or is larger than the library's. */
+ty_result ty_take_def(ty_context* context, const void* def, const char* default_function, void* own, size_t size);
 
 /* Memory aligned to 64 bytes from the context's allocator. ty_alloc_array checks the product for overflow and that the
  * context's arrays together fit the machine's memory, keeps a message on failure and may be asked for zeros; a count of

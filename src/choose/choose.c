@@ -18,8 +18,9 @@ static const double needle = 0.94;       /* g from which no method but path trac
 
 enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
 
-ty_choose_def ty_default_choose_def(void) {
-    return (ty_choose_def){.cookie = TY_DEF_COOKIE};
+void ty_init_choose_def(void* def, size_t bytes) {
+    const ty_choose_def own = {0};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 /* ---- words ---- */
@@ -126,12 +127,13 @@ static void choose_by_look(ty_choice* out) {
 
 ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_check_def(context, def, "ty_default_choose_def");
+    ty_choose_def own = ty_default_choose_def();
+    ty_result result = ty_take_def(context, def, "ty_default_choose_def", &own, sizeof own);
     if (result == TY_OK && ty_scene_get_view(scene) == NULL) result = TY_ERROR_ARGUMENT;
     ty_choice choice = {.method = "path"};
     if (result == TY_OK) result = ty_look_at(scene, &choice.look);
     if (result != TY_OK) return result;
-    if (!asks_path(def, &choice)) choose_by_look(&choice);
+    if (!asks_path(&own, &choice)) choose_by_look(&choice);
     *out = choice;
     return TY_OK;
 }

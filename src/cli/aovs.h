@@ -18,8 +18,6 @@ int cli_parse_aovs(const char* command, const char* text, uint32_t* aovs);
 /* The name of one of these channels that is not among the known ones, or NULL. */
 const char* cli_aov_outside(uint32_t aovs, uint32_t known);
 
-/* Takes a channel out of an image, if it has it. */
-ty_result cli_drop_channel(ty_context* context, ty_image** image, const char* name);
 /* Takes samples.N out of an image when it says the same everywhere. */
 ty_result cli_drop_even_samples(ty_context* context, ty_image** image);
 

@@ -2,6 +2,7 @@
  * all from the tables that options are parsed by. */
 #include "cli/commands.h"
 #include "cli/manual.h"
+#include "cli/method_help.h"
 #include "cli/session.h"
 
 #include <string.h>
@@ -42,6 +43,7 @@ static ty_result print_man(ty_context* context, FILE* file, const void* user) {
     cli_print_man_text(file, "The folder of third-party data that 'figure' and 'bench' read, without --data.");
     fputs(".TP\n.B XDG_CACHE_HOME\n", file);
     cli_print_man_text(file, "Where 'bake' keeps tables between runs, in a folder tyndall; else ~/.cache.");
+    cli_print_man_options(file);
     fputs(".SH EXIT STATUS\n", file);
     cli_print_man_text(file, cli_exit_statuses);
     return TY_OK;
@@ -85,6 +87,10 @@ static int print_markdown(void) {
 }
 
 static bool print_words(FILE* file, const char* option) {
+    if (option != NULL && strcmp(option, "options") == 0) {
+        for (int i = 0; ty_method_name(i) != NULL; ++i) fprintf(file, "%s ", ty_method_name(i));
+        return true;
+    }
     if (option != NULL) return false;
     for (int i = 0; i < CLI_COMMAND_COUNT; ++i) fprintf(file, "%s ", cli_commands[i].name);
     return true;
@@ -99,9 +105,16 @@ static int print_completion(void) {
     return status;
 }
 
+static int print_schema(void) {
+    const char* text = ty_scene_schema();
+    if (text == NULL) return cli_fail(CLI_FAILED, "not enough memory");
+    puts(text);
+    return CLI_DONE;
+}
+
 int cli_help(int count, char** arguments) {
-    const char* man = NULL;
-    bool markdown = false, completion = false;
+    const char *man = NULL, *options = NULL;
+    bool markdown = false, completion = false, schema = false;
     int shell = 0;
     const cli_option table[] = {
         {"man", 0, CLI_TEXT, "DIR", "write manual pages, tyndall.1 and one a command, into this folder", &man, 0, 0,
@@ -109,10 +122,13 @@ int cli_help(int count, char** arguments) {
         {"markdown", 0, CLI_FLAG, NULL, "print all commands as one page of Markdown", &markdown, 0, 0, NULL},
         {"completion", 0, CLI_CHOICE, "bash", "print a script that completes commands and options in this shell",
          &shell, 0, 0, &completion},
+        {"schema", 0, CLI_FLAG, NULL, "print the JSON Schema of scene files, for editors", &schema, 0, 0, NULL},
+        {"options", 0, CLI_TEXT, "METHOD", "print the options of a method as a table of Markdown", &options, 0, 0,
+         NULL},
     };
     const cli_syntax syntax = {
         "help",
-        "[COMMAND] | --man DIR | --markdown | --completion bash",
+        "[COMMAND] | --man DIR | --markdown | --completion bash | --schema | --options METHOD",
         "Tells what a command does.",
         "Without arguments it lists the commands. 'tyndall COMMAND --help' is the same as\n"
         "'tyndall help COMMAND'. 'source <(tyndall help --completion bash)' makes a shell complete what is typed.",
@@ -124,11 +140,15 @@ int cli_help(int count, char** arguments) {
     cli_arguments given;
     const int status = cli_parse(&syntax, count, arguments, &given);
     if (status != CLI_GO) return status;
-    if ((man != NULL) + (markdown ? 1 : 0) + (completion ? 1 : 0) + given.positional_count > 1)
-        return cli_usage_error("help", "give a command, --man, --markdown or --completion, one of them");
+    const int forms = (man != NULL) + (options != NULL) + (markdown ? 1 : 0) + (completion ? 1 : 0) + (schema ? 1 : 0);
+    if (forms + given.positional_count > 1)
+        return cli_usage_error("help",
+                               "give a command, --man, --markdown, --completion, --schema or --options, one of them");
     if (man != NULL) return write_man_pages(man);
     if (markdown) return print_markdown();
     if (completion) return print_completion();
+    if (schema) return print_schema();
+    if (options != NULL) return cli_print_option_table(options);
     if (given.positional_count == 0) return cli_print_overview();
     const cli_command* command = cli_find_command("help", given.positional[0]);
     return command != NULL ? help_of(command, "text", NULL) : CLI_USAGE;

@@ -30,19 +30,19 @@ static bool is_refusal(ty_result result) {
     return result == TY_ERROR_ARGUMENT || result == TY_ERROR_UNSUPPORTED || result == TY_ERROR_MEMORY;
 }
 
-static ty_result render(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
-                        cli_report* report) {
+ty_result cli_render_auto(cli_session* session, const ty_scene* scene, const cli_request* request, ty_image** out,
+                          cli_report* report) {
     ty_result result = choose(session, scene, request, report);
     if (result != TY_OK) return result;
-    const cli_method* method = cli_find_method(session->command, report->method);
-    result = method->render(session, scene, request, out, report);
-    if (!is_refusal(result) || method == &cli_method_path) return result;
-    report->method = cli_method_path.name;
+    const ty_method* method = cli_find_method(session->command, report->method);
+    result = cli_render_method(session, scene, method, request, out, report);
+    if (!is_refusal(result) || method == &ty_method_path) return result;
+    report->method = ty_method_path.name;
     snprintf(report->choice, sizeof report->choice, "%s refused: %s", method->name, ty_last_error(session->context));
     ty_clear_error(session->context);
     say(session, report);
-    return cli_method_path.render(session, scene, request, out, report);
+    return cli_render_method(session, scene, &ty_method_path, request, out, report);
 }
 
-const cli_method cli_method_auto = {
-    .name = "auto", .summary = "the method that suits the scene", .aovs = TY_AOV_ALL, .crops = true, .render = render};
+const ty_method cli_method_auto = {
+    .name = "auto", .summary = "the method that suits the scene", .aovs = TY_AOV_ALL, .crops = true};

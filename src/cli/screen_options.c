@@ -80,7 +80,7 @@ static int check_sky(screen_options* options) {
 
 static int check_levels(screen_options* options) {
     const bool all = options->levels != NULL && strcmp(options->levels, "all") == 0;
-    double levels = all ? TY_SCREEN_LEVELS_ALL : TY_SCREEN_LEVELS_AUTO;
+    double levels = all ? TY_SCREEN_LEVELS_ALL : TY_AUTO;
     if (options->levels != NULL && !all && strcmp(options->levels, "auto") != 0 &&
         (!cli_parse_real(options->levels, &levels) || levels != floor(levels) || levels < 1 ||
          levels > TY_SCREEN_LEVELS_MAX))

@@ -37,7 +37,7 @@ typedef struct screen_options {
     int kind;   /* screen_kind */
     int filter; /* which of 2, 4, 6 */
     const char* levels;
-    int32_t level_count; /* or TY_SCREEN_LEVELS_AUTO */
+    int32_t level_count; /* or TY_AUTO */
     int32_t window;
     bool window_given;
 

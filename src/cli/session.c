@@ -39,7 +39,7 @@ int cli_session_open(cli_session* session, const char* command, const cli_common
         if (status != CLI_GO) return status;
     }
     ty_context_def def = ty_default_context_def();
-    def.threads = common->threads;
+    def.threads = common->threads > 0 ? common->threads : TY_AUTO;
     def.log = print_log;
     def.log_user = session;
     const ty_result result = ty_context_create(&def, &session->context);

@@ -6,16 +6,19 @@
 
 #include <stdatomic.h>
 
-ty_grid_def ty_default_grid_def(void) {
-    return (ty_grid_def){.cookie = TY_DEF_COOKIE, .type = TY_GRID_F32, .index_to_local = ty_affine_identity()};
+void ty_init_grid_def(void* def, size_t bytes) {
+    const ty_grid_def own = {.type = TY_GRID_F32, .index_to_local = ty_affine_identity()};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 size_t ty_grid_value_size(ty_grid_type type) {
     return type == TY_GRID_F16 ? sizeof(uint16_t) : sizeof(float);
 }
 
-static ty_result check_def(ty_context* context, const ty_grid_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_grid_def");
+static ty_result check_def(ty_context* context, const ty_grid_def** given, ty_grid_def* own) {
+    *own = ty_default_grid_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_grid_def", own, sizeof *own);
+    const ty_grid_def* def = *given = own;
     if (result != TY_OK) return result;
     for (int a = 0; a < 3; ++a)
         if (def->size[a] < 1 || def->size[a] > TY_GRID_SIDE_MAX)
@@ -196,7 +199,8 @@ static size_t brick_count(const ty_grid* grid) {
 ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* values, ty_grid** out) {
     const size_t voxels = (size_t)def->size[0] * (size_t)def->size[1] * (size_t)def->size[2];
     const size_t bytes = ty_grid_value_size(def->type);
-    ty_result result = check_def(context, def);
+    ty_grid_def own;
+    ty_result result = check_def(context, &def, &own);
     ty_grid* grid = result == TY_OK ? ty_alloc_array(context, 1, sizeof *grid, true) : NULL;
     if (grid == NULL) {
         ty_free_array(context, values, voxels, bytes);
@@ -226,7 +230,8 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
 }
 
 ty_result ty_grid_create(ty_context* context, const ty_grid_def* def, ty_grid** out) {
-    const ty_result result = check_def(context, def);
+    ty_grid_def own;
+    const ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     void* values = NULL;
     if (def->values != NULL) {

@@ -41,18 +41,18 @@ typedef struct noise_job {
     float* scratch; /* per worker: SCRATCH_ROWS rows of size[0] */
 } noise_job;
 
-ty_noise_def ty_default_noise_def(void) {
-    return (ty_noise_def){.cookie = TY_DEF_COOKIE,
-                          .kind = TY_NOISE_CLOUD,
-                          .size = {96, 96, 96},
-                          .seed = 1,
-                          .up_axis = 1,
-                          .frequency = 4,
-                          .octaves = 5,
-                          .gain = 0.5f,
-                          .lacunarity = 2,
-                          .coverage = 0.5f,
-                          .sharpness = 4};
+void ty_init_noise_def(void* def, size_t bytes) {
+    const ty_noise_def own = {.kind = TY_NOISE_CLOUD,
+                              .size = {96, 96, 96},
+                              .seed = 1,
+                              .up_axis = 1,
+                              .frequency = 4,
+                              .octaves = 5,
+                              .gain = 0.5f,
+                              .lacunarity = 2,
+                              .coverage = 0.5f,
+                              .sharpness = 4};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static ty_result check_range(ty_context* context, const char* field, float value, float low, bool open, float high) {
@@ -61,8 +61,10 @@ static ty_result check_range(ty_context* context, const char* field, float value
                    open ? '(' : '[', (double)low, (double)high);
 }
 
-static ty_result check_def(ty_context* context, const ty_noise_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_noise_def");
+static ty_result check_def(ty_context* context, const ty_noise_def** given, ty_noise_def* own) {
+    *own = ty_default_noise_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_noise_def", own, sizeof *own);
+    const ty_noise_def* def = *given = own;
     if (result != TY_OK) return result;
     if (def->kind < TY_NOISE_CONSTANT || def->kind > TY_NOISE_NEBULA)
         return ty_fail(context, TY_ERROR_ARGUMENT, "noise kind is %d, not a ty_noise_kind", (int)def->kind);
@@ -370,7 +372,8 @@ static void prepare_job(noise_job* job) {
 
 ty_result ty_grid_noise(ty_context* context, const ty_noise_def* def, ty_grid** out) {
     if (context == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_grid_noise: a pointer is NULL");
-    const ty_result result = check_def(context, def);
+    ty_noise_def own;
+    const ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     ty_grid_def grid = ty_default_grid_def();
     memcpy(grid.size, def->size, sizeof grid.size);

@@ -35,6 +35,9 @@ ty_result ty_image_create_like(ty_context* context, const ty_image* image, int32
                                ty_image** out);
 ty_result ty_image_copy_metadata(const ty_image* from, ty_image* to);
 
+/* Takes a channel out of an image, if it has it; metadata stays behind. */
+ty_result ty_image_drop_channel(ty_context* context, ty_image** image, const char* name);
+
 /* A rectangle of pixels in a frame: x0 <= x < x1, y0 <= y < y1; empty when x0 >= x1 or y0 >= y1. */
 typedef struct ty_window {
     int32_t x0, y0, x1, y1;

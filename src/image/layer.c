@@ -85,3 +85,33 @@ ty_result ty_image_layer(ty_context* context, const ty_image* image, const char*
     ty_free_array(context, names, capacity, sizeof *names);
     return result;
 }
+
+/* ---- all channels but one ---- */
+
+static ty_result copy_without(ty_context* context, const ty_image* image, int32_t left_out, ty_image** out) {
+    const size_t capacity = (size_t)image->channel_count;
+    const char** names = ty_alloc_array(context, capacity, sizeof *names, false);
+    if (names == NULL) return TY_ERROR_MEMORY;
+    int32_t kept = 0;
+    for (int32_t i = 0; i < image->channel_count; ++i)
+        if (i != left_out) names[kept++] = image->names[i];
+    const ty_result result = ty_image_create(context, image->width, image->height, kept, names, out);
+    ty_free_array(context, names, capacity, sizeof *names);
+    if (result != TY_OK) return result;
+    memcpy((*out)->frame, image->frame, sizeof image->frame);
+    for (int32_t i = 0; i < kept; ++i)
+        memcpy(ty_image_plane(*out, i), ty_image_plane_const(image, i < left_out ? i : i + 1),
+               sizeof(float) * (size_t)image->width * (size_t)image->height);
+    return TY_OK;
+}
+
+ty_result ty_image_drop_channel(ty_context* context, ty_image** image, const char* name) {
+    const int32_t channel = ty_image_find_channel(*image, name);
+    if (channel < 0) return TY_OK;
+    ty_image* rest = NULL;
+    const ty_result result = copy_without(context, *image, channel, &rest);
+    if (result != TY_OK) return result;
+    ty_image_destroy(*image);
+    *image = rest;
+    return TY_OK;
+}

@@ -1,6 +1,8 @@
 /* Words and numbers as messages about JSON name them. */
 #define _GNU_SOURCE
 #include "io/schema_text.h"
+
+#include "base/number.h"
 #include "io/json_locate.h"
 
 #include <locale.h>
@@ -69,15 +71,8 @@ void ty_append_quoted(char* out, size_t size, const char* word) {
 
 void ty_append_number(char* out, size_t size, double value) {
     char text[40];
-    int digits = value == floor(value) && fabs(value) < 1e6 ? 6 : 1;
-    do snprintf(text, sizeof text, "%.*g", digits, value);
-    while (strtod(text, NULL) != value && ++digits <= 17);
-    const char* point = localeconv()->decimal_point;
-    char* at = strcmp(point, ".") == 0 ? NULL : strstr(text, point);
-    if (at == NULL)
-        ty_append(out, size, "%s", text);
-    else
-        ty_append(out, size, "%.*s.%s", (int)(at - text), text, at + strlen(point));
+    ty_format_number(value, text, sizeof text);
+    ty_append(out, size, "%s", text);
 }
 
 void ty_append_value(char* out, size_t size, const json_t* value) {

@@ -11,7 +11,7 @@ typedef struct ty_camera_view {
     ty_vec origin, corner, dx, dy;
 } ty_camera_view;
 
-ty_result ty_camera_check(ty_context* context, const ty_camera_def* def);
+ty_result ty_camera_check(ty_context* context, const ty_camera_def** given, ty_camera_def* own);
 ty_camera_view ty_camera_get_view(const ty_camera_def* def, int32_t width, int32_t height);
 
 TY_FN ty_vec ty_camera_direction(const ty_camera_view* camera, float x, float y) {

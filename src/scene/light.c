@@ -5,18 +5,20 @@
 #include "scene/check.h"
 #include "scene/shape.h"
 
-ty_light_def ty_default_light_def(void) {
-    return (ty_light_def){.cookie = TY_DEF_COOKIE,
-                          .kind = TY_LIGHT_DIRECTIONAL,
-                          .color = {1, 1, 1},
-                          .direction = {0, -1, 0},
-                          .cone = 40,
-                          .penumbra = 0.15,
-                          .scale = 1};
+void ty_init_light_def(void* def, size_t bytes) {
+    const ty_light_def own = {.kind = TY_LIGHT_DIRECTIONAL,
+                              .color = {1, 1, 1},
+                              .direction = {0, -1, 0},
+                              .cone = 40,
+                              .penumbra = 0.15,
+                              .scale = 1};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-ty_result ty_light_check(ty_context* context, const ty_light_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_light_def");
+ty_result ty_light_check(ty_context* context, const ty_light_def** given, ty_light_def* own) {
+    *own = ty_default_light_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_light_def", own, sizeof *own);
+    const ty_light_def* def = *given = own;
     if (result == TY_OK) result = ty_check_rgb(context, "light.color", def->color, 0, TY_COLOR_MAX);
     if (result != TY_OK) return result;
     switch (def->kind) {

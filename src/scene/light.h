@@ -8,7 +8,7 @@
 #include <tyndall/scene.h>
 
 /* Fails unless a light is one that ty_scene_add_light promises to take. */
-ty_result ty_light_check(ty_context* context, const ty_light_def* def);
+ty_result ty_light_check(ty_context* context, const ty_light_def** given, ty_light_def* own);
 
 /* A light's view; environment may be NULL for other kinds. */
 ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* environment, ty_axis up);

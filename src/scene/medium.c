@@ -6,13 +6,10 @@
 #include "scene/check.h"
 #include "scene/shell.h"
 
-ty_medium_def ty_default_medium_def(void) {
-    return (ty_medium_def){.cookie = TY_DEF_COOKIE,
-                           .name = "",
-                           .transform = ty_affine_identity(),
-                           .scale = 1,
-                           .kelvin = {0, 1},
-                           .emission_scale = 1};
+void ty_init_medium_def(void* def, size_t bytes) {
+    const ty_medium_def own = {
+        .name = "", .transform = ty_affine_identity(), .scale = 1, .kelvin = {0, 1}, .emission_scale = 1};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static ty_result check_bounds(ty_context* context, const ty_medium_def* def) {
@@ -94,8 +91,10 @@ static ty_result check_fields(ty_context* context, const ty_medium_def* def) {
     return result;
 }
 
-ty_result ty_medium_check(ty_context* context, const ty_medium_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_medium_def");
+ty_result ty_medium_check(ty_context* context, const ty_medium_def** given, ty_medium_def* own) {
+    *own = ty_default_medium_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_medium_def", own, sizeof *own);
+    const ty_medium_def* def = *given = own;
     if (result == TY_OK) result = ty_check_affine(context, "medium.transform", &def->transform);
     if (result == TY_OK) result = ty_check_rgb(context, "medium.sigma_s", def->sigma_s, 0, TY_COLOR_MAX);
     if (result == TY_OK) result = ty_check_rgb(context, "medium.sigma_a", def->sigma_a, 0, TY_COLOR_MAX);

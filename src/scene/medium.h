@@ -7,7 +7,7 @@
 #include <tyndall/scene.h>
 
 /* Fails unless a medium is one that ty_scene_add_medium promises to take. */
-ty_result ty_medium_check(ty_context* context, const ty_medium_def* def);
+ty_result ty_medium_check(ty_context* context, const ty_medium_def** given, ty_medium_def* own);
 /* Copies a def with everything it points to, retaining grids and shell; false, with a message, when memory is short. */
 bool ty_medium_copy(ty_context* context, const ty_medium_def* def, ty_medium_def* out);
 void ty_medium_release(ty_context* context, ty_medium_def* copy);

@@ -69,17 +69,20 @@ void ty_scene_destroy(ty_scene* scene) {
     ty_free_array(context, scene->lights, scene->light_capacity, sizeof *scene->lights);
     ty_free_array(context, scene->environments, scene->environment_capacity, sizeof(ty_environment*));
     ty_free_array(context, scene->shapes, scene->shape_capacity, sizeof *scene->shapes);
+    ty_free_array(context, scene->options, scene->option_capacity, sizeof *scene->options);
     ty_free_array(context, scene, 1, sizeof *scene);
 }
 
 ty_result ty_scene_set_camera(ty_scene* scene, const ty_camera_def* def) {
-    const ty_result result = ty_camera_check(scene->context, def);
+    ty_camera_def own;
+    const ty_result result = ty_camera_check(scene->context, &def, &own);
     if (result == TY_OK) scene->camera = *def;
     return result;
 }
 
 ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def) {
-    const ty_result result = ty_medium_check(scene->context, def);
+    ty_medium_def own;
+    const ty_result result = ty_medium_check(scene->context, &def, &own);
     if (result != TY_OK) return result;
     if (scene->medium_count >= TY_MEDIA_MAX)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "media: there are more than %d", TY_MEDIA_MAX);
@@ -94,7 +97,8 @@ ty_result ty_scene_add_medium(ty_scene* scene, const ty_medium_def* def) {
 
 ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def) {
     ty_context* context = scene->context;
-    ty_result result = ty_light_check(context, def);
+    ty_light_def own;
+    ty_result result = ty_light_check(context, &def, &own);
     if (result != TY_OK) return result;
     const size_t count = scene->light_count;
     if (!ty_grow_array(context, (void**)&scene->lights, &scene->light_capacity, count, sizeof *scene->lights) ||
@@ -113,7 +117,8 @@ ty_result ty_scene_add_light(ty_scene* scene, const ty_light_def* def) {
 }
 
 ty_result ty_scene_add_shape(ty_scene* scene, const ty_shape_def* def) {
-    const ty_result result = ty_shape_check(scene->context, def);
+    ty_shape_def own;
+    const ty_result result = ty_shape_check(scene->context, &def, &own);
     if (result != TY_OK) return result;
     if (!ty_grow_array(scene->context, (void**)&scene->shapes, &scene->shape_capacity, scene->shape_count,
                        sizeof *scene->shapes))
@@ -329,14 +334,6 @@ ty_axis ty_scene_up_axis(const ty_scene* scene) {
 
 ty_camera_def ty_scene_camera(const ty_scene* scene) {
     return scene->camera;
-}
-
-ty_render_settings ty_scene_render_settings(const ty_scene* scene) {
-    return scene->settings;
-}
-
-void ty_scene_set_render_settings(ty_scene* scene, const ty_render_settings* settings) {
-    scene->settings = *settings;
 }
 
 uint64_t ty_scene_hash(const ty_scene* scene) {

@@ -7,6 +7,7 @@
 #include "scene/light_tree.h"
 #include "scene/medium.k.h"
 #include "scene/mesh.h"
+#include "scene/settings.h"
 
 #include <tyndall/scene.h>
 
@@ -24,6 +25,8 @@ struct ty_scene {
     ty_axis up;
     ty_camera_def camera;
     ty_render_settings settings;
+    ty_scene_option* options;
+    size_t option_count, option_capacity;
     uint64_t hash;
     char camera_source[256];
 

@@ -6,11 +6,9 @@
 
 #include <math.h>
 
-ty_shape_def ty_default_shape_def(void) {
-    return (ty_shape_def){.cookie = TY_DEF_COOKIE,
-                          .kind = TY_SHAPE_QUAD,
-                          .transform = ty_affine_identity(),
-                          .albedo = {0.5f, 0.5f, 0.5f}};
+void ty_init_shape_def(void* def, size_t bytes) {
+    const ty_shape_def own = {.kind = TY_SHAPE_QUAD, .transform = ty_affine_identity(), .albedo = {0.5f, 0.5f, 0.5f}};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 int32_t ty_shape_quad_count(const ty_shape_def* shape) {
@@ -84,8 +82,10 @@ static bool is_similarity(const ty_affine* map) {
     return true;
 }
 
-ty_result ty_shape_check(ty_context* context, const ty_shape_def* shape) {
-    ty_result result = ty_check_def(context, shape, "ty_default_shape_def");
+ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_shape_def* own) {
+    *own = ty_default_shape_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_shape_def", own, sizeof *own);
+    const ty_shape_def* shape = *given = own;
     if (result == TY_OK) result = ty_check_point(context, "shape.origin", shape->origin);
     if (result == TY_OK) result = ty_check_affine(context, "shape.transform", &shape->transform);
     if (result == TY_OK) result = ty_check_rgb(context, "shape.albedo", shape->albedo, 0, 1);

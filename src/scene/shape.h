@@ -16,7 +16,7 @@ ty_vec ty_shape_normal(const double u[3], const double v[3]);
 double ty_shape_sphere(const ty_shape_def* shape, double center[3]);
 
 /* Fails unless a shape is one that ty_scene_add_shape promises to take. */
-ty_result ty_shape_check(ty_context* context, const ty_shape_def* shape);
+ty_result ty_shape_check(ty_context* context, const ty_shape_def** given, ty_shape_def* own);
 bool ty_shape_emits(const ty_shape_def* shape);
 
 #endif

@@ -52,18 +52,20 @@ typedef struct sky_job {
     float* planes[3];
 } sky_job;
 
-ty_sky_def ty_default_sky_def(void) {
-    return (ty_sky_def){.cookie = TY_DEF_COOKIE,
-                        .sun_direction = {-0.5, -0.6, -0.4},
-                        .solar = {1.5f, 1.5f, 1.5f},
-                        .haze = 1,
-                        .ground = {0.2f, 0.2f, 0.2f},
-                        .up_axis = TY_AXIS_Y,
-                        .width = 512};
+void ty_init_sky_def(void* def, size_t bytes) {
+    const ty_sky_def own = {.sun_direction = {-0.5, -0.6, -0.4},
+                            .solar = {1.5f, 1.5f, 1.5f},
+                            .haze = 1,
+                            .ground = {0.2f, 0.2f, 0.2f},
+                            .up_axis = TY_AXIS_Y,
+                            .width = 512};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-static ty_result check_def(ty_context* context, const ty_sky_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_sky_def");
+static ty_result check_def(ty_context* context, const ty_sky_def** given, ty_sky_def* own) {
+    *own = ty_default_sky_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_sky_def", own, sizeof *own);
+    const ty_sky_def* def = *given = own;
     if (result != TY_OK) return result;
     const double length = hypot(hypot(def->sun_direction[0], def->sun_direction[1]), def->sun_direction[2]);
     if (!(length > 0 && length <= 1e300))
@@ -302,7 +304,8 @@ static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3
 
 ty_result ty_sky_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
     if (context == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_image: a pointer is NULL");
-    ty_result result = check_def(context, def);
+    ty_sky_def own;
+    ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     sky_job job = {.def = *def};
     const double* d = def->sun_direction;

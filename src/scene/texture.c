@@ -19,12 +19,15 @@ struct ty_texture {
     float decode[256];
 };
 
-ty_texture_def ty_default_texture_def(void) {
-    return (ty_texture_def){.cookie = TY_DEF_COOKIE};
+void ty_init_texture_def(void* def, size_t bytes) {
+    const ty_texture_def own = {0};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-static ty_result check_def(ty_context* context, const ty_texture_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_texture_def");
+static ty_result check_def(ty_context* context, const ty_texture_def** given, ty_texture_def* own) {
+    *own = ty_default_texture_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_texture_def", own, sizeof *own);
+    const ty_texture_def* def = *given = own;
     if (result != TY_OK) return result;
     if ((def->rgba8 == NULL) == (def->image == NULL))
         return ty_fail(context, TY_ERROR_ARGUMENT, "texture: give one of rgba8 and image");
@@ -64,7 +67,8 @@ static void copy_image(ty_texture* texture, const ty_image* image) {
 }
 
 ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_texture** out) {
-    const ty_result result = check_def(context, def);
+    ty_texture_def own;
+    const ty_result result = check_def(context, &def, &own);
     if (result != TY_OK) return result;
     ty_texture* texture = ty_alloc_array(context, 1, sizeof *texture, true);
     if (texture == NULL) return TY_ERROR_MEMORY;

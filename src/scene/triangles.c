@@ -5,20 +5,19 @@
 #include "scene/check.h"
 #include "scene/texture.h"
 
-ty_material_def ty_default_material_def(void) {
-    return (ty_material_def){.cookie = TY_DEF_COOKIE,
-                             .albedo = {0.5f, 0.5f, 0.5f},
-                             .alpha = 1,
-                             .albedo_map = {1, 0, 0, 0, 1, 0},
-                             .emission_map = {1, 0, 0, 0, 1, 0},
-                             .alpha_cutoff = 0.5f};
+void ty_init_material_def(void* def, size_t bytes) {
+    const ty_material_def own = {.albedo = {0.5f, 0.5f, 0.5f},
+                                 .alpha = 1,
+                                 .albedo_map = {1, 0, 0, 0, 1, 0},
+                                 .emission_map = {1, 0, 0, 0, 1, 0},
+                                 .alpha_cutoff = 0.5f};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-ty_mesh_def ty_default_mesh_def(void) {
-    return (ty_mesh_def){.cookie = TY_DEF_COOKIE,
-                         .transform = ty_affine_identity(),
-                         .material = ty_default_material_def(),
-                         .origin = {.node = -1}};
+void ty_init_mesh_def(void* def, size_t bytes) {
+    const ty_mesh_def own = {
+        .transform = ty_affine_identity(), .material = ty_default_material_def(), .origin = {.node = -1}};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
 static ty_result check_map(ty_context* context, const char* field, const float map[6]) {
@@ -29,7 +28,8 @@ static ty_result check_map(ty_context* context, const char* field, const float m
 }
 
 static ty_result check_material(ty_context* context, const ty_material_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_material_def");
+    ty_material_def own = ty_default_material_def();
+    ty_result result = ty_take_def(context, def, "ty_default_material_def", &own, sizeof own);
     if (result == TY_OK) result = ty_check_rgb(context, "material.albedo", def->albedo, 0, 1);
     if (result == TY_OK) result = ty_check_rgb(context, "material.emission", def->emission, 0, TY_COLOR_MAX);
     if (result == TY_OK) result = ty_check_number(context, "material.alpha", (double)def->alpha, 0, 1);
@@ -60,8 +60,10 @@ ty_result ty_triangles_check(ty_context* context, const char* what, const float*
     return TY_OK;
 }
 
-static ty_result check_mesh(ty_context* context, const ty_mesh_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_mesh_def");
+static ty_result check_mesh(ty_context* context, const ty_mesh_def** given, ty_mesh_def* own) {
+    *own = ty_default_mesh_def();
+    ty_result result = ty_take_def(context, *given, "ty_default_mesh_def", own, sizeof *own);
+    const ty_mesh_def* def = *given = own;
     if (result == TY_OK) result = ty_check_affine(context, "mesh.transform", &def->transform);
     if (result == TY_OK) result = check_material(context, &def->material);
     if (result != TY_OK) return result;
@@ -128,7 +130,8 @@ static bool copy_origin(ty_context* context, const ty_mesh_origin* in, ty_mesh_o
 }
 
 ty_result ty_triangles_create(ty_context* context, const ty_mesh_def* def, ty_triangles** out) {
-    const ty_result result = check_mesh(context, def);
+    ty_mesh_def own;
+    const ty_result result = check_mesh(context, &def, &own);
     if (result != TY_OK) return result;
     ty_triangles* t = ty_alloc_array(context, 1, sizeof *t, true);
     if (t == NULL) return TY_ERROR_MEMORY;

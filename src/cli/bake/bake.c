@@ -224,7 +224,7 @@ static int check_options(bake_options* options) {
 
 int cli_bake(int count, char** arguments) {
     const ty_atlas_def atlas = ty_default_atlas_def();
-    bake_options options = {.sh = 3, .padding = atlas.padding, .density = atlas.density};
+    bake_options options = {.cells = 32, .cell_paths = 64, .sh = 3, .padding = atlas.padding, .density = atlas.density};
     const cli_option table[] = {
         {"output", 'o', CLI_TEXT, "DIR", "the folder to write to; made if it is missing", &options.folder, 0, 0, NULL},
         {"method", 0, CLI_CHOICE, "cache|impulse|attenuation|surfaces|path", "how media count (default cache)",

@@ -4,6 +4,7 @@
 #include "cli/lpv_scenes.h"
 #include "cli/report.h"
 #include "method/lpv/lattice.h"
+#include "method/lpv/lpv_method.h"
 
 #include <math.h>
 #include <string.h>
@@ -78,13 +79,13 @@ static void take_stages(const ty_lpv_stats* stats, double seconds[STAGES]) {
     seconds[REFLECTED] = stats->reflected_seconds;
     seconds[BLOCKERS] = stats->blocker_seconds;
     seconds[SCATTERED] = stats->scattered_seconds;
-    seconds[INJECTION] = cli_lpv_injection_seconds(stats);
+    seconds[INJECTION] = ty_lpv_injection_seconds(stats);
     seconds[SHADOWS] = stats->shadow_seconds;
     seconds[MEDIA] = stats->medium_seconds;
     seconds[PREPARE] = stats->prepare_seconds;
     seconds[PROPAGATE] = stats->propagate_seconds;
     seconds[GATHER] = stats->gather_seconds;
-    seconds[PROPAGATION] = cli_lpv_propagation_seconds(stats);
+    seconds[PROPAGATION] = ty_lpv_propagation_seconds(stats);
 }
 
 /* Solves so many times, after one that does not count. */
@@ -282,7 +283,7 @@ static ty_result bench_frame(const bench_session* bench, const char* name, const
         if (result != TY_OK) return result;
         const int slot = run < 0 ? 0 : run;
         seconds[ALL][slot] = stats.seconds;
-        seconds[SOLVE][slot] = stats.seconds - cli_lpv_image_seconds(&stats);
+        seconds[SOLVE][slot] = stats.seconds - ty_lpv_image_seconds(&stats);
         seconds[VIEW][slot] = stats.view_seconds;
         seconds[SURFACES][slot] = stats.surface_seconds;
         seconds[MARCH][slot] = stats.march_seconds;

@@ -39,12 +39,12 @@ static ty_result render(const bench_session* bench, const ty_scene* scene, uint6
     ty_path_def def = ty_default_path_def();
     def.spp = bench->options->spp;
     def.seed = seed;
-    def.max_depth = ty_scene_render_settings(scene).path.max_depth;
     def.width = bench->options->size[0];
     def.height = bench->options->size[1];
     def.progress = cli_progress_report;
     def.progress_user = &bench->session->progress;
-    return ty_path_render(scene, &def, out, stats);
+    const ty_result result = ty_method_options(scene, "path", &def);
+    return result == TY_OK ? ty_path_render(scene, &def, out, stats) : result;
 }
 
 /* Two images of different seeds. */

@@ -207,7 +207,7 @@ static ty_result measure_reference(ty_context* context, const scene* s, bool ful
     ty_screen_def def = make_def(s, SCATTER_4);
     def.variant = TY_SCREEN_REFERENCE;
     def.window = WINDOW;
-    def.levels = TY_SCREEN_LEVELS_AUTO;
+    def.levels = TY_AUTO;
     const double start = cli_wall_seconds();
     const ty_result result = ty_screen_apply(context, &def, &image, NULL, 0, NULL);
     *seconds = (cli_wall_seconds() - start) * window_pixels(s->width, s->height) / window_pixels(s->width, rows);

@@ -151,7 +151,7 @@ static int check_options(const cli_arguments* given, const compare_options* opti
                                scene->reference_spp_given ? "--reference-spp"
                                : options->seconds_given   ? "--reference-time"
                                                           : "--reference-noise");
-    const cli_method* methods[CLI_COMPARE_MAX];
+    const ty_method* methods[CLI_COMPARE_MAX];
     return images || cli_name_methods(scene->methods, methods) >= 0 ? CLI_GO : CLI_USAGE;
 }
 

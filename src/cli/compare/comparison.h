@@ -3,7 +3,7 @@
 #define TY_CLI_COMPARE_COMPARISON_H
 
 #include "cli/session.h"
-#include "cli/stages.h"
+#include "cli/report.h"
 
 enum { CLI_COMPARE_NAME = 64, CLI_COMPARE_REASON = 512, CLI_COMPARE_MAX = CLI_POSITIONAL_MAX, CLI_EARLIER_MAX = 5 };
 

@@ -45,7 +45,9 @@ static int interrupted(refining* r) {
 
 /* Samples up to spp; bound > 0: ends after so many seconds, of all runs together. */
 static ty_result sample(refining* r, int32_t spp, double bound) {
-    ty_path_def def = cli_path_def(r->session, r->scene, &r->request);
+    ty_path_def def;
+    ty_result result = cli_path_def(r->session, r->scene, &r->request, &def);
+    if (result != TY_OK) return result;
     def.spp = spp;
     def.seconds = bound;
     def.aovs = TY_AOV_VARIANCE | TY_AOV_SAMPLES;
@@ -55,11 +57,11 @@ static ty_result sample(refining* r, int32_t spp, double bound) {
     def.resume = r->kept.bytes;
     def.resume_size = r->kept.size;
     ty_image* image = NULL;
-    const ty_result result = ty_path_render(r->scene, &def, &image, &r->report.path);
+    result = ty_path_render(r->scene, &def, &image, &r->report.run.path);
     if (image == NULL) return result;
     ty_image_destroy(r->comparison->reference.image);
     r->comparison->reference.image = image;
-    r->report.own_seconds = r->report.path.seconds;
+    r->report.run.own_seconds = r->report.run.path.seconds;
     return result;
 }
 
@@ -106,7 +108,7 @@ static int measure_all(refining* r) {
 /* Samples that the noise needs, as far as one can tell now; 0: no more. Between paths, whose differences are noise,
  * too, it is their own number of samples that counts. */
 static double samples_needed(const refining* r) {
-    const double have = r->report.path.spp, fraction = r->options->reference_noise;
+    const double have = r->report.run.path.spp, fraction = r->options->reference_noise;
     const cli_compared* nearest = cli_nearest_entry(r->comparison);
     if (nearest == NULL) {
         const double enough = r->request.spp / (fraction * fraction);
@@ -122,7 +124,7 @@ static double samples_needed(const refining* r) {
  * whether time counts, which it does not before each pixel has the two samples that a variance takes. */
 static int32_t next_samples(const refining* r, bool* bounded) {
     const int32_t bound = r->options->reference_spp_given ? r->options->reference_spp : SPP_MAX;
-    const double have = r->report.path.spp;
+    const double have = r->report.run.path.spp;
     double fewest = 0, most = 0;
     *bounded = true;
     if (r->comparison->reference.image == NULL) return bound < SPP_FIRST ? bound : SPP_FIRST;
@@ -145,7 +147,7 @@ static int refine(refining* r) {
         const int32_t next = next_samples(r, &bounded);
         const double left = r->deadline - cli_wall_seconds();
         if (next == 0 || (bounded && left <= 0 && r->comparison->reference.image != NULL)) break;
-        const ty_result result = sample(r, next, bounded ? r->report.path.seconds + fmax(left, 1e-3) : 0);
+        const ty_result result = sample(r, next, bounded ? r->report.run.path.seconds + fmax(left, 1e-3) : 0);
         if (result == TY_CANCELLED) return interrupted(r);
         if (result != TY_OK) return cli_fail_running(r->session, result);
         status = measure_all(r);
@@ -164,7 +166,7 @@ int cli_refine_reference(cli_session* session, cli_comparison* comparison, const
                   .deadline = cli_wall_seconds() + options->reference_seconds};
     ++r.request.seed; /* independent of what is compared with it */
     r.kept.checkpoint = &r.checkpoint;
-    r.report = cli_begin_report(scene, &cli_method_path, r.request.seed);
+    r.report = cli_begin_report(scene, &ty_method_path, r.request.seed);
     comparison->reference.source = "path";
     int status = take_up(&r);
     if (status == CLI_GO) status = refine(&r);

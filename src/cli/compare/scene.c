@@ -23,14 +23,13 @@ bool cli_keep_state(void* user, const void* state, size_t size) {
 /* ---- which methods ---- */
 
 /* But for auto, which is one of the others. */
-static int name_all_methods(const cli_method* out[CLI_COMPARE_MAX]) {
+static int name_all_methods(const ty_method* out[CLI_COMPARE_MAX]) {
     int count = 0;
-    for (int i = 0; cli_method_at(i) != NULL; ++i)
-        if (strcmp(cli_method_at(i)->name, "auto") != 0) out[count++] = cli_method_at(i);
+    for (int i = 0; ty_methods[i] != NULL; ++i) out[count++] = ty_methods[i];
     return count;
 }
 
-int cli_name_methods(const char* words, const cli_method* out[CLI_COMPARE_MAX]) {
+int cli_name_methods(const char* words, const ty_method* out[CLI_COMPARE_MAX]) {
     if (words == NULL || strcmp(words, "all") == 0) return name_all_methods(out);
     int count = 0;
     for (const char* rest = words; rest != NULL; ++count) {
@@ -38,7 +37,7 @@ int cli_name_methods(const char* words, const cli_method* out[CLI_COMPARE_MAX]) 
         const size_t length = strcspn(rest, ",");
         snprintf(word, sizeof word, "%.*s", (int)(length < sizeof word ? length : sizeof word - 1), rest);
         rest = rest[length] == ',' ? rest + length + 1 : NULL;
-        const cli_method* method = cli_find_method("compare", word);
+        const ty_method* method = cli_find_method("compare", word);
         if (method != NULL && count == CLI_COMPARE_MAX)
             cli_usage_error("compare", "more than %d methods", CLI_COMPARE_MAX);
         if (method == NULL || count == CLI_COMPARE_MAX) return -1;
@@ -47,7 +46,7 @@ int cli_name_methods(const char* words, const cli_method* out[CLI_COMPARE_MAX]) 
     return count;
 }
 
-static void skip(cli_session* session, cli_comparison* comparison, const cli_method* method) {
+static void skip(cli_session* session, cli_comparison* comparison, const ty_method* method) {
     cli_skipped* skipped = &comparison->skipped[comparison->skipped_count++];
     const char* reason = ty_last_error(session->context);
     const size_t length = strlen(method->name);
@@ -63,8 +62,8 @@ static void skip(cli_session* session, cli_comparison* comparison, const cli_met
 }
 
 /* Whether what a method said of a scene means that it is not made for it. */
-static bool does_not_apply(const cli_method* method, ty_result result) {
-    return method != &cli_method_path &&
+static bool does_not_apply(const ty_method* method, ty_result result) {
+    return method != &ty_method_path &&
            (result == TY_ERROR_ARGUMENT || result == TY_ERROR_INPUT || result == TY_ERROR_UNSUPPORTED);
 }
 
@@ -75,7 +74,7 @@ static int fail_without_methods(const cli_comparison* comparison) {
 
 /* Takes out those that are not made for the scene, before anything takes its time. CLI_GO, or an exit status. */
 static int choose_methods(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
-                          const cli_method** methods, int* count) {
+                          const ty_method** methods, int* count) {
     int kept = 0;
     for (int i = 0; i < *count; ++i) {
         const ty_result result = methods[i]->check != NULL ? methods[i]->check(scene) : TY_OK;
@@ -110,7 +109,7 @@ void cli_choose_name(const cli_comparison* comparison, const char* source, char 
     for (int n = 2; name_taken(comparison, out); ++n) snprintf(out, CLI_COMPARE_NAME, "%s-%d", base, n);
 }
 
-cli_report cli_begin_report(const ty_scene* scene, const cli_method* method, uint64_t seed) {
+cli_report cli_begin_report(const ty_scene* scene, const ty_method* method, uint64_t seed) {
     cli_report report = {.method = method->name, .seed = seed, .fov_y = ty_scene_camera(scene).fov_y, .complete = true};
     snprintf(report.scene, sizeof report.scene, "%016" PRIx64, ty_scene_hash(scene));
     return report;
@@ -119,9 +118,9 @@ cli_report cli_begin_report(const ty_scene* scene, const cli_method* method, uin
 int cli_keep_rendering(cli_session* session, const cli_comparison* comparison, const cli_report* report,
                        cli_compared* entry) {
     entry->source = report->method;
-    entry->seconds = report->path.seconds;
-    entry->own_seconds = report->own_seconds;
-    entry->spp = report->path.spp;
+    entry->seconds = report->run.path.seconds;
+    entry->own_seconds = report->run.own_seconds;
+    entry->spp = report->run.path.spp;
     entry->stage_count = cli_report_stages(report, entry->stages);
     free(entry->command);
     entry->command = cli_render_command(comparison, entry, report->seed);
@@ -140,40 +139,41 @@ int cli_keep_rendering(cli_session* session, const cli_comparison* comparison, c
 static ty_result render_paths(cli_session* session, const ty_scene* scene, const cli_request* request,
                               cli_compared* entry, cli_report* report) {
     cli_kept_state kept = {0};
-    ty_path_def def = cli_path_def(session, scene, request);
+    ty_path_def def;
+    ty_result result = cli_path_def(session, scene, request, &def);
     def.state = cli_keep_state;
     def.state_user = &kept;
     def.state_seconds = 1e9; /* only at the end */
     int steps = 0;
     while (steps < CLI_EARLIER_MAX && request->spp >> 2 * (steps + 1) > 0) ++steps;
-    ty_result result = TY_OK;
     for (; steps >= 0 && result == TY_OK; --steps) {
         ty_image* image = NULL;
         def.spp = request->spp >> 2 * steps;
         def.resume = kept.bytes;
         def.resume_size = kept.size;
-        result = ty_path_render(scene, &def, &image, &report->path);
+        result = ty_path_render(scene, &def, &image, &report->run.path);
         if (result != TY_OK)
             ty_image_destroy(image);
         else if (steps == 0)
             entry->image = image;
         else
             entry->earlier[entry->earlier_count++] =
-                (cli_earlier){.spp = report->path.spp, .seconds = report->path.seconds, .image = image};
+                (cli_earlier){.spp = report->run.path.spp, .seconds = report->run.path.seconds, .image = image};
     }
-    report->own_seconds = report->path.seconds;
+    report->run.own_seconds = report->run.path.seconds;
     free(kept.bytes);
     return result;
 }
 
-static int render_method(cli_session* session, cli_comparison* comparison, const cli_method* method,
+static int render_method(cli_session* session, cli_comparison* comparison, const ty_method* method,
                          const ty_scene* scene, const cli_request* request) {
     cli_compared* entry = &comparison->entries[comparison->count];
     cli_report report = cli_begin_report(scene, method, request->seed);
     cli_choose_name(comparison, method->name, entry->name);
     ty_image* image = NULL;
-    const ty_result result = method == &cli_method_path ? render_paths(session, scene, request, entry, &report)
-                                                        : method->render(session, scene, request, &image, &report);
+    const ty_result result = method == &ty_method_path
+                                 ? render_paths(session, scene, request, entry, &report)
+                                 : cli_render_method(session, scene, method, request, &image, &report);
     if (does_not_apply(method, result)) {
         skip(session, comparison, method);
         return CLI_GO;
@@ -186,7 +186,7 @@ static int render_method(cli_session* session, cli_comparison* comparison, const
 
 int cli_render_methods(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
                        const cli_compare_request* options, const cli_request* request) {
-    const cli_method* methods[CLI_COMPARE_MAX];
+    const ty_method* methods[CLI_COMPARE_MAX];
     int count = cli_name_methods(options->methods, methods);
     if (count < 0) return CLI_USAGE;
     int status = choose_methods(session, comparison, scene, methods, &count);

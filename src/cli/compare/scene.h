@@ -23,7 +23,7 @@ typedef struct cli_kept_state {
 bool cli_keep_state(void* user, const void* state, size_t size);
 
 /* The methods that "path,fld" names: how many; -1, after a message, when one is not known. */
-int cli_name_methods(const char* words, const cli_method* out[CLI_COMPARE_MAX]);
+int cli_name_methods(const char* words, const ty_method* out[CLI_COMPARE_MAX]);
 
 /* Renders the scene by what applies to it, takes down why others do not, and compares all with the reference, which is
  * read or rendered; images are in the folder then. CLI_GO, or an exit status after a message. */
@@ -39,7 +39,7 @@ int cli_refine_reference(cli_session* session, cli_comparison* comparison, const
 /* Sets what is known of an entry from a rendering's report, and writes its image into the folder. */
 int cli_keep_rendering(cli_session* session, const cli_comparison* comparison, const cli_report* report,
                        cli_compared* entry);
-cli_report cli_begin_report(const ty_scene* scene, const cli_method* method, uint64_t seed);
+cli_report cli_begin_report(const ty_scene* scene, const ty_method* method, uint64_t seed);
 
 /* Reads an image with what its metadata tells. */
 int cli_read_compared(cli_session* session, const char* path, cli_compared* out);

@@ -17,8 +17,8 @@ enum {
     COLUMNS = 7 + BUDGETS
 };
 
-static const cli_method* const methods[METHODS] = {&cli_method_path, &cli_method_dom, &cli_method_pop,
-                                                   &cli_method_fld,  &cli_method_lpv, &cli_method_screen};
+static const ty_method* const methods[METHODS] = {&ty_method_path, &ty_method_dom, &ty_method_pop,
+                                                  &ty_method_fld,  &ty_method_lpv, &ty_method_screen};
 static const double budgets[BUDGETS] = {0.3, 1, 10}; /* s */
 /* Others count as no slower up to this: times are not that sure. */
 static const double slack = 1.5;
@@ -65,7 +65,7 @@ static void fit(auto_trial* trial) {
 }
 
 /* Renders; seconds: of processors over threads. */
-static ty_result render(auto_trial* trial, const cli_method* method, cli_request request, const int32_t size[2],
+static ty_result render(auto_trial* trial, const ty_method* method, cli_request request, const int32_t size[2],
                         ty_image** out, cli_report* report, double* seconds) {
     cli_session* session = trial->run->session;
     *report = (cli_report){.method = method->name};
@@ -73,7 +73,7 @@ static ty_result render(auto_trial* trial, const cli_method* method, cli_request
     request.width = size[0];
     request.height = size[1];
     const double begun = cli_cpu_seconds();
-    const ty_result result = method->render(session, trial->scene, &request, out, report);
+    const ty_result result = cli_render_method(session, trial->scene, method, &request, out, report);
     *seconds = (cli_cpu_seconds() - begun) / ty_context_threads(session->context);
     return result == TY_OK ? figure_check_interrupt() : result;
 }
@@ -86,7 +86,7 @@ static ty_result measure_path(auto_trial* trial, auto_result* out) {
     const cli_request request = {.spp = samples, .seed = 1, .aovs = TY_AOV_VARIANCE};
     cli_report report;
     double noise[4], seconds, sum = 0;
-    const ty_result result = render(trial, &cli_method_path, request, trial->size, &trial->truth, &report, &seconds);
+    const ty_result result = render(trial, &ty_method_path, request, trial->size, &trial->truth, &report, &seconds);
     if (result != TY_OK) return result;
     const size_t pixels = (size_t)trial->size[0] * (size_t)trial->size[1];
     for (int c = 0; c < 3; ++c)
@@ -100,20 +100,20 @@ static ty_result measure_path(auto_trial* trial, auto_result* out) {
 }
 
 /* Renders once more, at the scene's own size, but surfaces by one path a pixel: their time goes with samples. */
-static ty_result time_method(auto_trial* trial, const cli_method* method, auto_result* out) {
+static ty_result time_method(auto_trial* trial, const ty_method* method, auto_result* out) {
     const cli_request request = {.spp = 1};
     const int32_t samples = ty_scene_render_settings(trial->scene).spp;
     ty_image* image = NULL;
     cli_report report;
     double seconds = 0;
     const ty_result result = render(trial, method, request, trial->own, &image, &report, &seconds);
-    const double own = report.own_seconds / report.path.seconds;
+    const double own = report.run.own_seconds / report.run.path.seconds;
     out->seconds = seconds * trial->pixels * (own + (1 - own) * samples);
     ty_image_destroy(image);
     return result;
 }
 
-static ty_result measure_method(auto_trial* trial, const cli_method* method, auto_result* out) {
+static ty_result measure_method(auto_trial* trial, const ty_method* method, auto_result* out) {
     ty_context* context = trial->run->session->context;
     const cli_request request = {.spp = ty_scene_render_settings(trial->scene).spp};
     ty_image* image = NULL;

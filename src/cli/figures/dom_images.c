@@ -58,8 +58,8 @@ static ty_result expect_errors(figure_run* run, const char* item, const figure_e
 
 static ty_result show_scene(figure_run* run, const image_scene* from) {
     static const figure_variant variants[METHODS] = {{"DOM", dom_render_variant, NULL},
-                                                     {"POP", figure_render_by_method, &cli_method_pop},
-                                                     {"FLD", figure_render_by_method, &cli_method_fld}};
+                                                     {"POP", figure_render_by_method, &ty_method_pop},
+                                                     {"FLD", figure_render_by_method, &ty_method_fld}};
     int32_t size[2];
     figure_errors errors[METHODS];
     ty_scene* scene = NULL;

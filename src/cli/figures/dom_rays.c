@@ -121,7 +121,7 @@ static ty_result fill_cell(figure_run* run, const char* item, const ty_scene* sc
     name_count(column, count);
     snprintf(own, sizeof own, "%s, slice, %s", item, count);
     ty_result result = dom_solve(run, scene, counts[column].all, counts[column].last,
-                                 run->options->quick ? 0 : RESOLUTION, &light, &stats);
+                                 run->options->quick ? TY_AUTO : RESOLUTION, &light, &stats);
     if (result == TY_OK) result = dom_scattered_fluence(light, &s->box, NULL, s->fluence);
     ty_dom_destroy(light);
     if (result == TY_OK) result = make_image(run, &s->box, (const double(*)[3])s->fluence, &s->found);
@@ -177,7 +177,7 @@ static ty_result show_slices(figure_run* run, const char* item, const ty_scene* 
 static ty_result show_scene(figure_run* run, int index) {
     int32_t size[2];
     char titles[COUNTS][FIGURE_NAME_SIZE];
-    ty_dom_settings settings[COUNTS];
+    ty_dom_def settings[COUNTS];
     figure_variant variants[COUNTS];
     figure_errors errors[COUNTS];
     ty_scene* scene = NULL;
@@ -185,11 +185,11 @@ static ty_result show_scene(figure_run* run, int index) {
     figure_view_size(run, WIDTH, WIDTH, size);
     ty_result result = ty_scene_parse(run->session->context, text, strlen(text), item, NULL, NULL, 0, &scene);
     for (int i = 0; i < COUNTS && result == TY_OK; ++i) {
-        settings[i] = ty_scene_render_settings(scene).dom;
+        settings[i] = dom_scene_def(scene);
         settings[i].directions = counts[i].all;
         settings[i].last_directions = counts[i].last;
-        settings[i].resolution = run->options->quick ? 0 : RESOLUTION;
-        settings[i].direct = run->options->quick ? 0 : DIRECT;
+        settings[i].resolution = run->options->quick ? TY_AUTO : RESOLUTION;
+        settings[i].direct = run->options->quick ? TY_AUTO : DIRECT;
         name_count(i, titles[i]);
         variants[i] = (figure_variant){titles[i], dom_render_variant, &settings[i]};
     }

@@ -9,19 +9,22 @@ static int32_t all_sweeps(const ty_dom_stats* stats) {
     return sum;
 }
 
-ty_result dom_render(figure_run* run, const char* item, ty_scene* scene, const ty_dom_settings* settings,
+ty_dom_def dom_scene_def(const ty_scene* scene) {
+    ty_dom_def def = ty_default_dom_def();
+    ty_method_options(scene, "dom", &def);
+    return def;
+}
+
+ty_result dom_render(figure_run* run, const char* item, ty_scene* scene, const ty_dom_def* settings,
                      const int32_t size[2], figure_picture* out) {
     cli_report report;
-    if (settings != NULL) {
-        ty_render_settings all = ty_scene_render_settings(scene);
-        all.dom = *settings;
-        ty_scene_set_render_settings(scene, &all);
-    }
-    ty_result result = figure_render(run, item, scene, &cli_method_dom, size, out, &report);
-    if (result == TY_OK)
-        result = figure_note(run, item, "time before the march", "s", report.dom.seconds - report.dom.march_seconds);
-    if (result == TY_OK) result = figure_note(run, item, "sweeps", "1", all_sweeps(&report.dom));
-    if (result == TY_OK) result = figure_expect(run, item, "converged", "1", report.dom.converged ? 1 : 0, 1, 0);
+    ty_result result = settings != NULL ? ty_method_set_options(scene, "dom", settings) : TY_OK;
+    if (result == TY_OK) result = figure_render(run, item, scene, &ty_method_dom, size, out, &report);
+    if (result != TY_OK) return result;
+    const ty_dom_stats* dom = (const ty_dom_stats*)report.run.stats;
+    result = figure_note(run, item, "time before the march", "s", dom->seconds - dom->march_seconds);
+    if (result == TY_OK) result = figure_note(run, item, "sweeps", "1", all_sweeps(dom));
+    if (result == TY_OK) result = figure_expect(run, item, "converged", "1", dom->converged ? 1 : 0, 1, 0);
     return result;
 }
 
@@ -35,7 +38,7 @@ ty_result dom_solve(figure_run* run, const ty_scene* scene, int32_t directions, 
     ty_dom_def def = ty_default_dom_def();
     def.directions = directions;
     def.last_directions = last;
-    def.resolution = resolution;
+    def.resolution = resolution > 0 ? resolution : TY_AUTO;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     return ty_dom_solve(scene, &def, out, stats);

@@ -4,9 +4,12 @@
 
 #include "cli/figures/pop_view.h"
 
+/* The options of the scene, which its schema has checked, over the defaults. */
+ty_dom_def dom_scene_def(const ty_scene* scene);
+
 /* Renders, as the scene has its settings or with those given (NULL: none). Notes the time, that before the march and
  * sweeps. */
-ty_result dom_render(figure_run* run, const char* item, ty_scene* scene, const ty_dom_settings* settings,
+ty_result dom_render(figure_run* run, const char* item, ty_scene* scene, const ty_dom_def* settings,
                      const int32_t size[2], figure_picture* out);
 /* A figure_variant's render with settings, which user is. */
 ty_result dom_render_variant(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],

@@ -7,14 +7,13 @@ const char* const fld_method_titles[FLD_METHODS] = {"path tracing", "FLD", "CDA"
 
 ty_result fld_render(figure_run* run, const char* item, const ty_scene* scene, fld_method method, const int32_t size[2],
                      figure_picture* out) {
-    static const cli_method* const methods[FLD_METHODS] = {&cli_method_path, &cli_method_fld, &cli_method_cda};
+    static const ty_method* const methods[FLD_METHODS] = {&ty_method_path, &ty_method_fld, &ty_method_cda};
     cli_report report;
     ty_result result = figure_render(run, item, scene, methods[method], size, out, &report);
-    if (result == TY_OK && method != FLD_PATH)
-        result = figure_note(run, item, "time of the solve", "s", report.fld.solve_seconds);
-    if (result == TY_OK && method != FLD_PATH)
-        result = figure_expect(run, item, "converged", "1", report.fld.converged ? 1 : 0, 1, 0);
-    return result;
+    if (result != TY_OK || method == FLD_PATH) return result;
+    const ty_fld_stats* fld = (const ty_fld_stats*)report.run.stats;
+    result = figure_note(run, item, "time of the solve", "s", fld->solve_seconds);
+    return result == TY_OK ? figure_expect(run, item, "converged", "1", fld->converged ? 1 : 0, 1, 0) : result;
 }
 
 ty_result fld_expect_better(figure_run* run, const char* item, const figure_errors* limited,

@@ -43,13 +43,12 @@ static ty_result render_frame(figure_run* run, int way, int f, frame* out) {
     figure_view_size(run, WIDTH, HEIGHT, pixels);
     ty_result result = lpv_load_scene(run->session->context, LPV_ATRIUM, NULL, overrides, 1, &scene);
     if (result != TY_OK) return result;
-    ty_lpv_settings settings = ty_scene_render_settings(scene).lpv;
+    ty_lpv_def def = lpv_scene_def(scene);
     if (way == CAMERA) {
-        snprintf(settings.place, sizeof settings.place, "camera");
-        settings.extent = camera_extent;
-        settings.resolution = CAMERA_CELLS;
+        def.place = TY_LPV_PLACE_CAMERA;
+        def.extent = camera_extent;
+        def.resolution = CAMERA_CELLS;
     }
-    ty_lpv_def def = ty_lpv_def_of(&settings);
     def.width = pixels[0];
     def.height = pixels[1];
     def.aovs = TY_AOV_MULTIPLE;

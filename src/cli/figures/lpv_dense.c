@@ -39,8 +39,7 @@ static ty_result find_fluence(figure_run* run, const ty_scene* scene, const char
     ty_lpv* light = NULL;
     double all[ALONG][3];
     const lpv_variant variant = {.mode = mode, .parts = "all"};
-    const ty_lpv_settings settings = lpv_variant_settings(scene, &variant);
-    ty_lpv_def def = ty_lpv_def_of(&settings);
+    ty_lpv_def def = lpv_variant_def(scene, &variant);
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     ty_result result = ty_lpv_solve(scene, &def, &light, NULL);

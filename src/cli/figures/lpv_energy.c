@@ -28,8 +28,7 @@ static ty_result solve(figure_run* run, const ty_scene* scene, int mode, uint32_
                        ty_lpv_stats* stats) {
     ty_lpv* light = NULL;
     const lpv_variant variant = {.mode = mode_names[mode], .parts = "all", .iterations = iterations};
-    const ty_lpv_settings settings = lpv_variant_settings(scene, &variant);
-    ty_lpv_def def = ty_lpv_def_of(&settings);
+    ty_lpv_def def = lpv_variant_def(scene, &variant);
     def.parts = parts;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;

@@ -25,7 +25,7 @@ static ty_result take_single(const ty_image* image, ty_context* context, ty_imag
 }
 
 /* seed: added to the session's. seconds may be NULL. */
-static ty_result render_single(figure_run* run, const ty_scene* scene, const cli_method* method, const int32_t size[2],
+static ty_result render_single(figure_run* run, const ty_scene* scene, const ty_method* method, const int32_t size[2],
                                uint64_t seed, ty_image** out, double* seconds) {
     cli_report report = {0};
     ty_image* image = NULL;
@@ -36,9 +36,11 @@ static ty_result render_single(figure_run* run, const ty_scene* scene, const cli
         .height = size[1],
         .aovs = TY_AOV_SINGLE,
     };
-    ty_result result = method->render(run->session, scene, &request, &image, &report);
+    ty_result result = cli_render_method(run->session, scene, method, &request, &image, &report);
     if (result == TY_OK) result = take_single(image, run->session->context, out);
-    if (seconds != NULL) *seconds = method == &cli_method_path ? report.own_seconds : report.lpv.single_seconds;
+    if (seconds != NULL)
+        *seconds = method == &ty_method_path ? report.run.own_seconds
+                                             : ((const ty_lpv_stats*)report.run.stats)->single_seconds;
     ty_image_destroy(image);
     return result;
 }
@@ -48,8 +50,8 @@ static ty_result render_truth(figure_run* run, const ty_scene* scene, const int3
                               double* noise) {
     ty_image* other = NULL;
     ty_difference difference;
-    ty_result result = render_single(run, scene, &cli_method_path, size, 0, out, NULL);
-    if (result == TY_OK) result = render_single(run, scene, &cli_method_path, size, 1, &other, NULL);
+    ty_result result = render_single(run, scene, &ty_method_path, size, 0, out, NULL);
+    if (result == TY_OK) result = render_single(run, scene, &ty_method_path, size, 1, &other, NULL);
     if (result == TY_OK)
         result = ty_image_compare(run->session->context, *out, other, figure_block(other), &difference);
     if (result == TY_OK) {
@@ -90,7 +92,7 @@ static ty_result show_scene(figure_run* run, const ty_scene* scene, int s, int c
     figure_view_size(run, scenes[s].size[0], scenes[s].size[1], size);
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", name);
     ty_result result = render_truth(run, scene, size, &images[TRUTH], &noise);
-    if (result == TY_OK) result = render_single(run, scene, &cli_method_lpv, size, 0, &images[OURS], &seconds);
+    if (result == TY_OK) result = render_single(run, scene, &ty_method_lpv, size, 0, &images[OURS], &seconds);
     if (result == TY_OK)
         result = compare(run, name, images[OURS], images[TRUTH], noise, seconds, plot_sheet_cell(sheet, OURS, column));
     for (int row = 0; row < ERRORS && result == TY_OK; ++row)

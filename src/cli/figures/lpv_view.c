@@ -4,36 +4,41 @@
 #include <math.h>
 #include <stdlib.h>
 
-ty_lpv_settings lpv_variant_settings(const ty_scene* scene, const lpv_variant* variant) {
-    ty_lpv_settings settings = ty_scene_render_settings(scene).lpv;
-    snprintf(settings.mode, sizeof settings.mode, "%s", variant->mode);
-    snprintf(settings.parts, sizeof settings.parts, "%s", variant->parts);
-    settings.iterations = variant->iterations;
-    if (variant->bands > 0) settings.bands = variant->bands;
-    if (variant->cascades > 0) settings.cascades = variant->cascades;
-    return settings;
+ty_lpv_def lpv_scene_def(const ty_scene* scene) {
+    ty_lpv_def def = ty_default_lpv_def();
+    ty_method_options(scene, "lpv", &def);
+    return def;
+}
+
+ty_lpv_def lpv_variant_def(const ty_scene* scene, const lpv_variant* variant) {
+    ty_lpv_def def = lpv_scene_def(scene);
+    ty_context* context = ty_scene_context(scene);
+    ty_options_set(context, &ty_lpv_options, &def, "mode", variant->mode);
+    ty_options_set(context, &ty_lpv_options, &def, "parts", variant->parts);
+    def.iterations = variant->iterations > 0 ? variant->iterations : TY_AUTO;
+    if (variant->bands > 0) def.bands = variant->bands;
+    if (variant->cascades > 0) def.cascades = variant->cascades;
+    return def;
 }
 
 ty_result lpv_render(figure_run* run, const char* item, ty_scene* scene, const lpv_variant* variant,
                      const int32_t size[2], figure_picture* out, ty_lpv_stats* stats) {
     cli_report report;
-    if (variant->mode == NULL) return figure_render(run, item, scene, &cli_method_path, size, out, &report);
-    const ty_render_settings before = ty_scene_render_settings(scene);
-    ty_render_settings own = before;
-    own.lpv = lpv_variant_settings(scene, variant);
-    ty_scene_set_render_settings(scene, &own);
-    const ty_result result = figure_render(run, item, scene, &cli_method_lpv, size, out, &report);
-    ty_scene_set_render_settings(scene, &before);
-    if (stats != NULL) *stats = report.lpv;
-    return result;
+    if (variant->mode == NULL) return figure_render(run, item, scene, &ty_method_path, size, out, &report);
+    const ty_lpv_def before = lpv_scene_def(scene), own = lpv_variant_def(scene, variant);
+    ty_result result = ty_method_set_options(scene, "lpv", &own);
+    if (result != TY_OK) return result;
+    result = figure_render(run, item, scene, &ty_method_lpv, size, out, &report);
+    if (stats != NULL) *stats = *(const ty_lpv_stats*)report.run.stats;
+    const ty_result restored = ty_method_set_options(scene, "lpv", &before);
+    return result == TY_OK ? restored : result;
 }
 
 /* ---- shadow ---- */
 
 ty_result lpv_render_direct(const ty_scene* scene, const int32_t size[2], ty_image** out) {
     const lpv_variant variant = {.mode = "links", .parts = "shadow_map"};
-    const ty_lpv_settings settings = lpv_variant_settings(scene, &variant);
-    ty_lpv_def def = ty_lpv_def_of(&settings);
+    ty_lpv_def def = lpv_variant_def(scene, &variant);
     def.width = size[0];
     def.height = size[1];
     return ty_lpv_render(scene, &def, out, NULL);

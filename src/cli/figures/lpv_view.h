@@ -6,15 +6,16 @@
 #include "cli/lpv_scenes.h"
 #include "method/lpv/job.h"
 
-/* A way to render: words of ty_lpv_settings; mode NULL: path tracing. */
+/* A way to render: words of ty_lpv_def; mode NULL: path tracing. */
 typedef struct lpv_variant {
     const char *title, *mode, *parts;
     int32_t iterations;      /* 0: the mode's own */
     int32_t bands, cascades; /* 0: the scene's */
 } lpv_variant;
 
-/* The scene's settings with those of a variant. */
-ty_lpv_settings lpv_variant_settings(const ty_scene* scene, const lpv_variant* variant);
+/* The options of the scene, which its schema has checked, over the defaults; and those of a variant over both. */
+ty_lpv_def lpv_scene_def(const ty_scene* scene);
+ty_lpv_def lpv_variant_def(const ty_scene* scene, const lpv_variant* variant);
 
 /* Notes the time. stats may be NULL. */
 ty_result lpv_render(figure_run* run, const char* item, ty_scene* scene, const lpv_variant* variant,

@@ -32,7 +32,7 @@ static ty_result fill_frame(figure_run* run, int frame, figure_picture pictures[
     for (int row = 0; row < ROWS && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
         figure_errors errors;
-        const ty_pop_settings settings = ty_scene_render_settings(scene).pop;
+        const ty_pop_def settings = pop_scene_def(scene);
         snprintf(item, sizeof item, "frame %d, %s", frames[frame], row_titles[row]);
         result = pop_render(run, item, scene, row == 1 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)

@@ -24,8 +24,8 @@ static const char cloud_text[] =
 static ty_result fill_cell(figure_run* run, const char* item, ty_scene* scene, int row, const int32_t size[2],
                            figure_picture pictures[ROWS], plot_cell* cell, figure_errors* errors) {
     cli_report report;
-    const ty_pop_settings settings = ty_scene_render_settings(scene).pop;
-    ty_result result = row == 2 ? figure_render(run, item, scene, &cli_method_fld, size, &pictures[row], &report)
+    const ty_pop_def settings = pop_scene_def(scene);
+    ty_result result = row == 2 ? figure_render(run, item, scene, &ty_method_fld, size, &pictures[row], &report)
                                 : pop_render(run, item, scene, row == 1 ? &settings : NULL, size, &pictures[row], NULL);
     if (result != TY_OK) return result;
     return figure_show(run, item, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, false, cell, errors);

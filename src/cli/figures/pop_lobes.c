@@ -106,7 +106,7 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
     ty_pop_stats stats;
     snprintf(item, sizeof item, "g %g, %s", cosines[column], modes[mode].name);
     ty_pop_def def = pop_cube_def(run, modes[mode].mode);
-    def.iterations = modes[mode].iterations;
+    def.iterations = modes[mode].iterations > 0 ? modes[mode].iterations : TY_AUTO;
     if (def.iterations > 0) def.residuum = 0;
     ty_result result = ty_pop_solve(scene, &def, &light, &stats);
     if (result == TY_OK) result = pop_scattered_fluence(light, &pop_cube_cells, fluence);

@@ -18,7 +18,7 @@ static ty_result fill_cell(figure_run* run, ty_scene* scene, int row, int column
                            const figure_picture* truth, plot_sheet* sheet, figure_errors* errors) {
     char item[FIGURE_NAME_SIZE];
     figure_picture picture = {0};
-    ty_pop_settings settings = ty_scene_render_settings(scene).pop;
+    ty_pop_def settings = pop_scene_def(scene);
     settings.ordinates = counts[column];
     settings.importance = row == 1;
     snprintf(item, sizeof item, "%d ordinates, %s", (int)counts[column], choices[row]);
@@ -106,8 +106,8 @@ ty_result figure_pop_importance(figure_run* run) {
     figure_view_size(run, FEW_WIDTH, FEW_WIDTH, size);
     ty_result result = pop_make_smoke(run, overrides, 3, &scene);
     if (result == TY_OK) {
-        ty_pop_settings settings[2];
-        settings[0] = settings[1] = ty_scene_render_settings(scene).pop;
+        ty_pop_def settings[2];
+        settings[0] = settings[1] = pop_scene_def(scene);
         settings[0].ordinates = settings[1].ordinates = FEW;
         settings[0].importance = false;
         const figure_variant variants[2] = {{choices[0], pop_render_variant, &settings[0]},

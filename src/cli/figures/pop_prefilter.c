@@ -28,7 +28,7 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {
     ty_result result = pop_make_scene(run, slab_text, overrides, 1, &scene);
     for (int row = 0; row < ROWS && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
-        ty_pop_settings settings = ty_scene_render_settings(scene).pop;
+        ty_pop_def settings = pop_scene_def(scene);
         settings.prefilter = betas[row];
         settings.ordinates = ORDINATES;
         snprintf(item, sizeof item, "g %g, %s", cosines[column], row_titles[row]);

@@ -10,8 +10,8 @@ static const struct {
     int32_t iterations;
     double residuum;
 } variants[VARIANTS] = {{"full propagation", FULL, 0},
-                        {"isotropic residuum, εa = 0.1", 0, 0.1},
-                        {"isotropic residuum, εa = 0.02", 0, 0.02}};
+                        {"isotropic residuum, εa = 0.1", TY_AUTO, 0.1},
+                        {"isotropic residuum, εa = 0.02", TY_AUTO, 0.02}};
 
 /* Milk in 4 m, so that cells are the paper's 0.25 m; ten times as dense, since only then Eq. 10 gives about the paper's
  * 20 iterations. */
@@ -29,8 +29,8 @@ static double propagation_seconds(const ty_pop_stats* stats) {
 
 static ty_result render_variant(figure_run* run, ty_scene* scene, int variant, const int32_t size[2],
                                 figure_picture* picture, plot_cell* cell, ty_pop_stats* stats) {
-    ty_pop_settings settings = ty_scene_render_settings(scene).pop;
-    snprintf(settings.mode, sizeof settings.mode, "published");
+    ty_pop_def settings = pop_scene_def(scene);
+    settings.mode = TY_POP_MODE_PUBLISHED;
     settings.resolution = RESOLUTION;
     settings.iterations = variants[variant].iterations;
     settings.residuum = variants[variant].residuum;

@@ -22,12 +22,13 @@ static const char plume_text[] =
     " \"lights\": [{\"type\": \"environment\", \"file\": \"hdri/potsdamer_platz_1k.hdr\"}]}";
 
 static const struct {
-    const char *title, *mode;
+    const char* title;
+    ty_pop_mode mode;
     int32_t ordinates, resolution, iterations;
-} settings[POP] = {{"split, 64 × 20³", "split", 64, 20, 0},
-                   {"split, 125 × 50³", "split", 125, 50, 0},
-                   {"published, 64 × 20³", "published", 64, 20, 10},
-                   {"published, 125 × 50³", "published", 125, 50, 30}};
+} settings[POP] = {{"split, 64 × 20³", TY_POP_MODE_SPLIT, 64, 20, TY_AUTO},
+                   {"split, 125 × 50³", TY_POP_MODE_SPLIT, 125, 50, TY_AUTO},
+                   {"published, 64 × 20³", TY_POP_MODE_PUBLISHED, 64, 20, 10},
+                   {"published, 125 × 50³", TY_POP_MODE_PUBLISHED, 125, 50, 30}};
 
 /* The paper's SHDOM. */
 static const struct {
@@ -49,13 +50,13 @@ static ty_result make_scene(figure_run* run, bool* own, ty_scene** out) {
 static ty_result show(figure_run* run, ty_scene* scene) {
     const bool quick = run->options->quick;
     int32_t size[2];
-    ty_pop_settings pop[POP];
+    ty_pop_def pop[POP];
     figure_variant shown[VARIANTS];
     figure_errors errors[VARIANTS];
     figure_view_size(run, WIDTH, HEIGHT, size);
     for (int i = 0; i < POP; ++i) {
-        pop[i] = ty_scene_render_settings(scene).pop;
-        snprintf(pop[i].mode, sizeof pop[i].mode, "%s", settings[i].mode);
+        pop[i] = pop_scene_def(scene);
+        pop[i].mode = settings[i].mode;
         pop[i].ordinates = settings[i].ordinates;
         pop[i].resolution = quick ? settings[i].resolution / 2 : settings[i].resolution;
         pop[i].iterations = settings[i].iterations;

@@ -103,13 +103,13 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet, plo
     snprintf(item, sizeof item, "g %g", cosines[column]);
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "g = %g", cosines[column]);
     ty_result result = load(run, cosines[column], &scene);
-    ty_pop_settings settings = result == TY_OK ? ty_scene_render_settings(scene).pop : (ty_pop_settings){0};
+    ty_pop_def settings = result == TY_OK ? pop_scene_def(scene) : ty_default_pop_def();
     settings.resolution = run->options->quick ? RESOLUTION / 4 : RESOLUTION;
     for (int row = 0; row <= VARIANTS && result == TY_OK; ++row) {
         char own[FIGURE_NAME_SIZE];
         figure_errors errors;
         snprintf(own, sizeof own, "%s, %s", item, row_titles[row]);
-        if (row > 0) snprintf(settings.mode, sizeof settings.mode, "%s", mode_names[row - 1]);
+        if (row > 0) settings.mode = modes[row - 1];
         result = pop_render(run, own, scene, row > 0 ? &settings : NULL, size, &pictures[row], NULL);
         if (result == TY_OK)
             result = figure_show(run, own, scene, &pictures[row], row > 0 ? &pictures[0] : NULL, row == 2,

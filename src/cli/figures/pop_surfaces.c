@@ -28,8 +28,8 @@ ty_result figure_pop_surfaces(figure_run* run) {
     ty_result result =
         ty_scene_parse(run->session->context, room_text, strlen(room_text), "mist", NULL, NULL, 0, &scene);
     if (result == TY_OK) {
-        ty_pop_settings settings[VARIANTS];
-        settings[0] = settings[1] = ty_scene_render_settings(scene).pop;
+        ty_pop_def settings[VARIANTS];
+        settings[0] = settings[1] = pop_scene_def(scene);
         settings[0].vpls = 0;
         const figure_variant variants[VARIANTS] = {{titles[0], pop_render_variant, &settings[0]},
                                                    {titles[1], pop_render_variant, &settings[1]}};

@@ -7,19 +7,22 @@
 
 /* ---- pictures ---- */
 
-ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const ty_pop_settings* settings,
+ty_pop_def pop_scene_def(const ty_scene* scene) {
+    ty_pop_def def = ty_default_pop_def();
+    ty_method_options(scene, "pop", &def);
+    return def;
+}
+
+ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const ty_pop_def* settings,
                      const int32_t size[2], figure_picture* out, ty_pop_stats* stats) {
     cli_report report;
-    if (settings != NULL) {
-        ty_render_settings all = ty_scene_render_settings(scene);
-        all.pop = *settings;
-        ty_scene_set_render_settings(scene, &all);
-    }
-    ty_result result =
-        figure_render(run, item, scene, settings != NULL ? &cli_method_pop : &cli_method_path, size, out, &report);
+    ty_result result = settings != NULL ? ty_method_set_options(scene, "pop", settings) : TY_OK;
+    if (result != TY_OK) return result;
+    result = figure_render(run, item, scene, settings != NULL ? &ty_method_pop : &ty_method_path, size, out, &report);
+    const ty_pop_stats* pop = (const ty_pop_stats*)report.run.stats;
     if (result == TY_OK && settings != NULL)
-        result = figure_note(run, item, "time before the march", "s", report.pop.seconds - report.pop.march_seconds);
-    if (stats != NULL) *stats = report.pop;
+        result = figure_note(run, item, "time before the march", "s", pop->seconds - pop->march_seconds);
+    if (stats != NULL) *stats = *pop;
     return result;
 }
 

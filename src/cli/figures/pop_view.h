@@ -4,9 +4,12 @@
 
 #include "cli/figures/view.h"
 
+/* The options of the scene, which its schema has checked, over the defaults. */
+ty_pop_def pop_scene_def(const ty_scene* scene);
+
 /* Renders by pop, or with settings NULL by path tracing. Notes the time, and of pop that before the march. stats may be
  * NULL. */
-ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const ty_pop_settings* settings,
+ty_result pop_render(figure_run* run, const char* item, ty_scene* scene, const ty_pop_def* settings,
                      const int32_t size[2], figure_picture* out, ty_pop_stats* stats);
 
 /* A figure_variant's render with settings, which user is. */

@@ -17,17 +17,17 @@ void figure_free_picture(figure_picture* picture) {
     picture->image = NULL;
 }
 
-ty_result figure_render(figure_run* run, const char* item, const ty_scene* scene, const cli_method* method,
+ty_result figure_render(figure_run* run, const char* item, const ty_scene* scene, const ty_method* method,
                         const int32_t size[2], figure_picture* out, cli_report* report) {
     const cli_request request = {.spp = figure_samples(run, run->options->quick ? SAMPLES_QUICK : SAMPLES),
                                  .seed = run->session->common.seed,
                                  .width = size[0],
                                  .height = size[1],
-                                 .aovs = method == &cli_method_path ? TY_AOV_VARIANCE : 0};
+                                 .aovs = method == &ty_method_path ? TY_AOV_VARIANCE : 0};
     figure_picture picture = {.samples = request.spp};
     *report = (cli_report){0};
-    ty_result result = method->render(run->session, scene, &request, &picture.image, report);
-    picture.seconds = report->own_seconds;
+    ty_result result = cli_render_method(run->session, scene, method, &request, &picture.image, report);
+    picture.seconds = report->run.own_seconds;
     if (result == TY_OK) result = figure_note(run, item, "time", "s", picture.seconds);
     if (result == TY_OK)
         *out = picture;
@@ -111,7 +111,7 @@ static ty_result show_variant(figure_run* run, const char* item, ty_scene* scene
 
 ty_result figure_show_variants(figure_run* run, const char* item, ty_scene* scene, const figure_variant* variants,
                                int count, const int32_t size[2], double picture_width, figure_errors* errors) {
-    static const figure_variant path = {"path tracing", figure_render_by_method, &cli_method_path};
+    static const figure_variant path = {"path tracing", figure_render_by_method, &ty_method_path};
     plot_sheet sheet;
     figure_picture truth = {0};
     ty_result result = plot_create_sheet(2, 1 + count, picture_width, &sheet);

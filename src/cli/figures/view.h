@@ -25,7 +25,7 @@ typedef struct figure_errors {
 void figure_view_size(const figure_run* run, int32_t width, int32_t height, int32_t size[2]);
 
 /* Renders a scene. Notes the time. report: what it did. */
-ty_result figure_render(figure_run* run, const char* item, const ty_scene* scene, const cli_method* method,
+ty_result figure_render(figure_run* run, const char* item, const ty_scene* scene, const ty_method* method,
                         const int32_t size[2], figure_picture* out, cli_report* report);
 void figure_free_picture(figure_picture* picture);
 
@@ -51,7 +51,7 @@ typedef struct figure_variant {
     const void* user;
 } figure_variant;
 
-/* A figure_variant's render by a method, which user is (a cli_method), as the scene has its settings. */
+/* A figure_variant's render by a method, which user is (a ty_method), as the scene has its settings. */
 ty_result figure_render_by_method(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],
                                   const void* user, figure_picture* out);
 

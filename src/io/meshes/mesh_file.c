@@ -12,17 +12,17 @@ enum { MESSAGE_SIZE = 1024 };
 
 #define INTENSITY_MAX 1e15
 
-ty_mesh_file_def ty_default_mesh_file_def(void) {
-    return (ty_mesh_file_def){.cookie = TY_DEF_COOKIE,
-                              .transform = ty_affine_identity(),
-                              .meshes = true,
-                              .lights = true,
-                              .light_scale = 1,
-                              .emission_scale = 1};
+void ty_init_mesh_file_def(void* def, size_t bytes) {
+    const ty_mesh_file_def own = {
+        .transform = ty_affine_identity(), .meshes = true, .lights = true, .light_scale = 1, .emission_scale = 1};
+    ty_init_def(def, bytes, &own, sizeof own);
 }
 
-static ty_result check_def(ty_context* context, const char* path, const ty_mesh_file_def* def) {
-    const ty_result result = ty_check_def(context, def, "ty_default_mesh_file_def");
+static ty_result check_def(ty_context* context, const char* path, const ty_mesh_file_def** given,
+                           ty_mesh_file_def* own) {
+    *own = ty_default_mesh_file_def();
+    const ty_result result = ty_take_def(context, *given, "ty_default_mesh_file_def", own, sizeof *own);
+    const ty_mesh_file_def* def = *given = own;
     ty_affine inverse;
     if (result != TY_OK) return result;
     if (path == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "a file name is NULL");
@@ -159,7 +159,8 @@ static ty_result fill_scene(filler* f) {
 ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mesh_file_def* def) {
     if (scene == NULL) return TY_ERROR_ARGUMENT;
     ty_context* context = ty_scene_context(scene);
-    ty_result result = check_def(context, path, def);
+    ty_mesh_file_def own;
+    ty_result result = check_def(context, path, &def, &own);
     if (result != TY_OK) return result;
     unsigned want = def->lights ? TY_MODEL_LIGHTS : 0;
     if (def->meshes) want |= TY_MODEL_MESHES | TY_MODEL_SHADING | (def->material == NULL ? TY_MODEL_MATERIALS : 0);
@@ -300,7 +301,8 @@ static ty_result make_shell(const ty_model* model, const char* path, const ty_af
 }
 
 ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out) {
-    ty_result result = check_def(context, path, def);
+    ty_mesh_file_def own;
+    ty_result result = check_def(context, path, &def, &own);
     if (result == TY_OK && out == NULL) result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_shell: out is NULL");
     if (result != TY_OK) return result;
     const ty_affine map = scene_from_file(def);
@@ -347,7 +349,8 @@ static void place_camera(const ty_affine* map, const ty_model_camera* found, ty_
 
 ty_result ty_mesh_file_camera(ty_context* context, const char* path, const ty_mesh_file_def* def, const char* name,
                               ty_camera_def* camera, bool* found) {
-    ty_result result = check_def(context, path, def);
+    ty_mesh_file_def own;
+    ty_result result = check_def(context, path, &def, &own);
     if (result == TY_OK && (camera == NULL || found == NULL))
         result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_camera: camera or found is NULL");
     if (result != TY_OK) return result;

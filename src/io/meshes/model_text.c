@@ -1,7 +1,7 @@
 /* Lines, words and numbers of mesh files that are text. */
 #include "io/meshes/model_text.h"
 
-#include "io/number.h"
+#include "base/number.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 
 #include "base/context.h"
 #include "io/file.h"
-#include "io/number.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdio.h>

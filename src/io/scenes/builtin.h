@@ -12,7 +12,7 @@ typedef struct ty_builtin_scene {
 
 extern const ty_builtin_scene ty_builtin_scenes[];
 
-/* src/io/scenes/scene.schema.json, a zero after it. */
+/* src/io/scenes/scene_base.schema.json, a zero after it. */
 extern const char ty_scene_schema_text[];
 extern const unsigned ty_scene_schema_size; /* without the zero */
 

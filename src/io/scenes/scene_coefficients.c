@@ -1,6 +1,6 @@
 /* What a medium is made of, in scene files and in words: coefficients and presets. */
 #include "base/context.h"
-#include "io/number.h"
+#include "base/number.h"
 #include "io/scenes/scene_reader.h"
 #include "io/schema_text.h"
 #include "scene/check.h"

@@ -378,6 +378,25 @@ static bool choose_by_keys(checker* c, branch_set* set, const json_t* value) {
     return true;
 }
 
+/* Passes where any branch of the value's type does; the issue is the first branch's, and names a word that other
+ * branches allow. */
+static bool check_scalar(checker* c, const branch_set* all, const branch_set* fitting, const json_t* value) {
+    const ty_json_path here = c->path;
+    for (size_t i = fitting->count; i-- > 0; c->path = here)
+        if (check(c, fitting->items[i], value)) return true;
+    for (size_t i = 0; i < all->count; ++i) {
+        const char* word = json_string_value(json_object_get(all->items[i], "const"));
+        if (word == NULL) continue;
+        if (json_is_number(value)) {
+            ty_append(c->issue->text, sizeof c->issue->text, "; write \"%s\" for the default choice", word);
+        } else {
+            fail(c, "expected %s or \"%s\", found ", type_name(schema_type(all->items[0])), word);
+            ty_append_value(c->issue->text, sizeof c->issue->text, value);
+        }
+    }
+    return false;
+}
+
 static bool check_branches(checker* c, const json_t* branches, const json_t* value) {
     branch_set all = {.count = 0}, fitting = {.count = 0};
     size_t i;
@@ -389,7 +408,8 @@ static bool check_branches(checker* c, const json_t* branches, const json_t* val
         if (has_type(value, schema_type(resolved))) fitting.items[fitting.count++] = resolved;
     }
     if (fitting.count == 0) return fail_type(c, &all, value);
-    if (fitting.count == 1 || !json_is_object(value)) return check(c, fitting.items[0], value);
+    if (!json_is_object(value)) return check_scalar(c, &all, &fitting, value);
+    if (fitting.count == 1) return check(c, fitting.items[0], value);
     const char* common;
     branch_set alike = fitting;
     if (!choose_by_const(c, &alike, value, &common)) return false;

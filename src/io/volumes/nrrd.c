@@ -5,7 +5,7 @@
 #include "base/half.h"
 #include "grid/grid.h"
 #include "io/file.h"
-#include "io/number.h"
+#include "base/number.h"
 #include "io/volumes/volume_file.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "io/volumes/nrrd.h"
 
 #include "base/context.h"
-#include "io/number.h"
+#include "base/number.h"
 #include "io/schema_text.h"
 #include "io/volumes/volume_file.h"
 

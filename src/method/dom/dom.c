@@ -45,8 +45,7 @@ static ty_result run_parts(ty_dom_job* job, double share) {
 /* share: of the caller's progress that the solve is. */
 static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double share, ty_dom** out, ty_dom_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_dom_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "dom");
+    ty_result result = ty_scene_check_media(scene, "dom");
     if (result != TY_OK) return result;
     ty_dom_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
@@ -67,7 +66,9 @@ static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double shar
 
 ty_result ty_dom_solve(const ty_scene* scene, const ty_dom_def* def, ty_dom** out, ty_dom_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_dom_def known;
+    const ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_dom_destroy(ty_dom* light) {
@@ -103,7 +104,8 @@ void ty_dom_destroy(ty_dom* light) {
 ty_result ty_dom_view(const ty_dom* light, const ty_scene* scene, const ty_dom_def* def, ty_image** out,
                       ty_dom_stats* stats) {
     *out = NULL;
-    const ty_result result = ty_dom_check(ty_scene_context(scene), def);
+    ty_dom_def known;
+    const ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
     if (result != TY_OK) return result;
     return ty_dom_march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, stats);
 }
@@ -113,7 +115,9 @@ ty_result ty_dom_render(const ty_scene* scene, const ty_dom_def* def, ty_image**
     ty_dom* light = NULL;
     ty_dom_stats own = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_dom_def known;
+    ty_result result = ty_dom_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;

@@ -7,6 +7,7 @@
 #include "direct/walls.h"
 #include "image/options.h"
 #include "solve/ordinates.h"
+#include "option/option.h"
 
 #include <tyndall/dom.h>
 
@@ -104,7 +105,10 @@ enum { TY_DOM_LEAST_FITTED = 4 };
 /* Fits a phase function with so many bands, at least TY_DOM_LEAST_FITTED. */
 void ty_dom_fit_peak(double g, int32_t bands, ty_forward_fit* out);
 /* Fails with the first field that is out of its range. */
-ty_result ty_dom_check(ty_context* context, const ty_dom_def* def);
+extern const ty_option_table ty_dom_options;
+/* Makes *def point to own: a copy of the caller's def in the library's own size, with all ranges checked. Errors:
+ * TY_ERROR_ARGUMENT. */
+ty_result ty_dom_take_def(ty_context* context, const ty_dom_def** def, ty_dom_def* own);
 ty_image_options ty_dom_image_options(const ty_dom_def* def);
 
 /* Directions, fine and coarse cells, the media on them, and how many bands they need. */

@@ -169,7 +169,7 @@ static bool has_edges(const ty_scene* scene) {
 /* How many cells of uncollided light there are for each of a box. */
 static int32_t find_times(const ty_dom_job* job, const int32_t size[3]) {
     const int32_t most = has_few_lights(job->scene) ? MOST_EDGED : MOST_EDGED_MANY;
-    const bool finer = job->def->direct == 0 && EDGES * longest_side(size) <= most && has_edges(job->scene);
+    const bool finer = job->def->direct == TY_AUTO && EDGES * longest_side(size) <= most && has_edges(job->scene);
     return finer ? EDGES : 1;
 }
 
@@ -177,7 +177,7 @@ static ty_result sample(ty_dom_job* job) {
     const ty_dom_def* def = job->def;
     int32_t longest = ty_grid_box_longest(job->scene, def->direct), size[3];
     ty_grid_box box;
-    if (def->direct == 0 && longest < def->resolution) longest = def->resolution;
+    if (def->direct == TY_AUTO && longest < def->resolution) longest = def->resolution;
     ty_result result = ty_grid_box_fit(job->scene, longest, &box);
     if (result != TY_OK) return result;
     const int32_t times = find_times(job, box.size);

@@ -127,7 +127,7 @@ static ty_ordinates_def define(const ty_dom_job* job) {
     def.source_terms = (int32_t)term_count(light->bands);
     def.accelerated = dom->acceleration == TY_DOM_ACCELERATION_DIFFUSION;
     def.tolerance = dom->tolerance;
-    def.sweeps = dom->iterations;
+    def.sweeps = dom->iterations == TY_AUTO ? 0 : dom->iterations;
     def.walls.count = job->walls != NULL ? job->walls->count : 0;
     def.progress = report;
     return def;

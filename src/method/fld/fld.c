@@ -44,8 +44,7 @@ static ty_result run_parts(ty_fld_job* job, double share) {
 /* share: of the caller's progress that the solve is. */
 static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double share, ty_fld** out, ty_fld_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_fld_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "fld");
+    ty_result result = ty_scene_check_media(scene, "fld");
     if (result != TY_OK) return result;
     ty_fld_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
@@ -67,7 +66,9 @@ static ty_result solve(const ty_scene* scene, const ty_fld_def* def, double shar
 
 ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** out, ty_fld_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_fld_def known;
+    const ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_fld_destroy(ty_fld* light) {
@@ -107,7 +108,8 @@ static ty_result view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
 ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_def* def, ty_image** out,
                       ty_fld_stats* stats) {
     *out = NULL;
-    const ty_result result = ty_fld_check(ty_scene_context(scene), def);
+    ty_fld_def known;
+    const ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
     if (result != TY_OK) return result;
     const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
     return view(light, scene, def, progress, out, stats);
@@ -118,7 +120,9 @@ ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image**
     ty_fld* light = NULL;
     ty_fld_stats own = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_fld_def known;
+    ty_result result = ty_fld_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;

@@ -6,6 +6,7 @@
 #include "direct/uncollided.h"
 #include "image/options.h"
 #include "solve/diffuse_light.h"
+#include "option/option.h"
 
 #include <tyndall/fld.h>
 
@@ -37,7 +38,10 @@ typedef struct ty_fld_job {
 } ty_fld_job;
 
 /* Fails with the first field that is out of its range. */
-ty_result ty_fld_check(ty_context* context, const ty_fld_def* def);
+extern const ty_option_table ty_fld_options;
+/* Makes *def point to own: a copy of the caller's def in the library's own size, with all ranges checked. Errors:
+ * TY_ERROR_ARGUMENT. */
+ty_result ty_fld_take_def(ty_context* context, const ty_fld_def** def, ty_fld_def* own);
 ty_image_options ty_fld_image_options(const ty_fld_def* def);
 
 /* Fine and coarse cells, and the media on them. */

@@ -33,9 +33,6 @@ struct ty_impulse {
     float* values;  /* aligned to 64 bytes; what is kept is scaled (ty_impulse_scale) */
 };
 
-/* Whether def is one that tables can be made of. */
-ty_result ty_impulse_check(ty_context* context, const ty_impulse_def* def);
-
 /* Tables of zeros. */
 ty_result ty_impulse_allocate(ty_context* context, const ty_impulse_def* def, ty_impulse** out);
 /* Fills them. Errors: TY_ERROR_MEMORY, TY_CANCELLED. */

@@ -6,6 +6,7 @@
 #include "direct/lit.h"
 #include "method/lpv/inject.h"
 #include "method/lpv/pixels.h"
+#include "option/option.h"
 
 /* A light and what it meets first of the surfaces. */
 typedef struct ty_lpv_source {
@@ -37,7 +38,10 @@ typedef struct ty_lpv_job {
 } ty_lpv_job;
 
 /* Fails with the first field that is out of its range. */
-ty_result ty_lpv_check(ty_context* context, const ty_lpv_def* def);
+extern const ty_option_table ty_lpv_options;
+/* Makes *def point to own: a copy of the caller's def in the library's own size, with all ranges checked. Errors:
+ * TY_ERROR_ARGUMENT. */
+ty_result ty_lpv_take_def(ty_context* context, const ty_lpv_def** def, ty_lpv_def* own);
 /* Whether def's maps are those of the scene's lights. */
 ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def);
 

@@ -128,10 +128,8 @@ static ty_result run_parts(ty_lpv_job* job, double share) {
 /* share: of the caller's progress that the solve is. */
 static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double share, ty_lpv** out, ty_lpv_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_lpv_check(context, def);
-    if (result != TY_OK) return result;
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
-    result = ty_lpv_check_scene(scene);
+    ty_result result = ty_lpv_check_scene(scene);
     if (result == TY_OK) result = ty_lpv_check_maps(scene, def);
     if (result != TY_OK) return result;
     ty_lpv_job job = {.context = context, .scene = scene, .def = def};
@@ -155,7 +153,9 @@ static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double shar
 
 ty_result ty_lpv_solve(const ty_scene* scene, const ty_lpv_def* def, ty_lpv** out, ty_lpv_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_lpv_def known;
+    const ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_lpv_destroy(ty_lpv* light) {
@@ -214,7 +214,8 @@ static ty_result view_from(const ty_lpv* light, const ty_scene* scene, const ty_
 ty_result ty_lpv_view(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def, ty_image** out,
                       ty_lpv_stats* stats) {
     *out = NULL;
-    const ty_result result = ty_lpv_check(ty_scene_context(scene), def);
+    ty_lpv_def known;
+    const ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
     return view_from(light, scene, def, &progress, out, stats);
@@ -225,7 +226,9 @@ ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image**
     ty_lpv* light = NULL;
     ty_lpv_stats own = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_lpv_def known;
+    ty_result result = ty_lpv_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;

@@ -6,6 +6,7 @@
 #include "direct/group.h"
 #include "image/march.h"
 #include "image/options.h"
+#include "option/option.h"
 
 #include <tyndall/octaves.h>
 
@@ -36,8 +37,9 @@ typedef struct ty_octaves_job {
     ty_octaves_stats stats;
 } ty_octaves_job;
 
-/* Fails with the first field that is out of its range. */
-ty_result ty_octaves_check(ty_context* context, const ty_octaves_def* def);
+extern const ty_option_table ty_octaves_options;
+/* Copies a caller's def to own, which *def then is, and checks it. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_octaves_take_def(ty_context* context, const ty_octaves_def** def, ty_octaves_def* own);
 ty_image_options ty_octaves_image_options(const ty_octaves_def* def);
 
 /* a^i and b^i of all octaves. */

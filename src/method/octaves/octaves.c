@@ -35,8 +35,7 @@ static ty_result run_part(ty_octaves_job* job, const char* stage, double until, 
 static ty_result solve(const ty_scene* scene, const ty_octaves_def* def, double share, ty_octaves** out,
                        ty_octaves_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_octaves_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "octaves");
+    ty_result result = ty_scene_check_media(scene, "octaves");
     if (result != TY_OK) return result;
     ty_octaves_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
@@ -60,7 +59,9 @@ static ty_result solve(const ty_scene* scene, const ty_octaves_def* def, double 
 ty_result ty_octaves_solve(const ty_scene* scene, const ty_octaves_def* def, ty_octaves** out,
                            ty_octaves_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_octaves_def known;
+    const ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_octaves_destroy(ty_octaves* light) {
@@ -98,7 +99,8 @@ static ty_result view(const ty_octaves* light, const ty_scene* scene, const ty_o
 ty_result ty_octaves_view(const ty_octaves* light, const ty_scene* scene, const ty_octaves_def* def, ty_image** out,
                           ty_octaves_stats* stats) {
     *out = NULL;
-    const ty_result result = ty_octaves_check(ty_scene_context(scene), def);
+    ty_octaves_def known;
+    const ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
     if (result != TY_OK) return result;
     const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
     return view(light, scene, def, progress, out, stats);
@@ -109,7 +111,9 @@ ty_result ty_octaves_render(const ty_scene* scene, const ty_octaves_def* def, ty
     ty_octaves* light = NULL;
     ty_octaves_stats own = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_octaves_def known;
+    ty_result result = ty_octaves_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;

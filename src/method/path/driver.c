@@ -3,17 +3,11 @@
 
 #include "base/context.h"
 #include "base/isa.h"
-#include "image/options.h"
 #include "method/path/equiangular.k.h"
-#include "scene/check.h"
 #include "scene/light.h"
 
 /* Of the radiance that an isotropic medium scatters under the typical light. */
 static const float faint_fraction = 0.5f;
-
-ty_path_def ty_default_path_def(void) {
-    return (ty_path_def){.cookie = TY_DEF_COOKIE, .spp = 64, .aovs = TY_AOV_VARIANCE, .state_seconds = 60};
-}
 
 /* The best kernel this processor runs. */
 static ty_path_kernel choose_kernel(const char** isa) {
@@ -25,21 +19,6 @@ static ty_path_kernel choose_kernel(const char** isa) {
 #else
     return ty_path_kernel_v1;
 #endif
-}
-
-static ty_result check_def(ty_context* context, const ty_path_def* def) {
-    ty_result result = ty_check_def(context, def, "ty_default_path_def");
-    if (result == TY_OK) result = ty_check_number(context, "path.spp", def->spp, 1, TY_PATH_SPP_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "path.max_depth", def->max_depth, 0, INT32_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "path.seconds", def->seconds, 0, 1e9);
-    if (result == TY_OK) result = ty_check_number(context, "path.error", def->error, 0, 1e9);
-    if (result == TY_OK) result = ty_check_number(context, "path.aovs", def->aovs, 0, TY_AOV_ALL);
-    if (result == TY_OK) result = ty_check_number(context, "path.state_seconds", def->state_seconds, 0, 1e9);
-    if (result != TY_OK) return result;
-    if (def->resume == NULL && def->resume_size > 0)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "path.resume is NULL, and path.resume_size is %zu",
-                       def->resume_size);
-    return ty_check_resolution(context, "path", def->width, def->height);
 }
 
 /* Lights with a place or direction of their own, the likeliest first: what high-g media are guided towards. */
@@ -70,9 +49,9 @@ static float faint_radiance(const ty_light_set* lights) {
 ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run) {
     memset(run, 0, sizeof *run);
     run->context = ty_scene_context(scene);
-    run->def = def;
-    const ty_result result = check_def(run->context, def);
+    const ty_result result = ty_path_take_def(run->context, def, &run->known);
     if (result != TY_OK) return result;
+    def = run->def = &run->known;
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     run->view = *view;

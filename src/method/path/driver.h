@@ -3,6 +3,7 @@
 #define TY_PATH_DRIVER_H
 
 #include "method/path/kernel.h"
+#include "option/option.h"
 
 #include <tyndall/path.h>
 
@@ -17,7 +18,8 @@ typedef struct ty_path_item {
 
 typedef struct ty_path_run {
     ty_context* context;
-    const ty_path_def* def;
+    const ty_path_def* def; /* known, but for a bake, which has none once it samples */
+    ty_path_def known;      /* the caller's def in the library's own size */
     const char* stage;
     ty_scene_view view; /* what paths see of the scene: its media may be left out */
     ty_path_request request;
@@ -31,6 +33,10 @@ typedef struct ty_path_run {
     ty_path_kernel kernel;
     ty_path_stats stats; /* result; before sampling, what the runs before this one did */
 } ty_path_run;
+
+extern const ty_option_table ty_path_options;
+/* Copies a caller's def to own, in the library's own size, and checks it. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_path_take_def(ty_context* context, const ty_path_def* def, ty_path_def* own);
 
 /* Checks def and the scene and fills in everything but kind, geometry and items. */
 ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path_run* run);

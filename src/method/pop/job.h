@@ -10,6 +10,7 @@
 #include "method/pop/merge.h"
 #include "scene/scene.h"
 #include "solve/diffuse_light.h"
+#include "option/option.h"
 
 struct ty_pop {
     ty_context* context;
@@ -49,7 +50,10 @@ typedef struct ty_pop_job {
 } ty_pop_job;
 
 /* Fails with the first field that is out of its range. */
-ty_result ty_pop_check(ty_context* context, const ty_pop_def* def);
+extern const ty_option_table ty_pop_options;
+/* Makes *def point to own: a copy of the caller's def in the library's own size, with all ranges checked. Errors:
+ * TY_ERROR_ARGUMENT. */
+ty_result ty_pop_take_def(ty_context* context, const ty_pop_def** def, ty_pop_def* own);
 ty_image_options ty_pop_image_options(const ty_pop_def* def);
 
 /* Cells of all kinds, and the media on them. */

@@ -52,8 +52,7 @@ static void place_eye(const ty_scene* scene, float eye[3]) {
 /* share: of the caller's progress that the solve is. */
 static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double share, ty_pop** out, ty_pop_stats* stats) {
     ty_context* context = ty_scene_context(scene);
-    ty_result result = ty_pop_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "pop");
+    ty_result result = ty_scene_check_media(scene, "pop");
     if (result != TY_OK) return result;
     ty_pop_job job = {.context = context, .scene = scene, .def = def};
     job.progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
@@ -77,7 +76,9 @@ static ty_result solve(const ty_scene* scene, const ty_pop_def* def, double shar
 
 ty_result ty_pop_solve(const ty_scene* scene, const ty_pop_def* def, ty_pop** out, ty_pop_stats* stats) {
     *out = NULL;
-    return solve(scene, def, 1, out, stats);
+    ty_pop_def known;
+    const ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
+    return result == TY_OK ? solve(scene, def, 1, out, stats) : result;
 }
 
 void ty_pop_destroy(ty_pop* light) {
@@ -207,7 +208,8 @@ static ty_result turn_to_camera(ty_pop* light, const ty_scene* scene) {
 ty_result ty_pop_view(ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
                       ty_pop_stats* stats) {
     *out = NULL;
-    ty_result result = ty_pop_check(ty_scene_context(scene), def);
+    ty_pop_def known;
+    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
     if (result == TY_OK) result = turn_to_camera(light, scene);
     if (result != TY_OK) return result;
     return march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, stats);
@@ -218,7 +220,9 @@ ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image**
     ty_pop* light = NULL;
     ty_pop_stats own = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_pop_def known;
+    ty_result result = ty_pop_take_def(ty_scene_context(scene), &def, &known);
+    if (result == TY_OK) result = solve(scene, def, solve_share, &light, &own);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;
@@ -232,10 +236,12 @@ ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image**
 
 ty_result ty_pop_importance(const ty_scene* scene, const ty_pop_def* def, float* map) {
     ty_context* context = ty_scene_context(scene);
-    ty_pop light = {.context = context, .def = *def};
+    ty_pop_def known;
+    ty_result result = ty_pop_take_def(context, &def, &known);
+    if (result != TY_OK) return result;
+    ty_pop light = {.context = context, .def = known};
     ty_pop_job job = {.context = context, .scene = scene, .def = def, .light = &light};
-    ty_result result = ty_pop_check(context, def);
-    if (result == TY_OK) result = ty_scene_check_media(scene, "pop");
+    result = ty_scene_check_media(scene, "pop");
     if (result == TY_OK) result = ty_pop_sample_media(&job);
     if (result == TY_OK) result = ty_pop_importance_find(scene, def, light.medium, map);
     ty_grid_medium_destroy(light.medium);

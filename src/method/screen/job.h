@@ -9,7 +9,8 @@
 
 enum { TY_SCREEN_SIDE_MAX = 65536, TY_SCREEN_LEVELS_USUAL = 6 };
 
-ty_result ty_screen_check(ty_context* context, const ty_screen_def* def);
+/* Copies a caller's def to own, in the library's own size, and checks it. Errors: TY_ERROR_ARGUMENT. */
+ty_result ty_screen_take_def(ty_context* context, const ty_screen_def* def, ty_screen_def* own);
 /* Whether a def's filter and levels are such as exist. */
 bool ty_screen_has_filter(const ty_screen_def* def);
 bool ty_screen_has_levels(const ty_screen_def* def);

@@ -49,7 +49,8 @@ static ty_result add_media(const ty_scene* scene, const ty_scene_view* view, ty_
 }
 
 ty_result ty_screen_set_scene(const ty_scene* scene, int32_t height, ty_screen_def* def) {
-    ty_result result = ty_check_def(ty_scene_context(scene), def, "ty_default_screen_def");
+    ty_screen_def known = ty_default_screen_def();
+    ty_result result = ty_take_def(ty_scene_context(scene), def, "ty_default_screen_def", &known, sizeof known);
     const ty_scene_view* view = result == TY_OK ? ty_scene_get_view(scene) : NULL;
     if (view == NULL) return TY_ERROR_ARGUMENT;
     result = add_media(scene, view, def);

@@ -103,8 +103,7 @@ void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, in
 
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height) {
     const bool gaussian = def->variant != TY_SCREEN_SCATTER || def->spread == TY_SCREEN_SPREAD_GAUSSIAN;
-    const int32_t most =
-        gaussian && def->levels == TY_SCREEN_LEVELS_AUTO ? TY_SCREEN_LEVELS_USUAL : TY_SCREEN_LEVELS_MAX;
+    const int32_t most = gaussian && def->levels == TY_AUTO ? TY_SCREEN_LEVELS_USUAL : TY_SCREEN_LEVELS_MAX;
     const int32_t asked = def->levels > 0 ? def->levels : most;
     int32_t possible = 1;
     while (possible < asked && (width > 2 || height > 2)) {
@@ -222,9 +221,11 @@ static size_t workspace(const ty_context* context, const ty_screen_def* def, int
 
 size_t ty_screen_workspace(const ty_context* context, const ty_screen_def* def, int32_t width, int32_t height) {
     const bool size = width >= 1 && height >= 1 && width <= TY_SCREEN_SIDE_MAX && height <= TY_SCREEN_SIDE_MAX;
-    const bool usable = context != NULL && size && def != NULL && def->cookie == TY_DEF_COOKIE &&
-                        ty_screen_has_filter(def) && ty_screen_has_levels(def);
-    return usable ? workspace(context, def, width, height) : 0;
+    ty_screen_def known = ty_default_screen_def();
+    const bool usable = context != NULL && size &&
+                        ty_take_def(NULL, def, "ty_default_screen_def", &known, sizeof known) == TY_OK &&
+                        ty_screen_has_filter(&known) && ty_screen_has_levels(&known);
+    return usable ? workspace(context, &known, width, height) : 0;
 }
 
 static ty_result run(ty_screen_job* job) {
@@ -237,8 +238,9 @@ static ty_result run(ty_screen_job* job) {
     return TY_ERROR_ARGUMENT;
 }
 
-static ty_result start(ty_screen_job* job, bool out) {
-    ty_result result = ty_screen_check(job->context, job->def);
+static ty_result start(ty_screen_job* job, const ty_screen_def* def, ty_screen_def* known, bool out) {
+    ty_result result = ty_screen_take_def(job->context, def, known);
+    job->def = known;
     if (result == TY_OK) result = ty_screen_check_image(job->context, job->image, out);
     if (result != TY_OK) return result;
     job->kernels = choose_kernels(&job->stats.isa);
@@ -251,10 +253,11 @@ ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const t
                           size_t memory_size, ty_screen_stats* stats) {
     if (context == NULL) return TY_ERROR_ARGUMENT;
     const double began = ty_wall_seconds();
-    ty_screen_job job = {.context = context, .def = def, .image = image, .memory = memory};
-    ty_result result = start(&job, true);
+    ty_screen_def known;
+    ty_screen_job job = {.context = context, .image = image, .memory = memory};
+    ty_result result = start(&job, def, &known, true);
     if (result != TY_OK) return result;
-    const size_t needed = workspace(context, def, image->width, image->height);
+    const size_t needed = workspace(context, &known, image->width, image->height);
     if (memory != NULL && (memory_size < needed || (uintptr_t)memory % 64 != 0))
         return ty_fail(context, TY_ERROR_ARGUMENT,
                        "screen: the workspace has %zu bytes, %zu are needed, aligned to 64 bytes", memory_size, needed);
@@ -270,8 +273,9 @@ ty_result ty_screen_apply(ty_context* context, const ty_screen_def* def, const t
 ty_result ty_screen_split(ty_context* context, const ty_screen_def* def, const ty_screen_image* image,
                           float* const attenuated[3], float* const scattered[3], float* const spread[3]) {
     if (context == NULL) return TY_ERROR_ARGUMENT;
-    ty_screen_job job = {.context = context, .def = def, .image = image};
-    const ty_result result = start(&job, false);
+    ty_screen_def known;
+    ty_screen_job job = {.context = context, .image = image};
+    const ty_result result = start(&job, def, &known, false);
     if (result != TY_OK) return result;
     if (image->out.step == 0) return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: out.step is 0");
     const size_t floats = (size_t)ty_context_threads(context) * SPLIT_ROWS * (size_t)image->width;
