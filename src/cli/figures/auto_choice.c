@@ -8,7 +8,7 @@
 
 enum {
     PATH = 0,
-    METHODS = 6,
+    METHODS = 7,
     BUDGETS = 3,
     LONGEST = 96, /* pixels */
     LONGEST_QUICK = 32,
@@ -17,8 +17,8 @@ enum {
     COLUMNS = 7 + BUDGETS
 };
 
-static const ty_method* const methods[METHODS] = {&ty_method_path, &ty_method_dom, &ty_method_pop,
-                                                  &ty_method_fld,  &ty_method_lpv, &ty_method_screen};
+static const ty_method* const methods[METHODS] = {&ty_method_path, &ty_method_dom,    &ty_method_pop,    &ty_method_fld,
+                                                  &ty_method_lpv,  &ty_method_screen, &ty_method_octaves};
 static const double budgets[BUDGETS] = {0.3, 1, 10}; /* s */
 /* Others count as no slower up to this: times are not that sure. */
 static const double slack = 1.5;
