@@ -20,7 +20,6 @@ typedef struct ty_single_light {
     int32_t shared;                    /* whether all channels are the first one's planes, times color (as in a
                                           ty_light_field of one plane) */
     float color[3];
-    float broadening; /* without lobes: 1 less a factor of g; 0: the medium's own */
 } ty_single_light;
 
 /* Of TY_SINGLE_MANY only the mean direction is known: light scatters as (fluence + 3 g flux . way) / (4 pi), not below
@@ -133,7 +132,6 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
         return;
     }
     const int32_t planes = light->shared != 0 ? 1 : 3;
-    const float narrow = 1.0f - light->broadening;
     float fluence[3], forward[3] = {0.0f, 0.0f, 0.0f};
     for (int32_t c = 0; c < planes; ++c) {
         fluence[c] = ty_cell_value(light->fluence[c], at);
@@ -148,14 +146,13 @@ TY_FN void ty_single_scattered(const ty_single_light* light, ty_vec point, const
     if (light->kind >= TY_SINGLE_MANY) {
         float* to = fit->bands > 0 ? sent->aside : sent->first;
         for (int32_t c = 0; c < 3; ++c)
-            to[c] += passing[TY_SINGLE_KEPT][c] * TY_INV_4PI *
-                     ty_maxf(0.0f, fluence[c] + 3.0f * (narrow * g[c]) * forward[c]);
+            to[c] += passing[TY_SINGLE_KEPT][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
     }
     const float mu = ty_single_cosine(light, point, way);
     float phase = 0.0f;
     for (int32_t c = 0; c < 3; ++c) {
-        if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, narrow * g[c]);
+        if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);
         sent->first[c] += passing[TY_SINGLE_KEPT][c] * phase * fluence[c];
     }
 }

@@ -15,12 +15,12 @@ enum { TY_MARCH_LIGHTS_MAX = 16, TY_MARCH_BLURRED = 32 };
 enum { TY_MARCH_AOVS = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH };
 
 /* Multiple scattering octaves (Wrenninge, Kulla, Lundqvist 2013, "Oz: The Great and Volumetric"): octave i is single
- * scattering by a^i sigma_s behind b^i sigma_t; its lights' broadening has c^i in it. */
+ * scattering by a^i sigma_s and a phase function of mean cosine c^i g behind b^i sigma_t. */
 enum { TY_OCTAVES_MAX = 8 };
 typedef struct ty_march_octaves {
     int32_t count;    /* N, octave 0 included, 0..TY_OCTAVES_MAX; below 2 there is single scattering alone */
     bool scales_view; /* b^i scales extinction towards the eye as well as towards the light; needs count >= 2 */
-    float scattering[TY_OCTAVES_MAX], extinction[TY_OCTAVES_MAX]; /* a^i, b^i */
+    float scattering[TY_OCTAVES_MAX], extinction[TY_OCTAVES_MAX], anisotropy[TY_OCTAVES_MAX]; /* a^i, b^i, c^i */
     const ty_single_light* lights; /* octaves 1 to N - 1, one after the other: each has as many lights as octave 0, of
                                       the same kinds in the same order; their fluence is attenuated by b^i sigma_t */
 } ty_march_octaves;

@@ -82,11 +82,22 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
         ray->light.single[c] += seen * sent.first[c];
         ray->light.multiple[c] += seen * sent.again[c] + reach->aside[c] * amount * sent.aside[c];
     }
+}
+
+/* The octaves that one medium scatters at a point, from octave 1 on. Never inlined: compilers would contract the
+ * products of its callers in another way, and other methods' images would differ in the last bit. */
+static __attribute__((noinline)) void ty_march_add_octaves(ty_march_ray* ray, const ty_track* track, ty_vec point,
+                                                           const ty_near_light* lights, const ty_march_reach* reach) {
+    TY_GLOBAL const ty_march_request* request = ray->request;
+    const ty_vec way = ty_scale(ray->direction, -1.0f);
+    float sigma_s[3], g[3];
+    ty_medium_sigma_s(track->medium, point, sigma_s);
+    ty_medium_g(track->medium, point, g);
     for (int32_t i = 1; i < request->octaves.count; ++i) {
         const float* passed = request->octaves.scales_view ? reach->octaves[i] : reach->all;
-        ty_octave_scattered(request, i, point, lights, way, g, sent.first);
-        for (int32_t c = 0; c < 3; ++c)
-            ray->light.multiple[c] += passed[c] * track->amount * sigma_s[c] * sent.first[c];
+        float radiance[3];
+        ty_octave_scattered(request, i, point, lights, way, g, radiance);
+        for (int32_t c = 0; c < 3; ++c) ray->light.multiple[c] += passed[c] * track->amount * sigma_s[c] * radiance[c];
     }
 }
 
@@ -140,7 +151,9 @@ TY_FN void ty_march_add(ty_march_ray* ray, float at, const ty_march_reach* reach
     ty_near_look(request, point, extinction, lights);
     for (int32_t i = 0; i < ray->active_count; ++i) {
         const ty_track* track = &ray->tracks[ray->active[i]];
-        if (track->amount > 0.0f) ty_march_shine(ray, track, point, lights, reach, &scattering);
+        if (!(track->amount > 0.0f)) continue;
+        ty_march_shine(ray, track, point, lights, reach, &scattering);
+        if (request->octaves.count > 1) ty_march_add_octaves(ray, track, point, lights, reach);
     }
     if (request->has_field != 0) ty_march_add_field(ray, point, extinction, reach->aside, &scattering);
     ++ray->steps;

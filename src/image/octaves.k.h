@@ -6,18 +6,19 @@
 #include "image/near.k.h"
 
 /* The radiance that octave `octave` scatters at a point along `way`, per metre and per sigma_s: the sum over lights of
- * a^i times their phase function times their fluence behind b^i sigma_t. */
+ * a^i p(c^i g) times their fluence behind b^i sigma_t. */
 TY_FN void ty_octave_scattered(TY_GLOBAL const ty_march_request* request, int32_t octave, ty_vec point,
                                const ty_near_light* near, ty_vec way, const float g[3], float radiance[3]) {
     TY_GLOBAL const ty_march_octaves* octaves = &request->octaves;
     TY_GLOBAL const ty_single_light* lights = octaves->lights + (octave - 1) * request->light_count;
-    const float a = octaves->scattering[octave], b = octaves->extinction[octave];
+    const float a = octaves->scattering[octave], b = octaves->extinction[octave], c_i = octaves->anisotropy[octave];
+    const float scaled_g[3] = {c_i * g[0], c_i * g[1], c_i * g[2]};
     ty_single_sent sent;
     memset(&sent, 0, sizeof sent);
     for (int32_t i = 0; i < request->light_count; ++i) {
         float passing[TY_SINGLE_FLUENCES][3] = {{0.0f}};
         for (int32_t c = 0; c < 3; ++c) passing[TY_SINGLE_KEPT][c] = near[i].falloff * ty_decay(b * near[i].depth[c]);
-        ty_single_scattered(&lights[i], point, &near[i].at, way, passing, g, &request->fit, &sent);
+        ty_single_scattered(&lights[i], point, &near[i].at, way, passing, scaled_g, &request->fit, &sent);
     }
     for (int32_t c = 0; c < 3; ++c) radiance[c] = a * sent.first[c];
 }

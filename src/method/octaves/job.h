@@ -42,7 +42,7 @@ extern const ty_option_table ty_octaves_options;
 ty_result ty_octaves_take_def(ty_context* context, const ty_octaves_def** def, ty_octaves_def* own);
 ty_image_options ty_octaves_image_options(const ty_octaves_def* def);
 
-/* a^i and b^i of all octaves. */
+/* a^i, b^i and c^i of all octaves. */
 ty_march_octaves ty_octaves_of(const ty_octaves_def* def);
 /* The fluence of all lights on the medium's cells, once per octave behind b^i sigma_t. */
 ty_result ty_octaves_light(ty_octaves_job* job);

@@ -3,17 +3,6 @@
 
 #include "base/context.h"
 
-#include <math.h>
-
-/* The light of a group, or (NULL) of all sources without a field of their own, as octave i scatters it: by a phase
- * function of mean cosine c^i g. */
-static ty_single_light describe_light(const ty_octaves_job* job, const ty_source_group* group,
-                                      const ty_light_field* field, int32_t octave) {
-    ty_single_light light = ty_source_group_light(job->sources, group, field);
-    light.broadening = (float)(1 - pow(job->def->anisotropy, octave));
-    return light;
-}
-
 /* The groups with fields of their own, then all others together. */
 static ty_result light_groups(ty_octaves_job* job, float* const extinction[3], int32_t octave) {
     ty_octaves* light = job->light;
@@ -36,11 +25,11 @@ static ty_result light_groups(ty_octaves_job* job, float* const extinction[3], i
             result = ty_uncollided_add_watched(job->scene, job->medium, extinction, &job->sources[group->first],
                                                group->count, *field, ty_part_report, &job->progress);
         job->progress.from += job->progress.share;
-        if (result == TY_OK && group->own) lights[own++] = describe_light(job, group, *field, octave);
+        if (result == TY_OK && group->own) lights[own++] = ty_source_group_light(job->sources, group, *field);
     }
     job->progress.from = from;
     job->progress.share = share;
-    if (result == TY_OK && *others != NULL) lights[own] = describe_light(job, NULL, *others, octave);
+    if (result == TY_OK && *others != NULL) lights[own] = ty_source_group_light(job->sources, NULL, *others);
     return result;
 }
 

@@ -61,6 +61,7 @@ ty_march_octaves ty_octaves_of(const ty_octaves_def* def) {
     for (int32_t i = 0; i < def->count; ++i) {
         octaves.scattering[i] = (float)pow(def->scattering, i);
         octaves.extinction[i] = (float)pow(def->extinction, i);
+        octaves.anisotropy[i] = (float)pow(def->anisotropy, i);
     }
     return octaves;
 }
