@@ -227,6 +227,9 @@ static void scenes_carry_options(void** state) {
         ty_scene_set_option(scene, "dom", wrong[i][0], NULL);
     }
     assert_int_equal(ty_method_options(scene, "auto", &def), TY_ERROR_ARGUMENT);
+    ty_clear_error(context);
+    assert_int_equal(ty_method_options(scene, "path", &fld), TY_ERROR_ARGUMENT); /* a larger def than path has */
+    assert_error(context, "render.path: the def has ");
     ty_scene_destroy(scene);
 }
 
