@@ -290,7 +290,7 @@ typedef struct lit_case {
 static lit_case lit(ty_scene* scene, const ty_grid_box* box, int32_t bands, int32_t side) {
     ty_context* context = ty_scene_context(scene);
     lit_case made = {.scene = scene,
-                     .def = {.parts = TY_LPV_ALL, .bands = bands, .window = -1, .samples = 8, .map_side = side}};
+                     .def = {.parts = TY_LPV_ALL, .bands = bands, .window = TY_AUTO, .samples = 8, .map_side = side}};
     const ty_light_map_def def = {.side = side, .reflective = true, .lower = box->lower, .upper = box->upper};
     check_result(context, ty_scene_commit(scene));
     made.lattice = lattice_of(context, box, bands);

@@ -227,6 +227,9 @@ static void scenes_carry_options(void** state) {
         ty_scene_set_option(scene, "dom", wrong[i][0], NULL);
     }
     assert_int_equal(ty_method_options(scene, "auto", &def), TY_ERROR_ARGUMENT);
+    ty_clear_error(context);
+    assert_int_equal(ty_method_options(scene, "path", &fld), TY_ERROR_ARGUMENT); /* a larger def than path has */
+    assert_error(context, "render.path: the def has ");
     ty_scene_destroy(scene);
 }
 
@@ -283,6 +286,8 @@ static void all_defs_have_sizes(void** state) {
     expect_marks(&old, offsetof(ty_camera_def, fov_y));
     assert_int_equal(ty_scene_set_camera(scene, (const ty_camera_def*)old.bytes), TY_OK);
     assert_true(ty_scene_camera(scene).fov_y == camera.fov_y);
+    ty_scene_copy_camera(scene, &old, offsetof(ty_camera_def, fov_y));
+    expect_marks(&old, offsetof(ty_camera_def, fov_y));
     /* A def of a newer program has fields that this library does not know. */
     ++camera.bytes;
     ty_clear_error(context);

@@ -19,17 +19,8 @@ static void assert_valid(const ty_image* image) {
 static void wrong_defs_are_refused(void** state) {
     static const bad_field bad[] = {
         PATH(cookie, FIELD_INT, 0, "ty_default_path_def"),
-        PATH(spp, FIELD_INT, 0, "path.spp: 0 is outside [1,"),
-        PATH(spp, FIELD_INT, (1 << 24) + 1, "path.spp"),
-        PATH(max_depth, FIELD_INT, -1, "path.max_depth: -1"),
-        PATH(seconds, FIELD_DOUBLE, -1, "path.seconds: -1"),
-        PATH(seconds, FIELD_DOUBLE, NAN, "path.seconds"),
-        PATH(error, FIELD_DOUBLE, -0.1, "path.error: -0.1"),
-        PATH(error, FIELD_DOUBLE, INFINITY, "path.error"),
         PATH(width, FIELD_INT, 0, "path: 0 x 11"),
         PATH(height, FIELD_INT, 0, "path: 19 x 0"),
-        PATH(aovs, FIELD_INT, 256, "path.aovs: 256"),
-        PATH(state_seconds, FIELD_DOUBLE, -1, "path.state_seconds"),
         PATH(crop[2], FIELD_INT, 5, "path.crop: 5 x 0 pixels"),
         PATH(resume_size, FIELD_INT, 8, "path.resume is NULL"),
         PATH(width, FIELD_INT, -5, "path: -5 x 11"),

@@ -56,8 +56,8 @@ static void check_case(ty_context* context, const scene_case* c) {
     ty_scene* scene = read_case(context, c);
     ty_image *truth = path_image(scene, c, 0), *other = in_full() ? path_image(scene, c, 1) : NULL;
     ty_image* surfaces = surfaces_of(scene, c);
-    ty_image* fld = fld_image(scene, c, surfaces, TY_FLD_LIMITER_LEVERMORE_POMRANING, 0);
-    ty_image* cda = fld_image(scene, c, surfaces, TY_FLD_LIMITER_NONE, 0);
+    ty_image* fld = fld_image(scene, c, surfaces, TY_FLD_LIMITER_LEVERMORE_POMRANING, TY_AUTO);
+    ty_image* cda = fld_image(scene, c, surfaces, TY_FLD_LIMITER_NONE, TY_AUTO);
     printf("%s, mean ratio / relative RMSE:\n", c->path);
     if (other != NULL) compare(context, "path, another seed", other, truth);
     const ty_difference limited = compare(context, "fld", fld, truth);

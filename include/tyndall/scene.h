@@ -373,8 +373,14 @@ TY_API ty_result ty_scene_commit(ty_scene* scene);
 TY_API ty_context* ty_scene_context(const ty_scene* scene);
 /* The axis that points up. */
 TY_API ty_axis ty_scene_up_axis(const ty_scene* scene);
+/* Copies the camera to a ty_camera_def of `bytes` bytes, as ty_init_camera_def does; ty_scene_camera calls it. */
+TY_API void ty_scene_copy_camera(const ty_scene* scene, void* out, size_t bytes);
 /* The camera, or the default one where none was set. */
-TY_API ty_camera_def ty_scene_camera(const ty_scene* scene);
+static inline ty_camera_def ty_scene_camera(const ty_scene* scene) {
+    ty_camera_def camera;
+    ty_scene_copy_camera(scene, &camera, sizeof camera);
+    return camera;
+}
 
 /* The method of a scene and the bounds that all methods share; options of single methods are ty_scene_set_option's. */
 typedef struct ty_render_settings {
@@ -421,13 +427,21 @@ typedef struct ty_scene_info {
 
 /* Counts and memory of a scene; those of a committed one are complete. */
 TY_API ty_scene_info ty_scene_get_info(const ty_scene* scene);
+/* Copies a medium to a ty_medium_def of `bytes` bytes, as ty_init_medium_def does; ty_scene_get_medium calls it. */
+TY_API ty_result ty_scene_copy_medium(const ty_scene* scene, int32_t index, void* out, size_t bytes);
 /* One medium as added, with its grid (not retained for the caller); TY_ERROR_ARGUMENT past the end. */
-TY_API ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out);
+static inline ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out) {
+    return ty_scene_copy_medium(scene, index, out, sizeof *out);
+}
 /* Radiance of the environment lights together, mean over all directions, W m^-2 sr^-1; 0 without any. */
 TY_API void ty_scene_environment(const ty_scene* scene, float radiance[3]);
+/* Copies a mesh to a ty_mesh_def of `bytes` bytes, as ty_init_mesh_def does; ty_scene_get_mesh calls it. */
+TY_API ty_result ty_scene_copy_mesh(const ty_scene* scene, int32_t index, void* out, size_t bytes);
 /* One mesh as it stands in the world (its transform is the identity); the arrays are the scene's own and last as long
  * as it; textures are not retained for the caller. TY_ERROR_ARGUMENT past the end. */
-TY_API ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out);
+static inline ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {
+    return ty_scene_copy_mesh(scene, index, out, sizeof *out);
+}
 
 /* ---- Rays ---- */
 

@@ -26,7 +26,7 @@ extern const ty_method cli_method_auto;
 const ty_method* cli_find_method(const char* command, const char* name);
 /* "auto, path, ... or dom", followed by a text. */
 void cli_name_methods_in(const char* text, char* out, size_t size);
-/* Whether the method can do the request: CLI_GO, or CLI_USAGE after a message. */
+/* CLI_GO where the method can do the request, else CLI_USAGE after a message. */
 int cli_check_request(cli_session* session, const ty_scene* scene, const ty_method* method, const cli_request* request);
 
 /* Renders, and fills in the measurements of the report. Results as of ty_method.render. */

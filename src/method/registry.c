@@ -16,7 +16,7 @@ const ty_method* ty_method_find(const char* name) {
     return NULL;
 }
 
-/* Whether index is that of a method. */
+/* True for the index of a method. */
 static bool has_method(int32_t index) {
     return index >= 0 && index < (int32_t)(sizeof ty_methods / sizeof ty_methods[0]) - 1;
 }
@@ -38,9 +38,18 @@ static const ty_option_table* find_options(const ty_scene* scene, const char* me
     return NULL;
 }
 
+/* Refuses defs that are not of the method; those of older programs may be smaller. */
+static ty_result check_def(const ty_scene* scene, const ty_option_table* table, const void* def) {
+    if (table == NULL) return TY_ERROR_ARGUMENT;
+    const ty_result result = ty_check_def(scene->context, def, table->default_function);
+    if (result != TY_OK || ty_def_bytes(def) <= table->bytes) return result;
+    return ty_fail(scene->context, TY_ERROR_ARGUMENT, "render.%s: the def has %zu bytes, and that of %s() has %zu",
+                   table->name, ty_def_bytes(def), table->default_function, table->bytes);
+}
+
 ty_result ty_method_options(const ty_scene* scene, const char* method, void* def) {
     const ty_option_table* table = find_options(scene, method);
-    ty_result result = table != NULL ? ty_check_def(scene->context, def, table->default_function) : TY_ERROR_ARGUMENT;
+    ty_result result = check_def(scene, table, def);
     for (size_t i = 0; i < scene->option_count && result == TY_OK; ++i) {
         const ty_scene_option* option = &scene->options[i];
         if (strcmp(option->method, table->name) == 0)
@@ -51,7 +60,7 @@ ty_result ty_method_options(const ty_scene* scene, const char* method, void* def
 
 ty_result ty_method_set_options(ty_scene* scene, const char* method, const void* def) {
     const ty_option_table* table = find_options(scene, method);
-    ty_result result = table != NULL ? ty_check_def(scene->context, def, table->default_function) : TY_ERROR_ARGUMENT;
+    ty_result result = check_def(scene, table, def);
     for (int32_t i = 0; result == TY_OK && i < table->count; ++i) {
         char text[TY_OPTION_TEXT_SIZE];
         const ty_option* option = &table->options[i];

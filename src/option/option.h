@@ -59,7 +59,7 @@ enum { TY_OPTION_TEXT_SIZE = 96 };
 
 /* The option of a name; NULL if there is none. */
 const ty_option* ty_option_find(const ty_option_table* table, const char* name);
-/* Whether a caller's def, which may be of an older definition, has the field. */
+/* True where a caller's def, which may be of an older definition, has the field. */
 bool ty_option_fits(const ty_option* option, const void* def);
 /* A value as it is written in scene files: "96", "auto", "diffusion", "true". */
 void ty_option_text(const ty_option* option, double value, char text[TY_OPTION_TEXT_SIZE]);

@@ -332,8 +332,8 @@ ty_axis ty_scene_up_axis(const ty_scene* scene) {
     return scene->up;
 }
 
-ty_camera_def ty_scene_camera(const ty_scene* scene) {
-    return scene->camera;
+void ty_scene_copy_camera(const ty_scene* scene, void* out, size_t bytes) {
+    ty_init_def(out, bytes, &scene->camera, sizeof scene->camera);
 }
 
 uint64_t ty_scene_hash(const ty_scene* scene) {
@@ -470,10 +470,10 @@ ty_scene_info ty_scene_get_info(const ty_scene* scene) {
     return info;
 }
 
-ty_result ty_scene_get_medium(const ty_scene* scene, int32_t index, ty_medium_def* out) {
+ty_result ty_scene_copy_medium(const ty_scene* scene, int32_t index, void* out, size_t bytes) {
     if (index < 0 || (size_t)index >= scene->medium_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "media: there is no medium %d", (int)index);
-    *out = scene->media[index];
+    ty_init_def(out, bytes, &scene->media[index], sizeof scene->media[index]);
     return TY_OK;
 }
 
@@ -483,19 +483,20 @@ void ty_scene_environment(const ty_scene* scene, float radiance[3]) {
         for (int c = 0; c < 3 && scene->environments[i] != NULL; ++c) radiance[c] += scene->environments[i]->mean[c];
 }
 
-ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {
+ty_result ty_scene_copy_mesh(const ty_scene* scene, int32_t index, void* out, size_t bytes) {
     if (index < 0 || (size_t)index >= scene->mesh_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "meshes: there is no mesh %d", (int)index);
     const ty_triangles* mesh = scene->meshes[index];
-    *out = ty_default_mesh_def();
-    out->vertex_count = (int64_t)mesh->vertex_count;
-    out->triangle_count = (int64_t)mesh->triangle_count;
-    out->positions = mesh->positions;
-    out->normals = mesh->normals;
-    for (int set = 0; set < 2; ++set) out->uv[set] = mesh->uv[set];
-    out->colors = mesh->colors;
-    out->indices = mesh->indices;
-    out->material = mesh->material;
-    out->origin = mesh->origin;
+    ty_mesh_def own = ty_default_mesh_def();
+    own.vertex_count = (int64_t)mesh->vertex_count;
+    own.triangle_count = (int64_t)mesh->triangle_count;
+    own.positions = mesh->positions;
+    own.normals = mesh->normals;
+    for (int set = 0; set < 2; ++set) own.uv[set] = mesh->uv[set];
+    own.colors = mesh->colors;
+    own.indices = mesh->indices;
+    own.material = mesh->material;
+    own.origin = mesh->origin;
+    ty_init_def(out, bytes, &own, sizeof own);
     return TY_OK;
 }

@@ -11,14 +11,17 @@ static const char scene_name[] = "builtin:nebulae";
 static ty_result load(figure_run* run, int voxels, double ratio, ty_scene** out) {
     char resolution[64], coarseness[64];
     const char* const overrides[2] = {coarseness, resolution};
-    snprintf(coarseness, sizeof coarseness, "render.fld.ratio=%g", ratio);
+    if (ratio == TY_AUTO)
+        snprintf(coarseness, sizeof coarseness, "render.fld.ratio=auto");
+    else
+        snprintf(coarseness, sizeof coarseness, "render.fld.ratio=%g", ratio);
     snprintf(resolution, sizeof resolution, "media[0].density.noise.resolution=%d", voxels);
     return ty_scene_load(run->session->context, scene_name, overrides, 2, out);
 }
 
 ty_result figure_fld_nebulae(figure_run* run) {
     ty_scene* scene = NULL;
-    ty_result result = load(run, run->options->quick ? VOXELS_QUICK : VOXELS, 0, &scene);
+    ty_result result = load(run, run->options->quick ? VOXELS_QUICK : VOXELS, TY_AUTO, &scene);
     if (result == TY_OK) result = fld_show_scene(run, scene, "nebulae", WIDTH, WIDTH);
     ty_scene_destroy(scene);
     snprintf(
