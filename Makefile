@@ -2,7 +2,7 @@
 .PHONY: all demo test validate docs figures performance fuzz tsan format format-check clean
 .DEFAULT_GOAL := all
 
-sources = $(shell find include src tests examples -name '*.[ch]' -o -name '*.cpp')
+sources = $(shell find include src tools tests examples -name '*.[ch]' -o -name '*.cpp')
 
 all:
 	@scripts/setup.sh
@@ -30,7 +30,7 @@ validate:
 # The reference of the C API, build/docs/api/index.html, and docs/commands.md anew.
 docs:
 	@scripts/setup.sh build docs
-	@scripts/build.sh release tyndall_cli
+	@scripts/build.sh release tyndall_cli tyndall_bench tyndall_figure
 	@build/release/bin/tyndall help --markdown > docs/commands.md
 	@scripts/docs.sh
 
@@ -39,7 +39,7 @@ docs:
 FIGURES =
 figures:
 	@scripts/setup.sh
-	@scripts/build.sh release tyndall_cli
+	@scripts/build.sh release tyndall_cli tyndall_figure
 	@mkdir -p out
 	@build/release/bin/tyndall figure all -o out/figures --keep $(FIGURES)
 	@scripts/insert_between_marks.sh docs/figures.md "measured figures" out/figures/summary.md
@@ -48,7 +48,7 @@ figures:
 PERFORMANCE = --rounds 3 --runs 1 --spp 16
 performance:
 	@scripts/setup.sh
-	@scripts/build.sh release tyndall_cli
+	@scripts/build.sh release tyndall_cli tyndall_bench
 	@mkdir -p out
 	@build/release/bin/tyndall bench all $(PERFORMANCE) $(if $(wildcard docs/performance.json),--baseline docs/performance.json) \
 	  -o out/performance.json --markdown out/performance.md

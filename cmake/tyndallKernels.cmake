@@ -34,7 +34,8 @@ function(tyndall_kernels objects source)
     set(name "${stem}_${isa}")
     add_library(${name} OBJECT ${source})
     target_link_libraries(${name} PRIVATE tyndall_options)
-    target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
+    target_include_directories(${name} PRIVATE
+      "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src" "${PROJECT_SOURCE_DIR}/tools")
     target_compile_definitions(${name} PRIVATE TY_ISA=${isa})
     if(NOT tyndall_sanitizers) # what those add, -O3 takes minutes to see through
       target_compile_options(${name} PRIVATE -O3)

@@ -15,7 +15,8 @@ sources() {
   find "$@" -name '*.[ch]' -o -name '*.cpp'
 }
 
-# room: the rooms below it. What a room has of its own is always allowed.
+# room: the rooms below it. What a room has of its own is always allowed. Rooms of tools/ are its folders.
+library="base grid scene direct image solve method bake choose io"
 declare -A below=(
   [base]=""
   [grid]="base"
@@ -26,7 +27,11 @@ declare -A below=(
   [method]="base grid scene direct image solve"
   [bake]="base grid scene direct image solve method/impulse method/path"
   [io]="base grid scene image"
+  [cli]="$library"
   [plot]="base"
+  [scenes]=""
+  [bench]="$library cli scenes"
+  [figures]="$library cli scenes bench plot"
 )
 
 count=0
@@ -36,6 +41,7 @@ for room in "${!below[@]}"; do
     target=${include#*\"}
     target=${target%/*}
     own=${file#src/}
+    own=${own#tools/}
     rest=${own#method/}
     if [ "$rest" != "$own" ]; then own=method/${rest%%/*}; else own=${own%%/*}; fi
     allowed=no
@@ -45,36 +51,38 @@ for room in "${!below[@]}"; do
     # Tables that are kept between runs.
     [ "$file:$include" != 'src/method/impulse/file.c:#include "io/file.h"' ] || allowed=yes
     [ $allowed = yes ] || complain "$file: $include: $room may include ${below[$room]:-nothing} alone"
-  done < <(grep -HoE '^#include "[^"]+/[^"]+"' $(sources "src/$room"))
+  done < <(grep -HoE '^#include "[^"]+/[^"]+"' $(sources $(ls -d "src/$room" "tools/$room" 2> /dev/null)))
 done
 [ $count -gt 500 ] || complain "only $count includes were found"
 
 # pattern of headers: the files that may see them
 only() {
   local file
-  for file in $(grep -lE "^ *#include <$1" $(sources src)); do
+  for file in $(grep -lE "^ *#include <$1" $(sources src tools)); do
     case " $2 " in *" $file "*) ;; *) complain "$file sees <$1...>, which is for $2" ;; esac
   done
 }
-only embree "src/scene/mesh.c src/cli/bench/embree.c"
-only cairo "src/plot/canvas.c"
+only embree "src/scene/mesh.c tools/bench/embree.c"
+only cairo "tools/plot/canvas.c"
 only openvdb "src/io/volumes/vdb.cpp"
 
 while read -r lines file; do
   [ "$lines" -le 800 ] || complain "$file has $lines lines; split it (800 at most)"
-done < <(wc -l $(sources src include tests examples) | grep -v ' total$')
+done < <(wc -l $(sources src tools include tests examples) | grep -v ' total$')
 
 # Files of the rooms that have a line in the page's table, but for those that many rooms have: job.h, what is named for
 # the room, and the choice of an instruction set.
 page=docs/architecture.md
 while IFS='|' read -r _ room text _; do
   room=${room// /}
-  [ -d "src/$room" ] || continue
-  for file in src/"$room"/*.[ch] src/"$room"/*.cpp; do
+  folder=src/$room
+  case $room in tools/*) folder=$room ;; esac
+  [ -d "$folder" ] || continue
+  for file in "$folder"/*.[ch] "$folder"/*.cpp; do
     [ -f "$file" ] || continue
     name=${file##*/}
     stem=${name%%.*}
-    case "$room/$stem" in cli/* | io/* | */job | */*kernels | */"${room##*/}") continue ;; esac
+    case "$room/$stem" in cli/* | io/* | tools/bench/* | tools/figures/* | */job | */*kernels | */"${room##*/}") continue ;; esac
     [[ $text =~ [\`\ ]$stem(\.k\.h|\.h|\.c)?[\`,\;:\ \)] ]] || complain "$page: $room: nothing about $name"
   done
 done < <(grep -E '^\| [a-z/]+ \|' $page)

@@ -94,7 +94,7 @@ for name in PAGES:
 for name, entry in render.items():
     if "properties" in entry:
         check_options(name, entry["properties"])
-code = [file for folder in ("include", "src", "examples", "cmake", "scripts", "tests") for file in sorted((source / folder).rglob("*"))
+code = [file for folder in ("include", "src", "tools", "examples", "cmake", "scripts", "tests") for file in sorted((source / folder).rglob("*"))
         if file.is_file()]
 words = {word for file in code if file.suffix in (".h", ".c", ".cpp")
          for word in re.findall(r"\b(?:ty|TY)_\w+\b", file.read_text(encoding="utf-8", errors="replace"))}

@@ -31,6 +31,21 @@ for command in $("$prefix/bin/tyndall" help | sed -n '/^commands:/,/^$/s/^  \([a
 done
 grep -q '^\.BR tyndall' "$pages/tyndall.1" || { echo "no manual page of tyndall"; exit 1; }
 
+# Tools are not beside the command that runs them, and are not missed until they are asked for.
+"$prefix/bin/tyndall" bench load --side 8 --runs 1 | grep -q '^nrrd raw' || { echo "tyndall bench does not run"; exit 1; }
+"$prefix/bin/tyndall" figure list | grep -q '^screen-truth ' || { echo "tyndall figure does not run"; exit 1; }
+mv "$prefix/libexec" elsewhere
+for tool in bench figure; do
+  status=0
+  "$prefix/bin/tyndall" "$tool" --help > missing.out 2> missing.err || status=$?
+  [ $status = 2 ] || { echo "tyndall $tool without its program: status $status"; exit 1; }
+  grep -q "^tyndall: tyndall-$tool is not installed, which 'tyndall $tool' runs$" missing.err || { cat missing.err; exit 1; }
+done
+"$prefix/bin/tyndall" help --man pages_without_tools
+[ -s pages_without_tools/tyndall-render.1 ] || { echo "no manual pages without tools"; exit 1; }
+[ ! -e pages_without_tools/tyndall-bench.1 ] || { echo "a manual page of what is not installed"; exit 1; }
+mv elsewhere "$prefix/libexec"
+
 completion=$prefix/share/bash-completion/completions/tyndall
 grep -q '^complete .* tyndall$' "$completion" || { echo "no completion"; exit 1; }
 

@@ -3,8 +3,8 @@
 #include "checks.h"
 #include "effort.h"
 
-#include "cli/figures/fld_point_solve.h"
-#include "cli/figures/point_transport.h"
+#include "figures/fld_point_solve.h"
+#include "figures/point_transport.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,10 +1,14 @@
 /* tyndall help: what commands do, as text, manual pages or one page of Markdown, and what completes them in a shell,
  * all from the tables that options are parsed by. */
+#define _POSIX_C_SOURCE 200809L
 #include "cli/commands.h"
 #include "cli/manual.h"
 #include "cli/session.h"
 
+#include <errno.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static const char* const summary = "light in fog, smoke, clouds, milk and water";
 
@@ -27,12 +31,18 @@ int cli_print_overview(void) {
     return cli_write_page(NULL, print_overview, NULL);
 }
 
+/* Whether pages and completion tell of a command: not of a tool that is not installed. */
+static bool is_told(const cli_command* command) {
+    return !command->is_tool || cli_has_tool(command->name);
+}
+
 static ty_result print_man(ty_context* context, FILE* file, const void* user) {
     (void)context;
     (void)user;
     cli_print_man_name(file, NULL, summary);
     fputs(".SH SYNOPSIS\n.B tyndall\n\\fICOMMAND\\fR [\\fIARGUMENT\\fR ...]\n.SH COMMANDS\n", file);
     for (int i = 0; i < CLI_COMMAND_COUNT; ++i) {
+        if (!is_told(&cli_commands[i])) continue;
         fprintf(file, ".TP\n.BR tyndall\\-%s (1)\n", cli_commands[i].name);
         cli_print_man_text(file, cli_commands[i].summary);
     }
@@ -47,12 +57,24 @@ static ty_result print_man(ty_context* context, FILE* file, const void* user) {
     return TY_OK;
 }
 
+/* Runs a command in a process of its own, since a tool takes the place of this one. */
+static int run_apart(const cli_command* command, int count, char** arguments) {
+    int status = 0;
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) _exit(command->run(count, arguments));
+    if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status))
+        return cli_fail(CLI_FAILED, "cannot run tyndall-%s: %s", command->name, strerror(errno));
+    return WEXITSTATUS(status);
+}
+
 /* A command's own help, in a form, to a file or to stdout. */
 static int help_of(const cli_command* command, const char* form, const char* path) {
     char help[] = "--help", as[] = "--help-as", word[16], to[] = "--help-to";
     snprintf(word, sizeof word, "%s", form);
     char* list[] = {help, as, word, to, (char*)path};
-    return command->run(path != NULL ? 5 : 3, list);
+    const int count = path != NULL ? 5 : 3;
+    return command->is_tool ? run_apart(command, count, list) : command->run(count, list);
 }
 
 static int write_man_pages(const char* folder) {
@@ -63,6 +85,7 @@ static int write_man_pages(const char* folder) {
     snprintf(path, sizeof path, "%s/tyndall.1", folder);
     status = cli_write_page(path, print_man, NULL);
     for (int i = 0; status == CLI_DONE && i < CLI_COMMAND_COUNT; ++i) {
+        if (!is_told(&cli_commands[i])) continue;
         snprintf(path, sizeof path, "%s/tyndall-%s.1", folder, cli_commands[i].name);
         status = help_of(&cli_commands[i], "man", path);
     }
@@ -80,7 +103,7 @@ static int print_markdown(void) {
     printf("\nExit status: %s\n", cli_exit_statuses);
     int status = CLI_DONE;
     for (int i = 0; status == CLI_DONE && i < CLI_COMMAND_COUNT; ++i)
-        status = help_of(&cli_commands[i], "markdown", NULL);
+        if (is_told(&cli_commands[i])) status = help_of(&cli_commands[i], "markdown", NULL);
     return status;
 }
 
@@ -94,7 +117,7 @@ static int print_completion(void) {
     int status = CLI_DONE;
     cli_print_completion_start(stdout);
     for (int i = 0; status == CLI_DONE && i < CLI_COMMAND_COUNT; ++i)
-        status = help_of(&cli_commands[i], "completion", NULL);
+        if (is_told(&cli_commands[i])) status = help_of(&cli_commands[i], "completion", NULL);
     cli_print_completion_end(stdout, print_words);
     return status;
 }

@@ -111,6 +111,11 @@ const char* cli_last_message(void) {
     return last_message;
 }
 
+int cli_finish(int status) {
+    if (fflush(stdout) == 0 || status != CLI_DONE) return status;
+    return cli_fail(CLI_FAILED, "the result cannot be printed: %s", strerror(errno));
+}
+
 static int fail_with_message(cli_session* session, ty_result result, int file_status) {
     cli_progress_clear(&session->progress);
     const char* message = ty_last_error(session->context);

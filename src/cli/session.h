@@ -23,6 +23,9 @@ int cli_session_open(cli_session* session, const char* command, const cli_common
 /* Writes --stats unless status tells of an error, frees the context, returns the exit status. */
 int cli_session_close(cli_session* session, int status);
 
+/* The end of a program: that stdout could not be written is its failure. Returns the exit status. */
+int cli_finish(int status);
+
 /* Prints "tyndall: " and the context's message, and returns the exit status for the result: wrong arguments and
  * input are the user's (2), and so is a file that could not be opened for reading. */
 int cli_fail_reading(cli_session* session, ty_result result);

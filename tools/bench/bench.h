@@ -1,0 +1,46 @@
+/* Benches: each has a name and a function; all share the options of `tyndall bench`. */
+#ifndef TY_BENCH_H
+#define TY_BENCH_H
+
+#include "cli/session.h"
+
+typedef struct bench_options {
+    bool json, quick;
+    int32_t spp, size[2], runs, side;
+    bool size_given, full;
+    const char* scenes;    /* names or paths, comma-separated */
+    const char* mesh;      /* file, or NULL */
+    const char* reference; /* folder of NAME.exr, or NULL */
+    const char* data;      /* folder of third-party data, or NULL */
+} bench_options;
+
+typedef struct bench_session {
+    cli_session* session;
+    const bench_options* options;
+    json_writer* json; /* NULL: print text. Inside an open object that is the bench's own */
+} bench_session;
+
+/* Each returns CLI_DONE or an exit status after a message. */
+int bench_machine(const bench_session* bench);
+int bench_path(const bench_session* bench);
+int bench_direct(const bench_session* bench);
+int bench_rays(const bench_session* bench);
+int bench_screen(const bench_session* bench);
+int bench_fld(const bench_session* bench);
+int bench_pop(const bench_session* bench);
+int bench_lpv(const bench_session* bench);
+int bench_dom(const bench_session* bench);
+int bench_impulse(const bench_session* bench);
+int bench_bake(const bench_session* bench);
+int bench_load(const bench_session* bench);
+
+/* What all threads together do of multiply-adds, 1e9 operations/s: the median of a few runs. 0: no memory. */
+double bench_fma_gflops(ty_context* context);
+/* The instruction set whose kernels this machine runs: "x86-64-v3". */
+const char* bench_isa(void);
+/* The middle one of count values (the mean of the middle two); sorts them. */
+double bench_median(double* values, int count);
+/* Pixels of a bench's images: what --size says, else width x height, a quarter of each with --quick. */
+void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]);
+
+#endif

@@ -1,0 +1,27 @@
+/* Embree as one would use it without a library around it: what `tyndall bench rays` compares with. */
+#ifndef TY_BENCH_EMBREE_H
+#define TY_BENCH_EMBREE_H
+
+#include <tyndall/scene.h>
+
+typedef struct bench_embree bench_embree;
+
+/* What Embree says of a ray, as it says it. */
+typedef struct bench_embree_hit {
+    float distance;
+    uint32_t geometry, primitive; /* ~0: nothing */
+    float u, v;
+    float normal[3];
+} bench_embree_hit;
+
+/* A scene of the meshes, whose arrays must outlive it; robust: with RTC_SCENE_FLAG_ROBUST. NULL: Embree failed. */
+bench_embree* bench_embree_create(const ty_mesh_def* meshes, int32_t count, bool robust, int32_t threads);
+void bench_embree_destroy(bench_embree* embree);
+
+/* As ty_scene_trace and ty_scene_trace_shadows do it, on the calling thread. */
+void bench_embree_trace(const bench_embree* embree, const ty_ray* rays, int64_t count, bool coherent,
+                        bench_embree_hit* hits);
+void bench_embree_trace_shadows(const bench_embree* embree, const ty_ray* rays, int64_t count, bool coherent,
+                                bool* shadowed);
+
+#endif

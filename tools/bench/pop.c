@@ -1,0 +1,277 @@
+/* tyndall bench pop: the paper's typical setting (Fig. 14), stage by stage, as published and by our default mode, and
+ * how times grow with ordinates, cells and iterations. */
+#include "bench/tables.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    ORDINATES = 64,
+    RESOLUTION = 20,
+    ITERATIONS = 10,
+    RESIDUUM_ITERATIONS = 20,
+    WIDTH = 1024,
+    RUNS_MAX = 99,
+    SCALES = 3,
+    MODES = 2
+};
+
+/* The coefficients of the paper's smoke (Fig. 11), in 10 m of it. */
+static const char scene_text[] =
+    "{\"tyndall\": 1,"
+    " \"camera\": {\"position\": [0, 1, 24], \"target\": [0, 0, 0], \"fov_y\": 30, \"resolution\": [1024, 1024]},"
+    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-5, -5, -5], [5, 5, 5]],"
+    "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 4, \"octaves\": "
+    "5,"
+    "   \"coverage\": 0.5, \"sharpness\": 4}},"
+    "  \"sigma_s\": [2.9, 3.6, 4.2], \"sigma_a\": [3.4, 3.35, 3.4], \"g\": 0.9}],"
+    " \"lights\": [{\"type\": \"environment\","
+    "  \"sky\": {\"sun_direction\": [-0.7, -0.6, -0.25], \"solar\": 1.5, \"haze\": 1, \"ground\": 0.2, \"sun\": false,"
+    "   \"resolution\": 512}}]}";
+
+static const ty_pop_mode modes[MODES] = {TY_POP_MODE_SPLIT, TY_POP_MODE_PUBLISHED};
+static const char* const mode_names[MODES] = {"split", "published"};
+
+/* ---- stages ---- */
+
+enum { MEDIUM, IMPORTANCE, DIRECTIONS, INITIAL, PROPAGATION, RESIDUUM, MERGE, BEFORE, MARCH, STAGES };
+
+/* What each is called, and the milliseconds that it took in the paper; 0: it does not say. */
+static const struct {
+    const char *name, *key;
+    double paper;
+} stages[STAGES] = {
+    [MEDIUM] = {"medium", "medium_seconds", 0},
+    [IMPORTANCE] = {"importance", "importance_seconds", 5},
+    [DIRECTIONS] = {"ordinates", "ordinate_seconds", 2},
+    [INITIAL] = {"initialisation", "initial_seconds", 2},
+    [PROPAGATION] = {"propagation", "propagation_seconds", 12},
+    [RESIDUUM] = {"residuum, diffusion", "residuum_seconds", 2},
+    [MERGE] = {"merging", "merge_seconds", 4},
+    [BEFORE] = {"all before the march", "before_march_seconds", 27},
+    [MARCH] = {"march", "march_seconds", 5},
+};
+
+/* Seconds: medians. */
+typedef struct timed {
+    double seconds[STAGES];
+    ty_pop_stats stats; /* of the last run */
+} timed;
+
+static void take_stages(const ty_pop_stats* stats, int run, double seconds[STAGES][RUNS_MAX]) {
+    seconds[MEDIUM][run] = stats->medium_seconds;
+    seconds[IMPORTANCE][run] = stats->importance_seconds;
+    seconds[DIRECTIONS][run] = stats->ordinate_seconds;
+    seconds[INITIAL][run] = stats->initial_seconds;
+    seconds[PROPAGATION][run] = stats->propagation_seconds;
+    seconds[RESIDUUM][run] = stats->residuum_seconds;
+    seconds[MERGE][run] = stats->merge_seconds;
+    seconds[BEFORE][run] = stats->seconds - stats->march_seconds;
+    seconds[MARCH][run] = stats->march_seconds;
+}
+
+/* Renders, or without an image solves, so many times, after one that does not count. */
+static ty_result time_def(const bench_session* bench, const ty_scene* scene, const ty_pop_def* def, bool image,
+                          timed* out) {
+    static double seconds[STAGES][RUNS_MAX];
+    const int runs = bench->options->runs;
+    ty_result result = TY_OK;
+    for (int run = -1; run < runs && result == TY_OK; ++run) {
+        ty_image* picture = NULL;
+        ty_pop* light = NULL;
+        result =
+            image ? ty_pop_render(scene, def, &picture, &out->stats) : ty_pop_solve(scene, def, &light, &out->stats);
+        ty_image_destroy(picture);
+        ty_pop_destroy(light);
+        take_stages(&out->stats, run < 0 ? 0 : run, seconds);
+    }
+    for (int s = 0; s < STAGES && result == TY_OK; ++s) out->seconds[s] = bench_median(seconds[s], runs);
+    return result;
+}
+
+static ty_pop_def typical_def(const bench_session* bench, ty_pop_mode mode) {
+    int32_t size[2];
+    ty_pop_def def = ty_default_pop_def();
+    def.mode = mode;
+    def.ordinates = ORDINATES;
+    def.resolution = RESOLUTION;
+    def.iterations = ITERATIONS;
+    def.residuum_iterations = RESIDUUM_ITERATIONS; /* as in Fig. 8 */
+    bench_pixels(bench->options, WIDTH, WIDTH, size);
+    def.width = size[0];
+    def.height = size[1];
+    return def;
+}
+
+/* ---- the fraction of what the processor could do ---- */
+
+/* Floating-point operations of one cell, channel and iteration (method/pop/grid_kernel.c, lobe.k.h); a division counts
+ * as one. What a lobe gives to its neighbours: the patches of Eq. 2-3 with two inverse roots of 9 each, 42; light and
+ * light times its mean cosine for front, sides and back with half of the way's losses, 12. What a cell takes: sums over
+ * six neighbours and the other half, 14; the new mean cosine and what passed, 4; what of it is seen (Eq. 7-8), 24. */
+enum { OPERATIONS = 42 + 12 + 14 + 4 + 24 };
+
+static double propagation_gflops(const timed* t) {
+    const double cells = (double)t->stats.size[0] * t->stats.size[1] * t->stats.size[2];
+    return 1e-9 * OPERATIONS * cells * 3 * t->stats.ordinates * t->stats.iterations / t->seconds[PROPAGATION];
+}
+
+/* ---- the typical setting ---- */
+
+static void print_typical_json(const bench_session* bench, const timed typical[MODES], double peak) {
+    json_open_object(bench->json, "typical");
+    for (int m = 0; m < MODES; ++m) {
+        json_open_object(bench->json, mode_names[m]);
+        for (int s = 0; s < STAGES; ++s) json_number(bench->json, stages[s].key, typical[m].seconds[s]);
+        json_integer(bench->json, "ordinates", typical[m].stats.ordinates);
+        json_integer(bench->json, "iterations", typical[m].stats.iterations);
+        json_integer(bench->json, "residuum_iterations", typical[m].stats.residuum_iterations);
+        json_number(bench->json, "bytes", typical[m].stats.bytes);
+        if (modes[m] == TY_POP_MODE_PUBLISHED) {
+            json_number(bench->json, "propagation_gflops", propagation_gflops(&typical[m]));
+            json_number(bench->json, "fraction_of_peak", propagation_gflops(&typical[m]) / peak);
+        }
+        json_close_object(bench->json);
+    }
+    json_number(bench->json, "fma_gflops", peak);
+    json_number(bench->json, "split_over_published", typical[0].seconds[BEFORE] / typical[1].seconds[BEFORE]);
+    json_close_object(bench->json);
+}
+
+static void print_typical(const bench_session* bench, const timed typical[MODES], double peak) {
+    if (bench->json != NULL) {
+        print_typical_json(bench, typical, peak);
+        return;
+    }
+    printf("%d ordinates of %d^3 cells, %d iterations, RGB (ms, medians of %d)\n  %-22s %10s %10s %22s\n", ORDINATES,
+           RESOLUTION, ITERATIONS, (int)bench->options->runs, "", mode_names[0], mode_names[1], "paper, on a GTX 770");
+    for (int s = 0; s < STAGES; ++s) {
+        printf("  %-22s %10.2f %10.2f", stages[s].name, 1e3 * typical[0].seconds[s], 1e3 * typical[1].seconds[s]);
+        if (stages[s].paper > 0) printf(" %22.0f", stages[s].paper);
+        printf("\n");
+    }
+    printf("  propagation: %.1f GFLOP/s, %.0f %% of the %.1f that multiply-adds reach\n",
+           propagation_gflops(&typical[1]), 100 * propagation_gflops(&typical[1]) / peak, peak);
+    printf("  split takes %.2f times as long as published before the march\n",
+           typical[0].seconds[BEFORE] / typical[1].seconds[BEFORE]);
+    fflush(stdout);
+}
+
+static ty_result time_typical(const bench_session* bench, const ty_scene* scene, timed typical[MODES]) {
+    ty_result result = TY_OK;
+    for (int m = 0; m < MODES && result == TY_OK; ++m) {
+        const ty_pop_def def = typical_def(bench, modes[m]);
+        result = time_def(bench, scene, &def, true, &typical[m]);
+    }
+    return result;
+}
+
+static ty_result bench_typical(const bench_session* bench, const ty_scene* scene) {
+    timed typical[MODES];
+    const double peak = bench_fma_gflops(bench->session->context);
+    if (!(peak > 0)) return TY_ERROR_MEMORY;
+    const ty_result result = time_typical(bench, scene, typical);
+    if (result == TY_OK) print_typical(bench, typical, peak);
+    return result;
+}
+
+/* ---- how times grow ---- */
+
+/* Cells grow with the third power of what is set. */
+static const struct {
+    const char* name;
+    int32_t values[SCALES];
+    double power;
+} scales[] = {{"ordinates", {16, 64, 256}, 1}, {"resolution", {10, 20, 40}, 3}, {"iterations", {10, 20, 40}, 1}};
+enum { SCALED = sizeof scales / sizeof scales[0], ITERATED = 2 };
+
+/* Light through the ordinates' own grids: what ought to grow in proportion. */
+static double own_seconds(const timed* t) {
+    return t->seconds[INITIAL] + t->seconds[PROPAGATION];
+}
+
+static void print_scaled(const bench_session* bench, int scale, int mode, const timed t[SCALES]) {
+    const double more = pow((double)scales[scale].values[SCALES - 1] / scales[scale].values[0], scales[scale].power);
+    const double exponent = log(own_seconds(&t[SCALES - 1]) / own_seconds(&t[0])) / log(more);
+    if (bench->json != NULL) {
+        json_open_object(bench->json, NULL);
+        json_text(bench->json, "mode", mode_names[mode]);
+        json_text(bench->json, "scaled", scales[scale].name);
+        json_numbers(bench->json, "values",
+                     (const double[]){scales[scale].values[0], scales[scale].values[1], scales[scale].values[2]},
+                     SCALES);
+        json_numbers(bench->json, "seconds",
+                     (const double[]){own_seconds(&t[0]), own_seconds(&t[1]), own_seconds(&t[2])}, SCALES);
+        json_numbers(bench->json, "before_march_seconds",
+                     (const double[]){t[0].seconds[BEFORE], t[1].seconds[BEFORE], t[2].seconds[BEFORE]}, SCALES);
+        json_number(bench->json, "exponent", exponent);
+        json_close_object(bench->json);
+        return;
+    }
+    printf("  %-10s %-10s", mode_names[mode], scales[scale].name);
+    for (int i = 0; i < SCALES; ++i) printf(" %5d: %8.2f", (int)scales[scale].values[i], 1e3 * own_seconds(&t[i]));
+    printf("  as the power %.2f of %s\n", exponent, scales[scale].power > 1 ? "cells" : scales[scale].name);
+    fflush(stdout);
+}
+
+static ty_result time_scale(const bench_session* bench, const ty_scene* scene, int scale, int mode) {
+    timed t[SCALES];
+    ty_result result = TY_OK;
+    for (int i = 0; i < SCALES && result == TY_OK; ++i) {
+        ty_pop_def def = typical_def(bench, modes[mode]);
+        const int32_t value = scales[scale].values[i];
+        if (strcmp(scales[scale].name, "ordinates") == 0) def.ordinates = value;
+        if (strcmp(scales[scale].name, "resolution") == 0) def.resolution = value;
+        if (strcmp(scales[scale].name, "iterations") == 0) def.iterations = value;
+        result = time_def(bench, scene, &def, false, &t[i]);
+    }
+    if (result == TY_OK) print_scaled(bench, scale, mode, t);
+    return result;
+}
+
+static ty_result bench_scales(const bench_session* bench, const ty_scene* scene) {
+    ty_result result = TY_OK;
+    if (bench->json != NULL)
+        json_open_array(bench->json, "scales");
+    else
+        printf("initialisation and propagation as settings grow (ms)\n");
+    for (int m = 0; m < MODES && result == TY_OK; ++m)
+        for (int scale = 0; scale < SCALED && result == TY_OK; ++scale)
+            if (scale != ITERATED || modes[m] == TY_POP_MODE_PUBLISHED) result = time_scale(bench, scene, scale, m);
+    if (bench->json != NULL) json_close_array(bench->json);
+    return result;
+}
+
+static ty_result load_scene(const bench_session* bench, ty_scene** out) {
+    return ty_scene_parse(bench->session->context, scene_text, strlen(scene_text), "bench pop", NULL, NULL, 0, out);
+}
+
+int bench_pop(const bench_session* bench) {
+    ty_scene* scene = NULL;
+    ty_result result = load_scene(bench, &scene);
+    if (result == TY_OK) result = bench_typical(bench, scene);
+    if (result == TY_OK) result = bench_scales(bench, scene);
+    ty_scene_destroy(scene);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
+}
+
+ty_result bench_pop_table(const bench_session* bench, bench_table* out) {
+    ty_scene* scene = NULL;
+    timed typical[MODES];
+    *out = (bench_table){.rows = STAGES, .columns = MODES, .paper_columns = 1, .paper_machine = "a GeForce GTX 770"};
+    ty_result result = load_scene(bench, &scene);
+    if (result == TY_OK) result = time_typical(bench, scene, typical);
+    ty_scene_destroy(scene);
+    for (int m = 0; m < MODES; ++m) snprintf(out->titles[m], BENCH_TABLE_TITLE, "%s", mode_names[m]);
+    snprintf(out->paper_titles[0], BENCH_TABLE_TITLE, "published");
+    for (int s = 0; s < STAGES && result == TY_OK; ++s) {
+        out->row_names[s] = stages[s].name;
+        out->units[s] = "ms";
+        out->paper[s][0] = stages[s].paper;
+        for (int m = 0; m < MODES; ++m) out->measured[s][m] = 1e3 * typical[m].seconds[s];
+    }
+    snprintf(out->setting, sizeof out->setting,
+             "Smoke of noise under a sky, %d ordinates of %d³ cells, %d iterations, RGB coefficients", ORDINATES,
+             RESOLUTION, ITERATIONS);
+    return result;
+}

@@ -1,0 +1,214 @@
+/* tyndall bench rays: rays per second through a mesh by ty_scene_trace, which also says where on a surface a ray ends
+ * and how far off it the next may start, beside a bare loop over Embree on the same triangles, with the flag for
+ * robustness that the library sets and without it. The three take turns, run by run. On one thread processor time
+ * counts, which a busy machine disturbs less, on all of them the clock. */
+#define _GNU_SOURCE
+#include "bench/bench.h"
+#include "bench/embree.h"
+#include "bench/ray_sets.h"
+
+#include <stdlib.h>
+#include <time.h>
+
+enum { RUNS_MAX = 99, BLOCK_RAYS = 4096, WIDTH = 1024 };
+enum { OURS = 0, ROBUST = 1, PLAIN = 2, SIDES = 3 };
+
+/* A mesh as each side has it, for one number of threads. */
+typedef struct tracers {
+    ty_context* context;
+    ty_scene* scene;
+    bench_embree* embree[SIDES]; /* OURS is NULL */
+} tracers;
+
+/* Where answers go. */
+typedef struct answers {
+    ty_ray_hit* ours;
+    bench_embree_hit* bare;
+    bool* shadowed;
+} answers;
+
+/* Opaque whatever the file says, since bare Embree knows of no alpha. */
+static ty_result add_file(ty_scene* scene, const char* path) {
+    const ty_material_def material = ty_default_material_def();
+    ty_mesh_file_def def = ty_default_mesh_file_def();
+    def.lights = false;
+    def.material = &material;
+    return ty_scene_add_mesh_file(scene, path, &def);
+}
+
+static ty_result make_embree(tracers* all) {
+    const int32_t count = ty_scene_get_info(all->scene).meshes;
+    ty_mesh_def* meshes = malloc((size_t)count * sizeof *meshes);
+    if (meshes == NULL) return TY_ERROR_MEMORY;
+    ty_result result = TY_OK;
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) result = ty_scene_get_mesh(all->scene, i, &meshes[i]);
+    for (int side = ROBUST; side < SIDES && result == TY_OK; ++side) {
+        all->embree[side] = bench_embree_create(meshes, count, side == ROBUST, ty_context_threads(all->context));
+        if (all->embree[side] == NULL) result = TY_ERROR_INTERNAL;
+    }
+    free(meshes);
+    return result;
+}
+
+static void destroy_tracers(tracers* all) {
+    for (int side = ROBUST; side < SIDES; ++side) bench_embree_destroy(all->embree[side]);
+    ty_scene_destroy(all->scene);
+}
+
+static ty_result make_tracers(ty_context* context, const char* mesh, tracers* all) {
+    *all = (tracers){.context = context};
+    ty_result result = ty_scene_create(context, TY_AXIS_Y, &all->scene);
+    if (result == TY_OK) result = mesh == NULL ? bench_add_terrain(all->scene) : add_file(all->scene, mesh);
+    if (result == TY_OK) result = ty_scene_commit(all->scene);
+    if (result == TY_OK) result = make_embree(all);
+    if (result != TY_OK) destroy_tracers(all);
+    return result;
+}
+
+/* ---- timing ---- */
+
+typedef struct bare_job {
+    const bench_embree* embree;
+    const ray_set* set;
+    const answers* to;
+} bare_job;
+
+static void trace_bare_block(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const bare_job* job = user;
+    const int64_t begin = index * BLOCK_RAYS, left = job->set->count - begin;
+    const int64_t count = left < BLOCK_RAYS ? left : BLOCK_RAYS;
+    if (job->set->shadow)
+        bench_embree_trace_shadows(job->embree, job->set->rays + begin, count, job->set->coherent,
+                                   job->to->shadowed + begin);
+    else
+        bench_embree_trace(job->embree, job->set->rays + begin, count, job->set->coherent, job->to->bare + begin);
+}
+
+static ty_result trace_set(const tracers* all, int side, const ray_set* set, const answers* to) {
+    if (side != OURS) {
+        bare_job job = {all->embree[side], set, to};
+        ty_parallel_for(all->context, (set->count + BLOCK_RAYS - 1) / BLOCK_RAYS, trace_bare_block, &job);
+        return TY_OK;
+    }
+    if (set->shadow) return ty_scene_trace_shadows(all->scene, set->rays, set->count, set->coherent, to->shadowed);
+    return ty_scene_trace(all->scene, set->rays, set->count, set->coherent, to->ours);
+}
+
+static double seconds_now(int32_t threads) {
+    if (threads > 1) return cli_wall_seconds();
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* 1e6 rays per second of each side, medians, after a turn each that does not count. */
+static ty_result measure_set(const tracers* all, const ray_set* set, const answers* to, int runs,
+                             double speeds[SIDES]) {
+    const int32_t threads = ty_context_threads(all->context);
+    double samples[SIDES][RUNS_MAX];
+    for (int run = -1; run < runs; ++run)
+        for (int side = 0; side < SIDES; ++side) {
+            const double start = seconds_now(threads);
+            const ty_result result = trace_set(all, side, set, to);
+            if (result != TY_OK) return result;
+            if (run >= 0) samples[side][run] = 1e-6 * (double)set->count / (seconds_now(threads) - start);
+        }
+    for (int side = 0; side < SIDES; ++side) speeds[side] = bench_median(samples[side], runs);
+    return TY_OK;
+}
+
+static void print_speeds(const bench_session* bench, const ray_set* set, int32_t threads, const double speeds[SIDES]) {
+    if (bench->json == NULL) {
+        printf("%-26s %8d %12.2f %14.2f %12.2f %12.2f\n", set->name, threads, speeds[OURS], speeds[ROBUST],
+               speeds[PLAIN], speeds[OURS] / speeds[ROBUST]);
+        fflush(stdout);
+        return;
+    }
+    json_open_object(bench->json, NULL);
+    json_text(bench->json, "rays", set->key);
+    json_integer(bench->json, "count", set->count);
+    json_integer(bench->json, "threads", threads);
+    json_number(bench->json, "mrays_per_second", speeds[OURS]);
+    json_number(bench->json, "embree_robust_mrays_per_second", speeds[ROBUST]);
+    json_number(bench->json, "embree_mrays_per_second", speeds[PLAIN]);
+    json_close_object(bench->json);
+}
+
+static ty_result measure_sets(const bench_session* bench, const tracers* all, const ray_set sets[RAY_SETS],
+                              const answers* to) {
+    ty_result result = TY_OK;
+    for (int set = 0; set < RAY_SETS && result == TY_OK; ++set) {
+        double speeds[SIDES];
+        if (sets[set].count == 0) continue;
+        result = measure_set(all, &sets[set], to, bench->options->runs, speeds);
+        if (result == TY_OK) print_speeds(bench, &sets[set], ty_context_threads(all->context), speeds);
+    }
+    return result;
+}
+
+static void print_head(const bench_session* bench, const ty_scene* scene, const int32_t size[2]) {
+    const bench_options* options = bench->options;
+    const char* mesh = options->mesh == NULL ? "terrain" : options->mesh;
+    const int64_t triangles = ty_scene_get_info(scene).triangles;
+    if (bench->json == NULL) {
+        printf("rays through %s (%lld triangles, %dx%d pixels, medians of %d; 1e6 rays/s)\n", mesh,
+               (long long)triangles, size[0], size[1], options->runs);
+        printf("%-26s %8s %12s %14s %12s %12s\n", "rays", "threads", "tyndall", "Embree robust", "Embree", "of robust");
+        return;
+    }
+    json_text(bench->json, "mesh", mesh);
+    json_integer(bench->json, "triangles", triangles);
+    json_numbers(bench->json, "size", (const double[]){size[0], size[1]}, 2);
+    json_integer(bench->json, "runs", options->runs);
+    json_open_array(bench->json, "speeds");
+}
+
+/* Everything once more with a context of one thread, whose scene is made anew. */
+static ty_result measure_one_thread(const bench_session* bench, const ray_set sets[RAY_SETS], const answers* to) {
+    ty_context_def def = ty_default_context_def();
+    def.threads = 1;
+    ty_context* context = NULL;
+    ty_result result = ty_context_create(&def, &context);
+    if (result != TY_OK) return result;
+    tracers one;
+    result = make_tracers(context, bench->options->mesh, &one);
+    if (result == TY_OK) {
+        result = measure_sets(bench, &one, sets, to);
+        destroy_tracers(&one);
+    }
+    ty_context_destroy(context);
+    return result;
+}
+
+static ty_result measure(const bench_session* bench, const tracers* all, const int32_t size[2]) {
+    const size_t count = (size_t)size[0] * (size_t)size[1];
+    const answers to = {malloc(count * sizeof(ty_ray_hit)), malloc(count * sizeof(bench_embree_hit)),
+                        malloc(count * sizeof(bool))};
+    ray_set sets[RAY_SETS];
+    ty_result result = TY_ERROR_MEMORY;
+    if (to.ours != NULL && to.bare != NULL && to.shadowed != NULL) result = bench_make_rays(all->scene, size, sets);
+    if (result == TY_OK) {
+        print_head(bench, all->scene, size);
+        result = measure_sets(bench, all, sets, &to);
+        if (result == TY_OK && ty_context_threads(all->context) > 1) result = measure_one_thread(bench, sets, &to);
+        if (bench->json != NULL) json_close_array(bench->json);
+        bench_free_rays(sets);
+    }
+    free(to.ours);
+    free(to.bare);
+    free(to.shadowed);
+    return result;
+}
+
+int bench_rays(const bench_session* bench) {
+    const bench_options* options = bench->options;
+    int32_t size[2];
+    tracers all;
+    bench_pixels(options, WIDTH, WIDTH, size);
+    ty_result result = make_tracers(bench->session->context, options->mesh, &all);
+    if (result != TY_OK) return cli_fail_reading(bench->session, result);
+    result = measure(bench, &all, size);
+    destroy_tracers(&all);
+    return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
+}

@@ -1,0 +1,20 @@
+/* What benches share. */
+#include "bench/bench.h"
+
+#include <stdlib.h>
+
+static int compare_numbers(const void* a, const void* b) {
+    const double x = *(const double*)a, y = *(const double*)b;
+    return (x > y) - (x < y);
+}
+
+double bench_median(double* values, int count) {
+    qsort(values, (size_t)count, sizeof *values, compare_numbers);
+    return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
+}
+
+void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]) {
+    const int32_t part = options->quick ? 4 : 1;
+    size[0] = options->size_given ? options->size[0] : width / part;
+    size[1] = options->size_given ? options->size[1] : height / part;
+}

@@ -1,0 +1,238 @@
+/* Figs. 8 and 12 of the paper: a staircase whose fog is not the same all over, baked by vertex, and fog lit by a lamp
+ * and by the sun. */
+#include "figures/bake_view.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { METHODS = 5, SURFACES = 0, ATTENUATION = 1, IMPULSE = 2, CELLS = 3, TRUTH = 4 };
+
+static const char* const titles[METHODS] = {"without media", "attenuation", "impulse responses", "cache",
+                                            "path tracing"};
+static const ty_bake_method methods[METHODS] = {TY_BAKE_SURFACES, TY_BAKE_ATTENUATION, TY_BAKE_IMPULSE, TY_BAKE_CACHE,
+                                                TY_BAKE_PATH};
+
+/* A view baked by all methods that count. */
+typedef struct baked_view {
+    bake_view view;
+    ty_bake_light* light[METHODS];
+    double seconds[METHODS];
+} baked_view;
+
+static void free_baked(baked_view* b) {
+    for (int m = 0; m < METHODS; ++m) free(b->light[m]);
+    bake_view_free(&b->view);
+}
+
+static ty_result bake_all(figure_run* run, const char* item, const ty_scene* scene, const ty_impulse* tables, int first,
+                          int past, baked_view* b) {
+    ty_result result = TY_OK;
+    for (int m = first; m < past && result == TY_OK; ++m) {
+        ty_bake_def def = ty_default_bake_def();
+        char own_item[FIGURE_NAME_SIZE];
+        snprintf(own_item, sizeof own_item, "%.30s, %s", item, titles[m]);
+        def.method = methods[m];
+        def.tables = tables;
+        def.scatterings = m >= CELLS ? TY_IMPULSE_BOUNCES_MAX : def.scatterings;
+        def.spp = bake_spp(run, m == TRUTH);
+        def.seed = (uint64_t)m;
+        result =
+            bake_view_light(run, own_item, scene, &def, b->view.receivers, b->view.count, &b->light[m], &b->seconds[m]);
+    }
+    return result;
+}
+
+static ty_result show(figure_run* run, const baked_view* b, int method, bake_part part, double exposure,
+                      plot_cell* cell) {
+    ty_image* image = NULL;
+    ty_result result = bake_view_image(run, &b->view, b->light[method], part, &image);
+    if (result == TY_OK) result = plot_picture_of_image(run->session->context, image, exposure, &cell->picture);
+    ty_image_destroy(image);
+    return result;
+}
+
+static ty_result show_errors(figure_run* run, const baked_view* b, int method, bake_part part, plot_cell* cell) {
+    ty_image *image = NULL, *truth = NULL;
+    ty_result result = bake_view_image(run, &b->view, b->light[method], part, &image);
+    if (result == TY_OK) result = bake_view_image(run, &b->view, b->light[TRUTH], part, &truth);
+    if (result == TY_OK) result = figure_error_map(run, image, truth, run->options->quick ? 1 : 2, &cell->picture);
+    ty_image_destroy(image);
+    ty_image_destroy(truth);
+    return result;
+}
+
+static ty_result make_tables(figure_run* run, ty_impulse** out) {
+    const ty_impulse_def def = ty_default_impulse_def();
+    return ty_impulse_create(run->session->context, &def, out, NULL);
+}
+
+/* ---- Fig. 8: the staircase ---- */
+
+enum { STAIR_WIDTH = 108, STAIR_HEIGHT = 192, STAIR_PICTURE = 240 };
+
+static const char stair_file[] = "scenes/wooden_staircase.glb";
+static const char stair_text[] =
+    "{\"tyndall\": 1, \"camera\": {\"file\": \"scenes/wooden_staircase.glb\", \"resolution\": [180, 320]},"
+    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-4.2, -0.17, -5.3], [2.6, 7.2, 5.2]],"
+    "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"frequency\": 3, \"octaves\": 4,"
+    "   \"coverage\": 0.6, \"sharpness\": 4, \"seed\": 3}},"
+    "  \"sigma_s\": 0.8, \"sigma_a\": 0.02, \"g\": 0.3}],"
+    " \"geometry\": [{\"file\": \"scenes/wooden_staircase.glb\"}]}";
+
+/* Columns: light in cells by vertex and by pixel, the truth by pixel, errors by pixel. Impulse responses are
+ * compared, too. */
+static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const baked_view* b, plot_sheet* sheet) {
+    static const char* const rows[2] = {"all light", "scattered by media"};
+    static const double exposures[2] = {-1, 0};
+    ty_result result = TY_OK;
+    for (int row = 0; row < 2 && result == TY_OK; ++row) {
+        char item[FIGURE_NAME_SIZE];
+        const bake_part part = (bake_part)row;
+        const bake_errors errors = bake_compare(b->light[CELLS], b->light[TRUTH], b->view.count, part);
+        plot_cell* cell = plot_sheet_cell(sheet, row, 3);
+        snprintf(item, sizeof item, "staircase, %s", rows[row]);
+        snprintf(sheet->row_titles[row], PLOT_LABEL_SIZE, "%s", rows[row]);
+        const bake_errors others = bake_compare(b->light[IMPULSE], b->light[TRUTH], b->view.count, part);
+        result = bake_note_errors(run, item, &errors, row == 0 && !run->options->quick);
+        snprintf(item, sizeof item, "staircase, %.30s, impulse", rows[row]);
+        if (result == TY_OK) result = bake_note_errors(run, item, &others, false);
+        if (result == TY_OK) result = show(run, vertices, CELLS, part, exposures[row], plot_sheet_cell(sheet, row, 0));
+        if (result == TY_OK) result = show(run, b, CELLS, part, exposures[row], plot_sheet_cell(sheet, row, 1));
+        if (result == TY_OK) result = show(run, b, TRUTH, part, exposures[row], plot_sheet_cell(sheet, row, 2));
+        if (result == TY_OK) result = show_errors(run, b, CELLS, part, cell);
+        bake_write_errors("means", &errors, cell->lines[0]);
+    }
+    snprintf(plot_sheet_cell(sheet, 0, 0)->lines[0], PLOT_LABEL_SIZE, "%.3g s", vertices->seconds[CELLS]);
+    snprintf(plot_sheet_cell(sheet, 0, 1)->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[CELLS]);
+    snprintf(plot_sheet_cell(sheet, 0, 2)->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[TRUTH]);
+    return result;
+}
+
+static ty_result show_stairs(figure_run* run, const ty_scene* scene, const ty_impulse* tables) {
+    static const char* const columns[4] = {"by vertex", "cache", "path tracing", "errors"};
+    baked_view vertices = {.view = {.count = 0}}, b = {.view = {.count = 0}};
+    int32_t size[2];
+    plot_sheet sheet;
+    figure_view_size(run, STAIR_WIDTH, STAIR_HEIGHT, size);
+    ty_result result = plot_create_sheet(2, 4, STAIR_PICTURE, &sheet);
+    if (result != TY_OK) return result;
+    for (int i = 0; i < 4; ++i) snprintf(sheet.column_titles[i], PLOT_LABEL_SIZE, "%s", columns[i]);
+    result = bake_view_create(scene, size, true, &vertices.view);
+    if (result == TY_OK) result = bake_view_create(scene, size, false, &b.view);
+    if (result == TY_OK) result = bake_all(run, "staircase by vertex", scene, tables, CELLS, TRUTH, &vertices);
+    if (result == TY_OK) result = bake_all(run, "staircase", scene, tables, IMPULSE, METHODS, &b);
+    if (result == TY_OK) result = fill_stairs(run, &vertices, &b, &sheet);
+    if (result == TY_OK) {
+        plot_page_sheet(&run->page, &sheet);
+        plot_page_color_bar(&run->page, &figure_error_scale);
+    }
+    snprintf(run->caption, sizeof run->caption,
+             "Irradiance in smoke of noise. By the %lld vertices that the camera sees, which suits the fine parts of "
+             "the model and not its "
+             "walls, whose few vertices lie behind others; and at every pixel. Light in cells at %d paths, path "
+             "tracing at %d.",
+             (long long)vertices.view.count, (int)bake_spp(run, false), (int)bake_spp(run, true));
+    free_baked(&vertices);
+    free_baked(&b);
+    plot_free_sheet(&sheet);
+    return result;
+}
+
+ty_result figure_bake_staircase(figure_run* run) {
+    char path[FIGURE_PATH_SIZE];
+    ty_scene* scene = NULL;
+    ty_impulse* tables = NULL;
+    if (!figure_find_data(run, stair_file, path)) return TY_OK;
+    ty_result result = ty_scene_parse(run->session->context, stair_text, strlen(stair_text), "staircase",
+                                      run->options->data, NULL, 0, &scene);
+    if (result == TY_OK) result = make_tables(run, &tables);
+    if (result == TY_OK) result = show_stairs(run, scene, tables);
+    ty_impulse_destroy(tables);
+    ty_scene_destroy(scene);
+    return result;
+}
+
+/* ---- Fig. 12: a lamp and the sun ---- */
+
+enum { LIGHTS = 2, VIEW_WIDTH = 160, VIEW_HEIGHT = 120, VIEW_PICTURE = 240 };
+
+/* A hall with a door and pillars, in fog. */
+static const char hall_text[] =
+    "{\"tyndall\": 1, \"camera\": {\"position\": [0, 1.7, 4.8], \"target\": [0, 1.5, 0], \"fov_y\": 62,"
+    "  \"resolution\": [160, 120]},"
+    " \"media\": [{\"name\": \"fog\", \"bounds\": [[-4, 0, -5], [4, 4, 5]], \"sigma_s\": 0.15, \"sigma_a\": 0.01}],"
+    " \"lights\": [%s],"
+    " \"geometry\": [{\"quad\": {\"origin\": [-4, 0, 5], \"u\": [8, 0, 0], \"v\": [0, 0, -10]},"
+    "   \"material\": {\"albedo\": 0.6}},"
+    "  {\"quad\": {\"origin\": [-4, 0, -5], \"u\": [8, 0, 0], \"v\": [0, 4, 0]}, \"material\": {\"albedo\": 0.7}},"
+    "  {\"quad\": {\"origin\": [-4, 0, 5], \"u\": [0, 0, -10], \"v\": [0, 4, 0]},"
+    "   \"material\": {\"albedo\": [0.7, 0.4, 0.3]}},"
+    "  {\"quad\": {\"origin\": [-4, 4, -5], \"u\": [5, 0, 0], \"v\": [0, 0, 10]}, \"material\": {\"albedo\": 0.7}},"
+    "  {\"quad\": {\"origin\": [4, 0, -5], \"u\": [0, 0, 10], \"v\": [0, 1, 0]},"
+    "   \"material\": {\"albedo\": [0.3, 0.4, 0.7]}},"
+    "  {\"box\": [[-2.4, 0, -2.4], [-1.8, 4, -1.8]], \"material\": {\"albedo\": 0.6}},"
+    "  {\"box\": [[0.6, 0, -3], [1.6, 1, -2]], \"material\": {\"albedo\": 0.6}}]}";
+
+static const struct {
+    const char *name, *json;
+    double exposure;
+} lights[LIGHTS] = {
+    {"point", "{\"type\": \"point\", \"position\": [-0.6, 2.6, 0.6], \"intensity\": 10}", -1.5},
+    {"directional", "{\"type\": \"directional\", \"direction\": [-0.7, -1, -0.3], \"irradiance\": 6}", -2},
+};
+
+static ty_result fill_light(figure_run* run, int row, const baked_view* b, plot_sheet* sheet) {
+    ty_result result = TY_OK;
+    snprintf(sheet->row_titles[row], PLOT_LABEL_SIZE, "%s", lights[row].name);
+    for (int m = 0; m < METHODS && result == TY_OK; ++m) {
+        plot_cell* cell = plot_sheet_cell(sheet, row, m);
+        char item[FIGURE_NAME_SIZE];
+        const bake_errors errors = bake_compare(b->light[m], b->light[TRUTH], b->view.count, BAKE_ALL);
+        snprintf(item, sizeof item, "%s, %s", lights[row].name, titles[m]);
+        result = show(run, b, m, BAKE_ALL, lights[row].exposure, cell);
+        if (result == TY_OK && m != TRUTH)
+            result = bake_note_errors(run, item, &errors, m == CELLS && !run->options->quick);
+        snprintf(cell->lines[0], PLOT_LABEL_SIZE, "%.3g s", b->seconds[m]);
+        if (m != TRUTH) bake_write_errors("means", &errors, cell->lines[1]);
+    }
+    if (result == TY_OK) result = show_errors(run, b, CELLS, BAKE_ALL, plot_sheet_cell(sheet, row, METHODS));
+    return result;
+}
+
+static ty_result show_light(figure_run* run, int row, const ty_impulse* tables, plot_sheet* sheet) {
+    char text[sizeof hall_text + 256];
+    int32_t size[2];
+    ty_scene* scene = NULL;
+    baked_view b = {.view = {.count = 0}};
+    figure_view_size(run, VIEW_WIDTH, VIEW_HEIGHT, size);
+    snprintf(text, sizeof text, hall_text, lights[row].json);
+    ty_result result = ty_scene_parse(run->session->context, text, strlen(text), "hall", NULL, NULL, 0, &scene);
+    if (result == TY_OK) result = bake_view_create(scene, size, false, &b.view);
+    if (result == TY_OK) result = bake_all(run, lights[row].name, scene, tables, SURFACES, METHODS, &b);
+    if (result == TY_OK) result = fill_light(run, row, &b, sheet);
+    free_baked(&b);
+    ty_scene_destroy(scene);
+    return result;
+}
+
+ty_result figure_bake_lights(figure_run* run) {
+    plot_sheet sheet;
+    ty_impulse* tables = NULL;
+    ty_result result = plot_create_sheet(LIGHTS, METHODS + 1, VIEW_PICTURE, &sheet);
+    if (result != TY_OK) return result;
+    for (int m = 0; m < METHODS; ++m) snprintf(sheet.column_titles[m], PLOT_LABEL_SIZE, "%s", titles[m]);
+    snprintf(sheet.column_titles[METHODS], PLOT_LABEL_SIZE, "errors of the cache");
+    result = make_tables(run, &tables);
+    for (int row = 0; row < LIGHTS && result == TY_OK; ++row) result = show_light(run, row, tables, &sheet);
+    if (result == TY_OK) {
+        plot_page_sheet(&run->page, &sheet);
+        plot_page_color_bar(&run->page, &figure_error_scale);
+    }
+    ty_impulse_destroy(tables);
+    plot_free_sheet(&sheet);
+    snprintf(run->caption, sizeof run->caption,
+             "Irradiance of what a camera sees of a hall, 8 m x 10 m, in fog of σs = 0.15/m. %d paths a pixel, path "
+             "tracing %d. Ratios of means and relative RMSE against path tracing, without its noise.",
+             (int)bake_spp(run, false), (int)bake_spp(run, true));
+    return result;
+}

@@ -1,0 +1,24 @@
+/* Scenes on which method auto's choices are measured. */
+#ifndef TY_TOOLS_AUTO_SCENES_H
+#define TY_TOOLS_AUTO_SCENES_H
+
+#include <tyndall/tyndall.h>
+
+enum { AUTO_OVERRIDES_MAX = 3, AUTO_SCENES_MAX = 32 };
+
+typedef struct auto_scene {
+    const char* name;
+    const char* builtin; /* "builtin:..."; NULL: text */
+    const char* text;    /* names files below the folder of third-party data */
+    const char* file;    /* one of those that it needs; NULL: none */
+    const char* overrides[AUTO_OVERRIDES_MAX];
+    bool held_out; /* the rules were not made with it in view */
+} auto_scene;
+
+extern const auto_scene auto_scenes[];
+extern const int32_t auto_scene_count; /* AUTO_SCENES_MAX at most */
+
+/* data: the folder of third-party data, which scenes without a file do not need. Errors: as of ty_scene_load. */
+ty_result auto_load_scene(ty_context* context, const auto_scene* from, const char* data, ty_scene** out);
+
+#endif
