@@ -29,7 +29,7 @@ declare -A below=(
   [io]="base grid scene image"
   [cli]="$library"
   [plot]="base"
-  [scenes]=""
+  [scenes]="io"
   [bench]="$library cli scenes"
   [figures]="$library cli scenes bench plot"
 )

@@ -3,7 +3,7 @@
 #include "bench/memory.h"
 #include "bench/noise.h"
 #include "bench/ordinates_box.h"
-#include "scenes/dom_scenes.h"
+#include "scenes/scenes.h"
 #include "solve/sweep.h"
 
 #include <math.h>
@@ -44,15 +44,6 @@ static const int32_t sides[SIDES] = {32, 64};
 static const double most_ms[SIDES] = {100, 1000}; /* the bounds */
 
 /* Smoke whose channels have extinctions and albedos of their own. */
-static const char scene_text[] =
-    "{\"tyndall\": 1,"
-    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]],"
-    "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 4, \"octaves\": "
-    "4,"
-    "   \"coverage\": 0.6, \"sharpness\": 3}},"
-    "  \"sigma_s\": [14, 17, 20], \"sigma_a\": [1.0, 0.6, 0.3], \"g\": 0.7}],"
-    " \"lights\": [{\"type\": \"directional\", \"direction\": [-0.4, -1, -0.3], \"irradiance\": 1}]}";
-
 /* Of a solve, medians; seconds: all, medium, uncollided light, sources, iterations, sweeps among these. */
 enum { ALL, MEDIUM, DIRECT, SOURCE, SOLVE, SWEEP, PARTS };
 static const char* const part_names[PARTS] = {"all", "medium", "direct", "source", "solve", "sweeps"};
@@ -142,8 +133,7 @@ static ty_result bench_solves(const bench_session* bench) {
     ty_scene* scene = NULL;
     ty_result result = measure_machine(bench, &peak);
     if (result == TY_OK)
-        result =
-            ty_scene_parse(bench->session->context, scene_text, strlen(scene_text), "bench dom", NULL, NULL, 0, &scene);
+        result = tools_load_scene(bench->session->context, "bench_colored_smoke", NULL, NULL, 0, &scene);
     if (bench->json != NULL)
         json_open_array(bench->json, "solves");
     else
@@ -244,14 +234,9 @@ static void free_pair(pair* p) {
 
 static ty_result load_cloud(const bench_session* bench, const char** name, ty_scene** out) {
     const char* data = bench->options->data;
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s", data != NULL ? data : "", dom_disney_file);
-    FILE* file = data != NULL ? fopen(path, "rb") : NULL;
-    *name = file != NULL ? "Disney cloud" : "builtin:cloud_sun";
-    if (file == NULL) return ty_scene_load(bench->session->context, *name, NULL, 0, out);
-    fclose(file);
-    return ty_scene_parse(bench->session->context, dom_disney_scene, strlen(dom_disney_scene), "disney", data, NULL, 0,
-                          out);
+    const bool found = tools_has_data(data, DISNEY_CLOUD_FILE);
+    *name = found ? "Disney cloud" : "builtin:cloud_sun";
+    return tools_load_scene(bench->session->context, found ? "dom_disney_cloud" : *name, data, NULL, 0, out);
 }
 
 static ty_result render_pair(const bench_session* bench, const ty_scene* scene, pair* out) {

@@ -1,7 +1,7 @@
 /* tyndall bench lpv: injection and propagation as in the paper's Table 1, how propagation grows with cells, and a whole
  * frame. */
 #include "bench/tables.h"
-#include "scenes/lpv_scenes.h"
+#include "scenes/scenes.h"
 #include "cli/report.h"
 #include "method/lpv/lattice.h"
 
@@ -20,12 +20,6 @@ enum {
 };
 
 /* Fog around a lamp and nothing else: as many cells as resolution^3, all alike. */
-static const char synthetic_text[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 0, 20], \"target\": [0, 0, 0], \"fov_y\": 40, \"resolution\": [1280, 720]},"
-    " \"media\": [{\"bounds\": [[-8, -8, -8], [8, 8, 8]], \"sigma_s\": 0.06, \"sigma_a\": 0.01, \"g\": 0.3}],"
-    " \"lights\": [{\"type\": \"point\", \"position\": [0.1, 0.2, 0.3], \"intensity\": 10}]}";
-
 static const int32_t sizes[SIZES] = {32, 64};
 static const ty_lpv_mode modes[MODES] = {TY_LPV_MODE_LINKS, TY_LPV_MODE_PUBLISHED};
 static const char* const mode_names[MODES] = {"links", "published"};
@@ -303,8 +297,8 @@ static const char one_light[] =
 static ty_result bench_scene(const bench_session* bench, lpv_scene which, const char* name, const char* change,
                              bool frame, double peak) {
     ty_scene* scene = NULL;
-    ty_result result =
-        lpv_load_scene(bench->session->context, which, bench->options->data, &change, change != NULL ? 1 : 0, &scene);
+    ty_result result = tools_load_scene(bench->session->context, lpv_scene_files[which], bench->options->data, &change,
+                                        change != NULL ? 1 : 0, &scene);
     if (result == TY_OK) result = bench_scene_table(bench, name, scene, peak);
     if (result == TY_OK && frame) result = bench_frame(bench, name, scene);
     ty_scene_destroy(scene);
@@ -312,7 +306,7 @@ static ty_result bench_scene(const bench_session* bench, lpv_scene which, const 
 }
 
 static ty_result bench_scenes(const bench_session* bench, double peak) {
-    const bool sponza = lpv_has_sponza(bench->options->data);
+    const bool sponza = tools_has_data(bench->options->data, SPONZA_FILE);
     ty_result result = bench_scene(bench, LPV_ATRIUM, lpv_scene_names[LPV_ATRIUM], NULL, !sponza, peak);
     if (result == TY_OK && sponza) result = bench_scene(bench, LPV_SPONZA, "Sponza, one light", one_light, true, peak);
     if (result == TY_OK && sponza)
@@ -325,8 +319,7 @@ int bench_lpv(const bench_session* bench) {
     const double peak = bench_fma_gflops(bench->session->context);
     ty_result result = peak > 0 ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK)
-        result = ty_scene_parse(bench->session->context, synthetic_text, strlen(synthetic_text), "bench lpv", NULL,
-                                NULL, 0, &synthetic);
+        result = tools_load_scene(bench->session->context, "bench_lamp_in_fog", NULL, NULL, 0, &synthetic);
     if (result == TY_OK) result = bench_scene_table(bench, "synthetic", synthetic, peak);
     if (result == TY_OK) result = bench_growth(bench, synthetic);
     ty_scene_destroy(synthetic);
@@ -355,14 +348,14 @@ static void fill_table(const timed table[COLUMNS], bench_table* out) {
 }
 
 ty_result bench_lpv_table(const bench_session* bench, bench_table* out) {
-    const bool sponza = lpv_has_sponza(bench->options->data);
+    const bool sponza = tools_has_data(bench->options->data, SPONZA_FILE);
     const lpv_scene which = sponza ? LPV_SPONZA : LPV_ATRIUM;
     const char* change = one_light;
     ty_scene* scene = NULL;
     timed table[COLUMNS];
     *out = (bench_table){.paper_machine = "a GeForce GTX 480"};
-    ty_result result =
-        lpv_load_scene(bench->session->context, which, bench->options->data, &change, sponza ? 1 : 0, &scene);
+    ty_result result = tools_load_scene(bench->session->context, lpv_scene_files[which], bench->options->data, &change,
+                                        sponza ? 1 : 0, &scene);
     if (result == TY_OK) result = time_table(bench, scene, table);
     if (result == TY_OK) fill_table(table, out);
     ty_scene_destroy(scene);

@@ -1,6 +1,7 @@
 /* tyndall bench pop: the paper's typical setting (Fig. 14), stage by stage, as published and by our default mode, and
  * how times grow with ordinates, cells and iterations. */
 #include "bench/tables.h"
+#include "scenes/scenes.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,18 +18,6 @@ enum {
 };
 
 /* The coefficients of the paper's smoke (Fig. 11), in 10 m of it. */
-static const char scene_text[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 1, 24], \"target\": [0, 0, 0], \"fov_y\": 30, \"resolution\": [1024, 1024]},"
-    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-5, -5, -5], [5, 5, 5]],"
-    "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 4, \"octaves\": "
-    "5,"
-    "   \"coverage\": 0.5, \"sharpness\": 4}},"
-    "  \"sigma_s\": [2.9, 3.6, 4.2], \"sigma_a\": [3.4, 3.35, 3.4], \"g\": 0.9}],"
-    " \"lights\": [{\"type\": \"environment\","
-    "  \"sky\": {\"sun_direction\": [-0.7, -0.6, -0.25], \"solar\": 1.5, \"haze\": 1, \"ground\": 0.2, \"sun\": false,"
-    "   \"resolution\": 512}}]}";
-
 static const ty_pop_mode modes[MODES] = {TY_POP_MODE_SPLIT, TY_POP_MODE_PUBLISHED};
 static const char* const mode_names[MODES] = {"split", "published"};
 
@@ -243,7 +232,7 @@ static ty_result bench_scales(const bench_session* bench, const ty_scene* scene)
 }
 
 static ty_result load_scene(const bench_session* bench, ty_scene** out) {
-    return ty_scene_parse(bench->session->context, scene_text, strlen(scene_text), "bench pop", NULL, NULL, 0, out);
+    return tools_load_scene(bench->session->context, "bench_smoke", NULL, NULL, 0, out);
 }
 
 int bench_pop(const bench_session* bench) {

@@ -1,5 +1,5 @@
 /* What method auto chooses for many scenes, and what that costs against the best that could have been chosen. */
-#include "scenes/auto_scenes.h"
+#include "scenes/auto.h"
 #include "figures/view.h"
 
 #include <math.h>

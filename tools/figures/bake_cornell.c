@@ -9,12 +9,6 @@
 enum { ROWS = 3, WITHOUT = 0, WITH = 1, CELLS = 2, TRUTH = 3, METHODS = 4, SIDE = 96, PICTURE_WIDTH = 230 };
 enum { ROOM = 3, PARTS = 3 };
 
-static const char box_file[] = "scenes/cornell_box_lightmap_uv.glb";
-static const char scene_text[] =
-    "{\"tyndall\": 1, \"meters_per_unit\": 0.01,"
-    " \"media\": [{\"name\": \"fog\", \"bounds\": [[-556, 0, -559.2], [0, 548.8, 0]], \"sigma_s\": 0.2}],"
-    " \"geometry\": [{\"file\": \"scenes/cornell_box_lightmap_uv.glb\"}]}";
-
 static const int32_t scatterings[ROWS] = {1, 2, 10};
 static const char* const titles[METHODS] = {"impulse, no back-scattering", "impulse", "cache", "path tracing"};
 
@@ -37,8 +31,7 @@ static ty_result open_maps(figure_run* run, maps* m) {
     atlas.width = atlas.height = run->options->size[0] >= 16 ? run->options->size[0]
                                  : run->options->quick       ? SIDE / 3
                                                              : SIDE;
-    ty_result result =
-        ty_scene_parse(context, scene_text, strlen(scene_text), "Cornell box", run->options->data, NULL, 0, &m->scene);
+    ty_result result = figure_load_scene(run, "bake_cornell", NULL, 0, &m->scene);
     if (result == TY_OK) result = ty_impulse_create(context, &def, &m->tables, NULL);
     for (int i = 0; i < PARTS && result == TY_OK; ++i)
         result = ty_atlas_create(m->scene, ROOM + i, "room", &atlas, &m->atlases[i]);
@@ -174,7 +167,7 @@ static ty_result fill_page(figure_run* run, const maps* m) {
 ty_result figure_bake_cornell(figure_run* run) {
     char path[FIGURE_PATH_SIZE];
     maps m = {.scene = NULL};
-    if (!figure_find_data(run, box_file, path)) return TY_OK;
+    if (!figure_find_data(run, CORNELL_FILE, path)) return TY_OK;
     ty_result result = open_maps(run, &m);
     if (result == TY_OK) result = fill_page(run, &m);
     close_maps(&m);

@@ -70,15 +70,6 @@ static ty_result make_tables(figure_run* run, ty_impulse** out) {
 
 enum { STAIR_WIDTH = 108, STAIR_HEIGHT = 192, STAIR_PICTURE = 240 };
 
-static const char stair_file[] = "scenes/wooden_staircase.glb";
-static const char stair_text[] =
-    "{\"tyndall\": 1, \"camera\": {\"file\": \"scenes/wooden_staircase.glb\", \"resolution\": [180, 320]},"
-    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-4.2, -0.17, -5.3], [2.6, 7.2, 5.2]],"
-    "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"frequency\": 3, \"octaves\": 4,"
-    "   \"coverage\": 0.6, \"sharpness\": 4, \"seed\": 3}},"
-    "  \"sigma_s\": 0.8, \"sigma_a\": 0.02, \"g\": 0.3}],"
-    " \"geometry\": [{\"file\": \"scenes/wooden_staircase.glb\"}]}";
-
 /* Columns: light in cells by vertex and by pixel, the truth by pixel, errors by pixel. Impulse responses are
  * compared, too. */
 static ty_result fill_stairs(figure_run* run, const baked_view* vertices, const baked_view* b, plot_sheet* sheet) {
@@ -142,9 +133,8 @@ ty_result figure_bake_staircase(figure_run* run) {
     char path[FIGURE_PATH_SIZE];
     ty_scene* scene = NULL;
     ty_impulse* tables = NULL;
-    if (!figure_find_data(run, stair_file, path)) return TY_OK;
-    ty_result result = ty_scene_parse(run->session->context, stair_text, strlen(stair_text), "staircase",
-                                      run->options->data, NULL, 0, &scene);
+    if (!figure_find_data(run, STAIRCASE_FILE, path)) return TY_OK;
+    ty_result result = figure_load_scene(run, "bake_staircase", NULL, 0, &scene);
     if (result == TY_OK) result = make_tables(run, &tables);
     if (result == TY_OK) result = show_stairs(run, scene, tables);
     ty_impulse_destroy(tables);
@@ -157,28 +147,12 @@ ty_result figure_bake_staircase(figure_run* run) {
 enum { LIGHTS = 2, VIEW_WIDTH = 160, VIEW_HEIGHT = 120, VIEW_PICTURE = 240 };
 
 /* A hall with a door and pillars, in fog. */
-static const char hall_text[] =
-    "{\"tyndall\": 1, \"camera\": {\"position\": [0, 1.7, 4.8], \"target\": [0, 1.5, 0], \"fov_y\": 62,"
-    "  \"resolution\": [160, 120]},"
-    " \"media\": [{\"name\": \"fog\", \"bounds\": [[-4, 0, -5], [4, 4, 5]], \"sigma_s\": 0.15, \"sigma_a\": 0.01}],"
-    " \"lights\": [%s],"
-    " \"geometry\": [{\"quad\": {\"origin\": [-4, 0, 5], \"u\": [8, 0, 0], \"v\": [0, 0, -10]},"
-    "   \"material\": {\"albedo\": 0.6}},"
-    "  {\"quad\": {\"origin\": [-4, 0, -5], \"u\": [8, 0, 0], \"v\": [0, 4, 0]}, \"material\": {\"albedo\": 0.7}},"
-    "  {\"quad\": {\"origin\": [-4, 0, 5], \"u\": [0, 0, -10], \"v\": [0, 4, 0]},"
-    "   \"material\": {\"albedo\": [0.7, 0.4, 0.3]}},"
-    "  {\"quad\": {\"origin\": [-4, 4, -5], \"u\": [5, 0, 0], \"v\": [0, 0, 10]}, \"material\": {\"albedo\": 0.7}},"
-    "  {\"quad\": {\"origin\": [4, 0, -5], \"u\": [0, 0, 10], \"v\": [0, 1, 0]},"
-    "   \"material\": {\"albedo\": [0.3, 0.4, 0.7]}},"
-    "  {\"box\": [[-2.4, 0, -2.4], [-1.8, 4, -1.8]], \"material\": {\"albedo\": 0.6}},"
-    "  {\"box\": [[0.6, 0, -3], [1.6, 1, -2]], \"material\": {\"albedo\": 0.6}}]}";
-
 static const struct {
-    const char *name, *json;
+    const char *name, *override;
     double exposure;
 } lights[LIGHTS] = {
-    {"point", "{\"type\": \"point\", \"position\": [-0.6, 2.6, 0.6], \"intensity\": 10}", -1.5},
-    {"directional", "{\"type\": \"directional\", \"direction\": [-0.7, -1, -0.3], \"irradiance\": 6}", -2},
+    {"point", "lights[0].intensity=10", -1.5},
+    {"directional", "lights[0]={\"type\": \"directional\", \"direction\": [-0.7, -1, -0.3], \"irradiance\": 6}", -2},
 };
 
 static ty_result fill_light(figure_run* run, int row, const baked_view* b, plot_sheet* sheet) {
@@ -200,13 +174,12 @@ static ty_result fill_light(figure_run* run, int row, const baked_view* b, plot_
 }
 
 static ty_result show_light(figure_run* run, int row, const ty_impulse* tables, plot_sheet* sheet) {
-    char text[sizeof hall_text + 256];
+    const char* const overrides[1] = {lights[row].override};
     int32_t size[2];
     ty_scene* scene = NULL;
     baked_view b = {.view = {.count = 0}};
     figure_view_size(run, VIEW_WIDTH, VIEW_HEIGHT, size);
-    snprintf(text, sizeof text, hall_text, lights[row].json);
-    ty_result result = ty_scene_parse(run->session->context, text, strlen(text), "hall", NULL, NULL, 0, &scene);
+    ty_result result = figure_load_scene(run, "bake_hall", overrides, 1, &scene);
     if (result == TY_OK) result = bake_view_create(scene, size, false, &b.view);
     if (result == TY_OK) result = bake_all(run, lights[row].name, scene, tables, SURFACES, METHODS, &b);
     if (result == TY_OK) result = fill_light(run, row, &b, sheet);

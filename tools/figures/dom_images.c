@@ -1,45 +1,28 @@
 /* Clouds, smoke, a CT scan and nebulae by discrete ordinates, beside path tracing and the other volume methods. */
-#include "scenes/dom_scenes.h"
 #include "figures/dom_view.h"
-#include "figures/fld_volumes.h"
 
 #include <string.h>
 
 enum { METHODS = 3, DOM = 0, PICTURE_WIDTH = 300 };
 
-static const char plume_file[] = "volumes/plume/plume_0042.vdb";
-
-static const char plume_scene[] =
-    "{\"tyndall\": 1, \"up_axis\": \"z\","
-    " \"camera\": {\"position\": [4.2, -5.2, 1.7], \"target\": [1, 1, 2.0], \"fov_y\": 36, \"resolution\": [192, 256],"
-    "  \"exposure\": 1},"
-    " \"media\": [{\"name\": \"smoke\", \"density\": {\"file\": \"volumes/plume/plume_0042.vdb\", \"grid\": "
-    "\"density\"},"
-    "  \"sigma_t\": 14, \"albedo\": [0.85, 0.84, 0.82], \"g\": 0.3}],"
-    " \"lights\": [{\"type\": \"environment\", \"sky\": {\"sun_direction\": [-0.5, 0.6, -0.55], \"haze\": 1,"
-    "  \"sun\": true}}]}";
-
-/* file: that text names, below the folder of third-party data; text NULL: a builtin scene. */
+/* file: third-party data that a scene needs, or NULL. */
 typedef struct image_scene {
-    const char *item, *file, *text, *builtin;
+    const char *item, *file, *scene;
     int32_t width, height;
 } image_scene;
 
 static const image_scene scenes[] = {
-    {"Disney cloud", dom_disney_file, dom_disney_scene, NULL, 256, 144},
-    {"plume", plume_file, plume_scene, NULL, 192, 256},
-    {"CT head", fld_ct_file, fld_ct_scene, NULL, 192, 192},
-    {"nebulae", NULL, NULL, "builtin:nebulae", 192, 192},
-    {"cloud in the sun", NULL, NULL, "builtin:cloud_sun", 192, 192},
+    {"Disney cloud", DISNEY_CLOUD_FILE, "dom_disney_cloud", 256, 144},
+    {"plume", PLUME_FILE, "dom_plume", 192, 256},
+    {"CT head", CT_HEAD_FILE, "fld_ct_head", 192, 192},
+    {"nebulae", NULL, "builtin:nebulae", 192, 192},
+    {"cloud in the sun", NULL, "builtin:cloud_sun", 192, 192},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
 static ty_result load(figure_run* run, const image_scene* from, ty_scene** out) {
-    ty_context* context = run->session->context;
     const char* const coarse[1] = {"media[0].density.noise.resolution=32"};
-    if (from->text != NULL)
-        return ty_scene_parse(context, from->text, strlen(from->text), from->item, run->options->data, NULL, 0, out);
-    return ty_scene_load(context, from->builtin, coarse, run->options->quick ? 1 : 0, out);
+    return figure_load_scene(run, from->scene, coarse, from->file == NULL && run->options->quick ? 1 : 0, out);
 }
 
 /* The bounds. */

@@ -22,35 +22,11 @@ enum { RESOLUTION = 48, DIRECT = 144 };
 
 /* 4 m across, seen from the front; what is thin scatters 0.05/m. */
 static const struct {
-    const char *name, *text;
+    const char *name, *scene;
 } scenes[SCENES] = {
-    {"lamp beside a blob",
-     "{\"tyndall\": 1,"
-     " \"camera\": {\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_y\": 26, \"resolution\": [192, 192],"
-     "  \"exposure\": 5},"
-     " \"media\": [{\"name\": \"air\", \"bounds\": [[-2, -2, -2], [2, 2, 2]], \"sigma_s\": 0.05},"
-     "  {\"name\": \"blob\", \"bounds\": {\"sphere\": {\"center\": [0.6, -0.3, 0], \"radius\": 0.5}}, \"sigma_s\": "
-     "20}],"
-     " \"lights\": [{\"type\": \"point\", \"position\": [-0.7, 0.5, 0], \"intensity\": 1}]}"},
-    {"narrow beam",
-     "{\"tyndall\": 1,"
-     " \"camera\": {\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_y\": 26, \"resolution\": [192, 192],"
-     "  \"exposure\": 3},"
-     " \"media\": [{\"name\": \"fog\", \"bounds\": [[-2, -2, -2], [2, 2, 2]], \"sigma_s\": 0.7, \"sigma_a\": "
-     "0.02}],"
-     " \"lights\": [{\"type\": \"spot\", \"position\": [-2.5, 1.1, 0], \"direction\": [1, -0.37, 0], \"cone\": 6,"
-     "  \"intensity\": 40}]}"},
-    {"spot through smoke",
-     "{\"tyndall\": 1,"
-     " \"camera\": {\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_y\": 26, \"resolution\": [192, 192],"
-     "  \"exposure\": 2},"
-     " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-2, -2, -2], [2, 2, 2]],"
-     "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 3, \"octaves\": "
-     "4,"
-     "   \"coverage\": 0.6, \"sharpness\": 3}},"
-     "  \"sigma_s\": 4, \"sigma_a\": 0.4}],"
-     " \"lights\": [{\"type\": \"spot\", \"position\": [-1.5, 3, 0.5], \"direction\": [1.2, -3, -0.5], \"cone\": 30,"
-     "  \"intensity\": 20}]}"},
+    {"lamp beside a blob", "dom_lamp_and_blob"},
+    {"narrow beam", "dom_narrow_beam"},
+    {"spot through smoke", "dom_spot_in_smoke"},
 };
 
 /* ---- fluence in a slice ---- */
@@ -181,9 +157,9 @@ static ty_result show_scene(figure_run* run, int index) {
     figure_variant variants[COUNTS];
     figure_errors errors[COUNTS];
     ty_scene* scene = NULL;
-    const char *item = scenes[index].name, *text = scenes[index].text;
+    const char* item = scenes[index].name;
     figure_view_size(run, WIDTH, WIDTH, size);
-    ty_result result = ty_scene_parse(run->session->context, text, strlen(text), item, NULL, NULL, 0, &scene);
+    ty_result result = figure_load_scene(run, scenes[index].scene, NULL, 0, &scene);
     for (int i = 0; i < COUNTS && result == TY_OK; ++i) {
         settings[i] = ty_scene_render_settings(scene).dom;
         settings[i].directions = counts[i].all;

@@ -31,20 +31,14 @@ ty_result figure_expect(figure_run* run, const char* item, const char* name, con
     return TY_OK;
 }
 
-static bool data_path(const figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]) {
-    const char* folder = run->options->data;
-    snprintf(path, FIGURE_PATH_SIZE, "%s/%s", folder == NULL ? "" : folder, name);
-    return folder != NULL && access(path, R_OK) == 0;
-}
-
 bool figure_has_data(const figure_run* run, const char* name) {
-    char path[FIGURE_PATH_SIZE];
-    return data_path(run, name, path);
+    return tools_has_data(run->options->data, name);
 }
 
 bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]) {
     const char* folder = run->options->data;
-    if (data_path(run, name, path)) return true;
+    snprintf(path, FIGURE_PATH_SIZE, "%s/%s", folder == NULL ? "" : folder, name);
+    if (figure_has_data(run, name)) return true;
     cli_progress_clear(&run->session->progress);
     if (folder == NULL)
         cli_fail(CLI_USAGE, "%s is skipped: it needs %s; give its folder with --data or TYNDALL_DATA", run->name, name);
@@ -52,6 +46,11 @@ bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_S
         cli_fail(CLI_USAGE, "%s is skipped: %s: %s", run->name, path, strerror(errno));
     run->skipped = true;
     return false;
+}
+
+ty_result figure_load_scene(figure_run* run, const char* name, const char* const* overrides, int32_t override_count,
+                            ty_scene** out) {
+    return tools_load_scene(run->session->context, name, run->options->data, overrides, override_count, out);
 }
 
 ty_result figure_check_interrupt(void) {

@@ -5,6 +5,7 @@
 #include "bench/noise.h"
 #include "cli/session.h"
 #include "plot/page.h"
+#include "scenes/scenes.h"
 
 enum { FIGURE_NAME_SIZE = 64, FIGURE_CAPTION_SIZE = 1024, FIGURE_PATH_SIZE = 4096 };
 
@@ -46,6 +47,10 @@ ty_result figure_expect(figure_run* run, const char* item, const char* name, con
 bool figure_find_data(figure_run* run, const char* name, char path[FIGURE_PATH_SIZE]);
 /* Whether it is there, for figures that can do without. */
 bool figure_has_data(const figure_run* run, const char* name);
+
+/* A scene as tools_load_scene has it. Errors: as of ty_scene_load. */
+ty_result figure_load_scene(figure_run* run, const char* name, const char* const* overrides, int32_t override_count,
+                            ty_scene** out);
 
 /* TY_CANCELLED once the user has interrupted: for work that takes no progress callback. */
 ty_result figure_check_interrupt(void);

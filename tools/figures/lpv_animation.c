@@ -41,7 +41,7 @@ static ty_result render_frame(figure_run* run, int way, int f, frame* out) {
     int32_t pixels[2];
     write_override(way, f, override);
     figure_view_size(run, WIDTH, HEIGHT, pixels);
-    ty_result result = lpv_load_scene(run->session->context, LPV_ATRIUM, NULL, overrides, 1, &scene);
+    ty_result result = figure_load_scene(run, lpv_scene_files[LPV_ATRIUM], overrides, 1, &scene);
     if (result != TY_OK) return result;
     ty_lpv_settings settings = ty_scene_render_settings(scene).lpv;
     if (way == CAMERA) {

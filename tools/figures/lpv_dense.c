@@ -12,12 +12,6 @@ static const double cell = 0.5;                        /* m */
 static const char* const modes[MODES] = {"links", "published"};
 
 /* 17 cells along each side, the lamp in the middle one; nothing is absorbed. */
-static const char fog_text[] =
-    "{\"tyndall\": 1,"
-    " \"media\": [{\"bounds\": [[-4.25, -4.25, -4.25], [4.25, 4.25, 4.25]], \"sigma_s\": 1, \"sigma_a\": 0}],"
-    " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"intensity\": 1}],"
-    " \"render\": {\"lpv\": {\"resolution\": 17}}}";
-
 /* Cells from beside the lamp's to the face. */
 static const double lower[3] = {0.25, -0.25, -0.25}, upper[3] = {4.25, 0.25, 0.25};
 static const int32_t size[3] = {ALONG, 1, 1};
@@ -97,8 +91,7 @@ ty_result figure_lpv_dense(figure_run* run) {
         const char* const overrides[1] = {override};
         ty_scene* scene = NULL;
         snprintf(override, sizeof override, "media[0].sigma_s=%g", depths[depth] / cell);
-        result =
-            ty_scene_parse(run->session->context, fog_text, strlen(fog_text), run->name, NULL, overrides, 1, &scene);
+        result = figure_load_scene(run, "lpv_lamp_in_fog", overrides, 1, &scene);
         if (result == TY_OK) result = run_depth(run, scene, depth, charts);
         ty_scene_destroy(scene);
     }

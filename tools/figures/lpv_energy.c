@@ -14,15 +14,6 @@ static const double depths[DEPTHS] = {0, 0.1, 1, 3, 10}; /* of a cell */
 static const double cell = 0.5;                          /* m */
 
 /* A lamp in fog, and a small tile that it shines on. */
-static const char fog_text[] =
-    "{\"tyndall\": 1,"
-    " \"media\": [{\"bounds\": [[-4, -4, -4], [4, 4, 4]], \"sigma_s\": 1, \"sigma_a\": 0}],"
-    " \"lights\": [{\"type\": \"spot\", \"position\": [0.1, 0.7, 0.1], \"direction\": [0, -1, 0], \"cone\": 60,"
-    "  \"intensity\": 1}],"
-    " \"geometry\": [{\"quad\": {\"origin\": [0, 0, 0.2], \"u\": [0.2, 0, 0], \"v\": [0, 0, -0.2]},"
-    "  \"material\": {\"albedo\": 0.8}}],"
-    " \"render\": {\"lpv\": {\"resolution\": 16}}}";
-
 /* parts: of TY_LPV_ALL. */
 static ty_result solve(figure_run* run, const ty_scene* scene, int mode, uint32_t parts, int32_t iterations,
                        ty_lpv_stats* stats) {
@@ -119,8 +110,7 @@ static ty_result fill_charts(figure_run* run, plot_chart* charts) {
         const char* const overrides[1] = {override};
         ty_scene* scene = NULL;
         snprintf(override, sizeof override, "media[0].sigma_s=%g", depths[depth] / cell);
-        result =
-            ty_scene_parse(run->session->context, fog_text, strlen(fog_text), run->name, NULL, overrides, 1, &scene);
+        result = figure_load_scene(run, "lpv_spot_on_tile", overrides, 1, &scene);
         for (int mode = 0; mode < MODES && result == TY_OK; ++mode)
             result = add_series(run, scene, mode, depth, charts);
         ty_scene_destroy(scene);

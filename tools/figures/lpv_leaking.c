@@ -7,17 +7,6 @@
 enum { COLUMNS = 3, ROWS = 3, BLEEDING = 0, LINKS = 1, WIDTH = 240, HEIGHT = 160, PICTURE_WIDTH = 300 };
 
 /* The wall is 10 cm thick, cells are half a metre wide. */
-static const char wall_text[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 2.4, -7.5], \"target\": [0, 1.7, 0], \"fov_y\": 40, \"resolution\": [240, 160],"
-    "  \"exposure\": 5},"
-    " \"media\": [{\"bounds\": [[-8, 0, -8], [8, 5, 8]], \"sigma_s\": 0.02, \"sigma_a\": 0}],"
-    " \"lights\": [{\"type\": \"spot\", \"position\": [0, 2.6, 4], \"direction\": [0, -0.9, -4], \"cone\": 60,"
-    "  \"intensity\": 400}],"
-    " \"geometry\": ["
-    "  {\"quad\": {\"origin\": [-8, 0, 8], \"u\": [16, 0, 0], \"v\": [0, 0, -16]}, \"material\": {\"albedo\": 0.5}},"
-    "  {\"box\": [[-5, 0, -0.05], [5, 4, 0.05]], \"material\": {\"albedo\": [0.75, 0.7, 0.6]}}]}";
-
 /* Radiance of the wall where the lamp's axis meets it: albedo 0.7, 400 W sr^-1 from 4.1 m. */
 static const double lit_radiance = 0.7 * 400 / (4.1 * 4.1) / 3.14159265;
 
@@ -71,8 +60,8 @@ ty_result figure_lpv_leaking(figure_run* run) {
     for (int row = 0; row < ROWS; ++row) snprintf(sheet.row_titles[row], PLOT_LABEL_SIZE, "%s", rows[row].title);
     for (int column = 0; column < COLUMNS && result == TY_OK; ++column) {
         ty_scene* scene = NULL;
-        result = ty_scene_parse(run->session->context, wall_text, strlen(wall_text), run->name, NULL,
-                                columns[column].overrides, columns[column].override_count, &scene);
+        result =
+            figure_load_scene(run, "lpv_thin_wall", columns[column].overrides, columns[column].override_count, &scene);
         if (result == TY_OK) result = fill_column(run, scene, column, &sheet);
         ty_scene_destroy(scene);
     }

@@ -46,10 +46,10 @@ static ty_result fill_sheet(figure_run* run, ty_scene* scene, plot_sheet* sheet)
 ty_result figure_lpv_parts(figure_run* run) {
     ty_scene* scene = NULL;
     plot_sheet sheet;
-    const lpv_scene which = lpv_has_sponza(run->options->data) ? LPV_SPONZA : LPV_ATRIUM;
+    const lpv_scene which = tools_has_data(run->options->data, SPONZA_FILE) ? LPV_SPONZA : LPV_ATRIUM;
     ty_result result = plot_create_sheet(MODES, PARTS, PICTURE_WIDTH, &sheet);
     if (result != TY_OK) return result;
-    result = lpv_load_scene(run->session->context, which, run->options->data, NULL, 0, &scene);
+    result = figure_load_scene(run, lpv_scene_files[which], NULL, 0, &scene);
     if (result == TY_OK) result = fill_sheet(run, scene, &sheet);
     if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
     ty_scene_destroy(scene);

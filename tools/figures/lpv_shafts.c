@@ -105,13 +105,13 @@ static ty_result show_scene(figure_run* run, const ty_scene* scene, int s, int c
 
 ty_result figure_lpv_shafts(figure_run* run) {
     plot_sheet sheet;
-    const int first = lpv_has_sponza(run->options->data) ? 0 : 1;
+    const int first = tools_has_data(run->options->data, SPONZA_FILE) ? 0 : 1;
     ty_result result = plot_create_sheet(ROWS, SCENES - first, PICTURE_WIDTH, &sheet);
     if (result != TY_OK) return result;
     for (int row = 0; row < ROWS; ++row) snprintf(sheet.row_titles[row], PLOT_LABEL_SIZE, "%s", row_titles[row]);
     for (int s = first; s < SCENES && result == TY_OK; ++s) {
         ty_scene* scene = NULL;
-        result = lpv_load_scene(run->session->context, scenes[s].scene, run->options->data, NULL, 0, &scene);
+        result = figure_load_scene(run, lpv_scene_files[scenes[s].scene], NULL, 0, &scene);
         if (result == TY_OK) result = show_scene(run, scene, s, s - first, &sheet);
         ty_scene_destroy(scene);
     }

@@ -82,10 +82,10 @@ static ty_result show_scene(figure_run* run, ty_scene* scene, int s, plot_sheet*
 static ty_result add_scene(figure_run* run, int s) {
     ty_scene* scene = NULL;
     plot_sheet sheet;
-    if (scenes[s].scene == LPV_SPONZA && !lpv_has_sponza(run->options->data)) return TY_OK;
+    if (scenes[s].scene == LPV_SPONZA && !tools_has_data(run->options->data, SPONZA_FILE)) return TY_OK;
     ty_result result = plot_create_sheet(2, VARIANTS, PICTURE_WIDTH, &sheet);
     if (result != TY_OK) return result;
-    result = lpv_load_scene(run->session->context, scenes[s].scene, run->options->data, NULL, 0, &scene);
+    result = figure_load_scene(run, lpv_scene_files[scenes[s].scene], NULL, 0, &scene);
     if (result == TY_OK) result = show_scene(run, scene, s, &sheet);
     if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
     ty_scene_destroy(scene);
@@ -103,6 +103,7 @@ ty_result figure_lpv_truth(figure_run* run) {
              "(f); the full method with three bands, and with a finer lattice about the camera. In shadow: blocks of "
              "pixels whose surfaces no light reaches directly. Errors are of means over "
              "%d × %d pixels, the relative RMSE without the truth's own noise.",
-             lpv_has_sponza(run->options->data) ? "" : " (Sponza's data are not there)", FIGURE_BLOCK, FIGURE_BLOCK);
+             tools_has_data(run->options->data, SPONZA_FILE) ? "" : " (Sponza's data are not there)", FIGURE_BLOCK,
+             FIGURE_BLOCK);
     return result;
 }

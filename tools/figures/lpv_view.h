@@ -3,7 +3,7 @@
 #define TY_FIGURES_LPV_VIEW_H
 
 #include "figures/view.h"
-#include "scenes/lpv_scenes.h"
+#include "scenes/scenes.h"
 #include "method/lpv/job.h"
 
 /* A way to render: words of ty_lpv_settings; mode NULL: path tracing. */

@@ -9,16 +9,6 @@ enum { FRAMES = 5, ROWS = 2, WIDTH = 168, HEIGHT = 224, PICTURE_WIDTH = 250, FIR
 static const int frames[FRAMES] = {20, 30, 40, 41, 42};
 static const char* const row_titles[ROWS] = {"path tracing", "split"};
 
-static const char plume_text[] =
-    "{\"tyndall\": 1, \"up_axis\": \"z\", \"frame\": 20,"
-    " \"camera\": {\"position\": [4.4, -5.4, 1.7], \"target\": [1, 1, 1.9], \"fov_y\": 38, \"resolution\": [168, 224],"
-    "  \"exposure\": 1},"
-    " \"media\": [{\"name\": \"smoke\", \"density\": {\"file\": \"volumes/plume/plume_####.vdb\", \"grid\": "
-    "\"density\"},"
-    "  \"sigma_t\": 14, \"albedo\": [0.85, 0.84, 0.82], \"g\": 0.7}],"
-    " \"lights\": [{\"type\": \"environment\", \"sky\": {\"sun_direction\": [-0.5, 0.6, -0.55], \"haze\": 1,"
-    "  \"sun\": false, \"resolution\": 256}}]}";
-
 static ty_result fill_frame(figure_run* run, int frame, figure_picture pictures[ROWS], plot_sheet* sheet) {
     int32_t size[2];
     char override[16];
@@ -27,8 +17,7 @@ static ty_result fill_frame(figure_run* run, int frame, figure_picture pictures[
     figure_view_size(run, WIDTH, HEIGHT, size);
     snprintf(override, sizeof override, "frame=%d", frames[frame]);
     snprintf(sheet->column_titles[frame], PLOT_LABEL_SIZE, "frame %d", frames[frame]);
-    ty_result result = ty_scene_parse(run->session->context, plume_text, strlen(plume_text), "plume",
-                                      run->options->data, overrides, 1, &scene);
+    ty_result result = figure_load_scene(run, "pop_plume_frames", overrides, 1, &scene);
     for (int row = 0; row < ROWS && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
         figure_errors errors;

@@ -9,18 +9,6 @@ static const double cosines[COSINES] = {0.96, 0};
 static const char* const row_titles[ROWS] = {"path tracing", "split", "FLD"};
 static const char* const column_titles[COSINES] = {"g = 0.96", "isotropic"};
 
-static const char cloud_text[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, -0.5, 2.2], \"target\": [0, 0, 0], \"fov_y\": 30, \"resolution\": [256, 256],"
-    "  \"exposure\": 1},"
-    " \"media\": [{\"name\": \"cloud\", \"bounds\": [[-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]],"
-    "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 96, \"seed\": 4, \"frequency\": 4, \"octaves\": "
-    "5,"
-    "   \"coverage\": 0.5, \"sharpness\": 4}},"
-    "  \"sigma_t\": 60, \"albedo\": 0.999}],"
-    " \"lights\": [{\"type\": \"environment\", \"sky\": {\"sun_direction\": [-0.3, -0.25, 0.8], \"haze\": 1,"
-    "  \"ground\": 0.1, \"resolution\": 256}}]}";
-
 static ty_result fill_cell(figure_run* run, const char* item, ty_scene* scene, int row, const int32_t size[2],
                            figure_picture pictures[ROWS], plot_cell* cell, figure_errors* errors) {
     cli_report report;
@@ -41,8 +29,7 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {
     figure_view_size(run, WIDTH, WIDTH, size);
     snprintf(override, sizeof override, "media[0].g=%g", cosines[column]);
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "%s", column_titles[column]);
-    ty_result result =
-        ty_scene_parse(run->session->context, cloud_text, strlen(cloud_text), "cloud", NULL, overrides, 1, &scene);
+    ty_result result = figure_load_scene(run, "pop_cloud", overrides, 1, &scene);
     for (int row = 0; row < ROWS && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
         snprintf(item, sizeof item, "%s, %s", column_titles[column], row_titles[row]);

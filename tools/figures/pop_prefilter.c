@@ -9,13 +9,6 @@ static const char* const row_titles[ROWS] = {"path tracing", "without prefilteri
 /* Beta of each row. */
 static const double betas[ROWS] = {0, 0, 1, 4};
 
-static const char slab_text[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 0, 6], \"target\": [0, 0, 0], \"fov_y\": 32, \"resolution\": [160, 160],"
-    "  \"exposure\": -2},"
-    " \"media\": [{\"name\": \"slab\", \"bounds\": [[-1.5, -1.5, -0.1], [1.5, 1.5, 0.1]], \"sigma_s\": 40,"
-    "  \"sigma_a\": 0.05}]}";
-
 static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {
     int32_t size[2];
     char override[32];
@@ -25,7 +18,7 @@ static ty_result fill_column(figure_run* run, int column, plot_sheet* sheet) {
     figure_view_size(run, WIDTH, WIDTH, size);
     snprintf(override, sizeof override, "media[0].g=%g", cosines[column]);
     snprintf(sheet->column_titles[column], PLOT_LABEL_SIZE, "g = %g", cosines[column]);
-    ty_result result = pop_make_scene(run, slab_text, overrides, 1, &scene);
+    ty_result result = pop_make_scene(run, "pop_slab", overrides, 1, &scene);
     for (int row = 0; row < ROWS && result == TY_OK; ++row) {
         char item[FIGURE_NAME_SIZE];
         ty_pop_settings settings = ty_scene_render_settings(scene).pop;

@@ -9,18 +9,9 @@
 enum { POP = 4, CLASSICAL = 2, DOM = POP + CLASSICAL, VARIANTS = DOM + 1 };
 enum { WIDTH = 224, HEIGHT = 288, PICTURE_WIDTH = 250 };
 
-static const char plume_file[] = "volumes/plume/plume_0042.vdb", sky_file[] = "hdri/potsdamer_platz_1k.hdr";
+static const char sky_file[] = "hdri/potsdamer_platz_1k.hdr";
 
 /* 5 m high. */
-static const char plume_text[] =
-    "{\"tyndall\": 1, \"up_axis\": \"z\", \"meters_per_unit\": 1.25,"
-    " \"camera\": {\"position\": [4.6, -5.6, 2.2], \"target\": [1, 1, 2.0], \"fov_y\": 36, \"resolution\": [224, 288],"
-    "  \"exposure\": 0},"
-    " \"media\": [{\"name\": \"smoke\", \"density\": {\"file\": \"volumes/plume/plume_0042.vdb\", \"grid\": "
-    "\"density\"},"
-    "  \"sigma_s\": [2.9, 3.6, 4.2], \"sigma_a\": [3.4, 3.35, 3.4], \"g\": 0.9}],"
-    " \"lights\": [{\"type\": \"environment\", \"file\": \"hdri/potsdamer_platz_1k.hdr\"}]}";
-
 static const struct {
     const char *title, *mode;
     int32_t ordinates, resolution, iterations;
@@ -38,11 +29,9 @@ static const struct {
 
 /* Where third-party data are missing, noise stands for the plume and a drawn room for the photographed place. */
 static ty_result make_scene(figure_run* run, bool* own, ty_scene** out) {
-    const bool found = figure_has_data(run, plume_file) && figure_has_data(run, sky_file);
+    const bool found = figure_has_data(run, PLUME_FILE) && figure_has_data(run, sky_file);
     *own = !found;
-    if (found)
-        return ty_scene_parse(run->session->context, plume_text, strlen(plume_text), "plume", run->options->data, NULL,
-                              0, out);
+    if (found) return figure_load_scene(run, "pop_plume_5m", NULL, 0, out);
     return pop_make_smoke(run, NULL, 0, out);
 }
 

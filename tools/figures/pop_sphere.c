@@ -21,14 +21,6 @@ static const ty_pop_mode modes[VARIANTS] = {TY_POP_MODE_SPLIT, TY_POP_MODE_PUBLI
 static const char* const mode_names[VARIANTS] = {"split", "published"};
 static const char* const row_titles[1 + VARIANTS] = {"path tracing", "split", "published"};
 
-static const char scene_text[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_y\": 36, \"resolution\": [200, 200],"
-    "  \"exposure\": -1},"
-    " \"media\": [{\"name\": \"sphere\", \"bounds\": {\"sphere\": {\"center\": [0, 0, 0], \"radius\": 2.5}},"
-    "  \"sigma_s\": [0.8, 1, 1.3], \"sigma_a\": 0}],"
-    " \"lights\": [{\"type\": \"point\", \"position\": [0, 0, 0], \"intensity\": 10}]}";
-
 /* A cube inside the sphere, and a line from the light outwards that is a tenth of a metre wide. */
 static const pop_box cube = {{-1.4, -1.4, -1.4}, {1.4, 1.4, 1.4}, {EDGE, EDGE, EDGE}};
 static const pop_box line = {{0, -0.05, -0.05}, {2.5, 0.05, 0.05}, {RADII, 1, 1}};
@@ -37,7 +29,7 @@ static ty_result load(figure_run* run, double g, ty_scene** out) {
     char override[32];
     const char* const overrides[1] = {override};
     snprintf(override, sizeof override, "media[0].g=%g", g);
-    return ty_scene_parse(run->session->context, scene_text, strlen(scene_text), "sphere", NULL, overrides, 1, out);
+    return figure_load_scene(run, "pop_sphere", overrides, 1, out);
 }
 
 static ty_result solve(figure_run* run, const ty_scene* scene, int variant, ty_pop** out) {

@@ -69,26 +69,15 @@ static ty_result add_room(ty_scene* scene) {
     return result;
 }
 
-ty_result pop_make_scene(figure_run* run, const char* text, const char* const* overrides, int32_t override_count,
+ty_result pop_make_scene(figure_run* run, const char* name, const char* const* overrides, int32_t override_count,
                          ty_scene** out) {
-    ty_result result = ty_scene_parse(run->session->context, text, strlen(text), run->name, run->options->data,
-                                      overrides, override_count, out);
+    ty_result result = figure_load_scene(run, name, overrides, override_count, out);
     if (result == TY_OK) result = add_room(*out);
     return result == TY_OK ? ty_scene_commit(*out) : result;
 }
 
-static const char smoke_text[] =
-    "{\"tyndall\": 1,"
-    " \"camera\": {\"position\": [0, 0.2, 4.8], \"target\": [0, 0, 0], \"fov_y\": 27, \"resolution\": [256, 256],"
-    "  \"exposure\": -1.5},"
-    " \"media\": [{\"name\": \"smoke\", \"bounds\": [[-1, -1, -1], [1, 1, 1]],"
-    "  \"density\": {\"noise\": {\"kind\": \"cloud\", \"resolution\": 64, \"seed\": 4, \"frequency\": 4, \"octaves\": "
-    "4,"
-    "   \"coverage\": 0.5, \"sharpness\": 4}},"
-    "  \"sigma_s\": [2.9, 3.6, 4.2], \"sigma_a\": [3.4, 3.35, 3.4], \"g\": 0.9}]}";
-
 ty_result pop_make_smoke(figure_run* run, const char* const* overrides, int32_t override_count, ty_scene** out) {
-    return pop_make_scene(run, smoke_text, overrides, override_count, out);
+    return pop_make_scene(run, "pop_smoke", overrides, override_count, out);
 }
 
 /* ---- fluence ---- */

@@ -14,7 +14,7 @@ ty_result pop_render_variant(figure_run* run, const char* item, ty_scene* scene,
                              const void* user, figure_picture* out);
 
 /* A scene from text with an environment that we draw: a dim room with windows and a lamp. */
-ty_result pop_make_scene(figure_run* run, const char* text, const char* const* overrides, int32_t override_count,
+ty_result pop_make_scene(figure_run* run, const char* name, const char* const* overrides, int32_t override_count,
                          ty_scene** out);
 
 /* Noise smoke, 2 m across, in such a room, with the paper's coefficients of Fig. 11. */

@@ -1,16 +1,15 @@
 /* Scenes on which method auto's choices are measured. */
-#ifndef TY_TOOLS_AUTO_SCENES_H
-#define TY_TOOLS_AUTO_SCENES_H
+#ifndef TY_TOOLS_AUTO_H
+#define TY_TOOLS_AUTO_H
 
-#include <tyndall/tyndall.h>
+#include "scenes/scenes.h"
 
 enum { AUTO_OVERRIDES_MAX = 3, AUTO_SCENES_MAX = 32 };
 
 typedef struct auto_scene {
     const char* name;
-    const char* builtin; /* "builtin:..."; NULL: text */
-    const char* text;    /* names files below the folder of third-party data */
-    const char* file;    /* one of those that it needs; NULL: none */
+    const char* scene; /* for tools_load_scene */
+    const char* file;  /* third-party data that it needs; NULL: none */
     const char* overrides[AUTO_OVERRIDES_MAX];
     bool held_out; /* the rules were not made with it in view */
 } auto_scene;
