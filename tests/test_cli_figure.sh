@@ -103,6 +103,34 @@ test_discrete() {
   unsaid made/dom-images.csv Disney
 }
 
+# plant NAME OLD NEW: another text in what a figure left.
+plant() {
+  sed -i "0,/$2/s//$3/" "gate/$1.json"
+}
+
+# Numbers beyond their tolerance fail the call, unless they are known misses.
+test_gate() {
+  expect 0 figure fld-limiters -o gate
+  expect 0 figure fld-limiters -o gate --keep
+  plant fld-limiters '"measured": 0\.3333[0-9]*' '"measured": 0.34'
+  expect 1 figure fld-limiters -o gate --keep
+  said err.txt '^tyndall: fld-limiters: .*: F\(0\) is 0\.34, and should be 0\.3333 within 3\.333e-06$'
+  said err.txt '^tyndall: 1 number is beyond its tolerance, and no known miss$'
+  # Small pictures are not judged; what they left is taken for one of the figure's own size here.
+  expect 0 figure screen-leaking -o gate --quick --size 48x32
+  unsaid out.txt 'known miss'
+  plant screen-leaking '"quick": true' '"quick": false'
+  plant screen-leaking '"size": \[48, 32\]' '"size": [0, 0]'
+  expect 0 figure screen-leaking -o gate --keep
+  said out.txt '^known miss: screen-leaking: published: energy ratio is 0\.[0-9]*, and should be 1 within 0\.01\. Masks '
+  said err.txt '^tyndall: warning: screen-leaking: naive: energy ratio is listed as a known miss and is within its tolerance now$'
+  # A miss is known by its item, too.
+  sed -i 's/"item": "published"/"item": "printed"/' gate/screen-leaking.json
+  expect 1 figure screen-leaking -o gate --keep
+  said err.txt '^tyndall: screen-leaking: printed: energy ratio is 0\.[0-9]*, and should be 1 within 0\.01$'
+  said err.txt '^tyndall: warning: screen-leaking: published: energy ratio is listed as a known miss and is not there$'
+}
+
 test_refusals() {
   usage_error "did you mean 'screen-table'" figure screen-tabel -o x
   usage_error "unknown figure 'scre'" figure scre -o x
@@ -173,6 +201,7 @@ test_diffusion
 test_ordinates
 test_propagation
 test_discrete
+test_gate
 test_refusals
 test_summary
 test_interrupt

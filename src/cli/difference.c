@@ -14,8 +14,8 @@ void cli_difference_json(json_writer* json, const ty_difference* difference) {
         json_number(json, "rel_mse", difference->rel_mse[i]);
         json_close_object(json);
     }
-    json_integer(json, "differing", difference->differing);
-    json_integer(json, "not_finite", difference->not_finite);
+    json_int(json, "differing", difference->differing);
+    json_int(json, "not_finite", difference->not_finite);
 }
 
 static int32_t larger(int32_t a, int32_t b) {

@@ -48,7 +48,7 @@ static void print_grids_json(const char* path, const ty_vdb_entry* entries, int3
         json_open_object(&json, NULL);
         json_text(&json, "name", entry->name);
         json_text(&json, "type", entry->type);
-        json_integer(&json, "active_voxels", entry->active_voxels);
+        json_int(&json, "active_voxels", entry->active_voxels);
         json_numbers(&json, "lower", (const double[]){entry->lower[0], entry->lower[1], entry->lower[2]}, 3);
         json_numbers(&json, "upper", (const double[]){entry->upper[0], entry->upper[1], entry->upper[2]}, 3);
         json_numbers(&json, "voxel_size", entry->voxel_size, 3);
@@ -103,7 +103,7 @@ static void print_dense_json(const ty_grid_info* info, int32_t components, const
     json_text(&json, "kind", "volume");
     json_text(&json, "file", path);
     json_numbers(&json, "size", (const double[]){info->size[0], info->size[1], info->size[2]}, 3);
-    json_integer(&json, "components", components);
+    json_int(&json, "components", components);
     json_text(&json, "type", info->type == TY_GRID_F16 ? "half" : "float");
     json_number(&json, "dense_bytes", (double)info->bytes);
     json_number(&json, "min", (double)info->min);
@@ -188,8 +188,8 @@ static void print_image_json(const ty_image* image, const char* path) {
     json_open_object(&json, NULL);
     json_text(&json, "kind", "image");
     json_text(&json, "file", path);
-    json_integer(&json, "width", width);
-    json_integer(&json, "height", height);
+    json_int(&json, "width", width);
+    json_int(&json, "height", height);
     json_numbers(&json, "frame", (const double[]){frame[0], frame[1], frame[2], frame[3]}, 4);
     json_open_array(&json, "channels");
     for (int32_t i = 0; i < ty_image_channel_count(image); ++i) {
@@ -199,8 +199,8 @@ static void print_image_json(const ty_image* image, const char* path) {
         json_number(&json, "min", summary.min);
         json_number(&json, "mean", summary.mean);
         json_number(&json, "max", summary.max);
-        json_integer(&json, "nan", summary.nan);
-        json_integer(&json, "inf", summary.infinite);
+        json_int(&json, "nan", summary.nan);
+        json_int(&json, "inf", summary.infinite);
         json_close_object(&json);
     }
     json_close_array(&json);

@@ -93,7 +93,7 @@ void json_number(json_writer* json, const char* name, double value) {
     write_number(json->file, value);
 }
 
-void json_integer(json_writer* json, const char* name, int64_t value) {
+void json_int(json_writer* json, const char* name, int64_t value) {
     start_value(json, name);
     fprintf(json->file, "%" PRId64, value);
 }

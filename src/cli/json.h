@@ -1,4 +1,6 @@
-/* Writes JSON to a stream, indented by two, one member a line; short arrays of numbers stay on one line. */
+/* Writes JSON to a stream, indented by two, one member a line; arrays of numbers stay on one line. The library that
+ * reads JSON writes doubles with 17 digits, which is not the shortest number that reads back, and an element of an
+ * array a line. */
 #ifndef TY_CLI_JSON_H
 #define TY_CLI_JSON_H
 
@@ -14,9 +16,6 @@ typedef struct json_writer {
     bool filled[JSON_DEPTH_MAX]; /* whether the object or array at a depth has a member already */
 } json_writer;
 
-/* The JSON library that the program holds too has a function of that name. */
-#define json_integer cli_json_integer
-
 json_writer json_begin(FILE* file);
 
 /* name NULL: an element of an array, or the outermost value. */
@@ -28,7 +27,7 @@ void json_close_array(json_writer* json);
 void json_text(json_writer* json, const char* name, const char* value);
 /* The shortest number that reads back exactly; null for NaN and infinities, which JSON lacks. */
 void json_number(json_writer* json, const char* name, double value);
-void json_integer(json_writer* json, const char* name, int64_t value);
+void json_int(json_writer* json, const char* name, int64_t value);
 void json_unsigned(json_writer* json, const char* name, uint64_t value);
 void json_bool(json_writer* json, const char* name, bool value);
 void json_numbers(json_writer* json, const char* name, const double* values, int count);

@@ -38,14 +38,14 @@ static void fld_stats(json_writer* json, const ty_fld_stats* fld) {
 static void pop_stats(json_writer* json, const ty_pop_stats* pop) {
     cli_stage stages[CLI_STAGES_MAX];
     json_open_object(json, "pop");
-    json_integer(json, "ordinates", pop->ordinates);
-    json_integer(json, "vpls", pop->vpls);
+    json_int(json, "ordinates", pop->ordinates);
+    json_int(json, "vpls", pop->vpls);
     json_numbers(json, "size", (const double[]){pop->size[0], pop->size[1], pop->size[2]}, 3);
     json_numbers(json, "merged_size", (const double[]){pop->merged_size[0], pop->merged_size[1], pop->merged_size[2]},
                  3);
-    json_integer(json, "planes", pop->planes);
-    json_integer(json, "iterations", pop->iterations);
-    json_integer(json, "residuum_iterations", pop->residuum_iterations);
+    json_int(json, "planes", pop->planes);
+    json_int(json, "iterations", pop->iterations);
+    json_int(json, "residuum_iterations", pop->residuum_iterations);
     json_bool(json, "converged", pop->converged);
     json_number(json, "left", pop->left);
     stage_seconds(json, stages, cli_pop_stages(pop, stages));
@@ -86,11 +86,11 @@ static void lpv_stats(json_writer* json, const ty_lpv_stats* lpv) {
     cli_stage stages[CLI_STAGES_MAX];
     json_open_object(json, "lpv");
     lpv_lattices(json, lpv);
-    json_integer(json, "iterations", lpv->iterations);
+    json_int(json, "iterations", lpv->iterations);
     for (size_t i = 0; i < sizeof powers / sizeof powers[0]; ++i)
         json_numbers(json, powers[i].name, powers[i].power, 3);
     stage_seconds(json, stages, cli_lpv_stages(lpv, stages));
-    json_integer(json, "rays", lpv->rays);
+    json_int(json, "rays", lpv->rays);
     json_number(json, "ray_seconds", lpv->ray_seconds);
     json_text(json, "isa", lpv->isa);
     json_close_object(json);
@@ -102,9 +102,9 @@ static void dom_stats(json_writer* json, const ty_dom_stats* dom) {
     json_open_object(json, "dom");
     json_numbers(json, "direct_size", (const double[]){direct[0], direct[1], direct[2]}, 3);
     json_numbers(json, "size", (const double[]){size[0], size[1], size[2]}, 3);
-    json_integer(json, "planes", dom->planes);
-    json_integer(json, "directions", dom->directions);
-    json_integer(json, "bands", dom->bands);
+    json_int(json, "planes", dom->planes);
+    json_int(json, "directions", dom->directions);
+    json_int(json, "bands", dom->bands);
     json_bool(json, "converged", dom->converged);
     json_numbers(json, "sweeps", (const double[]){dom->sweeps[0], dom->sweeps[1], dom->sweeps[2]}, 3);
     json_numbers(json, "cycles", (const double[]){dom->cycles[0], dom->cycles[1], dom->cycles[2]}, 3);
@@ -125,9 +125,9 @@ void cli_report_stats(json_writer* json, const void* user) {
     json_text(json, "method", report->method);
     if (report->choice[0] != '\0') json_text(json, "choice", report->choice);
     json_text(json, "scene", report->scene);
-    json_integer(json, "scene_bytes", (int64_t)report->scene_bytes);
-    json_integer(json, "width", report->width);
-    json_integer(json, "height", report->height);
+    json_int(json, "scene_bytes", (int64_t)report->scene_bytes);
+    json_int(json, "width", report->width);
+    json_int(json, "height", report->height);
     json_unsigned(json, "seed", report->seed);
     json_bool(json, "resumed", report->resumed);
     json_bool(json, "complete", report->complete);
@@ -140,10 +140,10 @@ void cli_report_stats(json_writer* json, const void* user) {
         json_open_object(json, "screen");
         json_number(json, "seconds", report->screen.seconds);
         json_numbers(json, "step_seconds", report->screen.step_seconds, 3);
-        json_integer(json, "levels", report->screen.levels);
+        json_int(json, "levels", report->screen.levels);
         json_number(json, "spread", report->screen.spread);
-        json_integer(json, "cut", report->screen.cut);
-        json_integer(json, "mended", report->screen.mended);
+        json_int(json, "cut", report->screen.cut);
+        json_int(json, "mended", report->screen.mended);
         json_number(json, "bytes", report->screen.bytes);
         json_text(json, "isa", report->screen.isa);
         json_close_object(json);

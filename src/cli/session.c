@@ -61,11 +61,11 @@ static bool write_stats_file(const cli_session* session, const char* path) {
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
     json_text(&json, "command", session->command);
-    json_integer(&json, "threads", ty_context_threads(session->context));
+    json_int(&json, "threads", ty_context_threads(session->context));
     if (session->stats != NULL) session->stats(&json, session->stats_user);
     json_number(&json, "seconds", cli_wall_seconds() - session->started);
     json_number(&json, "cpu_seconds", timeval_seconds(usage.ru_utime) + timeval_seconds(usage.ru_stime));
-    json_integer(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
+    json_int(&json, "peak_memory_bytes", 1024 * (int64_t)usage.ru_maxrss);
     json_close_object(&json);
     const bool written = !ferror(file);
     return fclose(file) == 0 && written;

@@ -139,7 +139,7 @@ static void print_quality(const bench_session* bench, int q, double filling, con
         return;
     }
     json_open_object(bench->json, qualities[q].name);
-    json_integer(bench->json, "spp", qualities[q].spp);
+    json_int(bench->json, "spp", qualities[q].spp);
     json_number(bench->json, "surfaces_seconds", surfaces);
     json_number(bench->json, "attenuation_seconds", t[ATTENUATION].seconds);
     json_number(bench->json, "cache_seconds", t[CACHE].seconds);
@@ -229,7 +229,7 @@ static double path_seconds(const cost* path, int part, double error) {
 
 static void print_cost(const bench_session* bench, int m, int32_t spp, const cost* is, const cost* path) {
     if (bench->json != NULL) json_open_object(bench->json, method_names[m]);
-    if (bench->json != NULL) json_integer(bench->json, "spp", spp);
+    if (bench->json != NULL) json_int(bench->json, "spp", spp);
     for (int part = 0; part < PARTS; ++part) {
         const errors* e = &is->errors[part];
         const double paths = path_seconds(path, part, e->error), own = is->seconds[part];
@@ -301,7 +301,7 @@ static ty_result bench_methods(const bench_session* bench, const ty_scene* scene
             "light from media on top of light from surfaces (%s, %lld receivers, medians of %d, processor's seconds)\n",
             scene_name, (long long)p.count, (int)bench->options->runs);
     else
-        json_integer(bench->json, "receivers", p.count);
+        json_int(bench->json, "receivers", p.count);
     if (bench->json == NULL)
         printf("  filling the cache, %d x %d x %d cells, %lld paths: %.3f s\n", (int)cache.size[0], (int)cache.size[1],
                (int)cache.size[2], (long long)cache.paths, look->filling);

@@ -157,7 +157,7 @@ static void print_size(int32_t side, const measured* m, int32_t first_side, cons
 
 static void print_size_json(json_writer* json, int32_t side, const measured* m) {
     json_open_object(json, NULL);
-    json_integer(json, "side", side);
+    json_int(json, "side", side);
     json_number(json, "sampling_seconds", m->medium);
     json_open_array(json, "cases");
     for (int i = 0; i < CASES; ++i) {
@@ -166,7 +166,7 @@ static void print_size_json(json_writer* json, int32_t side, const measured* m) 
         json_bool(json, "chromatic", cases[i].chromatic);
         json_bool(json, "flux", cases[i].flux);
         json_bool(json, "shadows", cases[i].surfaces);
-        json_integer(json, "sources", m[i].sources);
+        json_int(json, "sources", m[i].sources);
         json_number(json, "seconds", m[i].light);
         json_number(json, "ns_per_cell_and_source", nanoseconds(m[i].light, side, m[i].sources));
         json_close_object(json);

@@ -89,8 +89,8 @@ static void print_solve_json(const bench_session* bench, const solved* s, double
     json_writer* json = bench->json;
     json_open_object(json, NULL);
     json_numbers(json, "size", (const double[]){s->stats.size[0], s->stats.size[1], s->stats.size[2]}, 3);
-    json_integer(json, "directions", s->stats.directions);
-    json_integer(json, "bands", s->stats.bands);
+    json_int(json, "directions", s->stats.directions);
+    json_int(json, "bands", s->stats.bands);
     json_bool(json, "converged", s->stats.converged);
     json_numbers(json, "sweeps", (const double[]){s->stats.sweeps[0], s->stats.sweeps[1], s->stats.sweeps[2]}, 3);
     for (int part = 0; part < PARTS; ++part) {
@@ -157,8 +157,8 @@ static void print_sweeps(const bench_session* bench, const char* key, const ty_o
     if (bench->json != NULL) {
         json_open_object(bench->json, key);
         json_bool(bench->json, "converged", stats->converged);
-        json_integer(bench->json, "sweeps", stats->sweeps);
-        json_integer(bench->json, "cycles", stats->cycles);
+        json_int(bench->json, "sweeps", stats->sweeps);
+        json_int(bench->json, "cycles", stats->cycles);
         json_number(bench->json, "seconds", stats->seconds);
         json_close_object(bench->json);
     } else {
@@ -292,7 +292,7 @@ static ty_result find_equal(const bench_session* bench, const pair* p, int32_t b
 static void print_equal(const bench_session* bench, const pair* p, int32_t block, const equal_error* e) {
     if (bench->json != NULL) {
         json_open_object(bench->json, NULL);
-        json_integer(bench->json, "block", block);
+        json_int(bench->json, "block", block);
         json_number(bench->json, "mean_ratio", e->mean_ratio);
         json_number(bench->json, "path_noise", e->noise);
         if (!isnan(e->error)) {

@@ -153,10 +153,10 @@ static void print_solved(const bench_session* bench, int index, const solved* s)
     if (bench->json != NULL) {
         json_open_object(bench->json, NULL);
         json_text(bench->json, "case", cases[index].name);
-        json_integer(bench->json, "side", s->side);
+        json_int(bench->json, "side", s->side);
         json_bool(bench->json, "converged", s->converged);
-        json_integer(bench->json, "iterations", s->iterations);
-        json_integer(bench->json, "cycles", s->cycles);
+        json_int(bench->json, "iterations", s->iterations);
+        json_int(bench->json, "cycles", s->cycles);
         json_number(bench->json, "work", s->work);
         json_number(bench->json, "residual", s->residual);
         json_number(bench->json, "seconds", s->seconds);

@@ -122,7 +122,7 @@ static ty_result run_cases(const bench_session* bench, const char* folder) {
     ty_result result = make_halves(context, side, &grids[TY_GRID_F16]);
     if (result == TY_OK) result = make_floats(context, grids[TY_GRID_F16], side, &grids[TY_GRID_F32]);
     if (bench->json != NULL)
-        json_integer(bench->json, "side", side);
+        json_int(bench->json, "side", side);
     else if (result == TY_OK)
         printf("loading %d^3 voxels (medians of %d)\n%-18s %12s %10s %12s\n", side, bench->options->runs, "file",
                "size", "seconds", "Mvoxel/s");

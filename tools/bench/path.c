@@ -169,8 +169,8 @@ int bench_path(const bench_session* bench) {
         print_head(options);
     } else {
         json_numbers(bench->json, "size", (const double[]){options->size[0], options->size[1]}, 2);
-        json_integer(bench->json, "spp", options->spp);
-        json_integer(bench->json, "runs", options->runs);
+        json_int(bench->json, "spp", options->spp);
+        json_int(bench->json, "runs", options->runs);
         json_open_object(bench->json, "scenes");
     }
     int status = CLI_DONE;

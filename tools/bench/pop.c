@@ -112,9 +112,9 @@ static void print_typical_json(const bench_session* bench, const timed typical[M
     for (int m = 0; m < MODES; ++m) {
         json_open_object(bench->json, mode_names[m]);
         for (int s = 0; s < STAGES; ++s) json_number(bench->json, stages[s].key, typical[m].seconds[s]);
-        json_integer(bench->json, "ordinates", typical[m].stats.ordinates);
-        json_integer(bench->json, "iterations", typical[m].stats.iterations);
-        json_integer(bench->json, "residuum_iterations", typical[m].stats.residuum_iterations);
+        json_int(bench->json, "ordinates", typical[m].stats.ordinates);
+        json_int(bench->json, "iterations", typical[m].stats.iterations);
+        json_int(bench->json, "residuum_iterations", typical[m].stats.residuum_iterations);
         json_number(bench->json, "bytes", typical[m].stats.bytes);
         if (modes[m] == TY_POP_MODE_PUBLISHED) {
             json_number(bench->json, "propagation_gflops", propagation_gflops(&typical[m]));

@@ -127,8 +127,8 @@ static void print_speeds(const bench_session* bench, const ray_set* set, int32_t
     }
     json_open_object(bench->json, NULL);
     json_text(bench->json, "rays", set->key);
-    json_integer(bench->json, "count", set->count);
-    json_integer(bench->json, "threads", threads);
+    json_int(bench->json, "count", set->count);
+    json_int(bench->json, "threads", threads);
     json_number(bench->json, "mrays_per_second", speeds[OURS]);
     json_number(bench->json, "embree_robust_mrays_per_second", speeds[ROBUST]);
     json_number(bench->json, "embree_mrays_per_second", speeds[PLAIN]);
@@ -158,9 +158,9 @@ static void print_head(const bench_session* bench, const ty_scene* scene, const 
         return;
     }
     json_text(bench->json, "mesh", mesh);
-    json_integer(bench->json, "triangles", triangles);
+    json_int(bench->json, "triangles", triangles);
     json_numbers(bench->json, "size", (const double[]){size[0], size[1]}, 2);
-    json_integer(bench->json, "runs", options->runs);
+    json_int(bench->json, "runs", options->runs);
     json_open_array(bench->json, "speeds");
 }
 

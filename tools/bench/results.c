@@ -1,10 +1,9 @@
 /* Finding times and rates in what benches wrote, and keeping them in files. */
-#include <jansson.h> /* first: cli/json.h renames a function that it declares, too */
-
 #include "bench/results.h"
 
 #include "bench/bench.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -307,18 +306,18 @@ static void write_result(json_writer* json, const bench_result* result) {
 
 void bench_write_results(json_writer* json, const bench_results* results) {
     json_text(json, "format", format_name);
-    json_integer(json, "format_version", BENCH_FORMAT_VERSION);
+    json_int(json, "format_version", BENCH_FORMAT_VERSION);
     json_text(json, "version", results->version);
     json_text(json, "date", results->date);
-    json_integer(json, "processors", results->processors);
-    json_integer(json, "threads", results->threads);
+    json_int(json, "processors", results->processors);
+    json_int(json, "threads", results->threads);
     json_text(json, "isa", results->isa);
     json_bool(json, "quick", results->quick);
-    json_integer(json, "spp", results->spp);
+    json_int(json, "spp", results->spp);
     json_numbers(json, "size", (const double[]){results->size[0], results->size[1]}, 2);
-    json_integer(json, "side", results->side);
-    json_integer(json, "runs", results->runs);
-    json_integer(json, "rounds", results->rounds);
+    json_int(json, "side", results->side);
+    json_int(json, "runs", results->runs);
+    json_int(json, "rounds", results->rounds);
     json_bool(json, "complete", results->complete);
     json_open_object(json, "benches");
     for (int i = 0; i < results->count; ++i)

@@ -242,8 +242,8 @@ static void print_size(const size_result* size, const size_result* first) {
 
 static void print_size_json(json_writer* json, const size_result* size) {
     json_open_object(json, NULL);
-    json_integer(json, "width", size->width);
-    json_integer(json, "height", size->height);
+    json_int(json, "width", size->width);
+    json_int(json, "height", size->height);
     json_number(json, "copy_gb_per_second", 1e-9 * size->copy);
     json_number(json, "triad_gb_per_second", 1e-9 * size->triad);
     json_open_array(json, "cases");
@@ -253,7 +253,7 @@ static void print_size_json(json_writer* json, const size_result* size) {
         json_text(json, "name", cases[i].name);
         json_number(json, "seconds", c->seconds);
         json_numbers(json, "step_seconds", c->steps, 3);
-        json_integer(json, "levels", c->levels);
+        json_int(json, "levels", c->levels);
         json_number(json, "bytes", c->bytes);
         json_number(json, "times_stream", stream_ratio(size, i));
         json_number(json, "times_naive", c->seconds / size->cases[NAIVE].seconds);
@@ -275,7 +275,7 @@ static void tell_reference(const bench_session* bench, const size_result* size, 
         return;
     }
     json_open_object(bench->json, "reference");
-    json_integer(bench->json, "window", WINDOW);
+    json_int(bench->json, "window", WINDOW);
     json_number(bench->json, "pixels", pixels_of(size));
     json_bool(bench->json, "full", full);
     json_number(bench->json, "seconds", seconds);
@@ -323,7 +323,7 @@ int bench_screen(const bench_session* bench) {
     bench_memory memory;
     const int rounds_count = ROUNDS_PER_RUN * bench->options->runs;
     if (bench->json != NULL)
-        json_integer(bench->json, "rounds", rounds_count);
+        json_int(bench->json, "rounds", rounds_count);
     else
         printf("screen-space scattering (medians of %d interleaved rounds, %d levels)\n", rounds_count, LEVELS);
     const int status =

@@ -1,5 +1,6 @@
 /* tyndall-figure: papers' figures and tables, made anew. */
 #define _POSIX_C_SOURCE 200809L
+#include "figures/judge.h"
 #include "figures/output.h"
 #include "figures/summary.h"
 #include "cli/text.h"
@@ -127,6 +128,19 @@ static int judge(const figure_summary* summary, int asked) {
     return count_state(summary, FIGURE_SKIPPED) == asked ? CLI_USAGE : CLI_DONE;
 }
 
+/* Figures of this call that were made or kept. CLI_FAILED, after messages, where numbers are beyond their tolerance and
+ * not known to be. */
+static int judge_numbers(cli_session* session, const figure_summary* summary) {
+    size_t misses = 0;
+    for (int i = 0; i < figure_entry_count; ++i) {
+        const figure_outcome* outcome = &summary->outcomes[i];
+        if (outcome->state == FIGURE_MADE || outcome->state == FIGURE_KEPT) misses += figure_judge(session, outcome);
+    }
+    if (misses == 0) return CLI_DONE;
+    return cli_fail(CLI_FAILED, "%zu number%s beyond %s tolerance, and no known miss%s", misses,
+                    misses == 1 ? " is" : "s are", misses == 1 ? "its" : "their", misses == 1 ? "" : "es");
+}
+
 static int make_figures(cli_session* session, const figure_options* options, const char* name) {
     const int asked = count_wanted(name);
     figure_summary summary = {.folder = options->folder,
@@ -134,14 +148,14 @@ static int make_figures(cli_session* session, const figure_options* options, con
     if (summary.outcomes == NULL) return cli_fail(CLI_FAILED, "not enough memory");
     make_wanted(session, options, name, &summary);
     int status = judge(&summary, asked);
-    if (asked > 1) {
-        ty_result result = figure_read_summary(session, &summary);
-        if (result == TY_OK) result = figure_write_summary(session, &summary);
-        if (result != TY_OK)
-            status = cli_fail_running(session, result);
-        else if (!session->common.quiet)
-            print_outcome(&summary, cli_wall_seconds() - session->started);
-    }
+    ty_result result = figure_read_summary(session, &summary);
+    if (result == TY_OK && asked > 1) result = figure_write_summary(session, &summary);
+    if (result != TY_OK)
+        status = cli_fail_running(session, result);
+    else if (asked > 1 && !session->common.quiet)
+        print_outcome(&summary, cli_wall_seconds() - session->started);
+    const int numbers = result == TY_OK ? judge_numbers(session, &summary) : CLI_DONE;
+    if (status == CLI_DONE) status = numbers;
     figure_free_summary(&summary);
     return status;
 }
@@ -159,7 +173,8 @@ static char* list_figures(void) {
         "'all' makes all, the first word of a name those of a paper, and 'list' lists them. More than one get\n"
         "DIR/index.html, index.md and summary.md, .csv and .json besides: what is expected and what was measured.\n"
         "Those that fail or lack data hinder no others: 0 if any was made and none failed, 1 if one failed, 2 if all\n"
-        "lacked data.\n\nfigures:",
+        "lacked data. A number beyond its tolerance that is no known miss is a failure, too, in figures of their own\n"
+        "size and samples: not with --quick, --size or --spp.\n\nfigures:",
         text);
     for (int i = 0; i < figure_entry_count; ++i) {
         char title[FIGURE_TITLE_SIZE];

@@ -82,10 +82,10 @@ static ty_result print_json(ty_context* context, FILE* file, const void* user) {
     json_text(&json, "number", text->entry->number);
     json_text(&json, "caption", text->run->caption);
     json_text(&json, "version", ty_version());
-    json_integer(&json, "threads", ty_context_threads(context));
+    json_int(&json, "threads", ty_context_threads(context));
     json_bool(&json, "quick", options->quick);
     json_numbers(&json, "size", (const double[]){options->size[0], options->size[1]}, 2);
-    json_integer(&json, "spp", options->samples);
+    json_int(&json, "spp", options->samples);
     json_unsigned(&json, "seed", text->run->session->common.seed);
     json_bool(&json, "data", options->data != NULL && access(options->data, R_OK) == 0);
     json_number(&json, "seconds", text->seconds);

@@ -1,9 +1,8 @@
 /* Reading figures back, judging and counting what they measured. */
 #define _GNU_SOURCE
-#include <jansson.h> /* first: cli/json.h renames a function that it declares, too */
-
 #include "figures/summary.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,6 +107,8 @@ static ty_result read_outcome(const json_t* root, figure_outcome* out) {
     const size_t count = json_array_size(quantities) < QUANTITIES_MAX ? json_array_size(quantities) : QUANTITIES_MAX;
     out->seconds = number_or_nan(root, "seconds");
     out->quick = json_is_true(json_object_get(root, "quick"));
+    out->own_settings = !out->quick && is_number(json_object_get(root, "spp"), 0) &&
+                        is_number(json_array_get(json_object_get(root, "size"), 0), 0);
     copy_text(root, "version", out->version, sizeof out->version);
     out->caption = strdup(caption != NULL ? caption : "");
     out->quantities = calloc(count + 1, sizeof *out->quantities);

@@ -22,6 +22,7 @@ typedef struct figure_outcome {
     /* Of those that are there. */
     double seconds;
     bool quick;
+    bool own_settings; /* neither --quick nor --size nor --spp */
     char version[32];
     char* caption;
     figure_quantity* quantities; /* unit in unit_texts */

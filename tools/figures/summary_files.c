@@ -69,9 +69,9 @@ static void write_json_outcome(json_writer* json, const figure_outcome* outcome)
         json_text(json, "version", outcome->version);
         json_bool(json, "quick", outcome->quick);
         json_number(json, "seconds", outcome->seconds);
-        json_integer(json, "checked", (int64_t)outcome->checked);
-        json_integer(json, "within", (int64_t)outcome->within);
-        json_integer(json, "compared", (int64_t)outcome->compared);
+        json_int(json, "checked", (int64_t)outcome->checked);
+        json_int(json, "within", (int64_t)outcome->within);
+        json_int(json, "compared", (int64_t)outcome->compared);
         json_open_array(json, "expected");
         for (size_t i = 0; i < outcome->count; ++i)
             if (!isnan(outcome->quantities[i].expected)) write_json_quantity(json, &outcome->quantities[i]);
@@ -85,7 +85,7 @@ static ty_result print_json(ty_context* context, FILE* file, const void* user) {
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
-    json_integer(&json, "threads", ty_context_threads(context));
+    json_int(&json, "threads", ty_context_threads(context));
     json_open_array(&json, "figures");
     for (int i = 0; i < figure_entry_count; ++i)
         if (figure_is_listed(&summary->outcomes[i])) write_json_outcome(&json, &summary->outcomes[i]);

@@ -28,7 +28,7 @@ static ty_result load_mesh_file(cli_session* session, const bake_options* option
     if (file != NULL && folder != NULL) {
         json_writer json = json_begin(file);
         json_open_object(&json, NULL);
-        json_integer(&json, "tyndall", 1);
+        json_int(&json, "tyndall", 1);
         json_open_array(&json, "geometry");
         json_open_object(&json, NULL);
         json_text(&json, "file", options->scene + folder_length);

@@ -30,9 +30,9 @@ static void print_data(FILE* file, const cli_comparison* comparison, int shrink)
     json_writer json = json_begin(file);
     json_open_object(&json, NULL);
     json_text(&json, "version", ty_version());
-    json_integer(&json, "width", frame[2]);
-    json_integer(&json, "height", frame[3]);
-    json_integer(&json, "shrink", shrink);
+    json_int(&json, "width", frame[2]);
+    json_int(&json, "height", frame[3]);
+    json_int(&json, "shrink", shrink);
     cli_comparison_json(&json, comparison);
     cli_comparison_scene_json(&json, comparison);
     json_close_object(&json);
