@@ -3,8 +3,8 @@
 #include "cli/commands.h"
 #include "cli/compare/files.h"
 #include "cli/compare/measure.h"
+#include "cli/compare/read.h"
 #include "cli/compare/scene.h"
-#include "cli/metadata.h"
 #include "io/scenes/builtin.h"
 
 #include <stdlib.h>
@@ -21,17 +21,6 @@ typedef struct compare_options {
 } compare_options;
 
 /* ---- images ---- */
-
-int cli_read_compared(cli_session* session, const char* path, cli_compared* out) {
-    const ty_result result = ty_image_read(session->context, path, &out->image);
-    if (result != TY_OK) return cli_fail_reading(session, result);
-    out->source = path;
-    out->seconds = out->own_seconds = out->spp = -1; /* unknown */
-    cli_metadata_number(out->image, "tyndall.seconds", &out->seconds);
-    cli_metadata_number(out->image, "tyndall.own_seconds", &out->own_seconds);
-    cli_metadata_number(out->image, "tyndall.spp", &out->spp);
-    return CLI_GO;
-}
 
 static int compare_images(cli_session* session, cli_comparison* comparison, const cli_arguments* given) {
     cli_compared* reference = &comparison->reference;

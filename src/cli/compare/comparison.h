@@ -75,4 +75,13 @@ void cli_noise_sentence(const cli_comparison* comparison, char* out, size_t size
 void cli_comparison_free_images(cli_comparison* comparison);
 void cli_comparison_free(cli_comparison* comparison);
 
+/* What a comparison of methods is asked for. */
+typedef struct cli_compare_request {
+    const char* methods;   /* "path,fld"; NULL or "all": all there are */
+    const char* reference; /* a file; NULL: by path */
+    int32_t spp, reference_spp, size[2];
+    double reference_seconds, reference_noise;
+    bool spp_given, reference_spp_given;
+} cli_compare_request;
+
 #endif

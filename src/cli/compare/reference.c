@@ -1,9 +1,10 @@
 /* The reference of a scene: paths, as many as it takes until their noise is well below the differences. It lies in the
  * folder with its state, so that a later comparison of the same scene goes on from it. */
+#include "cli/compare/reference.h"
 #include "cli/compare/command_line.h"
 #include "cli/compare/files.h"
+#include "cli/compare/keep.h"
 #include "cli/compare/measure.h"
-#include "cli/compare/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

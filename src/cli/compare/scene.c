@@ -1,24 +1,14 @@
 /* A scene, rendered by methods. */
 #include "cli/compare/scene.h"
-#include "cli/compare/command_line.h"
-#include "cli/compare/files.h"
+#include "cli/compare/keep.h"
 #include "cli/compare/measure.h"
+#include "cli/compare/read.h"
+#include "cli/compare/reference.h"
 #include "cli/text.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-bool cli_keep_state(void* user, const void* state, size_t size) {
-    cli_kept_state* kept = user;
-    if (kept->size != size) {
-        free(kept->bytes);
-        kept->bytes = malloc(size);
-        kept->size = kept->bytes != NULL ? size : 0;
-    }
-    if (kept->bytes != NULL) memcpy(kept->bytes, state, size);
-    return kept->checkpoint != NULL ? cli_checkpoint_write(kept->checkpoint, state, size) : true;
-}
 
 /* ---- which methods ---- */
 
@@ -90,49 +80,6 @@ static int choose_methods(cli_session* session, cli_comparison* comparison, cons
     return kept > 0 ? CLI_GO : fail_without_methods(comparison);
 }
 
-/* ---- names and files ---- */
-
-static bool name_taken(const cli_comparison* comparison, const char* name) {
-    for (int i = 0; i < comparison->count; ++i)
-        if (strcmp(comparison->entries[i].name, name) == 0) return true;
-    return strcmp(name, "reference") == 0;
-}
-
-void cli_choose_name(const cli_comparison* comparison, const char* source, char out[CLI_COMPARE_NAME]) {
-    char base[CLI_COMPARE_NAME - 16];
-    const char* slash = strrchr(source, '/');
-    snprintf(base, sizeof base, "%.*s", (int)sizeof base - 1, slash != NULL ? slash + 1 : source);
-    char* dot = strrchr(base, '.');
-    if (dot != NULL && dot != base) *dot = '\0';
-    for (char* c = base; *c != '\0'; ++c)
-        if (strchr("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.", *c) == NULL) *c = '_';
-    snprintf(out, CLI_COMPARE_NAME, "%s", base);
-    for (int n = 2; name_taken(comparison, out); ++n) snprintf(out, CLI_COMPARE_NAME, "%s-%d", base, n);
-}
-
-cli_report cli_begin_report(const ty_scene* scene, const cli_method* method, uint64_t seed) {
-    cli_report report = {.method = method->name, .seed = seed, .fov_y = ty_scene_camera(scene).fov_y, .complete = true};
-    snprintf(report.scene, sizeof report.scene, "%016" PRIx64, ty_scene_hash(scene));
-    return report;
-}
-
-int cli_keep_rendering(cli_session* session, const cli_comparison* comparison, const cli_report* report,
-                       cli_compared* entry) {
-    entry->source = report->method;
-    entry->seconds = report->path.seconds;
-    entry->own_seconds = report->own_seconds;
-    entry->spp = report->path.spp;
-    entry->stage_count = cli_report_stages(report, entry->stages);
-    free(entry->command);
-    entry->command = cli_render_command(comparison, entry, report->seed);
-    char* path = cli_comparison_path(comparison->folder, "", entry->name, ".exr");
-    if (path == NULL) return CLI_FAILED;
-    ty_result result = cli_report_metadata(entry->image, report);
-    if (result == TY_OK) result = ty_image_write_exr(session->context, entry->image, path);
-    free(path);
-    return result == TY_OK ? CLI_GO : cli_fail_running(session, result);
-}
-
 /* ---- rendering ---- */
 
 /* Paths, with images kept at a quarter of the samples, a sixteenth and so on: for error against time. The image is that
@@ -184,8 +131,9 @@ static int render_method(cli_session* session, cli_comparison* comparison, const
     return cli_keep_rendering(session, comparison, &report, entry);
 }
 
-int cli_render_methods(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
-                       const cli_compare_request* options, const cli_request* request) {
+/* Images of all methods, in the order of the words. */
+static int render_methods(cli_session* session, cli_comparison* comparison, const ty_scene* scene,
+                          const cli_compare_request* options, const cli_request* request) {
     const cli_method* methods[CLI_COMPARE_MAX];
     int count = cli_name_methods(options->methods, methods);
     if (count < 0) return CLI_USAGE;
@@ -227,7 +175,7 @@ int cli_compare_scene(cli_session* session, cli_comparison* comparison, const ty
     snprintf(comparison->hash, sizeof comparison->hash, "%016" PRIx64, ty_scene_hash(scene));
     int status = CLI_GO;
     if (options->reference != NULL) status = read_reference(session, comparison, options->reference, &request);
-    if (status == CLI_GO) status = cli_render_methods(session, comparison, scene, options, &request);
+    if (status == CLI_GO) status = render_methods(session, comparison, scene, options, &request);
     if (status == CLI_GO && options->reference == NULL)
         return cli_refine_reference(session, comparison, scene, options, &request);
     for (int i = 0; i < comparison->count && status == CLI_GO; ++i)
