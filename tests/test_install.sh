@@ -32,7 +32,7 @@ done
 grep -q '^\.BR tyndall' "$pages/tyndall.1" || { echo "no manual page of tyndall"; exit 1; }
 
 # Tools are not beside the command that runs them, and are not missed until they are asked for.
-"$prefix/bin/tyndall" bench load --side 8 --runs 1 | grep -q '^nrrd raw' || { echo "tyndall bench does not run"; exit 1; }
+"$prefix/bin/tyndall" bench load --side 8 --runs 1 | grep -q '^  nrrd raw:' || { echo "tyndall bench does not run"; exit 1; }
 "$prefix/bin/tyndall" figure list | grep -q '^screen-truth ' || { echo "tyndall figure does not run"; exit 1; }
 mv "$prefix/libexec" elsewhere
 for tool in bench figure; do

@@ -12,11 +12,15 @@ enum { JSON_DEPTH_MAX = 16 };
 
 typedef struct json_writer {
     FILE* file;
+    bool plain;  /* for reading on a terminal: YAML, and no more than five digits */
+    bool dashed; /* plain: the dash of an array's element is written, and what it holds follows on its line */
     int depth;
     bool filled[JSON_DEPTH_MAX]; /* whether the object or array at a depth has a member already */
 } json_writer;
 
 json_writer json_begin(FILE* file);
+/* The same calls write YAML. */
+json_writer json_begin_plain(FILE* file);
 
 /* name NULL: an element of an array, or the outermost value. */
 void json_open_object(json_writer* json, const char* name);

@@ -129,15 +129,7 @@ static ty_result time_methods(const bench_session* bench, const ty_scene* scene,
 
 static void print_quality(const bench_session* bench, int q, double filling, const timed t[METHODS]) {
     const double surfaces = t[SURFACES].seconds;
-    if (bench->json == NULL) {
-        printf("  %-5s %5d paths: surfaces %8.3f s (paper: %.1f %% more)\n", qualities[q].name, (int)qualities[q].spp,
-               surfaces, 100 * qualities[q].paper);
-        for (int m = ATTENUATION; m < PATH; ++m)
-            printf("    %-11s %8.3f s: %+.1f %%\n", method_names[m], t[m].seconds, 100 * (t[m].seconds / surfaces - 1));
-        printf("    with the cache's filling %+.1f %%\n", 100 * ((t[CACHE].seconds + filling) / surfaces - 1));
-        fflush(stdout);
-        return;
-    }
+
     json_open_object(bench->json, qualities[q].name);
     json_int(bench->json, "spp", qualities[q].spp);
     json_number(bench->json, "surfaces_seconds", surfaces);
@@ -228,19 +220,12 @@ static double path_seconds(const cost* path, int part, double error) {
 }
 
 static void print_cost(const bench_session* bench, int m, int32_t spp, const cost* is, const cost* path) {
-    if (bench->json != NULL) json_open_object(bench->json, method_names[m]);
-    if (bench->json != NULL) json_int(bench->json, "spp", spp);
+    json_open_object(bench->json, method_names[m]);
+    json_int(bench->json, "spp", spp);
     for (int part = 0; part < PARTS; ++part) {
         const errors* e = &is->errors[part];
         const double paths = path_seconds(path, part, e->error), own = is->seconds[part];
-        if (bench->json == NULL) {
-            printf(
-                "  %-7s %4d paths: error %5.1f %%, of which noise %5.1f %%, in %7.4f s; paths through media %8.2f s: "
-                "%.1f times as fast, %.2f with filling\n",
-                part == ALL ? method_names[m] : "", (int)spp, 100 * e->error, 100 * e->noise, own, paths, paths / own,
-                paths / (own + is->filling));
-            continue;
-        }
+
         json_open_object(bench->json, part_names[part]);
         json_number(bench->json, "relative_error", e->error);
         json_number(bench->json, "noise", e->noise);
@@ -250,8 +235,7 @@ static void print_cost(const bench_session* bench, int m, int32_t spp, const cos
         json_number(bench->json, "over_path_with_filling", paths / (own + is->filling));
         json_close_object(bench->json);
     }
-    if (bench->json != NULL) json_close_object(bench->json);
-    fflush(stdout);
+    json_close_object(bench->json);
 }
 
 static ty_result find_cost(const ty_scene* scene, const lookups* look, const places* p, int m, int32_t spp,
@@ -273,19 +257,21 @@ static ty_result bench_errors(const bench_session* bench, const ty_scene* scene,
     cost path, is;
     ty_result result = bake_twice(scene, look, p, PATH, TRUTH_SPP, SEEDS, &truth);
     if (result == TY_OK) result = find_cost(scene, look, p, PATH, qualities[0].spp, t[0], &truth, &path);
-    if (bench->json == NULL && result == TY_OK)
-        printf(
-            "against paths through media to the same error (theirs at %d: %.1f %% of all light, %.1f %% of what media "
-            "scattered, in %.3f s);\nfirst of all light, then of what media scattered, by the time beyond "
-            "attenuation alone\n",
-            (int)qualities[0].spp, 100 * path.errors[ALL].error, 100 * path.errors[SCATTERED].error, path.seconds[ALL]);
+    if (result == TY_OK) {
+        json_open_object(bench->json, "path_of_truth");
+        json_int(bench->json, "spp", qualities[0].spp);
+        json_numbers(bench->json, "relative_errors",
+                     (const double[]){path.errors[ALL].error, path.errors[SCATTERED].error}, PARTS);
+        json_number(bench->json, "elapsed", path.seconds[ALL]);
+        json_close_object(bench->json);
+    }
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
-        if (bench->json != NULL) json_open_object(bench->json, q == 0 ? "equal_error_low" : "equal_error_high");
+        json_open_object(bench->json, q == 0 ? "equal_error_low" : "equal_error_high");
         for (int m = CACHE; m < PATH && result == TY_OK; ++m) {
             result = find_cost(scene, look, p, m, qualities[q].spp, t[q], &truth, &is);
             if (result == TY_OK) print_cost(bench, m, qualities[q].spp, &is, &path);
         }
-        if (bench->json != NULL) json_close_object(bench->json);
+        json_close_object(bench->json);
     }
     free_twice(&truth);
     return result;
@@ -296,17 +282,9 @@ static ty_result bench_methods(const bench_session* bench, const ty_scene* scene
     places p;
     ty_result result = find_places(bench, scene, &p);
     if (result != TY_OK) return result;
-    if (bench->json == NULL)
-        printf(
-            "light from media on top of light from surfaces (%s, %lld receivers, medians of %d, processor's seconds)\n",
-            scene_name, (long long)p.count, (int)bench->options->runs);
-    else
-        json_int(bench->json, "receivers", p.count);
-    if (bench->json == NULL)
-        printf("  filling the cache, %d x %d x %d cells, %lld paths: %.3f s\n", (int)cache.size[0], (int)cache.size[1],
-               (int)cache.size[2], (long long)cache.paths, look->filling);
-    else
-        json_number(bench->json, "cache_filling_seconds", look->filling);
+    json_int(bench->json, "receivers", p.count);
+    json_numbers(bench->json, "cache_cells", (const double[]){cache.size[0], cache.size[1], cache.size[2]}, 3);
+    json_number(bench->json, "cache_filling_seconds", look->filling);
     timed t[QUALITIES][METHODS];
     for (int q = 0; q < QUALITIES && result == TY_OK; ++q) {
         result = time_methods(bench, scene, look, &p, qualities[q].spp, q == 0 ? METHODS : PATH, t[q]);
@@ -355,12 +333,7 @@ static double measure_embree(const bench_session* bench, ty_context* context, co
 }
 
 static void print_rays(const bench_session* bench, double own, double embree) {
-    if (bench->json == NULL) {
-        printf(
-            "1e6 rays/s on a terrain of 260642 triangles: %.2f of a bake without media, %.2f of bare Embree (%.2f)\n",
-            own, embree, own / embree);
-        return;
-    }
+
     json_number(bench->json, "mrays_per_second", own);
     json_number(bench->json, "embree_robust_mrays_per_second", embree);
 }

@@ -17,7 +17,7 @@ typedef struct bench_options {
 typedef struct bench_session {
     cli_session* session;
     const bench_options* options;
-    json_writer* json; /* NULL: print text. Inside an open object that is the bench's own */
+    json_writer* json; /* what was measured, as JSON or for reading; inside an open object that is the bench's own */
 } bench_session;
 
 /* Each returns CLI_DONE or an exit status after a message. */

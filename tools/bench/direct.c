@@ -141,21 +141,7 @@ static double nanoseconds(double seconds, int32_t side, int32_t sources) {
     return 1e9 * seconds / ((double)side * side * side * sources);
 }
 
-static void print_row(const char* name, double seconds, int32_t side, int32_t sources, double first) {
-    const double each = nanoseconds(seconds, side, sources);
-    printf("%-18s %8d %10.4f %14.1f %9.2f %9.2f\n", name, (int)sources, seconds, 1e3 / each, each, each / first);
-}
-
-static void print_size(int32_t side, const measured* m, int32_t first_side, const measured* first) {
-    printf("%d^3 cells\n%-18s %8s %10s %14s %9s %9s\n", (int)side, "", "sources", "s", "Mcell/s each", "ns/cell",
-           "/ first");
-    print_row("sampling, gray", m->medium, side, 1, nanoseconds(first->medium, first_side, 1));
-    for (int i = 0; i < CASES; ++i)
-        print_row(cases[i].name, m[i].light, side, m[i].sources,
-                  nanoseconds(first[i].light, first_side, first[i].sources));
-}
-
-static void print_size_json(json_writer* json, int32_t side, const measured* m) {
+static void print_size(json_writer* json, int32_t side, const measured* m) {
     json_open_object(json, NULL);
     json_int(json, "side", side);
     json_number(json, "sampling_seconds", m->medium);
@@ -178,18 +164,12 @@ static void print_size_json(json_writer* json, int32_t side, const measured* m) 
 int bench_direct(const bench_session* bench) {
     measured found[SIZES][CASES];
     ty_result result = TY_OK;
-    if (bench->json != NULL)
-        json_open_array(bench->json, "sizes");
-    else
-        printf("light that has not scattered yet (medians of %d runs after a first one)\n", (int)bench->options->runs);
+    json_open_array(bench->json, "sizes");
     for (int i = 0; i < (bench->options->quick ? 1 : SIZES) && result == TY_OK; ++i) {
         result = measure_size(bench, sides[i], found[i]);
         if (result != TY_OK) break;
-        if (bench->json != NULL)
-            print_size_json(bench->json, sides[i], found[i]);
-        else
-            print_size(sides[i], found[i], sides[0], found[0]);
+        print_size(bench->json, sides[i], found[i]);
     }
-    if (bench->json != NULL) json_close_array(bench->json);
+    json_close_array(bench->json);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);
 }

@@ -84,8 +84,8 @@ static double swept(const ty_dom_stats* stats) {
     return (double)stats->size[0] * stats->size[1] * stats->size[2] * stats->directions * sweeps;
 }
 
-static void print_solve_json(const bench_session* bench, const solved* s, double rate, double flops, double bytes,
-                             const machine* peak) {
+static void print_solve_json(const bench_session* bench, int index, const solved* s, double rate, double flops,
+                             double bytes, const machine* peak) {
     json_writer* json = bench->json;
     json_open_object(json, NULL);
     json_numbers(json, "size", (const double[]){s->stats.size[0], s->stats.size[1], s->stats.size[2]}, 3);
@@ -99,6 +99,7 @@ static void print_solve_json(const bench_session* bench, const solved* s, double
         json_number(json, key, s->seconds[part]);
     }
     json_number(json, "cpu_seconds", s->cpu);
+    json_number(json, "aim_ms", most_ms[index]);
     json_number(json, "bytes", s->stats.bytes);
     json_number(json, "cells_directions_sweeps_per_second", rate);
     json_number(json, "gflops", flops);
@@ -111,21 +112,7 @@ static void print_solve(const bench_session* bench, int index, const solved* s, 
     const double rate = swept(&s->stats) / s->seconds[SWEEP];
     const double flops = 1e-9 * rate * ty_sweep_operations(s->stats.bands);
     const double bytes = 1e-9 * rate * octant_bytes(s->stats.bands) * 8 / s->stats.directions;
-    if (bench->json != NULL) {
-        print_solve_json(bench, s, rate, flops, bytes, peak);
-        return;
-    }
-    const ty_dom_stats* t = &s->stats;
-    printf(
-        "  %d^3: %.1f ms (at most %.0f; %.1f of all processors)%s; sweeps %d, %d, %d of %d directions, %d bands\n   ",
-        (int)sides[index], 1e3 * s->seconds[ALL], most_ms[index], 1e3 * s->cpu, t->converged ? "" : ", not converged",
-        (int)t->sweeps[0], (int)t->sweeps[1], (int)t->sweeps[2], (int)t->directions, (int)t->bands);
-    for (int part = MEDIUM; part < PARTS; ++part) printf(" %s %.1f", part_names[part], 1e3 * s->seconds[part]);
-    printf(
-        "\n    %.3g cells x directions x sweeps a second: %.1f GFLOP/s, %.0f %% of the %.1f that multiply-adds reach; "
-        "%.0f %% of the %.1f GB/s of memory\n",
-        rate, flops, 100 * flops / peak->gflops, peak->gflops, 100 * bytes / peak->bandwidth, peak->bandwidth);
-    fflush(stdout);
+    print_solve_json(bench, index, s, rate, flops, bytes, peak);
 }
 
 static ty_result bench_solves(const bench_session* bench) {
@@ -134,16 +121,13 @@ static ty_result bench_solves(const bench_session* bench) {
     ty_result result = measure_machine(bench, &peak);
     if (result == TY_OK)
         result = tools_load_scene(bench->session->context, "bench_colored_smoke", NULL, NULL, 0, &scene);
-    if (bench->json != NULL)
-        json_open_array(bench->json, "solves");
-    else
-        printf("solves of three channels, to 1e-3 (ms, medians of %d)\n", (int)bench->options->runs);
+    json_open_array(bench->json, "solves");
     for (int i = 0; i < SIDES && result == TY_OK; ++i) {
         solved s;
         result = time_solve(bench, scene, sides[i], &s);
         if (result == TY_OK) print_solve(bench, i, &s, &peak);
     }
-    if (bench->json != NULL) json_close_array(bench->json);
+    json_close_array(bench->json);
     ty_scene_destroy(scene);
     return result;
 }
@@ -154,16 +138,12 @@ enum { EDGE = 32, THICKNESSES = 5, SWEEPS = 400 };
 
 /* Sweeps and milliseconds of one solve, or that it takes too many. */
 static void print_sweeps(const bench_session* bench, const char* key, const ty_ordinates_stats* stats) {
-    if (bench->json != NULL) {
-        json_open_object(bench->json, key);
-        json_bool(bench->json, "converged", stats->converged);
-        json_int(bench->json, "sweeps", stats->sweeps);
-        json_int(bench->json, "cycles", stats->cycles);
-        json_number(bench->json, "seconds", stats->seconds);
-        json_close_object(bench->json);
-    } else {
-        printf(" %12s%4d %9.1f", stats->converged ? "" : "not after", (int)stats->sweeps, 1e3 * stats->seconds);
-    }
+    json_open_object(bench->json, key);
+    json_bool(bench->json, "converged", stats->converged);
+    json_int(bench->json, "sweeps", stats->sweeps);
+    json_int(bench->json, "cycles", stats->cycles);
+    json_number(bench->json, "seconds", stats->seconds);
+    json_close_object(bench->json);
 }
 
 /* skips: source iteration is known to take too long. */
@@ -172,13 +152,9 @@ static ty_result time_thickness(const bench_session* bench, ordinates_box_kind k
     ordinates_box box;
     ty_result result = ordinates_box_open(bench->session->context, kind, EDGE, DIRECTIONS, thickness, &box);
     if (result != TY_OK) return result;
-    if (bench->json != NULL) {
-        json_open_object(bench->json, NULL);
-        json_text(bench->json, "medium", ordinates_box_names[kind]);
-        json_number(bench->json, "thickness", thickness);
-    } else {
-        printf("  %-6s %8g", ordinates_box_names[kind], thickness);
-    }
+    json_open_object(bench->json, NULL);
+    json_text(bench->json, "medium", ordinates_box_names[kind]);
+    json_number(bench->json, "thickness", thickness);
     for (int plain = 0; plain < (*skips ? 1 : 2) && result == TY_OK; ++plain) {
         ty_ordinates_stats stats;
         box.def.accelerated = plain == 0;
@@ -188,27 +164,19 @@ static ty_result time_thickness(const bench_session* bench, ordinates_box_kind k
         if (result == TY_OK && plain == 1) *skips = !stats.converged;
     }
     ordinates_box_close(&box);
-    if (bench->json != NULL)
-        json_close_object(bench->json);
-    else
-        printf("\n");
-    fflush(stdout);
+    json_close_object(bench->json);
     return result;
 }
 
 static ty_result bench_thickness(const bench_session* bench) {
     ty_result result = TY_OK;
-    if (bench->json != NULL)
-        json_open_array(bench->json, "thickness");
-    else
-        printf("sweeps until 1e-3 is to come, %d^3 cells, %d directions, one channel\n  %-6s %8s %16s %9s %16s %9s\n",
-               EDGE, DIRECTIONS, "medium", "optical", "with diffusion", "ms", "without", "ms");
+    json_open_array(bench->json, "thickness");
     for (int kind = 0; kind < ORDINATES_BOX_KINDS && result == TY_OK; ++kind) {
         bool skips = false;
         for (int i = 0; i < THICKNESSES && result == TY_OK; ++i)
             result = time_thickness(bench, (ordinates_box_kind)kind, pow(10, i), &skips);
     }
-    if (bench->json != NULL) json_close_array(bench->json);
+    json_close_array(bench->json);
     return result;
 }
 
@@ -290,68 +258,47 @@ static ty_result find_equal(const bench_session* bench, const pair* p, int32_t b
 }
 
 static void print_equal(const bench_session* bench, const pair* p, int32_t block, const equal_error* e) {
-    if (bench->json != NULL) {
-        json_open_object(bench->json, NULL);
-        json_int(bench->json, "block", block);
-        json_number(bench->json, "mean_ratio", e->mean_ratio);
-        json_number(bench->json, "path_noise", e->noise);
-        if (!isnan(e->error)) {
-            json_number(bench->json, "relative_rmse", e->error);
-            json_number(bench->json, "path_spp_at_equal_error", e->more * p->path.spp);
-            json_number(bench->json, "path_over_dom", e->faster[0]);
-            json_number(bench->json, "path_over_dom_cpu", e->faster[1]);
-        }
-        json_close_object(bench->json);
-        return;
+    json_open_object(bench->json, NULL);
+    json_int(bench->json, "block", block);
+    json_number(bench->json, "mean_ratio", e->mean_ratio);
+    json_number(bench->json, "path_noise", e->noise);
+    if (!isnan(e->error)) {
+        json_number(bench->json, "relative_rmse", e->error);
+        json_number(bench->json, "path_spp_at_equal_error", e->more * p->path.spp);
+        json_number(bench->json, "path_over_dom", e->faster[0]);
+        json_number(bench->json, "path_over_dom_cpu", e->faster[1]);
     }
-    printf("  means over %d x %d pixels: mean ratio %.3f, path's noise %.4f; ", (int)block, (int)block, e->mean_ratio,
-           e->noise);
-    if (isnan(e->error))
-        printf("dom's error is less than can be told from it\n");
-    else
-        printf("relative RMSE %.4f, for which path takes %.0f spp and %.0f times as long (at least 100; %.0f times the "
-               "processors' time)\n",
-               e->error, e->more * p->path.spp, e->faster[0], e->faster[1]);
+    json_close_object(bench->json);
 }
 
 static void print_pair(const bench_session* bench, const char* name, const ty_scene* scene, const pair* p) {
     const ty_dom_stats* dom = &p->whole;
     const ty_camera_def camera = ty_scene_camera(scene);
     const int32_t* whole = camera.resolution;
-    if (bench->json != NULL) {
-        json_text(bench->json, "scene", name);
-        json_numbers(bench->json, "size", (const double[]){whole[0], whole[1]}, 2);
-        json_number(bench->json, "dom_seconds", dom->seconds);
-        json_number(bench->json, "dom_before_march_seconds", dom->seconds - dom->march_seconds);
-        json_number(bench->json, "path_seconds", p->larger * p->path.seconds);
-        json_number(bench->json, "path_spp", p->path.spp);
-        return;
-    }
-    printf("%s, %dx%d: dom %.3f s (medium %.3f, direct %.3f, sources %.3f, solve %.3f, march %.3f), path at %g spp, "
-           "from %dx%d, %.1f s\n",
-           name, (int)whole[0], (int)whole[1], dom->seconds, dom->medium_seconds, dom->direct_seconds,
-           dom->source_seconds, dom->solve_seconds, dom->march_seconds, p->path.spp, (int)ty_image_width(p->image),
-           (int)ty_image_height(p->image), p->larger * p->path.seconds);
+    json_text(bench->json, "scene", name);
+    json_numbers(bench->json, "size", (const double[]){whole[0], whole[1]}, 2);
+    json_number(bench->json, "dom_seconds", dom->seconds);
+    json_number(bench->json, "dom_before_march_seconds", dom->seconds - dom->march_seconds);
+    json_number(bench->json, "path_seconds", p->larger * p->path.seconds);
+    json_number(bench->json, "path_spp", p->path.spp);
 }
 
 static ty_result bench_images(const bench_session* bench) {
     const char* name = "";
     ty_scene* scene = NULL;
     pair p = {0};
-    if (bench->json != NULL) json_open_object(bench->json, "image");
+    json_open_object(bench->json, "image");
     ty_result result = load_cloud(bench, &name, &scene);
     if (result == TY_OK) result = render_pair(bench, scene, &p);
     if (result == TY_OK) print_pair(bench, name, scene, &p);
-    if (bench->json != NULL) json_open_array(bench->json, "equal_error");
+    json_open_array(bench->json, "equal_error");
     for (int i = 0; i < BLOCKS && result == TY_OK; ++i) {
         equal_error equal;
         result = find_equal(bench, &p, blocks[i], &equal);
         if (result == TY_OK) print_equal(bench, &p, blocks[i], &equal);
     }
-    if (bench->json != NULL) {
-        json_close_array(bench->json);
-        json_close_object(bench->json);
-    }
+    json_close_array(bench->json);
+    json_close_object(bench->json);
     free_pair(&p);
     ty_scene_destroy(scene);
     return result;

@@ -150,57 +150,41 @@ static int32_t largest_side(const bench_session* bench, int index) {
 
 static void print_solved(const bench_session* bench, int index, const solved* s) {
     const double cells = pow(s->side, 3);
-    if (bench->json != NULL) {
-        json_open_object(bench->json, NULL);
-        json_text(bench->json, "case", cases[index].name);
-        json_int(bench->json, "side", s->side);
-        json_bool(bench->json, "converged", s->converged);
-        json_int(bench->json, "iterations", s->iterations);
-        json_int(bench->json, "cycles", s->cycles);
-        json_number(bench->json, "work", s->work);
-        json_number(bench->json, "residual", s->residual);
-        json_number(bench->json, "seconds", s->seconds);
-        json_number(bench->json, "mcells_per_second", 1e-6 * cells / s->seconds);
-        json_number(bench->json, "mcells_per_core_second", 1e-6 * cells / s->cpu_seconds);
-        json_number(bench->json, "floats_per_cell", s->floats);
-        json_close_object(bench->json);
-        return;
-    }
-    printf("  %-20s %4d %6d %7d %9.1f %10.4f %9.2f %9.2f %8.1f%s\n", cases[index].name, s->side, s->iterations,
-           s->cycles, s->work, s->seconds, 1e-6 * cells / s->seconds, 1e-6 * cells / s->cpu_seconds, s->floats,
-           s->converged ? "" : "  not converged");
-    fflush(stdout);
+    json_open_object(bench->json, NULL);
+    json_text(bench->json, "case", cases[index].name);
+    json_int(bench->json, "side", s->side);
+    json_bool(bench->json, "converged", s->converged);
+    json_int(bench->json, "iterations", s->iterations);
+    json_int(bench->json, "cycles", s->cycles);
+    json_number(bench->json, "work", s->work);
+    json_number(bench->json, "residual", s->residual);
+    json_number(bench->json, "seconds", s->seconds);
+    json_number(bench->json, "mcells_per_second", 1e-6 * cells / s->seconds);
+    json_number(bench->json, "mcells_per_core_second", 1e-6 * cells / s->cpu_seconds);
+    json_number(bench->json, "floats_per_cell", s->floats);
+    json_close_object(bench->json);
 }
 
 static ty_result bench_solvers(const bench_session* bench) {
     static solved results[CASES][SIZES];
     ty_result result = TY_OK;
-    if (bench->json != NULL)
-        json_open_array(bench->json, "solvers");
-    else
-        printf(
-            "solvers, to a residual of %g (medians of %d; work in passes over all cells)\n  %-20s %4s %6s %7s %9s %10s "
-            "%9s %9s %8s\n",
-            tolerance, (int)bench->options->runs, "", "side", "iter.", "cycles", "work", "s", "Mcell/s", "per core",
-            "floats");
+    json_open_array(bench->json, "solvers");
     for (int i = 0; i < CASES && result == TY_OK; ++i)
         for (int s = 0; s < SIZES && result == TY_OK; ++s) {
             if (sides[s] < cases[i].smallest || sides[s] > largest_side(bench, i)) continue;
             result = run_case(bench, i, sides[s], &results[i][s]);
             if (result == TY_OK) print_solved(bench, i, &results[i][s]);
         }
-    if (bench->json != NULL) json_close_array(bench->json);
+    json_close_array(bench->json);
     if (result != TY_OK) return result;
     const double faster = results[SOR_CASE][1].seconds / results[LINEAR_CASE][1].seconds;
-    if (bench->json != NULL)
-        json_number(bench->json, "multigrid_over_sor", faster);
-    else
-        printf("  multigrid is %.1f times as fast as SOR at %d^3\n", faster, (int)SOR_SIDE);
-    for (int i = 0; i < SOR_CASE && bench->json == NULL; ++i) {
+    json_number(bench->json, "multigrid_over_sor", faster);
+    json_open_object(bench->json, "work_over_smallest");
+    for (int i = 0; i < SOR_CASE; ++i) {
         const int last = largest_side(bench, i) == sides[SIZES - 1] ? SIZES - 1 : SIZES - 2;
-        printf("  %s: work grows by %.0f %% from %d^3 to %d^3\n", cases[i].name,
-               100 * (results[i][last].work / results[i][0].work - 1), (int)sides[0], (int)sides[last]);
+        json_number(bench->json, cases[i].name, results[i][last].work / results[i][0].work);
     }
+    json_close_object(bench->json);
     return TY_OK;
 }
 
@@ -275,35 +259,25 @@ static void print_timed(const bench_session* bench, const char* name, const time
     static const char* const methods[] = {"fld", "cda"};
     static const char* const parts[] = {"medium_seconds", "direct_seconds", "solve_seconds", "march_seconds"};
     const int32_t* coarse = t->stats.diffusion_size;
-    if (bench->json != NULL) {
-        json_open_object(bench->json, name);
-        for (int m = 0; m < 2; ++m) {
-            json_open_object(bench->json, methods[m]);
-            json_number(bench->json, "seconds", t->seconds[m]);
-            for (int i = 0; i < 4; ++i) json_number(bench->json, parts[i], t->parts[m][i]);
-            json_close_object(bench->json);
-        }
-        json_number(bench->json, "path_seconds_at_1000_spp", t->path);
-        json_number(bench->json, "path_over_fld", t->path / t->seconds[0]);
-        json_number(bench->json, "fld_over_cda", t->seconds[0] / t->seconds[1]);
-        json_number(bench->json, "floats_per_cell", t->floats);
+    json_open_object(bench->json, name);
+    for (int m = 0; m < 2; ++m) {
+        json_open_object(bench->json, methods[m]);
+        json_number(bench->json, "seconds", t->seconds[m]);
+        for (int i = 0; i < 4; ++i) json_number(bench->json, parts[i], t->parts[m][i]);
         json_close_object(bench->json);
-        return;
     }
-    printf("%s: %dx%dx%d cells of diffusion, %.1f floats each and channel while solving\n", name, (int)coarse[0],
-           (int)coarse[1], (int)coarse[2], t->floats);
-    for (int m = 0; m < 2; ++m)
-        printf("  %s %8.3f s (medium %.3f, direct %.3f, solve %.3f, march %.3f)\n", methods[m], t->seconds[m],
-               t->parts[m][0], t->parts[m][1], t->parts[m][2], t->parts[m][3]);
-    printf("  path at %d spp, from %d: %.0f s, %.0f times fld; fld takes %.2f times cda\n", TRUTH_SPP, PATH_SPP,
-           t->path, t->path / t->seconds[0], t->seconds[0] / t->seconds[1]);
-    fflush(stdout);
+    json_number(bench->json, "path_seconds_at_1000_spp", t->path);
+    json_number(bench->json, "path_over_fld", t->path / t->seconds[0]);
+    json_number(bench->json, "fld_over_cda", t->seconds[0] / t->seconds[1]);
+    json_number(bench->json, "floats_per_cell", t->floats);
+    json_numbers(bench->json, "diffusion_size", (const double[]){coarse[0], coarse[1], coarse[2]}, 3);
+    json_close_object(bench->json);
 }
 
 static ty_result bench_images(const bench_session* bench) {
     static const char* const names[] = {"cloud_sun", "nebulae"};
     ty_result result = TY_OK;
-    if (bench->json != NULL) json_open_object(bench->json, "images");
+    json_open_object(bench->json, "images");
     for (size_t i = 0; i < sizeof names / sizeof *names && result == TY_OK; ++i) {
         char path[64];
         timed t = {.path = 0};
@@ -315,7 +289,7 @@ static ty_result bench_images(const bench_session* bench) {
         if (result == TY_OK) print_timed(bench, names[i], &t);
         ty_scene_destroy(scene);
     }
-    if (bench->json != NULL) json_close_object(bench->json);
+    json_close_object(bench->json);
     return result;
 }
 

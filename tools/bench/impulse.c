@@ -114,21 +114,12 @@ static ty_result measure(const bench_session* bench, const char* folder, measure
 }
 
 static void print_measured(const bench_session* bench, const measured* m) {
-    if (bench->json != NULL) {
-        json_number(bench->json, "build_seconds", m->build);
-        json_number(bench->json, "load_seconds", m->load);
-        json_open_object(bench->json, "lookup_ns");
-        for (int i = 0; i < CASES; ++i) json_number(bench->json, cases[i].name, 1e9 * m->lookup[i]);
-        json_close_object(bench->json);
-        json_number(bench->json, "irradiance_ns", 1e9 * m->irradiance);
-        return;
-    }
-    printf("impulse responses, %d bounces (medians of %d)\n  %-22s %10.2f s\n  %-22s %10.2f ms\n", BOUNCES,
-           (int)bench->options->runs, "made", m->build, "read from the folder", 1e3 * m->load);
-    for (int i = 0; i < CASES; ++i)
-        printf("  lookup: %-14s %10.1f ns %10.1f million/s on one thread\n", cases[i].name, 1e9 * m->lookup[i],
-               1e-6 / m->lookup[i]);
-    printf("  %-22s %10.1f ns\n", "irradiance", 1e9 * m->irradiance);
+    json_number(bench->json, "build_seconds", m->build);
+    json_number(bench->json, "load_seconds", m->load);
+    json_open_object(bench->json, "lookup_ns");
+    for (int i = 0; i < CASES; ++i) json_number(bench->json, cases[i].name, 1e9 * m->lookup[i]);
+    json_close_object(bench->json);
+    json_number(bench->json, "irradiance_ns", 1e9 * m->irradiance);
 }
 
 int bench_impulse(const bench_session* bench) {

@@ -89,17 +89,11 @@ static double file_bytes(const char* path) {
 }
 
 static void print_result(const bench_session* bench, const load_case* load, const load_result* result) {
-    if (bench->json != NULL) {
-        json_open_object(bench->json, load->name);
-        json_number(bench->json, "seconds", result->seconds);
-        json_number(bench->json, "mvoxels_per_second", result->mvoxels);
-        json_number(bench->json, "file_bytes", result->file_bytes);
-        json_close_object(bench->json);
-        return;
-    }
-    char bytes[24];
-    cli_format_bytes(result->file_bytes, bytes);
-    printf("%-18s %12s %10.3f %12.0f\n", load->name, bytes, result->seconds, result->mvoxels);
+    json_open_object(bench->json, load->name);
+    json_number(bench->json, "seconds", result->seconds);
+    json_number(bench->json, "mvoxels_per_second", result->mvoxels);
+    json_number(bench->json, "file_bytes", result->file_bytes);
+    json_close_object(bench->json);
 }
 
 static ty_result run_case(const bench_session* bench, const load_case* load, ty_grid* const grids[2],
@@ -121,11 +115,7 @@ static ty_result run_cases(const bench_session* bench, const char* folder) {
     ty_grid* grids[2] = {NULL, NULL};
     ty_result result = make_halves(context, side, &grids[TY_GRID_F16]);
     if (result == TY_OK) result = make_floats(context, grids[TY_GRID_F16], side, &grids[TY_GRID_F32]);
-    if (bench->json != NULL)
-        json_int(bench->json, "side", side);
-    else if (result == TY_OK)
-        printf("loading %d^3 voxels (medians of %d)\n%-18s %12s %10s %12s\n", side, bench->options->runs, "file",
-               "size", "seconds", "Mvoxel/s");
+    json_int(bench->json, "side", side);
     for (int i = 0; i < CASES && result == TY_OK; ++i) result = run_case(bench, &cases[i], grids, folder);
     ty_grid_destroy(grids[0]);
     ty_grid_destroy(grids[1]);

@@ -127,7 +127,7 @@ static double mrays(const ty_lpv_stats* stats) {
 
 /* ---- Table 1 ---- */
 
-static void print_table_json(const bench_session* bench, const char* name, const timed table[COLUMNS], double peak) {
+static void print_table(const bench_session* bench, const char* name, const timed table[COLUMNS], double peak) {
     json_writer* json = bench->json;
     json_open_array(json, name);
     for (int i = 0; i < COLUMNS; ++i) {
@@ -144,36 +144,6 @@ static void print_table_json(const bench_session* bench, const char* name, const
         json_close_object(json);
     }
     json_close_array(json);
-}
-
-static void print_table(const bench_session* bench, const char* name, const timed table[COLUMNS], double peak) {
-    if (bench->json != NULL) {
-        print_table_json(bench, name, table, peak);
-        return;
-    }
-    printf("%s (ms, medians of %d)\n  %-20s", name, (int)bench->options->runs, "");
-    for (int i = 0; i < COLUMNS; ++i) {
-        char head[48];
-        const int32_t* size = table[i].stats.size[0];
-        snprintf(head, sizeof head, "%s %dx%dx%d", mode_names[i / SIZES], size[0], size[1], size[2]);
-        printf(" %20s", head);
-    }
-    printf("   paper, on a GTX 480: %d^3, %d^3\n", (int)sizes[0], (int)sizes[1]);
-    for (int s = 0; s < STAGES; ++s) {
-        printf("  %-20s", stages[s].name);
-        for (int i = 0; i < COLUMNS; ++i) printf(" %20.2f", 1e3 * table[i].seconds[s]);
-        if (stages[s].paper[0] > 0) printf(" %12.2f %8.2f", stages[s].paper[0], stages[s].paper[1]);
-        printf("\n");
-    }
-    printf("  %-20s", "all of it");
-    for (int i = 0; i < COLUMNS; ++i) printf(" %20.2f", 1e3 * table[i].total);
-    printf("\n  %-20s", "GFLOP/s, of peak");
-    for (int i = 0; i < COLUMNS; ++i)
-        printf(" %13.1f, %3.0f %%", propagation_gflops(&table[i]), 100 * propagation_gflops(&table[i]) / peak);
-    printf("   multiply-adds reach %.1f\n  %-20s", peak, "Mrays/s");
-    for (int i = 0; i < COLUMNS; ++i) printf(" %20.2f", mrays(&table[i].stats));
-    printf("\n");
-    fflush(stdout);
 }
 
 static ty_result time_table(const bench_session* bench, const ty_scene* scene, timed table[COLUMNS]) {
@@ -197,32 +167,28 @@ static ty_result bench_scene_table(const bench_session* bench, const char* name,
 static void print_growth(const bench_session* bench, int mode, const timed t[GROWTH]) {
     const double more = log(cells_of(&t[GROWTH - 1].stats) / cells_of(&t[0].stats));
     const double exponent = log(t[GROWTH - 1].seconds[PROPAGATE] / t[0].seconds[PROPAGATE]) / more;
-    if (bench->json != NULL) {
-        json_open_object(bench->json, mode_names[mode]);
-        for (int i = 0; i < GROWTH; ++i) {
-            char key[32];
-            snprintf(key, sizeof key, "propagate_seconds_%d", (int)t[i].stats.size[0][0]);
-            json_number(bench->json, key, t[i].seconds[PROPAGATE]);
-        }
-        json_number(bench->json, "exponent", exponent);
-        json_close_object(bench->json);
-        return;
+    json_open_object(bench->json, mode_names[mode]);
+    for (int i = 0; i < GROWTH; ++i) {
+        char key[32];
+        snprintf(key, sizeof key, "propagate_seconds_%d", (int)t[i].stats.size[0][0]);
+        json_number(bench->json, key, t[i].seconds[PROPAGATE]);
     }
-    printf("  %-10s", mode_names[mode]);
-    for (int i = 0; i < GROWTH; ++i)
-        printf("  %3d^3: %8.2f (%5.1f ns a cell)", (int)t[i].stats.size[0][0], 1e3 * t[i].seconds[PROPAGATE],
-               1e9 * t[i].seconds[PROPAGATE] / cells_of(&t[i].stats));
-    printf("  as the power %.2f of cells\n", exponent);
-    fflush(stdout);
+    json_number(bench->json, "exponent", exponent);
+    json_close_object(bench->json);
+}
+
+/* Table 1's, on a GTX 480. */
+static void print_paper(const bench_session* bench) {
+    json_open_object(bench->json, "paper_ms");
+    for (int s = 0; s < STAGES; ++s)
+        if (stages[s].paper[0] > 0) json_numbers(bench->json, stages[s].name, stages[s].paper, SIZES);
+    json_close_object(bench->json);
 }
 
 static ty_result bench_growth(const bench_session* bench, const ty_scene* scene) {
     static const int32_t sides[GROWTH] = {24, 32, 64, 96};
     ty_result result = TY_OK;
-    if (bench->json != NULL)
-        json_open_object(bench->json, "growth");
-    else
-        printf("8 iterations as the lattice grows, synthetic (ms)\n");
+    json_open_object(bench->json, "growth");
     for (int m = 0; m < MODES && result == TY_OK; ++m) {
         timed t[GROWTH];
         for (int i = 0; i < GROWTH && result == TY_OK; ++i) {
@@ -231,7 +197,7 @@ static ty_result bench_growth(const bench_session* bench, const ty_scene* scene)
         }
         if (result == TY_OK) print_growth(bench, m, t);
     }
-    if (bench->json != NULL) json_close_object(bench->json);
+    json_close_object(bench->json);
     return result;
 }
 
@@ -242,21 +208,13 @@ enum { ALL, SOLVE, VIEW, SURFACES, MARCH, SINGLE, COMPOSE, PARTS };
 static void print_frame(const bench_session* bench, const char* name, const ty_lpv_def* def, double seconds[PARTS]) {
     static const char* const keys[PARTS] = {"seconds",       "solve_seconds",  "view_seconds",   "surface_seconds",
                                             "march_seconds", "single_seconds", "compose_seconds"};
-    if (bench->json != NULL) {
-        char key[64];
-        snprintf(key, sizeof key, "a frame of %s", name);
-        json_open_object(bench->json, key);
-        json_text(bench->json, "scene", name);
-        json_numbers(bench->json, "resolution", (const double[]){def->width, def->height}, 2);
-        for (int p = 0; p < PARTS; ++p) json_number(bench->json, keys[p], seconds[p]);
-        json_close_object(bench->json);
-        return;
-    }
-    printf(
-        "a frame of %s, %dx%d, media at half resolution: %.1f ms (maps and lattice %.1f, what is seen %.1f, surfaces "
-        "%.1f, march %.1f, single scattering %.1f, composition %.1f)\n",
-        name, (int)def->width, (int)def->height, 1e3 * seconds[ALL], 1e3 * seconds[SOLVE], 1e3 * seconds[VIEW],
-        1e3 * seconds[SURFACES], 1e3 * seconds[MARCH], 1e3 * seconds[SINGLE], 1e3 * seconds[COMPOSE]);
+    char key[64];
+    snprintf(key, sizeof key, "a frame of %s", name);
+    json_open_object(bench->json, key);
+    json_text(bench->json, "scene", name);
+    json_numbers(bench->json, "resolution", (const double[]){def->width, def->height}, 2);
+    for (int p = 0; p < PARTS; ++p) json_number(bench->json, keys[p], seconds[p]);
+    json_close_object(bench->json);
 }
 
 /* The default mode, 32 cells along the longest side, everything anew. */
@@ -320,6 +278,7 @@ int bench_lpv(const bench_session* bench) {
     ty_result result = peak > 0 ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK)
         result = tools_load_scene(bench->session->context, "bench_lamp_in_fog", NULL, NULL, 0, &synthetic);
+    if (result == TY_OK) print_paper(bench);
     if (result == TY_OK) result = bench_scene_table(bench, "synthetic", synthetic, peak);
     if (result == TY_OK) result = bench_growth(bench, synthetic);
     ty_scene_destroy(synthetic);

@@ -110,21 +110,11 @@ int bench_machine(const bench_session* bench) {
     const int status = measure(bench->session->context, &result);
     if (status != CLI_DONE) return status;
     const int32_t threads = ty_context_threads(bench->session->context);
-    if (bench->json != NULL) {
-        json_text(bench->json, "isa", result.isa);
-        json_numbers(bench->json, "threads", (const double[]){1, threads}, 2);
-        json_numbers(bench->json, "fma_gflops", result.gflops, 2);
-        json_numbers(bench->json, "copy_gb_per_second", result.copy, 2);
-        json_numbers(bench->json, "triad_gb_per_second", result.triad, 2);
-        json_number(bench->json, "array_bytes", result.array_bytes);
-        return CLI_DONE;
-    }
-    char bytes[24];
-    cli_format_bytes(result.array_bytes, bytes);
-    printf("machine (%s, medians of %d, arrays of %s)\n", result.isa, RUNS, bytes);
-    printf("%-24s %12s %11d\n", "threads", "1", threads);
-    printf("%-24s %12.1f %11.1f\n", "multiply-add, GFLOP/s", result.gflops[0], result.gflops[1]);
-    printf("%-24s %12.1f %11.1f\n", "copy, GB/s", result.copy[0], result.copy[1]);
-    printf("%-24s %12.1f %11.1f\n", "triad, GB/s", result.triad[0], result.triad[1]);
+    json_text(bench->json, "isa", result.isa);
+    json_numbers(bench->json, "threads", (const double[]){1, threads}, 2);
+    json_numbers(bench->json, "fma_gflops", result.gflops, 2);
+    json_numbers(bench->json, "copy_gb_per_second", result.copy, 2);
+    json_numbers(bench->json, "triad_gb_per_second", result.triad, 2);
+    json_number(bench->json, "array_bytes", result.array_bytes);
     return CLI_DONE;
 }

@@ -39,11 +39,16 @@ static bool names_several(const char* list) {
 /* ---- benches that print as they go ---- */
 
 static int print_benches(cli_session* session, const bench_options* options, const char* name) {
-    const bench_session bench = {session, options, NULL};
     int worst = CLI_DONE;
     for (int i = 0; i < BENCH_COUNT && !cli_interrupted(); ++i) {
         if (!is_wanted(name, bench_entries[i].name)) continue;
+        json_writer text = json_begin_plain(stdout);
+        const bench_session bench = {session, options, &text};
+        json_open_object(&text, NULL);
+        json_open_object(&text, bench_entries[i].name);
         const int status = bench_entries[i].run(&bench);
+        json_close_object(&text);
+        json_close_object(&text);
         if (!names_several(name)) return status;
         if (status != CLI_DONE && !cli_interrupted()) cli_fail(status, "bench %s was left out", bench_entries[i].name);
         if (status == CLI_FAILED) worst = CLI_FAILED;
@@ -250,11 +255,12 @@ static int measure(int count, char** arguments) {
         {"data", 0, CLI_TEXT, "DIR", "lpv, dom: third-party scenes (default: the environment variable TYNDALL_DATA)",
          &options.data, 0, 0, NULL},
     };
-    char details[2048] = "Without --json, -o, --from, --baseline and --markdown numbers are printed as they come. "
-                         "'all' goes on when a bench\n"
-                         "fails or lacks data. A time counts as changed when it is off by more than the threshold and "
-                         "the rounds' ranges\n"
-                         "do not overlap.\n\nbenches:";
+    char details[2048] =
+        "Without --json, -o, --from, --baseline and --markdown numbers are printed as YAML as they come. "
+        "'all' goes on when a bench\n"
+        "fails or lacks data. A time counts as changed when it is off by more than the threshold and "
+        "the rounds' ranges\n"
+        "do not overlap.\n\nbenches:";
     for (int i = 0; i < BENCH_COUNT; ++i) {
         const size_t used = strlen(details);
         snprintf(details + used, sizeof details - used, "\n  %-10s %s", bench_entries[i].name,

@@ -91,23 +91,15 @@ static path_result median_result(const path_result* results, int count) {
 }
 
 static void print_result(const bench_session* bench, const char* name, const path_result* result) {
-    if (bench->json != NULL) {
-        json_open_object(bench->json, name);
-        json_number(bench->json, "relative_rmse", result->relative_rmse);
-        json_number(bench->json, "cpu_seconds", result->cpu_seconds);
-        json_number(bench->json, "cost", result->cost);
-        json_number(bench->json, "msamples_per_second", result->msamples);
-        json_number(bench->json, "mvertices_per_second", result->mvertices);
-        if (bench->options->reference != NULL)
-            json_number(bench->json, "relative_rmse_from_reference", result->from_reference);
-        json_close_object(bench->json);
-        return;
-    }
-    printf("%-16s %12.6g %12.4g %12.4g %12.4g %12.4g", name, result->cost, result->relative_rmse, result->cpu_seconds,
-           result->msamples, result->mvertices);
-    if (bench->options->reference != NULL) printf(" %14.4g", result->from_reference);
-    printf("\n");
-    fflush(stdout);
+    json_open_object(bench->json, name);
+    json_number(bench->json, "relative_rmse", result->relative_rmse);
+    json_number(bench->json, "cpu_seconds", result->cpu_seconds);
+    json_number(bench->json, "cost", result->cost);
+    json_number(bench->json, "msamples_per_second", result->msamples);
+    json_number(bench->json, "mvertices_per_second", result->mvertices);
+    if (bench->options->reference != NULL)
+        json_number(bench->json, "relative_rmse_from_reference", result->from_reference);
+    json_close_object(bench->json);
 }
 
 /* What a scene is given as is a file if it looks like a path, else a builtin scene's name. */
@@ -156,23 +148,12 @@ static int bench_scene(const bench_session* bench, const char* given) {
     return CLI_DONE;
 }
 
-static void print_head(const bench_options* options) {
-    printf("path (%dx%d, %d spp, medians of %d pairs; cost = relRMSE^2 x CPU seconds)\n", options->size[0],
-           options->size[1], options->spp, options->runs);
-    printf("%-16s %12s %12s %12s %12s %12s%s\n", "scene", "cost", "relRMSE", "CPU s", "Msamples/s", "Mvertices/s",
-           options->reference == NULL ? "" : "  from reference");
-}
-
 int bench_path(const bench_session* bench) {
     const bench_options* options = bench->options;
-    if (bench->json == NULL) {
-        print_head(options);
-    } else {
-        json_numbers(bench->json, "size", (const double[]){options->size[0], options->size[1]}, 2);
-        json_int(bench->json, "spp", options->spp);
-        json_int(bench->json, "runs", options->runs);
-        json_open_object(bench->json, "scenes");
-    }
+    json_numbers(bench->json, "size", (const double[]){options->size[0], options->size[1]}, 2);
+    json_int(bench->json, "spp", options->spp);
+    json_int(bench->json, "runs", options->runs);
+    json_open_object(bench->json, "scenes");
     int status = CLI_DONE;
     for (const char* rest = options->scenes; status == CLI_DONE && rest != NULL;) {
         char given[PATH_SIZE];
@@ -184,6 +165,6 @@ int bench_path(const bench_session* bench) {
         rest = rest[length] == ',' ? rest + length + 1 : NULL;
         status = bench_scene(bench, given);
     }
-    if (bench->json != NULL) json_close_object(bench->json);
+    json_close_object(bench->json);
     return status;
 }

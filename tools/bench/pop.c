@@ -107,7 +107,7 @@ static double propagation_gflops(const timed* t) {
 
 /* ---- the typical setting ---- */
 
-static void print_typical_json(const bench_session* bench, const timed typical[MODES], double peak) {
+static void print_typical(const bench_session* bench, const timed typical[MODES], double peak) {
     json_open_object(bench->json, "typical");
     for (int m = 0; m < MODES; ++m) {
         json_open_object(bench->json, mode_names[m]);
@@ -122,28 +122,13 @@ static void print_typical_json(const bench_session* bench, const timed typical[M
         }
         json_close_object(bench->json);
     }
+    json_open_object(bench->json, "paper_ms"); /* on a GTX 770 */
+    for (int s = 0; s < STAGES; ++s)
+        if (stages[s].paper > 0) json_number(bench->json, stages[s].name, stages[s].paper);
+    json_close_object(bench->json);
     json_number(bench->json, "fma_gflops", peak);
     json_number(bench->json, "split_over_published", typical[0].seconds[BEFORE] / typical[1].seconds[BEFORE]);
     json_close_object(bench->json);
-}
-
-static void print_typical(const bench_session* bench, const timed typical[MODES], double peak) {
-    if (bench->json != NULL) {
-        print_typical_json(bench, typical, peak);
-        return;
-    }
-    printf("%d ordinates of %d^3 cells, %d iterations, RGB (ms, medians of %d)\n  %-22s %10s %10s %22s\n", ORDINATES,
-           RESOLUTION, ITERATIONS, (int)bench->options->runs, "", mode_names[0], mode_names[1], "paper, on a GTX 770");
-    for (int s = 0; s < STAGES; ++s) {
-        printf("  %-22s %10.2f %10.2f", stages[s].name, 1e3 * typical[0].seconds[s], 1e3 * typical[1].seconds[s]);
-        if (stages[s].paper > 0) printf(" %22.0f", stages[s].paper);
-        printf("\n");
-    }
-    printf("  propagation: %.1f GFLOP/s, %.0f %% of the %.1f that multiply-adds reach\n",
-           propagation_gflops(&typical[1]), 100 * propagation_gflops(&typical[1]) / peak, peak);
-    printf("  split takes %.2f times as long as published before the march\n",
-           typical[0].seconds[BEFORE] / typical[1].seconds[BEFORE]);
-    fflush(stdout);
 }
 
 static ty_result time_typical(const bench_session* bench, const ty_scene* scene, timed typical[MODES]) {
@@ -182,25 +167,17 @@ static double own_seconds(const timed* t) {
 static void print_scaled(const bench_session* bench, int scale, int mode, const timed t[SCALES]) {
     const double more = pow((double)scales[scale].values[SCALES - 1] / scales[scale].values[0], scales[scale].power);
     const double exponent = log(own_seconds(&t[SCALES - 1]) / own_seconds(&t[0])) / log(more);
-    if (bench->json != NULL) {
-        json_open_object(bench->json, NULL);
-        json_text(bench->json, "mode", mode_names[mode]);
-        json_text(bench->json, "scaled", scales[scale].name);
-        json_numbers(bench->json, "values",
-                     (const double[]){scales[scale].values[0], scales[scale].values[1], scales[scale].values[2]},
-                     SCALES);
-        json_numbers(bench->json, "seconds",
-                     (const double[]){own_seconds(&t[0]), own_seconds(&t[1]), own_seconds(&t[2])}, SCALES);
-        json_numbers(bench->json, "before_march_seconds",
-                     (const double[]){t[0].seconds[BEFORE], t[1].seconds[BEFORE], t[2].seconds[BEFORE]}, SCALES);
-        json_number(bench->json, "exponent", exponent);
-        json_close_object(bench->json);
-        return;
-    }
-    printf("  %-10s %-10s", mode_names[mode], scales[scale].name);
-    for (int i = 0; i < SCALES; ++i) printf(" %5d: %8.2f", (int)scales[scale].values[i], 1e3 * own_seconds(&t[i]));
-    printf("  as the power %.2f of %s\n", exponent, scales[scale].power > 1 ? "cells" : scales[scale].name);
-    fflush(stdout);
+    json_open_object(bench->json, NULL);
+    json_text(bench->json, "mode", mode_names[mode]);
+    json_text(bench->json, "scaled", scales[scale].name);
+    json_numbers(bench->json, "values",
+                 (const double[]){scales[scale].values[0], scales[scale].values[1], scales[scale].values[2]}, SCALES);
+    json_numbers(bench->json, "seconds", (const double[]){own_seconds(&t[0]), own_seconds(&t[1]), own_seconds(&t[2])},
+                 SCALES);
+    json_numbers(bench->json, "before_march_seconds",
+                 (const double[]){t[0].seconds[BEFORE], t[1].seconds[BEFORE], t[2].seconds[BEFORE]}, SCALES);
+    json_number(bench->json, "exponent", exponent);
+    json_close_object(bench->json);
 }
 
 static ty_result time_scale(const bench_session* bench, const ty_scene* scene, int scale, int mode) {
@@ -220,14 +197,11 @@ static ty_result time_scale(const bench_session* bench, const ty_scene* scene, i
 
 static ty_result bench_scales(const bench_session* bench, const ty_scene* scene) {
     ty_result result = TY_OK;
-    if (bench->json != NULL)
-        json_open_array(bench->json, "scales");
-    else
-        printf("initialisation and propagation as settings grow (ms)\n");
+    json_open_array(bench->json, "scales");
     for (int m = 0; m < MODES && result == TY_OK; ++m)
         for (int scale = 0; scale < SCALED && result == TY_OK; ++scale)
             if (scale != ITERATED || modes[m] == TY_POP_MODE_PUBLISHED) result = time_scale(bench, scene, scale, m);
-    if (bench->json != NULL) json_close_array(bench->json);
+    json_close_array(bench->json);
     return result;
 }
 

@@ -119,12 +119,7 @@ static ty_result measure_set(const tracers* all, const ray_set* set, const answe
 }
 
 static void print_speeds(const bench_session* bench, const ray_set* set, int32_t threads, const double speeds[SIDES]) {
-    if (bench->json == NULL) {
-        printf("%-26s %8d %12.2f %14.2f %12.2f %12.2f\n", set->name, threads, speeds[OURS], speeds[ROBUST],
-               speeds[PLAIN], speeds[OURS] / speeds[ROBUST]);
-        fflush(stdout);
-        return;
-    }
+
     json_open_object(bench->json, NULL);
     json_text(bench->json, "rays", set->key);
     json_int(bench->json, "count", set->count);
@@ -151,12 +146,7 @@ static void print_head(const bench_session* bench, const ty_scene* scene, const 
     const bench_options* options = bench->options;
     const char* mesh = options->mesh == NULL ? "terrain" : options->mesh;
     const int64_t triangles = ty_scene_get_info(scene).triangles;
-    if (bench->json == NULL) {
-        printf("rays through %s (%lld triangles, %dx%d pixels, medians of %d; 1e6 rays/s)\n", mesh,
-               (long long)triangles, size[0], size[1], options->runs);
-        printf("%-26s %8s %12s %14s %12s %12s\n", "rays", "threads", "tyndall", "Embree robust", "Embree", "of robust");
-        return;
-    }
+
     json_text(bench->json, "mesh", mesh);
     json_int(bench->json, "triangles", triangles);
     json_numbers(bench->json, "size", (const double[]){size[0], size[1]}, 2);
@@ -192,7 +182,7 @@ static ty_result measure(const bench_session* bench, const tracers* all, const i
         print_head(bench, all->scene, size);
         result = measure_sets(bench, all, sets, &to);
         if (result == TY_OK && ty_context_threads(all->context) > 1) result = measure_one_thread(bench, sets, &to);
-        if (bench->json != NULL) json_close_array(bench->json);
+        json_close_array(bench->json);
         bench_free_rays(sets);
     }
     free(to.ours);

@@ -225,22 +225,7 @@ static double stream_ratio(const size_result* size, int index) {
     return size->cases[index].seconds * fmax(size->copy, size->triad) / size->cases[index].bytes;
 }
 
-static void print_size(const size_result* size, const size_result* first) {
-    printf("%dx%d (%.3g Mpixel; copy %.1f GB/s, triad %.1f GB/s)\n", size->width, size->height, 1e-6 * pixels_of(size),
-           1e-9 * size->copy, 1e-9 * size->triad);
-    printf("%-14s %8s %8s %8s %8s %8s %12s %9s %9s %9s\n", "", "ms", "split", "filter", "compose", "/ naive",
-           "bytes/pixel", "/ stream", "ns/pixel", "/ first");
-    for (int i = 0; i < CASES; ++i) {
-        const case_result* c = &size->cases[i];
-        const double per_pixel = 1e9 * c->seconds / pixels_of(size);
-        printf("%-14s %8.2f %8.2f %8.2f %8.2f %8.3f %12.1f %9.2f %9.2f %9.3f\n", cases[i].name, 1e3 * c->seconds,
-               1e3 * c->steps[0], 1e3 * c->steps[1], 1e3 * c->steps[2], c->seconds / size->cases[NAIVE].seconds,
-               c->bytes / pixels_of(size), stream_ratio(size, i), per_pixel,
-               per_pixel / (1e9 * first->cases[i].seconds / pixels_of(first)));
-    }
-}
-
-static void print_size_json(json_writer* json, const size_result* size) {
+static void print_size(json_writer* json, const size_result* size) {
     json_open_object(json, NULL);
     json_int(json, "width", size->width);
     json_int(json, "height", size->height);
@@ -267,13 +252,7 @@ static void print_size_json(json_writer* json, const size_result* size) {
 static void tell_reference(const bench_session* bench, const size_result* size, double seconds) {
     const double ratio = seconds / size->cases[SCATTER_4].seconds;
     const bool full = bench->options->full;
-    if (bench->json == NULL) {
-        printf("reference, %dx%d window, %.3g Mpixel: %.2f s%s, %.0f times %s\n", WINDOW, WINDOW,
-               1e-6 * pixels_of(size), seconds,
-               full ? "" : " (in proportion to the middle 100 rows; --full measures all)", ratio,
-               cases[SCATTER_4].name);
-        return;
-    }
+
     json_open_object(bench->json, "reference");
     json_int(bench->json, "window", WINDOW);
     json_number(bench->json, "pixels", pixels_of(size));
@@ -304,17 +283,14 @@ static int bench_sizes(const bench_session* bench, const bench_memory* memory) {
     size_result results[SIZES];
     double reference = 0;
     int status = CLI_DONE;
-    if (bench->json != NULL) json_open_array(bench->json, "sizes");
+    json_open_array(bench->json, "sizes");
     for (int i = 0; status == CLI_DONE && i < count; ++i) {
         bench_pixels(bench->options, sizes[i][0], sizes[i][1], size);
         status = bench_size(bench, memory, size, &results[i], i == reference_at ? &reference : NULL);
         if (status != CLI_DONE) break;
-        if (bench->json != NULL)
-            print_size_json(bench->json, &results[i]);
-        else
-            print_size(&results[i], &results[0]);
+        print_size(bench->json, &results[i]);
     }
-    if (bench->json != NULL) json_close_array(bench->json);
+    json_close_array(bench->json);
     if (status == CLI_DONE) tell_reference(bench, &results[reference_at], reference);
     return status;
 }
@@ -322,10 +298,7 @@ static int bench_sizes(const bench_session* bench, const bench_memory* memory) {
 int bench_screen(const bench_session* bench) {
     bench_memory memory;
     const int rounds_count = ROUNDS_PER_RUN * bench->options->runs;
-    if (bench->json != NULL)
-        json_int(bench->json, "rounds", rounds_count);
-    else
-        printf("screen-space scattering (medians of %d interleaved rounds, %d levels)\n", rounds_count, LEVELS);
+    json_int(bench->json, "rounds", rounds_count);
     const int status =
         bench_memory_open(&memory) ? bench_sizes(bench, &memory) : cli_fail(CLI_FAILED, "not enough memory");
     bench_memory_close(&memory);
