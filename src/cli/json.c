@@ -94,7 +94,7 @@ static void open_bracket(json_writer* json, const char* name, char bracket) {
 static void close_bracket(json_writer* json, char bracket) {
     const bool filled = json->filled[json->depth];
     --json->depth;
-    if (filled) end_line(json);
+    if (filled && !json->plain) end_line(json);
     if (!json->plain) fputc(bracket, json->file);
     if (json->depth == 0) fputc('\n', json->file);
 }

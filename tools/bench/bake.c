@@ -14,7 +14,7 @@
 #include <time.h>
 #include <tyndall/bake.h>
 
-enum { SIDE = 48, RUNS_MAX = 99, QUALITIES = 2, BLOCK_RAYS = 4096, EMBREE_PIXELS = 512 };
+enum { SIDE = 48, RUNS_MAX = 99, QUALITIES = 2, EMBREE_PIXELS = 512 };
 enum { SURFACES = 0, ATTENUATION = 1, CACHE = 2, IMPULSE = 3, PATH = 4, METHODS = 5 };
 /* Bakes of independent seeds: of a method, and of the truth. */
 enum { SEEDS = 2, TRUTH_SPP = 2048 };
@@ -297,20 +297,6 @@ static ty_result bench_methods(const bench_session* bench, const ty_scene* scene
 
 /* ---- rays ---- */
 
-typedef struct bare_job {
-    const bench_embree* embree;
-    const ray_set* set;
-    bench_embree_hit* hits;
-} bare_job;
-
-static void trace_block(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const bare_job* job = user;
-    const int64_t begin = index * BLOCK_RAYS, left = job->set->count - begin;
-    bench_embree_trace(job->embree, job->set->rays + begin, left < BLOCK_RAYS ? left : BLOCK_RAYS, false,
-                       job->hits + begin);
-}
-
 /* 1e6 rays that bounced about, per second, through bare Embree; 0: it failed. */
 static double measure_embree(const bench_session* bench, ty_context* context, const ty_mesh_def* mesh,
                              const ray_set* set) {
@@ -319,10 +305,9 @@ static double measure_embree(const bench_session* bench, ty_context* context, co
     bench_embree_hit* hits = malloc((size_t)(set->count + 1) * sizeof *hits);
     double speed = 0;
     if (embree != NULL && hits != NULL) {
-        bare_job job = {embree, set, hits};
         for (int run = -1; run < bench->options->runs; ++run) {
             const double start = cli_wall_seconds();
-            ty_parallel_for(context, (set->count + BLOCK_RAYS - 1) / BLOCK_RAYS, trace_block, &job);
+            bench_embree_trace(context, embree, set, hits, NULL);
             seconds[run < 0 ? 0 : run] = cli_wall_seconds() - start;
         }
         speed = 1e-6 * (double)set->count / bench_median(seconds, bench->options->runs);

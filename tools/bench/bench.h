@@ -4,6 +4,8 @@
 
 #include "cli/session.h"
 
+enum { BENCH_PATH_SIZE = 1024 };
+
 typedef struct bench_options {
     bool json, quick;
     int32_t spp, size[2], runs, side;
@@ -40,6 +42,8 @@ double bench_fma_gflops(ty_context* context);
 const char* bench_isa(void);
 /* The middle one of count values (the mean of the middle two); sorts them. */
 double bench_median(double* values, int count);
+/* A folder for files of a bench, in TMPDIR or /tmp: CLI_GO, or CLI_FAILED after a message. */
+int bench_make_folder(char out[BENCH_PATH_SIZE]);
 /* Pixels of a bench's images: what --size says, else width x height, a quarter of each with --quick. */
 void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]);
 

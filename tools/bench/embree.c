@@ -7,7 +7,7 @@
 #include <xmmintrin.h>
 #endif
 
-enum { PACKET = 16 };
+enum { PACKET = 16, BLOCK_RAYS = 4096 };
 
 struct bench_embree {
     RTCDevice device;
@@ -151,24 +151,37 @@ static bool shadow_one(const bench_embree* embree, const ty_ray* ray) {
     return query.tfar < 0.0f;
 }
 
-void bench_embree_trace(const bench_embree* embree, const ty_ray* rays, int64_t count, bool coherent,
-                        bench_embree_hit* hits) {
+typedef struct job {
+    const bench_embree* embree;
+    const ray_set* set;
+    bench_embree_hit* hits;
+    bool* shadowed;
+} job;
+
+static void trace_block(void* user, int64_t index, int32_t worker) {
+    (void)worker;
+    const job* j = user;
+    const int64_t begin = index * BLOCK_RAYS,
+                  end = begin + BLOCK_RAYS < j->set->count ? begin + BLOCK_RAYS : j->set->count;
+    const int64_t step = j->set->coherent ? PACKET : 1;
     const unsigned state = enter_thread();
-    if (coherent)
-        for (int64_t at = 0; at < count; at += PACKET)
-            trace_packet(embree, rays + at, count - at < PACKET ? (int32_t)(count - at) : PACKET, hits + at);
-    else
-        for (int64_t at = 0; at < count; ++at) trace_one(embree, &rays[at], &hits[at]);
+    for (int64_t at = begin; at < end; at += step) {
+        const ty_ray* rays = j->set->rays + at;
+        const int32_t count = end - at < step ? (int32_t)(end - at) : (int32_t)step;
+        if (j->set->coherent && j->set->shadow)
+            shadow_packet(j->embree, rays, count, j->shadowed + at);
+        else if (j->set->coherent)
+            trace_packet(j->embree, rays, count, j->hits + at);
+        else if (j->set->shadow)
+            j->shadowed[at] = shadow_one(j->embree, rays);
+        else
+            trace_one(j->embree, rays, &j->hits[at]);
+    }
     leave_thread(state);
 }
 
-void bench_embree_trace_shadows(const bench_embree* embree, const ty_ray* rays, int64_t count, bool coherent,
-                                bool* shadowed) {
-    const unsigned state = enter_thread();
-    if (coherent)
-        for (int64_t at = 0; at < count; at += PACKET)
-            shadow_packet(embree, rays + at, count - at < PACKET ? (int32_t)(count - at) : PACKET, shadowed + at);
-    else
-        for (int64_t at = 0; at < count; ++at) shadowed[at] = shadow_one(embree, &rays[at]);
-    leave_thread(state);
+void bench_embree_trace(ty_context* context, const bench_embree* embree, const ray_set* set, bench_embree_hit* hits,
+                        bool* shadowed) {
+    job j = {embree, set, hits, shadowed};
+    ty_parallel_for(context, (set->count + BLOCK_RAYS - 1) / BLOCK_RAYS, trace_block, &j);
 }

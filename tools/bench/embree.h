@@ -2,7 +2,7 @@
 #ifndef TY_BENCH_EMBREE_H
 #define TY_BENCH_EMBREE_H
 
-#include <tyndall/scene.h>
+#include "bench/ray_sets.h"
 
 typedef struct bench_embree bench_embree;
 
@@ -18,10 +18,9 @@ typedef struct bench_embree_hit {
 bench_embree* bench_embree_create(const ty_mesh_def* meshes, int32_t count, bool robust, int32_t threads);
 void bench_embree_destroy(bench_embree* embree);
 
-/* As ty_scene_trace and ty_scene_trace_shadows do it, on the calling thread. */
-void bench_embree_trace(const bench_embree* embree, const ty_ray* rays, int64_t count, bool coherent,
-                        bench_embree_hit* hits);
-void bench_embree_trace_shadows(const bench_embree* embree, const ty_ray* rays, int64_t count, bool coherent,
-                                bool* shadowed);
+/* As ty_scene_trace and ty_scene_trace_shadows do it, blocks of rays on all threads: shadow rays fill shadowed, others
+ * hits. */
+void bench_embree_trace(ty_context* context, const bench_embree* embree, const ray_set* set, bench_embree_hit* hits,
+                        bool* shadowed);
 
 #endif

@@ -5,14 +5,12 @@
 #include "bench/bench.h"
 #include "method/impulse/look.h"
 
-#include <errno.h>
 #include <float.h>
 #include <stdlib.h>
-#include <string.h>
 #include <tyndall/impulse.h>
 #include <unistd.h>
 
-enum { RUNS_MAX = 99, PATH_SIZE = 1024, LOOKUPS = 1 << 20, CASES = 6, BOUNCES = 10 };
+enum { RUNS_MAX = 99, LOOKUPS = 1 << 20, CASES = 6, BOUNCES = 10 };
 
 static const struct {
     const char* name;
@@ -123,12 +121,9 @@ static void print_measured(const bench_session* bench, const measured* m) {
 }
 
 int bench_impulse(const bench_session* bench) {
-    const char* place = getenv("TMPDIR");
-    char folder[PATH_SIZE];
+    char folder[BENCH_PATH_SIZE];
     measured m = {0};
-    snprintf(folder, sizeof folder, "%s/tyndall-bench-XXXXXX", place != NULL && place[0] != '\0' ? place : "/tmp");
-    if (mkdtemp(folder) == NULL)
-        return cli_fail(CLI_FAILED, "%s: a folder for the bench cannot be made: %s", folder, strerror(errno));
+    if (bench_make_folder(folder) != CLI_GO) return CLI_FAILED;
     const ty_result result = measure(bench, folder, &m);
     rmdir(folder);
     if (result == TY_OK) print_measured(bench, &m);

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include "bench/bench.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -123,11 +122,8 @@ static ty_result run_cases(const bench_session* bench, const char* folder) {
 }
 
 int bench_load(const bench_session* bench) {
-    const char* place = getenv("TMPDIR");
-    char folder[PATH_SIZE / 2];
-    snprintf(folder, sizeof folder, "%s/tyndall-XXXXXX", place != NULL && place[0] != '\0' ? place : "/tmp");
-    if (mkdtemp(folder) == NULL)
-        return cli_fail(CLI_FAILED, "%s: a folder for the bench cannot be made: %s", folder, strerror(errno));
+    char folder[BENCH_PATH_SIZE];
+    if (bench_make_folder(folder) != CLI_GO) return CLI_FAILED;
     const ty_result result = run_cases(bench, folder);
     rmdir(folder);
     return result == TY_OK ? CLI_DONE : cli_fail_running(bench->session, result);

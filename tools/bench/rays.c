@@ -2,15 +2,12 @@
  * and how far off it the next may start, beside a bare loop over Embree on the same triangles, with the flag for
  * robustness that the library sets and without it. The three take turns, run by run. On one thread processor time
  * counts, which a busy machine disturbs less, on all of them the clock. */
-#define _GNU_SOURCE
 #include "bench/bench.h"
 #include "bench/embree.h"
-#include "bench/ray_sets.h"
 
 #include <stdlib.h>
-#include <time.h>
 
-enum { RUNS_MAX = 99, BLOCK_RAYS = 4096, WIDTH = 1024 };
+enum { RUNS_MAX = 99, WIDTH = 1024 };
 enum { OURS = 0, ROBUST = 1, PLAIN = 2, SIDES = 3 };
 
 /* A mesh as each side has it, for one number of threads. */
@@ -67,28 +64,9 @@ static ty_result make_tracers(ty_context* context, const char* mesh, tracers* al
 
 /* ---- timing ---- */
 
-typedef struct bare_job {
-    const bench_embree* embree;
-    const ray_set* set;
-    const answers* to;
-} bare_job;
-
-static void trace_bare_block(void* user, int64_t index, int32_t worker) {
-    (void)worker;
-    const bare_job* job = user;
-    const int64_t begin = index * BLOCK_RAYS, left = job->set->count - begin;
-    const int64_t count = left < BLOCK_RAYS ? left : BLOCK_RAYS;
-    if (job->set->shadow)
-        bench_embree_trace_shadows(job->embree, job->set->rays + begin, count, job->set->coherent,
-                                   job->to->shadowed + begin);
-    else
-        bench_embree_trace(job->embree, job->set->rays + begin, count, job->set->coherent, job->to->bare + begin);
-}
-
 static ty_result trace_set(const tracers* all, int side, const ray_set* set, const answers* to) {
     if (side != OURS) {
-        bare_job job = {all->embree[side], set, to};
-        ty_parallel_for(all->context, (set->count + BLOCK_RAYS - 1) / BLOCK_RAYS, trace_bare_block, &job);
+        bench_embree_trace(all->context, all->embree[side], set, to->bare, to->shadowed);
         return TY_OK;
     }
     if (set->shadow) return ty_scene_trace_shadows(all->scene, set->rays, set->count, set->coherent, to->shadowed);
@@ -96,10 +74,7 @@ static ty_result trace_set(const tracers* all, int side, const ray_set* set, con
 }
 
 static double seconds_now(int32_t threads) {
-    if (threads > 1) return cli_wall_seconds();
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    return threads > 1 ? cli_wall_seconds() : cli_cpu_seconds();
 }
 
 /* 1e6 rays per second of each side, medians, after a turn each that does not count. */

@@ -1,7 +1,10 @@
 /* What benches share. */
+#define _GNU_SOURCE
 #include "bench/bench.h"
 
+#include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int compare_numbers(const void* a, const void* b) {
     const double x = *(const double*)a, y = *(const double*)b;
@@ -11,6 +14,13 @@ static int compare_numbers(const void* a, const void* b) {
 double bench_median(double* values, int count) {
     qsort(values, (size_t)count, sizeof *values, compare_numbers);
     return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
+}
+
+int bench_make_folder(char out[BENCH_PATH_SIZE]) {
+    const char* place = getenv("TMPDIR");
+    snprintf(out, BENCH_PATH_SIZE, "%s/tyndall-bench-XXXXXX", place != NULL && place[0] != '\0' ? place : "/tmp");
+    if (mkdtemp(out) != NULL) return CLI_GO;
+    return cli_fail(CLI_FAILED, "%s: a folder for the bench cannot be made: %s", out, strerror(errno));
 }
 
 void bench_pixels(const bench_options* options, int32_t width, int32_t height, int32_t size[2]) {

@@ -269,13 +269,13 @@ ty_result figure_auto_choice(figure_run* run) {
     if (result == TY_OK) result = show(run, "scenes that the rules were made with", outcomes, count, false);
     if (result == TY_OK) result = show(run, "scenes held out", outcomes, count, true);
     free(outcomes);
-    snprintf(run->caption, sizeof run->caption,
-             "What method auto chooses%s, against the method that errs least in that time. Errors: relative RMSE of "
-             "means over %d × %d pixels of pictures %d pixels wide or high, without the truth's noise. Time: of "
-             "processors over threads, at the scene's own size; of path at the scene's samples, its error in other "
-             "times by its variance. Loss: the choice's error over that of the best that takes at most %g times its "
-             "time. Last: what errs least in a time.",
-             run->options->data == NULL ? " (third-party data are not there)" : "", FIGURE_BLOCK, FIGURE_BLOCK,
-             run->options->quick ? LONGEST_QUICK : LONGEST, slack);
+    figure_caption(run,
+                   "What method auto chooses%s, against the method that errs least in that time. Errors: relative RMSE "
+                   "of means over %d × %d pixels of pictures %d pixels wide or high, without the truth's noise. Time: "
+                   "of processors over threads, at the scene's own size; of path at the scene's samples, its error in "
+                   "other times by its variance. Loss: the choice's error over that of the best that takes at most %g "
+                   "times its time. Last: what errs least in a time.",
+                   run->options->data == NULL ? " (third-party data are not there)" : "", FIGURE_BLOCK, FIGURE_BLOCK,
+                   run->options->quick ? LONGEST_QUICK : LONGEST, slack);
     return result;
 }

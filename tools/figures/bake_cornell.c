@@ -156,11 +156,7 @@ static ty_result fill_page(figure_run* run, const maps* m) {
     for (int method = 0; method < TRUTH; ++method)
         snprintf(sheet.column_titles[METHODS + method], PLOT_LABEL_SIZE, "errors: %s", titles[method]);
     for (int row = 0; row < ROWS && result == TY_OK; ++row) result = fill_row(run, m, row, &sheet);
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
-    plot_free_sheet(&sheet);
+    figure_place_sheet(run, result, &sheet, &figure_error_scale);
     return result;
 }
 
@@ -171,12 +167,11 @@ ty_result figure_bake_cornell(figure_run* run) {
     ty_result result = open_maps(run, &m);
     if (result == TY_OK) result = fill_page(run, &m);
     close_maps(&m);
-    snprintf(run->caption, sizeof run->caption,
-             "Lightmaps of the walls of the Cornell box by its author's texture coordinates, 5.6 m across, in fog of "
-             "σs = 0.2/m: what media scattered, alone. Impulse responses and light in cells at %d paths a texel, path "
-             "tracing at %d. Below "
-             "the errors: ratio of means and relative RMSE of all light, without the truth's own noise, and of what "
-             "media scattered, with it.",
-             (int)bake_spp(run, false), (int)bake_spp(run, true));
+    figure_caption(run,
+                   "Lightmaps of the walls of the Cornell box by its author's texture coordinates, 5.6 m across, in "
+                   "fog of σs = 0.2/m: what media scattered, alone. Impulse responses and light in cells at %d paths a "
+                   "texel, path tracing at %d. Below the errors: ratio of means and relative RMSE of all light, "
+                   "without the truth's own noise, and of what media scattered, with it.",
+                   (int)bake_spp(run, false), (int)bake_spp(run, true));
     return result;
 }

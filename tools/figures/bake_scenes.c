@@ -113,19 +113,14 @@ static ty_result show_stairs(figure_run* run, const ty_scene* scene, const ty_im
     if (result == TY_OK) result = bake_all(run, "staircase by vertex", scene, tables, CELLS, TRUTH, &vertices);
     if (result == TY_OK) result = bake_all(run, "staircase", scene, tables, IMPULSE, METHODS, &b);
     if (result == TY_OK) result = fill_stairs(run, &vertices, &b, &sheet);
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
-    snprintf(run->caption, sizeof run->caption,
-             "Irradiance in smoke of noise. By the %lld vertices that the camera sees, which suits the fine parts of "
-             "the model and not its "
-             "walls, whose few vertices lie behind others; and at every pixel. Light in cells at %d paths, path "
-             "tracing at %d.",
-             (long long)vertices.view.count, (int)bake_spp(run, false), (int)bake_spp(run, true));
+    figure_place_sheet(run, result, &sheet, &figure_error_scale);
+    figure_caption(run,
+                   "Irradiance in smoke of noise. By the %lld vertices that the camera sees, which suits the fine "
+                   "parts of the model and not its walls, whose few vertices lie behind others; and at every pixel. "
+                   "Light in cells at %d paths, path tracing at %d.",
+                   (long long)vertices.view.count, (int)bake_spp(run, false), (int)bake_spp(run, true));
     free_baked(&vertices);
     free_baked(&b);
-    plot_free_sheet(&sheet);
     return result;
 }
 
@@ -197,15 +192,11 @@ ty_result figure_bake_lights(figure_run* run) {
     snprintf(sheet.column_titles[METHODS], PLOT_LABEL_SIZE, "errors of the cache");
     result = make_tables(run, &tables);
     for (int row = 0; row < LIGHTS && result == TY_OK; ++row) result = show_light(run, row, tables, &sheet);
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
+    figure_place_sheet(run, result, &sheet, &figure_error_scale);
     ty_impulse_destroy(tables);
-    plot_free_sheet(&sheet);
-    snprintf(run->caption, sizeof run->caption,
-             "Irradiance of what a camera sees of a hall, 8 m x 10 m, in fog of σs = 0.15/m. %d paths a pixel, path "
-             "tracing %d. Ratios of means and relative RMSE against path tracing, without its noise.",
-             (int)bake_spp(run, false), (int)bake_spp(run, true));
+    figure_caption(run,
+                   "Irradiance of what a camera sees of a hall, 8 m x 10 m, in fog of σs = 0.15/m. %d paths a pixel, "
+                   "path tracing %d. Ratios of means and relative RMSE against path tracing, without its noise.",
+                   (int)bake_spp(run, false), (int)bake_spp(run, true));
     return result;
 }

@@ -131,11 +131,11 @@ ty_result figure_dom_convergence(figure_run* run) {
     const ty_result result = fill_charts(run, charts);
     if (result == TY_OK) plot_page_charts(&run->page, charts, CHARTS);
     free(charts);
-    snprintf(run->caption, sizeof run->caption,
-             "%d³ cells, %d directions, isotropic. Even: a cube that scatters and glows, nothing absorbed. Cloud: a "
-             "lumpy ball in vacuum of albedo 0.999. Solves that take more than %d sweeps, or that rounding stops, are "
-             "left out.",
-             run->options->quick ? EDGE_QUICK : EDGE, run->options->quick ? DIRECTIONS_QUICK : DIRECTIONS,
-             run->options->quick ? SWEEPS_QUICK : SWEEPS);
+    figure_caption(
+        run,
+        "%d³ cells, %d directions, isotropic. Even: a cube that scatters and glows, nothing absorbed. Cloud: a lumpy "
+        "ball in vacuum of albedo 0.999. Solves that take more than %d sweeps, or that rounding stops, are left out.",
+        run->options->quick ? EDGE_QUICK : EDGE, run->options->quick ? DIRECTIONS_QUICK : DIRECTIONS,
+        run->options->quick ? SWEEPS_QUICK : SWEEPS);
     return result;
 }

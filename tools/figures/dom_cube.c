@@ -165,11 +165,10 @@ ty_result figure_dom_cube(figure_run* run) {
     free(charts);
     free(fluence);
     free(truth);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "A cube of 1 m, σs = 4/m, nothing absorbed, light from above. Fluence of light that has scattered at "
-        "least once, means over 16³ cells; the relative RMSE is that of all cells, without the truth's own "
-        "noise; eight mirror images of the truth's cells are taken for one. Directions, and the cells that they go "
-        "through.");
+    figure_caption(
+        run,
+        "A cube of 1 m, σs = 4/m, nothing absorbed, light from above. Fluence of light that has scattered at least "
+        "once, means over 16³ cells; the relative RMSE is that of all cells, without the truth's own noise; eight "
+        "mirror images of the truth's cells are taken for one. Directions, and the cells that they go through.");
     return result;
 }

@@ -59,10 +59,8 @@ ty_result figure_dom_images(figure_run* run) {
     ty_result result = TY_OK;
     for (int i = 0; i < SCENES && result == TY_OK; ++i)
         if (scenes[i].file == NULL || figure_has_data(run, scenes[i].file)) result = show_scene(run, &scenes[i]);
-    snprintf(run->caption, sizeof run->caption,
-             "By path tracing, discrete ordinates, principal ordinates and flux-limited diffusion, each by its "
-             "defaults: volumes that are free, where they are there, and two of noise. Errors are of means over %d × "
-             "%d pixels, the relative RMSE without the truth's own noise.",
-             FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run, "By path tracing, discrete ordinates, principal ordinates and flux-limited diffusion, each by "
+                        "its defaults: volumes that are free, where they are there, and two of noise.");
+    figure_tell_errors(run, true);
     return result;
 }

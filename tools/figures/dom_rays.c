@@ -137,11 +137,7 @@ static ty_result show_slices(figure_run* run, const char* item, const ty_scene* 
     ty_result result = s.truth != NULL && s.fluence != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) result = plot_create_sheet(2, 1 + COUNTS, PICTURE_WIDTH, &sheet);
     if (result == TY_OK) result = fill_sheet(run, item, scene, &s, &sheet);
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &s.scale);
-    }
-    plot_free_sheet(&sheet);
+    figure_place_sheet(run, result, &sheet, &s.scale);
     ty_image_destroy(s.expected);
     free(s.fluence);
     free(s.truth);
@@ -178,14 +174,12 @@ static ty_result show_scene(figure_run* run, int index) {
 ty_result figure_dom_rays(figure_run* run) {
     ty_result result = TY_OK;
     for (int i = 0; i < SCENES && result == TY_OK; ++i) result = show_scene(run, i);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Boxes of 4 m, all isotropic: a lamp in thin air (σs = 0.05/m) beside a blob of 20/m; a beam 6° wide in fog "
-        "of 0.7/m; a spot light through smoke of noise. By path tracing and by 24, 96, 96 with a last sweep of 400, "
-        "and "
-        "400 directions through "
-        "%d³ cells: pictures, and the fluence of light that has scattered in a slice through the middle. Errors "
-        "of pictures are of means over %d × %d pixels, relative RMSEs without the truth's own noise.",
-        RESOLUTION, FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run,
+                   "Boxes of 4 m, all isotropic: a lamp in thin air (σs = 0.05/m) beside a blob of 20/m; a beam 6° "
+                   "wide in fog of 0.7/m; a spot light through smoke of noise. By path tracing and by 24, 96, 96 with "
+                   "a last sweep of 400, and 400 directions through %d³ cells: pictures, and the fluence of light that "
+                   "has scattered in a slice through the middle. Errors of pictures are of means over %d × %d pixels, "
+                   "relative RMSEs without the truth's own noise.",
+                   RESOLUTION, FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }

@@ -4,12 +4,20 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 const plot_scale figure_error_scale = {PLOT_DIVERGING, -50, 50,
                                        "error, % of the reference or of a tenth of its mean, whichever is more"};
+
+void figure_caption(figure_run* run, const char* format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(run->caption, sizeof run->caption, format, arguments);
+    va_end(arguments);
+}
 
 ty_result figure_note(figure_run* run, const char* item, const char* name, const char* unit, double measured) {
     return figure_expect(run, item, name, unit, measured, NAN, NAN);
@@ -106,4 +114,10 @@ ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b
     free(values);
     free(expected);
     return result;
+}
+
+void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, const plot_scale* bar) {
+    if (result == TY_OK) plot_page_sheet(&run->page, sheet);
+    if (result == TY_OK && bar != NULL) plot_page_color_bar(&run->page, bar);
+    plot_free_sheet(sheet);
 }

@@ -37,6 +37,9 @@ typedef struct figure_run {
     bool skipped; /* by figure_find_data: nothing is written */
 } figure_run;
 
+/* What stands below the page (printf-like). */
+void figure_caption(figure_run* run, const char* format, ...) __attribute__((format(printf, 2, 3)));
+
 /* Notes a number; unit must outlive the run. Errors: TY_ERROR_MEMORY. */
 ty_result figure_note(figure_run* run, const char* item, const char* name, const char* unit, double measured);
 /* The same with what it should be; tolerance NaN: how near is not said. */
@@ -67,51 +70,60 @@ ty_result figure_note_difference(figure_run* run, const char* item, const ty_ima
 ty_result figure_error_map(figure_run* run, const ty_image* a, const ty_image* b, int32_t block, plot_picture* out);
 extern const plot_scale figure_error_scale;
 
-/* The figures. */
-ty_result figure_auto_choice(figure_run* run);
-ty_result figure_bake_cornell(figure_run* run);
-ty_result figure_bake_lights(figure_run* run);
-ty_result figure_bake_staircase(figure_run* run);
-ty_result figure_fld_limiters(figure_run* run);
-ty_result figure_fld_point(figure_run* run);
-ty_result figure_fld_convergence(figure_run* run);
-ty_result figure_fld_nebulae(figure_run* run);
-ty_result figure_fld_resolution(figure_run* run);
-ty_result figure_fld_albedo(figure_run* run);
-ty_result figure_fld_ct(figure_run* run);
-ty_result figure_fld_fire(figure_run* run);
-ty_result figure_pop_prefilter(figure_run* run);
-ty_result figure_pop_importance(figure_run* run);
-ty_result figure_pop_residuum(figure_run* run);
-ty_result figure_pop_sphere(figure_run* run);
-ty_result figure_pop_smoke(figure_run* run);
-ty_result figure_pop_lobes(figure_run* run);
-ty_result figure_pop_iterations(figure_run* run);
-ty_result figure_pop_ordinates(figure_run* run);
-ty_result figure_pop_clouds(figure_run* run);
-ty_result figure_pop_animation(figure_run* run);
-ty_result figure_pop_surfaces(figure_run* run);
-ty_result figure_lpv_parts(figure_run* run);
-ty_result figure_lpv_leaking(figure_run* run);
-ty_result figure_lpv_truth(figure_run* run);
-ty_result figure_lpv_shafts(figure_run* run);
-ty_result figure_lpv_animation(figure_run* run);
-ty_result figure_lpv_energy(figure_run* run);
-ty_result figure_lpv_dense(figure_run* run);
-ty_result figure_dom_cube(figure_run* run);
-ty_result figure_dom_convergence(figure_run* run);
-ty_result figure_dom_rays(figure_run* run);
-ty_result figure_dom_images(figure_run* run);
-ty_result figure_screen_leaking(figure_run* run);
-ty_result figure_screen_thickness(figure_run* run);
-ty_result figure_screen_truth(figure_run* run);
-ty_result figure_screen_photo(figure_run* run);
-ty_result figure_screen_table(figure_run* run);
-ty_result figure_impulse_tables(figure_run* run);
-ty_result figure_screen_spread(figure_run* run);
-ty_result figure_screen_stages(figure_run* run);
-ty_result figure_lpv_table(figure_run* run);
-ty_result figure_pop_table(figure_run* run);
-ty_result figure_bake_table(figure_run* run);
+/* Puts a sheet on the page, with a colour bar below it unless that is NULL, if the result is TY_OK; frees it. */
+void figure_place_sheet(figure_run* run, ty_result result, plot_sheet* sheet, const plot_scale* bar);
+
+/* The figures, in the order of papers: method and subject, of which the name is made, the paper, its number in it
+ * ("": it has none) and its title. */
+#define FIGURES(X)                                                                                                     \
+    X(screen, spread, SCREEN, "Fig. 4", "how wide light spreads with distance")                                        \
+    X(screen, stages, SCREEN, "Figs. 1, 5", "what goes in, what the steps make of it, what comes out")                 \
+    X(screen, leaking, SCREEN, "Fig. 6", "what keeps light from leaking")                                              \
+    X(screen, thickness, SCREEN, "Fig. 7", "optical thickness 2 to 8")                                                 \
+    X(screen, truth, SCREEN, "Fig. 8", "against path tracing")                                                         \
+    X(screen, photo, SCREEN, "Fig. 9", "a photograph in three media")                                                  \
+    X(screen, table, SCREEN, "Table 1", "milliseconds")                                                                \
+    X(fld, limiters, FLD, "Table 2", "flux limiters")                                                                  \
+    X(fld, point, FLD, "Figs. 3, 5", "a point source, theory and solvers")                                             \
+    X(fld, convergence, FLD, "Fig. 4", "how fast solvers converge")                                                    \
+    X(fld, nebulae, FLD, "Fig. 1", "a nebula in vacuum")                                                               \
+    X(fld, resolution, FLD, "Fig. 6", "full against quarter resolution")                                               \
+    X(fld, albedo, FLD, "Fig. 7", "albedo 0.1 to 1")                                                                   \
+    X(fld, ct, FLD, "Fig. 8", "a CT scan with a transfer function")                                                    \
+    X(fld, fire, FLD, "Fig. 9", "a plume that glows")                                                                  \
+    X(pop, prefilter, POP, "Fig. 6", "thin slabs, prefiltered")                                                        \
+    X(pop, importance, POP, "Fig. 7", "few ordinates, where they count")                                               \
+    X(pop, residuum, POP, "Fig. 8", "isotropic light in one grid")                                                     \
+    X(pop, sphere, POP, "Fig. 10", "a point light in a sphere")                                                        \
+    X(pop, smoke, POP, "Fig. 11", "smoke in an environment")                                                           \
+    X(pop, lobes, POP, "Fig. 12", "where light goes in a cube")                                                        \
+    X(pop, iterations, POP, "Fig. 13", "how the propagation converges")                                                \
+    X(pop, ordinates, POP, "Fig. 14", "numbers of ordinates and importance")                                           \
+    X(pop, clouds, POP, "Fig. 15", "clouds, anisotropic and not")                                                      \
+    X(pop, animation, POP, "Fig. 16", "a plume, frame by frame")                                                       \
+    X(pop, surfaces, POP, "Fig. 17", "a solid in a medium")                                                            \
+    X(pop, table, POP, "Fig. 14", "milliseconds of the typical setting")                                               \
+    X(lpv, parts, LPV, "Fig. 5", "what each part adds")                                                                \
+    X(lpv, leaking, LPV, "Fig. 6", "thin walls, small lights, few iterations")                                         \
+    X(lpv, truth, LPV, "Figs. 7, 8", "against path tracing")                                                           \
+    X(lpv, shafts, LPV, "", "single scattering against path tracing")                                                  \
+    X(lpv, animation, LPV, "", "sun and camera in small steps")                                                        \
+    X(lpv, energy, LPV, "", "where the energy goes")                                                                   \
+    X(lpv, dense, LPV, "", "thin to dense fog around a lamp")                                                          \
+    X(lpv, table, LPV, "Table 1", "milliseconds of injection and propagation")                                         \
+    X(impulse, tables, IMPULSE, "Fig. 10", "zonal harmonics over distance")                                            \
+    X(bake, staircase, IMPULSE, "Fig. 8", "by vertex, media that vary")                                                \
+    X(bake, cornell, IMPULSE, "Fig. 9", "lightmaps in fog, back-scattering")                                           \
+    X(bake, lights, IMPULSE, "Fig. 12", "a lamp and the sun in fog")                                                   \
+    X(bake, table, IMPULSE, "Section 5", "what light from media costs on top of surfaces")                             \
+    X(dom, cube, DOM, "", "fluence of a cube in a beam")                                                               \
+    X(dom, convergence, DOM, "", "sweeps against thickness, with diffusion's help and without")                        \
+    X(dom, rays, DOM, "", "ray effects and false scattering")                                                          \
+    X(dom, images, DOM, "", "images beside those of other methods")                                                    \
+    X(auto, choice, AUTO, "", "what its choices cost against the best in their time")
+
+#define FIGURE_DECLARE(method, subject, ...) ty_result figure_##method##_##subject(figure_run* run);
+FIGURES(FIGURE_DECLARE)
+#undef FIGURE_DECLARE
 
 #endif

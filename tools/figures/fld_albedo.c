@@ -92,11 +92,10 @@ ty_result figure_fld_albedo(figure_run* run) {
     }
     plot_free_sheet(&sheet);
     free(charts);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "The builtin scene nebulae of %d³ voxels, diffusion solved on half of them along each side. Each column "
-        "has an exposure of its own. Errors are of means over %d × %d pixels, the relative RMSE without the truth's "
-        "own noise.",
-        run->options->quick ? VOXELS_QUICK : VOXELS, FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run,
+                   "The builtin scene nebulae of %d³ voxels, diffusion solved on half of them along each side. Each "
+                   "column has an exposure of its own.",
+                   run->options->quick ? VOXELS_QUICK : VOXELS);
+    figure_tell_errors(run, true);
     return result;
 }

@@ -262,14 +262,14 @@ ty_result figure_fld_convergence(figure_run* run) {
     if (result == TY_OK) plot_page_charts(&run->page, charts + 2, 2);
     ty_grid_destroy(noise);
     free(charts);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "(a), (b): a ball of extinction %g/m and albedo %g in vacuum, its emission noise, no fluence on the faces "
-        "of its cube of 1 m; %d³ cells in (a). Over-relaxation is Algorithm 1 in double precision, one pass over all "
-        "cells an iteration; multigrid's dashed line counts the passes of all its levels, by their cells. (c): the "
-        "builtin scene nebulae, 1 m across, on %d³ cells, green; solves that take more than %d iterations are left "
-        "out.",
-        (double)extinction, 1 - (double)absorption / (double)extinction, run->options->quick ? CELLS_QUICK : CELLS,
-        (run->options->quick ? VOXELS_QUICK : VOXELS) / RATIO, HISTORY);
+    figure_caption(run,
+                   "(a), (b): a ball of extinction %g/m and albedo %g in vacuum, its emission noise, no fluence on the "
+                   "faces of its cube of 1 m; %d³ cells in (a). Over-relaxation is Algorithm 1 in double precision, "
+                   "one pass over all cells an iteration; multigrid's dashed line counts the passes of all its levels, "
+                   "by their cells. (c): the builtin scene nebulae, 1 m across, on %d³ cells, green; solves that take "
+                   "more than %d iterations are left out.",
+                   (double)extinction, 1 - (double)absorption / (double)extinction,
+                   run->options->quick ? CELLS_QUICK : CELLS, (run->options->quick ? VOXELS_QUICK : VOXELS) / RATIO,
+                   HISTORY);
     return result;
 }

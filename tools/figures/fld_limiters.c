@@ -107,8 +107,7 @@ ty_result figure_fld_limiters(figure_run* run) {
     plot_chart charts[2];
     fill_charts(charts);
     plot_page_charts(&run->page, charts, 2);
-    snprintf(run->caption, sizeof run->caption,
-             "As the solvers compute them, in single precision; the files hold them against Table 2's formulas. "
-             "R = |∇φ| / (σt φ); the flux is R F(R) times the fluence φ.");
+    figure_caption(run, "As the solvers compute them, in single precision; the files hold them against Table 2's "
+                        "formulas. R = |∇φ| / (σt φ); the flux is R F(R) times the fluence φ.");
     return fill_table(run);
 }

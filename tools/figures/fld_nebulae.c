@@ -21,12 +21,9 @@ ty_result figure_fld_nebulae(figure_run* run) {
     ty_result result = load(run, run->options->quick ? VOXELS_QUICK : VOXELS, 0, &scene);
     if (result == TY_OK) result = fld_show_scene(run, scene, "nebulae", WIDTH, WIDTH);
     ty_scene_destroy(scene);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "The builtin scene nebulae, albedo 0.9, lit from above: an arch with a ball in its shadow, in vacuum. "
-        "Diffusion is solved on a third of the voxels along each side. Errors are of means over %d × %d pixels, the "
-        "relative RMSE without the truth's own noise.",
-        FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run, "The builtin scene nebulae, albedo 0.9, lit from above: an arch with a ball in its shadow, in "
+                        "vacuum. Diffusion is solved on a third of the voxels along each side.");
+    figure_tell_errors(run, true);
     return result;
 }
 
@@ -82,15 +79,12 @@ ty_result figure_fld_resolution(figure_run* run) {
     if (result != TY_OK) return result;
     snprintf(sheet.row_titles[1], PLOT_LABEL_SIZE, "to full resolution");
     for (int grid = 0; grid < GRIDS && result == TY_OK; ++grid) result = fill_grid(run, grid, size, pictures, &sheet);
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
+    figure_place_sheet(run, result, &sheet, &figure_error_scale);
     for (int grid = 0; grid < GRIDS; ++grid) figure_free_picture(&pictures[grid]);
-    plot_free_sheet(&sheet);
-    snprintf(run->caption, sizeof run->caption,
-             "The builtin scene nebulae of %d³ voxels. Light that scatters more than once is solved for on as many "
-             "cells, and on a half and a quarter of them along each side; light that scatters once is as sharp in all.",
-             run->options->quick ? VOXELS_QUICK : VOXELS);
+    figure_caption(
+        run,
+        "The builtin scene nebulae of %d³ voxels. Light that scatters more than once is solved for on as many cells, "
+        "and on a half and a quarter of them along each side; light that scatters once is as sharp in all.",
+        run->options->quick ? VOXELS_QUICK : VOXELS);
     return result;
 }

@@ -182,11 +182,12 @@ static ty_result fill_table(figure_run* run, const point_row rows[ALBEDOS]) {
 
 static void write_caption(figure_run* run) {
     const int cells = run->options->quick ? CELLS_QUICK : CELLS;
-    snprintf(run->caption, sizeof run->caption,
-             "A cell that emits unit power in a homogeneous cube of %d³ cells, 4 mean free paths across. Lines are "
-             "theory (exact transport by Case and Zweifel's integral), dots the solver's fluence along an edge, times "
-             "4π/σt². Errors and slopes are over cells along an edge and both diagonals, with no fluence on the faces.",
-             cells);
+    figure_caption(
+        run,
+        "A cell that emits unit power in a homogeneous cube of %d³ cells, 4 mean free paths across. Lines are theory "
+        "(exact transport by Case and Zweifel's integral), dots the solver's fluence along an edge, times 4π/σt². "
+        "Errors and slopes are over cells along an edge and both diagonals, with no fluence on the faces.",
+        cells);
 }
 
 ty_result figure_fld_point(figure_run* run) {

@@ -19,21 +19,16 @@ static ty_result show(figure_run* run, const char* file, const char* scene_name,
 
 ty_result figure_fld_ct(figure_run* run) {
     const ty_result result = show(run, CT_HEAD_FILE, "fld_ct_head", "CT head", CT_WIDTH, CT_WIDTH);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "A head of 64 × 64 × 93 voxels (the paper's is not free), extinction and albedo by transfer functions, lit "
-        "from one side. Errors are of means over %d × %d pixels, the relative RMSE without the truth's own noise.",
-        FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run, "A head of 64 × 64 × 93 voxels (the paper's is not free), extinction and albedo by transfer "
+                        "functions, lit from one side.");
+    figure_tell_errors(run, true);
     return result;
 }
 
 ty_result figure_fld_fire(figure_run* run) {
     const ty_result result = show(run, PLUME_FILE, "fld_fire", "plume", FIRE_WIDTH, FIRE_HEIGHT);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Simulated smoke with an external light that glows as black bodies do (the paper's is not free, and has an "
-        "albedo of 1, with which nothing glows). Errors are of means over %d × %d pixels, the relative RMSE without "
-        "the truth's own noise.",
-        FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run, "Simulated smoke with an external light that glows as black bodies do (the paper's is not "
+                        "free, and has an albedo of 1, with which nothing glows).");
+    figure_tell_errors(run, true);
     return result;
 }

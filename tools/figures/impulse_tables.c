@@ -153,10 +153,8 @@ ty_result figure_impulse_tables(figure_run* run) {
     ty_result result = ty_impulse_create(run->session->context, &def, &tables, &stats);
     if (result == TY_OK) result = make(run, tables, &stats);
     ty_impulse_destroy(tables);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Zonal harmonics of radiance that has scattered up to 1, 2 and 10 times, isotropically, σt = σs = 1/m, per "
-        "unit of intensity or irradiance. Below: fluence of up to 64 bounces about a point over that of exact "
-        "transport. The files hold the tables against sums along rays.");
+    figure_caption(run, "Zonal harmonics of radiance that has scattered up to 1, 2 and 10 times, isotropically, σt = "
+                        "σs = 1/m, per unit of intensity or irradiance. Below: fluence of up to 64 bounces about a "
+                        "point over that of exact transport. The files hold the tables against sums along rays.");
     return result;
 }

@@ -173,10 +173,9 @@ ty_result figure_lpv_animation(figure_run* run) {
         plot_free_sheet(&sheet);
     }
     free(charts);
-    snprintf(run->caption, sizeof run->caption,
-             "The built-in atrium, each frame solved anew. Fluence is that of the lattice in cells of the court, 1.5 m "
-             "wide, and does not depend on the camera but by where the lattice lies; marched pixels are light that fog "
-             "scatters from the lattice; pixels are of the whole picture, where edges of shadows and, with the camera, "
-             "of things move by pixels.");
+    figure_caption(run, "The built-in atrium, each frame solved anew. Fluence is that of the lattice in cells of the "
+                        "court, 1.5 m wide, and does not depend on the camera but by where the lattice lies; marched "
+                        "pixels are light that fog scatters from the lattice; pixels are of the whole picture, where "
+                        "edges of shadows and, with the camera, of things move by pixels.");
     return result;
 }

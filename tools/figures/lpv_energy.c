@@ -136,9 +136,8 @@ ty_result figure_lpv_energy(figure_run* run) {
     const ty_result result = fill_charts(run, charts);
     if (result == TY_OK) plot_page_charts(&run->page, charts, CHARTS);
     free(charts);
-    snprintf(run->caption, sizeof run->caption,
-             "A lamp and a tile in fog of albedo 1 on 16³ cells, for optical thicknesses of a cell from 0 to 10. "
-             "Right: what would be left in a lattice without end if light were scattered in with gamma as the paper "
-             "prints it, which gives back less than scattering out takes away.");
+    figure_caption(run, "A lamp and a tile in fog of albedo 1 on 16³ cells, for optical thicknesses of a cell from 0 "
+                        "to 10. Right: what would be left in a lattice without end if light were scattered in with "
+                        "gamma as the paper prints it, which gives back less than scattering out takes away.");
     return result;
 }

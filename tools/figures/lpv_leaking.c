@@ -65,12 +65,10 @@ ty_result figure_lpv_leaking(figure_run* run) {
         if (result == TY_OK) result = fill_column(run, scene, column, &sheet);
         ty_scene_destroy(scene);
     }
-    if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
-    plot_free_sheet(&sheet);
-    snprintf(run->caption, sizeof run->caption,
-             "A wall 10 cm thick in thin fog, in a lattice of half a metre. (a): from its dark side, the lamp on the "
-             "other; what is brighter than path tracing has leaked. (b): the lit side, the lamp on less than a cell. "
-             "(c): the same after one iteration of propagation. Errors are of means over %d × %d pixels.",
-             FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_place_sheet(run, result, &sheet, NULL);
+    figure_caption(run, "A wall 10 cm thick in thin fog, in a lattice of half a metre. (a): from its dark side, the "
+                        "lamp on the other; what is brighter than path tracing has leaked. (b): the lit side, the lamp "
+                        "on less than a cell. (c): the same after one iteration of propagation.");
+    figure_tell_errors(run, false);
     return result;
 }

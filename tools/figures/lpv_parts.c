@@ -51,12 +51,12 @@ ty_result figure_lpv_parts(figure_run* run) {
     if (result != TY_OK) return result;
     result = figure_load_scene(run, lpv_scene_files[which], NULL, 0, &scene);
     if (result == TY_OK) result = fill_sheet(run, scene, &sheet);
-    if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
+    figure_place_sheet(run, result, &sheet, NULL);
     ty_scene_destroy(scene);
-    plot_free_sheet(&sheet);
-    snprintf(run->caption, sizeof run->caption,
-             "%s: all parts (a); direct light alone (b); with plain light propagation volumes, which know of no media "
-             "(c); with single scattering instead (d); the plain lattice marched (e); (d) and (e) together (f).",
-             which == LPV_SPONZA ? "Sponza in fog" : "The built-in atrium in fog (Sponza's data are not there)");
+    figure_caption(
+        run,
+        "%s: all parts (a); direct light alone (b); with plain light propagation volumes, which know of no media (c); "
+        "with single scattering instead (d); the plain lattice marched (e); (d) and (e) together (f).",
+        which == LPV_SPONZA ? "Sponza in fog" : "The built-in atrium in fog (Sponza's data are not there)");
     return result;
 }

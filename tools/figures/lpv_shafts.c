@@ -115,15 +115,12 @@ ty_result figure_lpv_shafts(figure_run* run) {
         if (result == TY_OK) result = show_scene(run, scene, s, s - first, &sheet);
         ty_scene_destroy(scene);
     }
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
-    plot_free_sheet(&sheet);
-    snprintf(run->caption, sizeof run->caption,
-             "Light that fog scatters once towards the camera and nothing else touches: shadow maps against the "
-             "path tracer's channel of it, twice %d samples a pixel. Errors are of means over %d × %d pixels, the "
-             "relative RMSE without the truth's own noise, which is known from its two halves.",
-             figure_samples(run, run->options->quick ? PATH_SAMPLES_QUICK : PATH_SAMPLES), FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_place_sheet(run, result, &sheet, &figure_error_scale);
+    figure_caption(run,
+                   "Light that fog scatters once towards the camera and nothing else touches: shadow maps against the "
+                   "path tracer's channel of it, twice %d samples a pixel. Errors are of means over %d × %d pixels, "
+                   "the relative RMSE without the truth's own noise, which is known from its two halves.",
+                   figure_samples(run, run->options->quick ? PATH_SAMPLES_QUICK : PATH_SAMPLES), FIGURE_BLOCK,
+                   FIGURE_BLOCK);
     return result;
 }

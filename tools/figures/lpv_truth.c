@@ -87,9 +87,8 @@ static ty_result add_scene(figure_run* run, int s) {
     if (result != TY_OK) return result;
     result = figure_load_scene(run, lpv_scene_files[scenes[s].scene], NULL, 0, &scene);
     if (result == TY_OK) result = show_scene(run, scene, s, &sheet);
-    if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
+    figure_place_sheet(run, result, &sheet, NULL);
     ty_scene_destroy(scene);
-    plot_free_sheet(&sheet);
     return result;
 }
 
@@ -97,13 +96,13 @@ ty_result figure_lpv_truth(figure_run* run) {
     ty_result result = TY_OK;
     for (int s = 0; s < SCENES && result == TY_OK; ++s) result = add_scene(run, s);
     if (result == TY_OK) plot_page_color_bar(&run->page, &figure_error_scale);
-    snprintf(run->caption, sizeof run->caption,
-             "Scenes in fog%s: the method against path tracing, and combinations of the paper's Fig. 5 by the same "
-             "lattice: light propagation volumes on surfaces alone (c), these marched (e), and single scattering added "
-             "(f); the full method with three bands, and with a finer lattice about the camera. In shadow: blocks of "
-             "pixels whose surfaces no light reaches directly. Errors are of means over "
-             "%d × %d pixels, the relative RMSE without the truth's own noise.",
-             tools_has_data(run->options->data, SPONZA_FILE) ? "" : " (Sponza's data are not there)", FIGURE_BLOCK,
-             FIGURE_BLOCK);
+    figure_caption(run,
+                   "Scenes in fog%s: the method against path tracing, and combinations of the paper's Fig. 5 by the "
+                   "same lattice: light propagation volumes on surfaces alone (c), these marched (e), and single "
+                   "scattering added (f); the full method with three bands, and with a finer lattice about the camera. "
+                   "In shadow: blocks of pixels whose surfaces no light reaches directly. Errors are of means over %d "
+                   "× %d pixels, the relative RMSE without the truth's own noise.",
+                   tools_has_data(run->options->data, SPONZA_FILE) ? "" : " (Sponza's data are not there)",
+                   FIGURE_BLOCK, FIGURE_BLOCK);
     return result;
 }

@@ -99,11 +99,9 @@ ty_result figure_pop_animation(figure_run* run) {
     }
     plot_free_table(&table);
     plot_free_sheet(&sheet);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Simulated smoke under the sky, g = 0.7, each frame solved anew, without history. Below: relative RMSE of a "
-        "frame to the one before (path tracing's without its noise), and how the mean changes. Errors are of means "
-        "over %d × %d pixels.",
-        FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run,
+                   "Simulated smoke under the sky, g = 0.7, each frame solved anew, without history. Below: relative "
+                   "RMSE of a frame to the one before (path tracing's without its noise), and how the mean changes.");
+    figure_tell_errors(run, false);
     return result;
 }

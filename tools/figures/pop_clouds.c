@@ -51,12 +51,9 @@ ty_result figure_pop_clouds(figure_run* run) {
     if (result != TY_OK) return result;
     for (int row = 0; row < ROWS; ++row) snprintf(sheet.row_titles[row], PLOT_LABEL_SIZE, "%s", row_titles[row]);
     for (int column = 0; column < COSINES && result == TY_OK; ++column) result = fill_column(run, column, &sheet);
-    if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
-    plot_free_sheet(&sheet);
-    snprintf(run->caption, sizeof run->caption,
-             "A cloud of noise, 96³ voxels, σt = 60/m, albedo 0.999, against a low sun behind it; 64 ordinates of 20³ "
-             "cells for the sky, the sun through cells as fine as the voxels. Errors are of means over %d × %d pixels, "
-             "the relative RMSE without the truth's own noise.",
-             FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_place_sheet(run, result, &sheet, NULL);
+    figure_caption(run, "A cloud of noise, 96³ voxels, σt = 60/m, albedo 0.999, against a low sun behind it; 64 "
+                        "ordinates of 20³ cells for the sky, the sun through cells as fine as the voxels.");
+    figure_tell_errors(run, true);
     return result;
 }

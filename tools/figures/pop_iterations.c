@@ -81,9 +81,9 @@ ty_result figure_pop_iterations(figure_run* run) {
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
     free(fluence);
     free(charts);
-    snprintf(run->caption, sizeof run->caption,
-             "The cube of Fig. 12 with g = 0.7: what iterations of the published propagation on 16³ cells come to, "
-             "without the isotropic residuum. What they converge to is many times path tracing's: light counts once "
-             "for every cell that it came through, and is trapped by moving one cell a step.");
+    figure_caption(run,
+                   "The cube of Fig. 12 with g = 0.7: what iterations of the published propagation on 16³ cells come "
+                   "to, without the isotropic residuum. What they converge to is many times path tracing's: light "
+                   "counts once for every cell that it came through, and is trapped by moving one cell a step.");
     return result;
 }

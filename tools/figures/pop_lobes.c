@@ -202,12 +202,11 @@ ty_result figure_pop_lobes(figure_run* run) {
     free(slices);
     free(fluence);
     free(truth);
-    snprintf(run->caption, sizeof run->caption,
-             "A cube of 1 m, σs = 4/m, nothing absorbed, light from above, 16³ cells. Radiance by direction of light "
-             "that has scattered, in the slice through the middle; lengths are its cube root, and "
-             "the published mode's are made as bright as path tracing's. Below: fluence of such light in all cells; "
-             "relative RMSEs "
-             "are without the truth's own noise. As published light counts once for every cell that it came through "
+    figure_caption(
+        run, "A cube of 1 m, σs = 4/m, nothing absorbed, light from above, 16³ cells. Radiance by direction of light "
+             "that has scattered, in the slice through the middle; lengths are its cube root, and the published mode's "
+             "are made as bright as path tracing's. Below: fluence of such light in all cells; relative RMSEs are "
+             "without the truth's own noise. As published light counts once for every cell that it came through "
              "(collided mends that), and moves one cell a step, as if it scattered in each.");
     return result;
 }

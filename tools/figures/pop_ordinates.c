@@ -88,11 +88,9 @@ ty_result figure_pop_ordinates(figure_run* run) {
     ty_scene_destroy(scene);
     plot_free_sheet(&sheet);
     free(chart);
-    snprintf(run->caption, sizeof run->caption,
-             "Smoke of noise, σs = {2.9, 3.6, 4.2}/m, σa = {3.4, 3.35, 3.4}/m, g = 0.9, 2 m across, in a room with "
-             "windows and a lamp; ordinates of 20³ cells. Errors are of means over %d × %d pixels, the relative RMSE "
-             "without the truth's own noise.",
-             FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run, "Smoke of noise, σs = {2.9, 3.6, 4.2}/m, σa = {3.4, 3.35, 3.4}/m, g = 0.9, 2 m across, in a "
+                        "room with windows and a lamp; ordinates of 20³ cells.");
+    figure_tell_errors(run, true);
     return result;
 }
 
@@ -118,11 +116,11 @@ ty_result figure_pop_importance(figure_run* run) {
         result = figure_expect(run, "importance over none", "relative RMSE", "1",
                                errors[1].relative_rmse / errors[0].relative_rmse, 0, 1);
     ty_scene_destroy(scene);
-    snprintf(run->caption, sizeof run->caption,
-             "The smoke of pop-ordinates with σs = 20/m, σa = 0.1/m and g = 0.98, and %d ordinates. Importance prefers "
-             "directions whose light the camera sees most of, such as that of the windows behind the smoke. Errors are "
-             "of means "
-             "over %d × %d pixels.",
-             FEW, FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(
+        run,
+        "The smoke of pop-ordinates with σs = 20/m, σa = 0.1/m and g = 0.98, and %d ordinates. Importance prefers "
+        "directions whose light the camera sees most of, such as that of the windows behind the smoke.",
+        FEW);
+    figure_tell_errors(run, false);
     return result;
 }

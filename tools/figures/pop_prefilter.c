@@ -41,12 +41,11 @@ ty_result figure_pop_prefilter(figure_run* run) {
     if (result != TY_OK) return result;
     for (int row = 0; row < ROWS; ++row) snprintf(sheet.row_titles[row], PLOT_LABEL_SIZE, "%s", row_titles[row]);
     for (int column = 0; column < COSINES && result == TY_OK; ++column) result = fill_column(run, column, &sheet);
-    if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
-    plot_free_sheet(&sheet);
-    snprintf(run->caption, sizeof run->caption,
-             "A slab 0.2 m thick, σs = 40/m, before the windows of a room; %d ordinates. Without prefiltering each "
-             "ordinate shows where scattering widens its light little. Errors are of means over %d × %d pixels, the "
-             "relative RMSE without the truth's own noise.",
-             ORDINATES, FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_place_sheet(run, result, &sheet, NULL);
+    figure_caption(run,
+                   "A slab 0.2 m thick, σs = 40/m, before the windows of a room; %d ordinates. Without prefiltering "
+                   "each ordinate shows where scattering widens its light little.",
+                   ORDINATES);
+    figure_tell_errors(run, true);
     return result;
 }

@@ -93,19 +93,14 @@ ty_result figure_pop_residuum(figure_run* run) {
     result = pop_make_smoke(run, overrides, OVERRIDES, &scene);
     for (int i = 0; i < VARIANTS && result == TY_OK; ++i)
         result = fill_column(run, scene, i, size, pictures, seconds, &sheet);
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
+    figure_place_sheet(run, result, &sheet, &figure_error_scale);
     for (int i = 0; i < VARIANTS; ++i) figure_free_picture(&pictures[i]);
     ty_scene_destroy(scene);
-    plot_free_sheet(&sheet);
-    snprintf(
-        run->caption, sizeof run->caption,
+    figure_caption(
+        run,
         "The published mode. Milk, σs = {9.1, 10.7, 12.5}/m (ten times the paper's, since so Eq. 10 comes to about its "
-        "20 iterations), albedo 0.999, g = 0.95, in a lump of noise of 4 m, 64 "
-        "ordinates of %d³ cells, after %d iterations, and after as many as make light isotropic (Eq. 10), the rest "
-        "of it in one grid of cells as large.",
+        "20 iterations), albedo 0.999, g = 0.95, in a lump of noise of 4 m, 64 ordinates of %d³ cells, after %d "
+        "iterations, and after as many as make light isotropic (Eq. 10), the rest of it in one grid of cells as large.",
         RESOLUTION, FULL);
     return result;
 }

@@ -71,14 +71,13 @@ ty_result figure_pop_smoke(figure_run* run) {
     ty_result result = make_scene(run, &own, &scene);
     if (result == TY_OK) result = show(run, scene);
     ty_scene_destroy(scene);
-    snprintf(
-        run->caption, sizeof run->caption,
+    figure_caption(
+        run,
         "%s, σs = {2.9, 3.6, 4.2}/m, σa = {3.4, 3.35, 3.4}/m, g = 0.9; ordinates × cells, published with 10 and 30 "
         "iterations; classical discrete ordinates, 96 and 200 of them, in bands of spherical harmonics that fade to "
-        "the last, the environment let in through the faces. Errors are of means over %d × %d pixels, the relative "
-        "RMSE without the truth's own noise.",
+        "the last, the environment let in through the faces.",
         own ? "Smoke of noise, 2 m across, in a room with windows and a lamp (the plume's data are not there)"
-            : "Simulated smoke, 5 m high, in a photographed square (the paper's are not free)",
-        FIGURE_BLOCK, FIGURE_BLOCK);
+            : "Simulated smoke, 5 m high, in a photographed square (the paper's are not free)");
+    figure_tell_errors(run, true);
     return result;
 }

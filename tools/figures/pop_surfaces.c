@@ -25,10 +25,9 @@ ty_result figure_pop_surfaces(figure_run* run) {
         result = figure_expect(run, "VPLs over none", "relative RMSE", "1",
                                errors[1].relative_rmse / errors[0].relative_rmse, 0, 1);
     ty_scene_destroy(scene);
-    snprintf(run->caption, sizeof run->caption,
-             "Mist, σs = 0.5/m, g = 0.3, over a blue floor with a red ball and a green box, in the sun; what the "
-             "surfaces send back lights the mist from below. The surfaces themselves are path-traced. Errors are of "
-             "means over %d × %d pixels.",
-             FIGURE_BLOCK, FIGURE_BLOCK);
+    figure_caption(run,
+                   "Mist, σs = 0.5/m, g = 0.3, over a blue floor with a red ball and a green box, in the sun; what the "
+                   "surfaces send back lights the mist from below. The surfaces themselves are path-traced.");
+    figure_tell_errors(run, false);
     return result;
 }

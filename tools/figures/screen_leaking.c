@@ -146,11 +146,11 @@ ty_result figure_screen_leaking(figure_run* run) {
     ty_result result = screen_render_room(run, size, &view);
     if (result == TY_OK) result = fill_page(run, &view);
     screen_free_view(&view);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "The builtin scene screen_room, %d × %d pixels, scattering of optical thickness %g as far as the back wall "
-        "(%g m), g = %g. Two bright lamps hang 2.6 m and 3.4 m away before the dark wall; the insets enlarge one. "
-        "Below: the error against the unbounded reference, red where too bright. RMSE in W m⁻² sr⁻¹.",
+    figure_caption(
+        run,
+        "The builtin scene screen_room, %d × %d pixels, scattering of optical thickness %g as far as the back wall (%g "
+        "m), g = %g. Two bright lamps hang 2.6 m and 3.4 m away before the dark wall; the insets enlarge one. Below: "
+        "the error against the unbounded reference, red where too bright. RMSE in W m⁻² sr⁻¹.",
         size[0], size[1], water.thickness, SCREEN_ROOM_DEPTH, (double)water.g);
     return result;
 }

@@ -100,8 +100,7 @@ static ty_result fill_page(figure_run* run, const screen_view* view) {
     if (result == TY_OK) result = screen_distance_picture(run, view, &photograph->inset);
     for (int medium = 0; medium < MEDIA && result == TY_OK; ++medium)
         result = fill_medium(run, view, medium, plot_sheet_cell(&sheet, (medium + 1) / 2, (medium + 1) % 2));
-    if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
-    plot_free_sheet(&sheet);
+    figure_place_sheet(run, result, &sheet, NULL);
     return result;
 }
 
@@ -112,10 +111,8 @@ ty_result figure_screen_photo(figure_run* run) {
     ty_result result = read_view(run, color_path, depth_path, &view);
     if (result == TY_OK) result = fill_page(run, &view);
     screen_free_view(&view);
-    snprintf(run->caption, sizeof run->caption,
-             "A photograph with depth (TUM RGB-D benchmark, sequence fr1, CC BY), decoded from sRGB; where the sensor "
-             "saw no depth it is filled from around. Scattered light that leaves the image's half space is made up for "
-             "by the "
-             "surroundings' radiance.");
+    figure_caption(run, "A photograph with depth (TUM RGB-D benchmark, sequence fr1, CC BY), decoded from sRGB; where "
+                        "the sensor saw no depth it is filled from around. Scattered light that leaves the image's "
+                        "half space is made up for by the surroundings' radiance.");
     return result;
 }

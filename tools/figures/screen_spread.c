@@ -184,10 +184,9 @@ ty_result figure_screen_spread(figure_run* run) {
     if (result == TY_OK) result = fill_shapes(run, &charts[1]);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
     free(charts);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Absorption %g/m, scattering %g/m, g = %g. Lines: the paper's Eq. 2. Dots in (a): how far one bright pixel "
-        "is spread by the exact function and by both filters; in (b) by the exact function.",
-        absorption, scattering, mean_cosine);
+    figure_caption(run,
+                   "Absorption %g/m, scattering %g/m, g = %g. Lines: the paper's Eq. 2. Dots in (a): how far one "
+                   "bright pixel is spread by the exact function and by both filters; in (b) by the exact function.",
+                   absorption, scattering, mean_cosine);
     return result;
 }

@@ -120,14 +120,13 @@ ty_result figure_screen_stages(figure_run* run) {
     ty_result result = screen_render_room(run, size, &view);
     if (result == TY_OK) result = plot_create_sheet(ROWS, COLUMNS, PICTURE_WIDTH, &sheet);
     if (result == TY_OK) result = fill_sheet(run, &view, &sheet);
-    if (result == TY_OK) plot_page_sheet(&run->page, &sheet);
-    plot_free_sheet(&sheet);
+    figure_place_sheet(run, result, &sheet, NULL);
     screen_free_view(&view);
-    snprintf(
-        run->caption, sizeof run->caption,
+    figure_caption(
+        run,
         "The builtin scene screen_room, %d × %d pixels, in water that scatters, optical thickness %g as far as the "
-        "back wall (%g m), g = %g: the image and its distances, the light that comes straight and the light that "
-        "is scattered and how far it spreads, and both put together (scatter, with our spread).",
+        "back wall (%g m), g = %g: the image and its distances, the light that comes straight and the light that is "
+        "scattered and how far it spreads, and both put together (scatter, with our spread).",
         size[0], size[1], water.thickness, SCREEN_ROOM_DEPTH, (double)water.g);
     return result;
 }

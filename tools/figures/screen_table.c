@@ -211,14 +211,14 @@ static void set_size(plot_table* table, int size, const timing medians[SETUPS]) 
 
 static void write_caption(figure_run* run, const char* isa) {
     const int32_t shrink = run->options->quick ? QUICK_SHRINK : 1;
-    snprintf(
-        run->caption, sizeof run->caption,
-        "Medians of %d runs that take turns, on %d threads of this machine (%s), %d × %d, %d × %d and %d × %d pixels. "
-        "Totals are with the 4 × 4 filter. In brackets what the paper measured on a GeForce GTX 485 Mobile: another "
-        "machine, for comparison of the ratios alone.",
-        run->options->quick ? RUNS_QUICK : RUNS, ty_context_threads(run->session->context),
-        isa == NULL ? "generic" : isa, sizes[0].width / shrink, sizes[0].height / shrink, sizes[1].width / shrink,
-        sizes[1].height / shrink, sizes[2].width / shrink, sizes[2].height / shrink);
+    figure_caption(run,
+                   "Medians of %d runs that take turns, on %d threads of this machine (%s), %d × %d, %d × %d and %d × "
+                   "%d pixels. Totals are with the 4 × 4 filter. In brackets what the paper measured on a GeForce GTX "
+                   "485 Mobile: another machine, for comparison of the ratios alone.",
+                   run->options->quick ? RUNS_QUICK : RUNS, ty_context_threads(run->session->context),
+                   isa == NULL ? "generic" : isa, sizes[0].width / shrink, sizes[0].height / shrink,
+                   sizes[1].width / shrink, sizes[1].height / shrink, sizes[2].width / shrink,
+                   sizes[2].height / shrink);
 }
 
 ty_result figure_screen_table(figure_run* run) {

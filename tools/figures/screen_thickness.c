@@ -109,11 +109,10 @@ ty_result figure_screen_thickness(figure_run* run) {
     if (result == TY_OK) place(run, &sheet, &charts);
     plot_free_sheet(&sheet);
     screen_free_view(&view);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "The builtin scene screen_room, %d × %d pixels, g = %g, scattering of optical thickness τ as far as the back "
-        "wall (%g m). The spread is the paper's Gaussian, also of scatter. Errors are against the unbounded "
-        "screen-space reference, RMSE in W m⁻² sr⁻¹.",
-        size[0], size[1], (double)waters[0].g, SCREEN_ROOM_DEPTH);
+    figure_caption(run,
+                   "The builtin scene screen_room, %d × %d pixels, g = %g, scattering of optical thickness τ as far as "
+                   "the back wall (%g m). The spread is the paper's Gaussian, also of scatter. Errors are against the "
+                   "unbounded screen-space reference, RMSE in W m⁻² sr⁻¹.",
+                   size[0], size[1], (double)waters[0].g, SCREEN_ROOM_DEPTH);
     return result;
 }

@@ -168,14 +168,13 @@ ty_result figure_screen_truth(figure_run* run) {
     if (result == TY_OK) place(run, &sheet);
     plot_free_sheet(&sheet);
     screen_free_view(&view);
-    snprintf(
-        run->caption, sizeof run->caption,
-        "The builtin scene screen_room, %d × %d pixels, g = %g, scattering of optical thickness τ as far as the back "
-        "wall (%g m). Relief: every pixel is a facet that sends what the image shows and reflects nothing, which is "
-        "what screen-space methods know of a scene. Room: the lit scene itself, with all that they cannot know. The "
-        "truth's own noise is taken out of each RMSE, W m⁻² sr⁻¹ (< noise: nothing is left). Errors are of means over "
-        "%d × %d pixels. Scatter spreads light as small-angle theory has it, gather and reference by the paper's "
-        "Gaussian.",
-        size[0], size[1], (double)waters[0].g, SCREEN_ROOM_DEPTH, BLOCK, BLOCK);
+    figure_caption(run,
+                   "The builtin scene screen_room, %d × %d pixels, g = %g, scattering of optical thickness τ as far as "
+                   "the back wall (%g m). Relief: every pixel is a facet that sends what the image shows and reflects "
+                   "nothing, which is what screen-space methods know of a scene. Room: the lit scene itself, with all "
+                   "that they cannot know. The truth's own noise is taken out of each RMSE, W m⁻² sr⁻¹ (< noise: "
+                   "nothing is left). Errors are of means over %d × %d pixels. Scatter spreads light as small-angle "
+                   "theory has it, gather and reference by the paper's Gaussian.",
+                   size[0], size[1], (double)waters[0].g, SCREEN_ROOM_DEPTH, BLOCK, BLOCK);
     return result;
 }

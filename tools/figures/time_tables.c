@@ -58,11 +58,11 @@ static ty_result make_table(figure_run* run, ty_result (*measure)(const bench_se
     ty_result result = measure(&bench, &table);
     if (result == TY_OK) result = figure_check_interrupt();
     if (result == TY_OK) result = show_table(run, &table);
-    snprintf(run->caption, sizeof run->caption,
-             "%s. Medians of %d, on %d threads of this machine (%s). In brackets what the paper has, of %s: another "
-             "machine and scene, for comparison of the ratios alone.",
-             table.setting, (int)options.runs, (int)ty_context_threads(run->session->context), bench_isa(),
-             table.paper_machine);
+    figure_caption(run,
+                   "%s. Medians of %d, on %d threads of this machine (%s). In brackets what the paper has, of %s: "
+                   "another machine and scene, for comparison of the ratios alone.",
+                   table.setting, (int)options.runs, (int)ty_context_threads(run->session->context), bench_isa(),
+                   table.paper_machine);
     return result;
 }
 

@@ -2,6 +2,7 @@
 #include "figures/view.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { SAMPLES = 64, SAMPLES_QUICK = 4, PAPER_SAMPLES = 1000 };
 
@@ -88,6 +89,12 @@ ty_result figure_show(figure_run* run, const char* item, const ty_scene* scene, 
 
 /* ---- sheets ---- */
 
+void figure_tell_errors(figure_run* run, bool without_noise) {
+    const size_t used = strlen(run->caption);
+    snprintf(run->caption + used, sizeof run->caption - used, " Errors are of means over %d × %d pixels%s.",
+             FIGURE_BLOCK, FIGURE_BLOCK, without_noise ? ", the relative RMSE without the truth's own noise" : "");
+}
+
 ty_result figure_render_by_method(figure_run* run, const char* item, ty_scene* scene, const int32_t size[2],
                                   const void* user, figure_picture* out) {
     cli_report report;
@@ -123,11 +130,7 @@ ty_result figure_show_variants(figure_run* run, const char* item, ty_scene* scen
         result = show_variant(run, item, scene, &variants[i], 1 + i, size, &truth, &sheet, &picture, &errors[i]);
         figure_free_picture(&picture);
     }
-    if (result == TY_OK) {
-        plot_page_sheet(&run->page, &sheet);
-        plot_page_color_bar(&run->page, &figure_error_scale);
-    }
+    figure_place_sheet(run, result, &sheet, &figure_error_scale);
     figure_free_picture(&truth);
-    plot_free_sheet(&sheet);
     return result;
 }

@@ -60,6 +60,9 @@ ty_result figure_render_by_method(figure_run* run, const char* item, ty_scene* s
 ty_result figure_show_variants(figure_run* run, const char* item, ty_scene* scene, const figure_variant* variants,
                                int count, const int32_t size[2], double picture_width, figure_errors* errors);
 
+/* Ends a caption: what errors are means over, and whether the truth's noise is out of the relative RMSE. */
+void figure_tell_errors(figure_run* run, bool without_noise);
+
 /* "0.123", or "< noise" for NaN. */
 void figure_format_error(double error, char out[16]);
 
