@@ -241,4 +241,4 @@ test_refusals
 test_summary
 test_interrupt
 no_temporary_files
-finish 340
+finish 480
