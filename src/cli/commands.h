@@ -29,7 +29,7 @@ extern const cli_command cli_commands[CLI_COMMAND_COUNT];
 /* NULL, after a message that lists them, if there is none of that name. asker: the command that wants to know, or "".
  */
 const cli_command* cli_find_command(const char* asker, const char* name);
-/* Whether the program of a command that is a tool is installed. */
+/* True if the program of a command that is a tool is installed. */
 bool cli_has_tool(const char* command);
 /* What `tyndall --help` prints. */
 int cli_print_overview(void);

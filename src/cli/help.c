@@ -31,7 +31,7 @@ int cli_print_overview(void) {
     return cli_write_page(NULL, print_overview, NULL);
 }
 
-/* Whether pages and completion tell of a command: not of a tool that is not installed. */
+/* Pages and completion leave out a tool that is not installed. */
 static bool is_told(const cli_command* command) {
     return !command->is_tool || cli_has_tool(command->name);
 }

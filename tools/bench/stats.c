@@ -1,4 +1,4 @@
-/* What benches share. */
+/* Medians, sizes and folders of benches. */
 #define _GNU_SOURCE
 #include "bench/bench.h"
 

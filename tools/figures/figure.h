@@ -37,7 +37,7 @@ typedef struct figure_run {
     bool skipped; /* by figure_find_data: nothing is written */
 } figure_run;
 
-/* What stands below the page (printf-like). */
+/* Sets the text below the page (printf-like). */
 void figure_caption(figure_run* run, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Notes a number; unit must outlive the run. Errors: TY_ERROR_MEMORY. */

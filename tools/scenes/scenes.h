@@ -17,7 +17,7 @@
 ty_result tools_load_scene(ty_context* context, const char* name, const char* data, const char* const* overrides,
                            int32_t override_count, ty_scene** out);
 
-/* Whether the folder of third-party data has a file. */
+/* True if the folder of third-party data has a file. */
 bool tools_has_data(const char* data_or_null, const char* name);
 
 /* The scenes of light propagation volumes. */
