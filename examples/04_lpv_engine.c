@@ -68,11 +68,11 @@ static void cast(vec origin, vec direction, const buffers* out, size_t i) {
 }
 
 /* A map of 16 m by 16 m for a sun that shines along forward. */
-static void draw_shadow_map(const vec forward, const buffers* b, ty_light_map* map) {
+static void draw_shadow_map(const vec forward, const buffers* b, ty_rsm* map) {
     const vec right = unit(cross(forward, (vec){0, 1, 0})), up = cross(right, forward);
     const vec origin = add_scaled((vec){0, 1, 0}, -30, forward);
     const double half = 8;
-    *map = (ty_light_map){.side = SIDE, .faces = 1, .depth = b->depth, .normal = b->normal, .albedo = b->albedo};
+    *map = (ty_rsm){.side = SIDE, .faces = 1, .depth = b->depth, .normal = b->normal, .albedo = b->albedo};
     const double vectors[4][3] = {{origin.x, origin.y, origin.z},
                                   {forward.x, forward.y, forward.z},
                                   {half * right.x, half * right.y, half * right.z},
@@ -159,7 +159,7 @@ static ty_result look(ty_scene* scene, const ty_lpv* light, ty_lpv_def* def, con
 
 static ty_result run(ty_context* context, const buffers* shadow, const buffers* seen) {
     const vec forward = unit((vec){-0.6, -1, 0.35});
-    ty_light_map map;
+    ty_rsm map;
     ty_scene* scene = NULL;
     ty_lpv* light = NULL;
     ty_lpv_stats stats = {0};

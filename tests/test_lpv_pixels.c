@@ -2,8 +2,8 @@
 #include "checks.h"
 
 #include "base/sh.k.h"
-#include "method/lpv/look.h"
-#include "method/lpv/pixels.h"
+#include "method/lpv/lattice/packed_lattice.h"
+#include "method/lpv/image/image.h"
 #include "scene/camera.h"
 
 #include <stdio.h>
@@ -17,8 +17,8 @@ typedef struct view_case {
     ty_lpv_def def;
     ty_lattice* lattice;
     ty_grid_medium* medium;
-    ty_light_map* map;
-    ty_lit_map* lit;
+    ty_rsm* map;
+    ty_shadow_hierarchy* lit;
     ty_airlight* airlight;
     ty_lpv_image_job job;
 } view_case;
@@ -101,27 +101,27 @@ static void begin_case(view_case* at, ty_scene* scene, const double lower[3], do
     check(scene, ty_lattice_create(context, &box, bands, &at->lattice));
     if (view->medium_count > 0) check(scene, ty_grid_medium_create(scene, &box, &at->medium));
     if (view->lights.count > 0) {
-        const ty_light_map_def map = {.side = 256, .lower = lower, .upper = upper};
-        check(scene, ty_light_map_trace(scene, &map, 0, &at->map, NULL));
-        check(scene, ty_lit_map_create(context, &view->lights.lights[0], at->map, &at->lit));
+        const ty_rsm_def map = {.side = 256, .lower = lower, .upper = upper};
+        check(scene, ty_rsm_trace(scene, &map, 0, &at->map, NULL));
+        check(scene, ty_shadow_hierarchy_create(context, &view->lights.lights[0], at->map, &at->lit));
     }
     const ty_airlight_def air = {
-        .medium = at->medium, .maps = (const ty_lit_map* const*)&at->lit, .count = at->lit != NULL ? 1 : 0};
+        .medium = at->medium, .maps = (const ty_shadow_hierarchy* const*)&at->lit, .count = at->lit != NULL ? 1 : 0};
     if (at->medium != NULL) check(scene, ty_airlight_create(scene, &air, &at->airlight));
     at->job = (ty_lpv_image_job){.scene = scene,
                                  .def = &at->def,
                                  .light = {&at->lattice, 1},
                                  .medium = at->medium,
                                  .airlight = at->airlight,
-                                 .maps = (const ty_lit_map* const*)&at->lit,
-                                 .map_count = at->lit != NULL ? 1 : 0};
+                                 .shadow_maps = (const ty_shadow_hierarchy* const*)&at->lit,
+                                 .shadow_map_count = at->lit != NULL ? 1 : 0};
 }
 
 static void end_case(view_case* at) {
     ty_context* context = ty_scene_context(at->scene);
     ty_airlight_destroy(at->airlight);
-    ty_lit_map_destroy(at->lit);
-    ty_light_map_destroy(context, at->map);
+    ty_shadow_hierarchy_destroy(at->lit);
+    ty_rsm_destroy(context, at->map);
     ty_grid_medium_destroy(at->medium);
     ty_lattice_destroy(at->lattice);
     ty_scene_destroy(at->scene);
@@ -435,25 +435,25 @@ static void lookups_agree(void** state) {
                 for (int a = 0; a < 3; ++a) inside = inside && at[a] + step[a] >= 0 && at[a] + step[a] < 8;
                 if (!inside || uniform(&seed) < 0.8) continue;
                 const size_t other = cell + (size_t)(step[0] + 8 * step[1] + 64 * step[2]);
-                const uint8_t open = (uint8_t)(200 * uniform(&seed));
-                lattices[i]->open[ty_lpv_link(step[0], step[1], step[2])][other] = open;
-                lattices[i]->open[ty_lpv_link(-step[0], -step[1], -step[2])][cell] = open;
+                const uint8_t transmission = (uint8_t)(200 * uniform(&seed));
+                lattices[i]->transmission[ty_lpv_link(step[0], step[1], step[2])][other] = transmission;
+                lattices[i]->transmission[ty_lpv_link(-step[0], -step[1], -step[2])][cell] = transmission;
             }
         }
     }
-    ty_lattice_look look;
-    assert_int_equal(ty_look_begin(*state, lattices, 2, &look), TY_OK);
+    ty_packed_lattices look;
+    assert_int_equal(ty_packed_lattices_create(*state, lattices, 2, &look), TY_OK);
     const ty_lpv_light_view view = {lattices, 2};
     for (int i = 0; i < 20000; ++i) {
         const ty_vec point = ty_vec_make((float)uniform_in(&seed, -9.5, 9.5), (float)uniform_in(&seed, -9.5, 9.5),
                                          (float)uniform_in(&seed, -9.5, 9.5));
         const ty_vec normal = random_unit(&seed);
         float fast[3], slow[3];
-        ty_look_at_surface(&look, point, normal, fast);
+        ty_packed_irradiance(&look, point, normal, fast);
         ty_lpv_irradiance_at(&view, point, normal, slow);
         for (int c = 0; c < 3; ++c) assert_close(fast[c], slow[c], 2e-4);
     }
-    ty_look_end(*state, &look);
+    ty_packed_lattices_destroy(*state, &look);
     ty_lattice_destroy(lattices[0]);
     ty_lattice_destroy(lattices[1]);
 }
@@ -472,7 +472,8 @@ static void closed_links(void** state) {
             at.lattice->light[0][0][i] = i % 8 >= 4 ? 1 : 0;
             if (closed == 0 || (i % 8 != 3 && i % 8 != 4)) continue;
             for (int32_t y = -1; y <= 1; ++y)
-                for (int32_t z = -1; z <= 1; ++z) at.lattice->open[ty_lpv_link(i % 8 == 3 ? -1 : 1, y, z)][i] = 0;
+                for (int32_t z = -1; z <= 1; ++z)
+                    at.lattice->transmission[ty_lpv_link(i % 8 == 3 ? -1 : 1, y, z)][i] = 0;
         }
         at.lattice->blocked = closed != 0;
         ty_image* image = image_of(&at, NULL);

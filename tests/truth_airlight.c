@@ -1,6 +1,6 @@
 /* Airlight against path tracing's light that media scatter once: fog with blocks in it, under each kind of light. */
 #include "base/context.h"
-#include "direct/airlight.h"
+#include "method/lpv/image/airlight.h"
 #include "scene/camera.h"
 #include "truth.h"
 
@@ -145,25 +145,25 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
     double* const halves[2] = {first, second};
     ty_scene* scene = blocks_in_fog(context, light, g, kind);
     const ty_light_view* view = &ty_scene_get_view(scene)->lights.lights[0];
-    const ty_light_map_def map_def = {.side = MAP_SIDE, .lower = lower, .upper = upper};
+    const ty_rsm_def map_def = {.side = MAP_SIDE, .lower = lower, .upper = upper};
     ty_grid_box box;
     ty_grid_medium* medium = NULL;
-    ty_light_map* map = NULL;
-    ty_lit_map* lit = NULL;
+    ty_rsm* map = NULL;
+    ty_shadow_hierarchy* lit = NULL;
     ty_airlight* airlight = NULL;
     must(context, ty_grid_box_fit(scene, 48, &box));
     must(context, ty_grid_medium_create(scene, &box, &medium));
-    must(context, ty_light_map_trace(scene, &map_def, 0, &map, NULL));
-    must(context, ty_lit_map_create(context, view, map, &lit));
-    const ty_lit_map* const maps[1] = {lit};
+    must(context, ty_rsm_trace(scene, &map_def, 0, &map, NULL));
+    must(context, ty_shadow_hierarchy_create(context, view, map, &lit));
+    const ty_shadow_hierarchy* const maps[1] = {lit};
     const ty_airlight_def def = {medium, maps, 1};
     must(context, ty_airlight_create(scene, &def, &airlight));
     const double seconds = airlight_image(scene, airlight, image);
     for (int i = 0; i < 2; ++i) path_image(scene, PASSES, 1 + (uint64_t)i, halves[i]);
     compare(name, image, halves, seconds);
     ty_airlight_destroy(airlight);
-    ty_lit_map_destroy(lit);
-    ty_light_map_destroy(context, map);
+    ty_shadow_hierarchy_destroy(lit);
+    ty_rsm_destroy(context, map);
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
 }

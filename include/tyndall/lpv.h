@@ -8,7 +8,7 @@
 
 #include <tyndall/base.h>
 #include <tyndall/image.h>
-#include <tyndall/light_map.h>
+#include <tyndall/rsm.h>
 #include <tyndall/path.h>
 #include <tyndall/scene.h>
 
@@ -72,11 +72,11 @@ typedef struct ty_lpv_def {
     double tolerance;   /* that hundredth, (0, 1); default 0.01 */
 
     /* Injection. */
-    int32_t map_side;         /* texels of reflective shadow maps, 16..4096; default 256 */
-    int32_t samples;          /* on each ray from a light to a texel, at most, 1..64; default 8 */
-    int32_t block_side;       /* texels a cell, along a side, of the depth maps that find blockers, 1..16; default 3 */
-    const ty_light_map* maps; /* one per light of the scene, in order of their addition; NULL (default): traced */
-    int32_t map_count;        /* of maps; default 0 */
+    int32_t map_side;   /* texels of reflective shadow maps, 16..4096; default 256 */
+    int32_t samples;    /* on each ray from a light to a texel, at most, 1..64; default 8 */
+    int32_t block_side; /* texels a cell, along a side, of the depth maps that find blockers, 1..16; default 3 */
+    const ty_rsm* maps; /* one per light of the scene, in order of their addition; NULL (default): traced */
+    int32_t map_count;  /* of maps; default 0 */
 
     /* Images. */
     const ty_lpv_view_def* view; /* NULL (default): traced */

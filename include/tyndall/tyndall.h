@@ -11,7 +11,7 @@
 #include <tyndall/image.h>
 #include <tyndall/impulse.h>
 #include <tyndall/io.h>
-#include <tyndall/light_map.h>
+#include <tyndall/rsm.h>
 #include <tyndall/lpv.h>
 #include <tyndall/path.h>
 #include <tyndall/pop.h>

@@ -2,7 +2,7 @@
 #include "direct/vpl.h"
 
 #include "base/context.h"
-#include "direct/shadow_map.h"
+#include "direct/vpl_samples.h"
 #include "scene/scene.h"
 
 /* Surfaces farther from the medium than this many of its longest sides are left out of directional lights' maps. */
@@ -17,7 +17,7 @@ enum { KEYS = 6 };
 
 /* A texel whose light can meet the medium. */
 typedef struct vpl_texel {
-    const ty_shadow_texel* texel;
+    const ty_vpl_sample* texel;
     float key[KEYS];
     int32_t light;
     double weight; /* luminance as far as it matters to the medium */
@@ -34,7 +34,7 @@ typedef struct vpl_list {
     const ty_scene* scene;
     const ty_vpl_def* def;
     const ty_grid_medium* medium;
-    ty_shadow_map** maps;
+    ty_vpl_samples** maps;
     int32_t map_count;
     ty_vec middle, half; /* of the medium's box */
     float longest;       /* side of it, m */
@@ -51,7 +51,7 @@ static bool casts(const ty_light_view* light) {
 
 /* ---- texels that matter ---- */
 
-static float luminance(const ty_shadow_texel* texel) {
+static float luminance(const ty_vpl_sample* texel) {
     return 0.2126f * texel->flux[0] + 0.7152f * texel->flux[1] + 0.0722f * texel->flux[2];
 }
 
@@ -61,7 +61,7 @@ static double distance2_of(const vpl_list* list, ty_vec off) {
 
 /* Luminance, times the cosine law towards the medium, not below a tenth, over the square of the distance, not within
  * the medium's size; 0 where the surface faces away from all of it. */
-static double weight_of(const vpl_list* list, const ty_shadow_texel* texel) {
+static double weight_of(const vpl_list* list, const ty_vpl_sample* texel) {
     const ty_vec off = ty_sub(list->middle, texel->position), n = texel->normal, half = list->half;
     const float bright = luminance(texel);
     const float along = ty_dot(off, n), reach = fabsf(n.x) * half.x + fabsf(n.y) * half.y + fabsf(n.z) * half.z;
@@ -70,8 +70,8 @@ static double weight_of(const vpl_list* list, const ty_shadow_texel* texel) {
     return (double)bright * fmax(0.1, (double)along / sqrt(distance2)) / distance2;
 }
 
-static void list_map(vpl_list* list, const ty_shadow_map* map) {
-    const size_t count = ty_shadow_map_count(map);
+static void list_map(vpl_list* list, const ty_vpl_samples* map) {
+    const size_t count = ty_vpl_samples_count(map);
     for (size_t i = 0; i < count; ++i) {
         const double weight = weight_of(list, &map->texels[i]);
         if (!(weight > 0)) continue;
@@ -144,7 +144,7 @@ static size_t split_by_weight(vpl_texel* texels, size_t count, int32_t key, doub
 
 /* ---- VPLs ---- */
 
-static void add_to_share(const vpl_list* list, const ty_shadow_texel* texel, vpl_share* share) {
+static void add_to_share(const vpl_list* list, const ty_vpl_sample* texel, vpl_share* share) {
     const ty_vec off = ty_sub(list->middle, texel->position);
     const double bright = (double)luminance(texel), distance2 = distance2_of(list, off);
     const double facing = fmax(0, (double)ty_dot(off, texel->normal)) / sqrt(distance2);
@@ -214,7 +214,7 @@ static ty_result choose_vpls(vpl_list* list) {
     ty_context* context = list->scene->context;
     const size_t wanted = (size_t)list->def->count;
     size_t texels = 0;
-    for (int32_t i = 0; i < list->map_count; ++i) texels += ty_shadow_map_count(list->maps[i]);
+    for (int32_t i = 0; i < list->map_count; ++i) texels += ty_vpl_samples_count(list->maps[i]);
     list->texels = ty_alloc_array(context, texels, sizeof *list->texels, false);
     if (list->texels == NULL) return TY_ERROR_MEMORY;
     for (int32_t i = 0; i < list->map_count; ++i) list_map(list, list->maps[i]);
@@ -251,15 +251,15 @@ static ty_result make_maps(vpl_list* list, int32_t lights, float* const* extinct
         lower[a] = list->medium->box.lower[a] - REACH * (double)list->longest;
         upper[a] = list->medium->box.upper[a] + REACH * (double)list->longest;
     }
-    const ty_shadow_map_def def = {.side = side_of(list->def, lights),
-                                   .medium = list->medium,
-                                   .extinction = extinction,
-                                   .lower = lower,
-                                   .upper = upper,
-                                   .seed = list->def->seed};
+    const ty_vpl_samples_def def = {.side = side_of(list->def, lights),
+                                    .medium = list->medium,
+                                    .extinction = extinction,
+                                    .lower = lower,
+                                    .upper = upper,
+                                    .seed = list->def->seed};
     for (int32_t i = 0; i < set->count; ++i) {
         if (!casts(&set->lights[i])) continue;
-        const ty_result result = ty_shadow_map_create(list->scene, &def, i, &list->maps[list->map_count]);
+        const ty_result result = ty_vpl_samples_create(list->scene, &def, i, &list->maps[list->map_count]);
         if (result != TY_OK) return result;
         ++list->map_count;
     }
@@ -289,7 +289,7 @@ static ty_result find_vpls(vpl_list* list, int32_t lights) {
     if (list->maps == NULL) return TY_ERROR_MEMORY;
     ty_result result = make_attenuated_maps(list, lights);
     if (result == TY_OK) result = choose_vpls(list);
-    for (int32_t i = 0; i < list->map_count; ++i) ty_shadow_map_destroy(list->maps[i]);
+    for (int32_t i = 0; i < list->map_count; ++i) ty_vpl_samples_destroy(list->maps[i]);
     ty_free_array(context, list->maps, (size_t)lights, sizeof *list->maps);
     return result;
 }

@@ -3,7 +3,8 @@
 #include "cli/bench/tables.h"
 #include "cli/lpv_scenes.h"
 #include "cli/report.h"
-#include "method/lpv/lattice.h"
+#include "method/lpv/lattice/lattice.h"
+#include "method/lpv/propagate/propagate.h"
 
 #include <math.h>
 #include <string.h>

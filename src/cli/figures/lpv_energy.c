@@ -1,7 +1,7 @@
 /* Where the energy goes: in the lattice, gone out, taken by what is in the way, iteration by iteration; and what the
  * in-scattering as the paper prints it would leave. */
 #include "cli/figures/lpv_view.h"
-#include "method/lpv/lattice.h"
+#include "method/lpv/propagate/transfer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -95,7 +95,7 @@ static double printed_share(void) {
     ty_lpv_transfer transfer;
     double sum = 0;
     ty_lpv_transfer_make(2, false, &transfer);
-    for (int j = 0; j < TY_LPV_LINKS; ++j) sum += (double)transfer.shape[j][0];
+    for (int j = 0; j < TY_LPV_LINKS; ++j) sum += (double)transfer.G[j][0];
     return sqrt(4 * 3.14159265358979323846) / sum;
 }
 

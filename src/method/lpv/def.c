@@ -104,7 +104,7 @@ ty_result ty_lpv_check_maps(const ty_scene* scene, const ty_lpv_def* def) {
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "lpv.maps: %d maps for %zu lights", def->map_count,
                        scene->light_count);
     for (int32_t i = 0; i < def->map_count; ++i) {
-        const ty_result result = ty_light_map_check(scene->context, &scene->view.lights.lights[i], &def->maps[i], i);
+        const ty_result result = ty_rsm_check(scene->context, &scene->view.lights.lights[i], &def->maps[i], i);
         if (result != TY_OK) return result;
     }
     return TY_OK;

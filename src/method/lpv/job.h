@@ -3,25 +3,23 @@
 #define TY_METHOD_LPV_JOB_H
 
 #include "base/progress.h"
-#include "direct/lit.h"
-#include "method/lpv/inject.h"
-#include "method/lpv/pixels.h"
+#include "direct/shadow/shadow_hierarchy.h"
+#include "method/lpv/inject/inject.h"
 
 /* A light and what it meets first of the surfaces. */
-typedef struct ty_lpv_source {
+typedef struct ty_lpv_light_maps {
     const ty_light_view* light;
-    const ty_light_map* map;   /* reflective */
-    const ty_light_map* sharp; /* of more texels; may be the same */
-    ty_light_map *own, *finer; /* that were traced; NULL: a caller's */
-    ty_lit_map* lit;           /* of sharp */
-} ty_lpv_source;
+    const ty_rsm* rsm;                /* reflective */
+    const ty_rsm* shadow_map;         /* of more texels; may be the same */
+    ty_rsm *own_rsm, *own_shadow_map; /* that were traced; NULL: a caller's */
+    ty_shadow_hierarchy* hierarchy;   /* of sharp */
+} ty_lpv_light_maps;
 
 struct ty_lpv {
     ty_context* context;
-    const ty_scene* scene;
     ty_lattice* lattices[TY_LPV_CASCADES_MAX]; /* finest first */
     int32_t count;
-    ty_lpv_source* sources; /* one per light of the scene */
+    ty_lpv_light_maps* sources; /* one per light of the scene */
     int32_t source_count;
     ty_grid_medium* medium; /* fine; NULL: vacuum */
 };

@@ -2,7 +2,9 @@
 #include "base/context.h"
 #include "base/isa.h"
 #include "direct/cover.h"
+#include "method/lpv/image/image.h"
 #include "method/lpv/job.h"
+#include "method/lpv/propagate/propagate.h"
 #include "scene/scene.h"
 
 #include <string.h>
@@ -29,8 +31,8 @@ static ty_result place(ty_lpv_job* job) {
         ++light->count;
         if (scatters(job)) result = ty_grid_medium_create(job->scene, &boxes[i], &light->lattices[i]->medium);
         if (result == TY_OK && job->def->mode == TY_LPV_MODE_LINKS)
-            result = ty_lattice_spread(light->lattices[i], ty_scene_get_view(job->scene)->lights.lights,
-                                       (int32_t)job->scene->light_count);
+            result = ty_lattice_find_extinction_floor(light->lattices[i], ty_scene_get_view(job->scene)->lights.lights,
+                                                      (int32_t)job->scene->light_count);
         for (int a = 0; a < 3; ++a) job->stats.size[i][a] = boxes[i].size[a];
         job->stats.cell[i] = (double)light->lattices[i]->cell;
     }
@@ -43,7 +45,7 @@ static ty_result place(ty_lpv_job* job) {
     return result;
 }
 
-typedef ty_result (*inject_fn)(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_lamp* lamp,
+typedef ty_result (*inject_fn)(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_light* lpv_light,
                                const ty_grid_medium* medium, double power[3]);
 
 static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function, double power[3], double* seconds) {
@@ -51,29 +53,29 @@ static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function
     const ty_grid_medium* medium = scatters(job) ? job->light->medium : NULL;
     ty_result result = TY_OK;
     for (int32_t i = 0; i < job->light->source_count && result == TY_OK; ++i) {
-        const ty_lpv_source* source = &job->light->sources[i];
-        const ty_lpv_lamp lamp = {source->light, source->map};
-        result = function(lattice, job->def, &lamp, medium, power);
+        const ty_lpv_light_maps* source = &job->light->sources[i];
+        const ty_lpv_light lpv_light = {source->light, source->rsm};
+        result = function(lattice, job->def, &lpv_light, medium, power);
     }
     *seconds += ty_wall_seconds() - begun;
     return result;
 }
 
 /* A copy of what flows: what of it is seen where it was injected. */
-static ty_result keep_flow(const ty_lattice* lattice, float* seen[3][TY_SH_TERMS]) {
+static ty_result copy_propagated_sh(const ty_lattice* lattice, float* own_cell_sh[3][TY_SH_TERMS]) {
     for (int c = 0; c < 3; ++c)
         for (int32_t t = 0; t < lattice->terms; ++t) {
-            seen[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), false);
-            if (seen[c][t] == NULL) return TY_ERROR_MEMORY;
-            memcpy(seen[c][t], lattice->flow[c][t], lattice->cells * sizeof(float));
+            own_cell_sh[c][t] = ty_alloc_array(lattice->context, lattice->cells, sizeof(float), false);
+            if (own_cell_sh[c][t] == NULL) return TY_ERROR_MEMORY;
+            memcpy(own_cell_sh[c][t], lattice->propagated_sh[c][t], lattice->cells * sizeof(float));
         }
     return TY_OK;
 }
 
-static void free_flow(const ty_lattice* lattice, float* seen[3][TY_SH_TERMS]) {
+static void free_propagated_sh(const ty_lattice* lattice, float* own_cell_sh[3][TY_SH_TERMS]) {
     for (int c = 0; c < 3; ++c)
         for (int32_t t = 0; t < lattice->terms; ++t)
-            ty_free_array(lattice->context, seen[c][t], lattice->cells, sizeof(float));
+            ty_free_array(lattice->context, own_cell_sh[c][t], lattice->cells, sizeof(float));
 }
 
 /* What the statistics say is of the widest lattice. */
@@ -94,7 +96,7 @@ static void take_power(ty_lpv_job* job, const ty_lattice_power* power, bool wide
 static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
     ty_lattice* lattice = job->light->lattices[index];
     const bool widest = index == job->light->count - 1, published = job->def->mode == TY_LPV_MODE_PUBLISHED;
-    float* seen[3][TY_SH_TERMS] = {{NULL}};
+    float* own_cell_sh[3][TY_SH_TERMS] = {{NULL}};
     double narrower[3] = {0, 0, 0}, ignored[3] = {0, 0, 0};
     double* reflected = widest ? job->stats.reflected : narrower;
     double* scattered = widest ? job->stats.scattered : ignored;
@@ -102,16 +104,16 @@ static ty_result propagate(ty_lpv_job* job, int32_t index, double until) {
     if (result == TY_OK) result = ty_lpv_find_blockers(job, lattice);
     if (result == TY_OK && (job->def->parts & TY_LPV_REFLECTED) != 0)
         result = inject(job, lattice, ty_lattice_inject_reflected, reflected, &job->stats.reflected_seconds);
-    if (result == TY_OK && published) result = keep_flow(lattice, seen);
+    if (result == TY_OK && published) result = copy_propagated_sh(lattice, own_cell_sh);
     if (result == TY_OK && (job->def->parts & TY_LPV_SCATTERED) != 0 && scatters(job))
         result = inject(job, lattice, ty_lattice_inject_scattered, scattered, &job->stats.scattered_seconds);
     ty_lattice_power power = {.iterations = 0};
     if (result == TY_OK)
-        result = ty_lattice_propagate(lattice, job->def, published ? seen : NULL,
+        result = ty_lattice_propagate(lattice, job->def, published ? own_cell_sh : NULL,
                                       widest ? NULL : job->light->lattices[index + 1], ty_part_report, &job->progress,
                                       &power);
     take_power(job, &power, widest);
-    free_flow(lattice, seen);
+    free_propagated_sh(lattice, own_cell_sh);
     return result;
 }
 
@@ -174,11 +176,11 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     const size_t count = (size_t)light->source_count;
     ty_lpv_def sized = *def;
     ty_airlight* airlight = NULL;
-    const ty_lit_map** maps = ty_alloc_array(light->context, count, sizeof(const ty_lit_map*), false);
+    const ty_shadow_hierarchy** maps = ty_alloc_array(light->context, count, sizeof(const ty_shadow_hierarchy*), false);
     if (maps == NULL) return TY_ERROR_MEMORY;
     sized.width = def->width > 0 ? def->width : camera.resolution[0];
     sized.height = def->width > 0 ? def->height : camera.resolution[1];
-    for (size_t i = 0; i < count; ++i) maps[i] = light->sources[i].lit;
+    for (size_t i = 0; i < count; ++i) maps[i] = light->sources[i].hierarchy;
     ty_result result = TY_OK;
     if (light->medium != NULL) {
         const ty_airlight_def air = {.medium = light->medium, .maps = maps, .count = light->source_count};
@@ -189,11 +191,11 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
                                   .light = {light->lattices, light->count},
                                   .medium = light->medium,
                                   .airlight = airlight,
-                                  .maps = maps,
-                                  .map_count = light->source_count};
+                                  .shadow_maps = maps,
+                                  .shadow_map_count = light->source_count};
     if (result == TY_OK) result = ty_lpv_image(&job, out, stats);
     ty_airlight_destroy(airlight);
-    ty_free_array(light->context, maps, count, sizeof(const ty_lit_map*));
+    ty_free_array(light->context, maps, count, sizeof(const ty_shadow_hierarchy*));
     return result;
 }
 

@@ -1,0 +1,17 @@
+/* Many straight ways across a face of a map at once, built once per instruction set: what one after another waits for
+ * is waited for together. */
+#ifndef TY_DIRECT_SHADOW_HIERARCHY_KERNEL_H
+#define TY_DIRECT_SHADOW_HIERARCHY_KERNEL_H
+
+#include "direct/shadow/shadow_hierarchy.k.h"
+
+typedef struct ty_shadow_kernels {
+    /* As ty_shadow_traverse for up to TY_SHADOW_RAYS_MAX lines, each with its run. */
+    void (*walk)(const ty_shadow_face* face, const ty_shadow_line* lines, int32_t count, int32_t side, int32_t top,
+                 ty_lit_segments* lists);
+} ty_shadow_kernels;
+
+extern const ty_shadow_kernels ty_shadow_kernels_v1;
+extern const ty_shadow_kernels ty_shadow_kernels_v3, ty_shadow_kernels_v4;
+
+#endif

@@ -1,0 +1,70 @@
+/* Rays from lights through texels, many at once; built once per instruction set. */
+#ifndef TY_METHOD_LPV_INJECT_RSM_RAY_KERNEL_H
+#define TY_METHOD_LPV_INJECT_RSM_RAY_KERNEL_H
+
+#include "base/isa.h"
+#include "base/vector.k.h"
+#include "direct/beam.k.h"
+
+/* Neighbouring texels of a row. */
+enum { TY_RSM_RAYS = 64 };
+
+typedef struct ty_rsm_rays {
+    int32_t count;
+    size_t first; /* the first one's texel */
+    float origin[3][TY_RSM_RAYS], way[3][TY_RSM_RAYS];
+    float length[TY_RSM_RAYS];                    /* up to the surface, m; INFINITY: there is none */
+    float share[TY_RSM_RAYS];                     /* W by the light's color; 0: it sends nothing there */
+    float normal[3][TY_RSM_RAYS];                 /* of the surface, or against the ray */
+    float jitter[TY_RSM_RAYS];                    /* 0..1 */
+    float begin[TY_RSM_RAYS], end[TY_RSM_RAYS];   /* the stretch within the lattice, m; alike: there is none */
+    float enter[TY_RSM_RAYS], leave[TY_RSM_RAYS]; /* the stretch within the medium's box */
+} ty_rsm_rays;
+
+/* A face of a light's map. */
+typedef struct ty_rsm_face {
+    int32_t side, parallel, spot;
+    ty_vec origin, forward, right, up; /* as in ty_rsm; origin: of the light, if not parallel */
+    ty_vec axis;                       /* spot */
+    float cos_outer, cos_inner;
+    float area; /* of a texel, at distance 1 where rays are not parallel */
+} ty_rsm_face;
+
+/* Parts of rays, in a medium that is the same everywhere in its box. */
+typedef struct ty_ray_segments {
+    int32_t channels;
+    float extinction[3], scattering[3]; /* 1/m */
+    float samples, per_metre;           /* parts a ray at most, and otherwise a metre */
+    float lower[3], cell;               /* of the lattice, m */
+    int32_t size[3];
+    float near_end; /* how far from its end points are moved off the surface, m */
+} ty_ray_segments;
+
+typedef struct ty_segment_splats {
+    int32_t cell[TY_RSM_RAYS]; /* -1: nothing is scattered */
+    float share[3][TY_RSM_RAYS];
+} ty_segment_splats;
+
+typedef struct ty_rsm_ray_kernels {
+    /* Origins, ways and shares of the texels from (x, y) on; and lengths by the depth in front of `length`. */
+    void (*rays)(const ty_rsm_face* face, int32_t x, int32_t y, ty_rsm_rays* rays);
+    /* The stretch of [0, length] in a box. */
+    void (*clip)(const ty_rsm_rays* rays, const float lower[3], const float upper[3], float* begin, float* end);
+    /* One part of each ray. */
+    void (*part)(const ty_ray_segments* parts, const ty_rsm_rays* rays, int32_t part, ty_segment_splats* out);
+} ty_rsm_ray_kernels;
+
+/* The point of a stretch, m from its beginning, up to which share u of what it scatters comes from. */
+TY_FN float ty_scattering_distance(float u, float length, float extinction) {
+    const float across = extinction * length;
+    const float far = -ty_logf(1.0f - u * (1.0f - ty_decay(across))) / ty_maxf(extinction, 1e-30f);
+    return across < 1e-2f ? u * length : ty_minf(far, length);
+}
+
+extern const ty_rsm_ray_kernels ty_rsm_ray_kernels_v1;
+#if TY_ISA_X86
+extern const ty_rsm_ray_kernels ty_rsm_ray_kernels_v3, ty_rsm_ray_kernels_v4;
+#endif
+const ty_rsm_ray_kernels* ty_rsm_ray_kernels_best(void);
+
+#endif

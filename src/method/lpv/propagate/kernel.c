@@ -1,0 +1,301 @@
+/* Light in a row of cells goes one step; built once per instruction set, with TY_ISA naming it. */
+#include "method/lpv/propagate/kernel.h"
+
+#include <stdlib.h>
+
+#if defined(__AVX512F__)
+enum { BYTES = 64 };
+#elif defined(__AVX__)
+enum { BYTES = 32 };
+#else
+enum { BYTES = 16 };
+#endif
+enum { LANES = BYTES / sizeof(float) };
+
+#define TY_JOIN_(a, b) a##b
+#define TY_JOIN(a, b) TY_JOIN_(a, b)
+#define TY_INLINE static inline __attribute__((always_inline))
+
+typedef float lanes __attribute__((vector_size(BYTES)));
+typedef int32_t whole_lanes __attribute__((vector_size(BYTES)));
+
+/* All links: where they go, and their numbers. */
+#define EACH_LINK(LINK)                                                                                                \
+    LINK(-1, -1, -1, 0)                                                                                                \
+    LINK(0, -1, -1, 1)                                                                                                 \
+    LINK(1, -1, -1, 2)                                                                                                 \
+    LINK(-1, 0, -1, 3)                                                                                                 \
+    LINK(0, 0, -1, 4)                                                                                                  \
+    LINK(1, 0, -1, 5)                                                                                                  \
+    LINK(-1, 1, -1, 6)                                                                                                 \
+    LINK(0, 1, -1, 7)                                                                                                  \
+    LINK(1, 1, -1, 8)                                                                                                  \
+    LINK(-1, -1, 0, 9)                                                                                                 \
+    LINK(0, -1, 0, 10)                                                                                                 \
+    LINK(1, -1, 0, 11)                                                                                                 \
+    LINK(-1, 0, 0, 12)                                                                                                 \
+    LINK(1, 0, 0, 25)                                                                                                  \
+    LINK(-1, 1, 0, 24)                                                                                                 \
+    LINK(0, 1, 0, 23)                                                                                                  \
+    LINK(1, 1, 0, 22)                                                                                                  \
+    LINK(-1, -1, 1, 21)                                                                                                \
+    LINK(0, -1, 1, 20)                                                                                                 \
+    LINK(1, -1, 1, 19)                                                                                                 \
+    LINK(-1, 0, 1, 18)                                                                                                 \
+    LINK(0, 0, 1, 17)                                                                                                  \
+    LINK(1, 0, 1, 16)                                                                                                  \
+    LINK(-1, 1, 1, 15)                                                                                                 \
+    LINK(0, 1, 1, 14)                                                                                                  \
+    LINK(1, 1, 1, 13)
+
+/* Up to LANES cells of a row, and what links into them let pass: 1 where `near` has no bit. */
+typedef struct cell_block {
+    const ty_lpv_row* row;
+    int32_t begin, count;
+    uint32_t blocked_links; /* bits of the links that are not open */
+    _Alignas(BYTES) float transmission[TY_LPV_LINKS][LANES];
+} cell_block;
+
+TY_INLINE lanes load(const float* from) {
+    lanes value;
+    memcpy(&value, from, sizeof value);
+    return value;
+}
+
+TY_INLINE void store(float* to, lanes value) {
+    memcpy(to, &value, sizeof value);
+}
+
+TY_INLINE lanes size_of(lanes value) {
+    whole_lanes bits;
+    memcpy(&bits, &value, sizeof bits);
+    bits &= 0x7fffffff;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* Nothing in lanes past the row's end. */
+TY_INLINE lanes within(lanes value, int32_t count) {
+    if (count >= LANES) return value;
+    for (int i = 0; i < LANES; ++i)
+        if (i >= count) value[i] = 0.0f;
+    return value;
+}
+
+/* value + step * term, for a step of -1, 0 or 1 that the compiler knows. */
+TY_INLINE lanes with(lanes value, int32_t step, lanes term) {
+    return step == 0 ? value : step > 0 ? value + term : value - term;
+}
+
+/* ---- two bands ---- */
+
+/* What of one cell's light goes along a link. `at` is its first term. */
+TY_INLINE lanes along_two(const float* at, ptrdiff_t term, const ty_lpv_link_functions* link_functions, int32_t dx,
+                          int32_t dy, int32_t dz) {
+    const int32_t kind = abs(dx) + abs(dy) + abs(dz) - 1;
+    const float band1 = link_functions->band1[kind];
+    lanes value = link_functions->band0[kind] * load(at);
+    if (dy != 0) value = with(value, dy, band1 * load(at + term));
+    if (dz != 0) value = with(value, dz, band1 * load(at + 2 * term));
+    if (dx != 0) value = with(value, dx, band1 * load(at + 3 * term));
+    return value;
+}
+
+TY_INLINE void add_two(lanes sum[4], lanes value, float band0, float band1, int32_t dx, int32_t dy, int32_t dz) {
+    sum[0] += band0 * value;
+    sum[1] = with(sum[1], dy, band1 * value);
+    sum[2] = with(sum[2], dz, band1 * value);
+    sum[3] = with(sum[3], dx, band1 * value);
+}
+
+TY_INLINE void gather_two(const cell_block* block, const float* at, bool blocked_links, lanes sum[4]) {
+    const ty_lpv_row* row = block->row;
+    const ty_lpv_link_functions* link_functions = row->link_functions;
+    const ptrdiff_t term = row->pitch.term, to_row = row->pitch.row, to_plane = row->pitch.plane;
+#define LINK(dx, dy, dz, k)                                                                                            \
+    {                                                                                                                  \
+        const int32_t kind = abs(dx) + abs(dy) + abs(dz) - 1;                                                          \
+        const float* source = at - (dx) - (dy)*to_row - (dz)*to_plane;                                                 \
+        lanes value = along_two(source, term, link_functions, dx, dy, dz);                                             \
+        if (blocked_links) value *= load(block->transmission[k]);                                                      \
+        add_two(sum, value, link_functions->band0[kind], link_functions->band1[kind], dx, dy, dz);                     \
+    }
+    EACH_LINK(LINK)
+#undef LINK
+}
+
+/* ---- three bands ---- */
+
+TY_INLINE void gather_three(const cell_block* block, const float* at, bool blocked_links, lanes sum[TY_SH_TERMS]) {
+    const ty_lpv_row* row = block->row;
+    const ptrdiff_t term = row->pitch.term, to_row = row->pitch.row, to_plane = row->pitch.plane;
+#define LINK(dx, dy, dz, k)                                                                                            \
+    {                                                                                                                  \
+        const float* source = at - (dx) - (dy)*to_row - (dz)*to_plane;                                                 \
+        const float* transfer_G = row->link_functions->G[k];                                                           \
+        lanes value = transfer_G[0] * load(source);                                                                    \
+        for (int32_t t = 1; t < TY_SH_TERMS; ++t) value += transfer_G[t] * load(source + t * term);                    \
+        if (blocked_links) value *= load(block->transmission[k]);                                                      \
+        for (int32_t t = 0; t < TY_SH_TERMS; ++t) sum[t] += transfer_G[t] * value;                                     \
+    }
+    EACH_LINK(LINK)
+#undef LINK
+}
+
+/* ---- surfaces ---- */
+
+static const uint32_t all_links = (1u << TY_LPV_LINKS) - 1;
+
+/* The next link of a set, which it is taken from. */
+TY_INLINE int32_t take_link(uint32_t* links) {
+    const int32_t k = __builtin_ctz(*links);
+    *links &= *links - 1;
+    return k;
+}
+
+/* All open: what find_open starts from. */
+TY_INLINE void set_all_transparent(cell_block* block, uint32_t links) {
+    while (links != 0) {
+        const int32_t k = take_link(&links);
+        for (int32_t i = 0; i < LANES; ++i) block->transmission[k][i] = 1.0f;
+    }
+}
+
+/* What links into the block let pass, 0..1. */
+TY_INLINE void find_transmission(cell_block* block) {
+    const size_t first = block->row->first + (size_t)block->begin;
+    for (uint32_t links = block->blocked_links; links != 0;) {
+        const int32_t k = take_link(&links);
+        const uint8_t* from = block->row->transmission[k] + first;
+        float* transmission = block->transmission[k];
+        const int32_t count = block->count < LANES ? block->count : LANES; /* known, GCC would do one by one */
+#pragma omp simd
+        for (int32_t i = 0; i < count; ++i) transmission[i] = (float)from[i] * (1.0f / 255.0f);
+    }
+}
+
+/* What surfaces stop on the way out, by its lobes back. Returns what of it would have left the lattice. */
+TY_INLINE lanes stop(const cell_block* block, const float* at, int32_t terms, lanes* lobes) {
+    const ty_lpv_row* row = block->row;
+    const int32_t last = row->count - 1 - block->begin;
+    const bool begins = block->begin == 0, ends = row->count > 1 && last < LANES;
+    lanes own[TY_SH_TERMS], at_border = {0};
+    for (int32_t t = 0; t < terms; ++t) own[t] = load(at + t * row->pitch.term);
+    for (uint32_t links = block->blocked_links; links != 0;) {
+        const int32_t k = take_link(&links);
+        const float* transfer_G =
+            row->link_functions->G[k < TY_LPV_HALF_LINKS ? k + TY_LPV_HALF_LINKS : k - TY_LPV_HALF_LINKS];
+        const float* lobe = row->link_functions->lobes[k];
+        lanes leaving = transfer_G[0] * own[0];
+        for (int32_t t = 1; t < terms; ++t) leaving += transfer_G[t] * own[t];
+        const lanes stopped = (1.0f - load(block->transmission[k])) * (transfer_G[0] * leaving);
+        lobes[0] += stopped;
+        for (int32_t t = 1; t < terms; ++t) lobes[t] += lobe[t] * stopped;
+        if (row->leaves[1][k] != 0) {
+            at_border += stopped;
+            continue;
+        }
+        if (begins && row->leaves[0][k] != 0) at_border[0] += stopped[0];
+        if (ends && row->leaves[2][k] != 0) at_border[last] += stopped[last];
+    }
+    return at_border;
+}
+
+/* ---- all of it ---- */
+
+TY_INLINE void add_sum(float* sums, lanes value) {
+    store(sums, load(sums) + value);
+}
+
+/* Light stopped near the block's cells comes back to them; the rest of it is surfaces'. */
+TY_INLINE void turn_back(const cell_block* block, const float* at, int32_t channel, int32_t terms, lanes* sum,
+                         float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
+    const ty_lpv_row* row = block->row;
+    lanes lobes[TY_SH_TERMS];
+    for (int32_t t = 0; t < terms; ++t) lobes[t] = (lanes){0};
+    add_sum(sums[TY_LPV_LEFT], -stop(block, at, terms, lobes));
+    if (row->albedo[channel] == NULL) {
+        add_sum(sums[TY_LPV_KEPT], lobes[0]);
+        return;
+    }
+    lanes albedo = {0};
+    if (block->count >= LANES) albedo = load(row->albedo[channel] + block->begin);
+    for (int32_t i = 0; block->count < LANES && i < block->count; ++i)
+        albedo[i] = row->albedo[channel][block->begin + i];
+    add_sum(sums[TY_LPV_KEPT], (1.0f - albedo) * lobes[0]);
+    for (int32_t t = 0; t < terms; ++t) sum[t] += albedo * lobes[t];
+}
+
+TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t terms,
+                          float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
+    const ty_lpv_row* row = block->row;
+    const ptrdiff_t term = row->pitch.term, place = channel * terms * term + block->begin;
+    const float* at = row->from + place;
+    lanes sum[TY_SH_TERMS];
+    for (int32_t t = 0; t < terms; ++t) sum[t] = (lanes){0};
+    if (terms == 4 && block->blocked_links != 0) gather_two(block, at, true, sum);
+    if (terms == 4 && block->blocked_links == 0) gather_two(block, at, false, sum);
+    if (terms != 4) gather_three(block, at, block->blocked_links != 0, sum);
+    if (block->blocked_links != 0) turn_back(block, at, channel, terms, sum, sums);
+    for (int32_t t = 0; t < terms; ++t) {
+        const lanes value = within(sum[t], block->count);
+        const lanes passed = value * load(row->scatter_factor[channel][t == 0 ? 0 : t < 4 ? 1 : 2] + block->begin);
+        store(row->to + place + t * term, passed);
+        if (row->sum != NULL) add_sum(row->sum + place + t * term, load(at + t * term) + passed);
+        if (t > 0) continue;
+        add_sum(sums[TY_LPV_ARRIVED], value);
+        add_sum(sums[TY_LPV_SIZE], size_of(value));
+        add_sum(sums[TY_LPV_GOES_ON], passed);
+    }
+    if (!row->border) return;
+    lanes left = {0};
+    for (int32_t t = 0; t < terms; ++t) left += row->out[1][t] * load(at + t * term);
+    add_sum(sums[TY_LPV_LEFT], left);
+}
+
+/* What the ends of a row send out of the lattice beyond what cells between them do. */
+TY_INLINE float left_at_ends(const ty_lpv_row* row, int32_t channel, int32_t terms) {
+    const float* at = row->from + channel * terms * row->pitch.term;
+    float left = 0.0f;
+    for (int32_t t = 0; t < terms; ++t, at += row->pitch.term) {
+        left += (row->out[0][t] - row->out[1][t]) * at[0];
+        if (row->count > 1) left += (row->out[2][t] - row->out[1][t]) * at[row->count - 1];
+    }
+    return left;
+}
+
+/* Asks for the rows that the next one begins with: of wide lattices, which caches do not hold. */
+enum { WIDE = 48 };
+TY_INLINE void fetch_next(const ty_lpv_row* row) {
+    const ptrdiff_t line = 64 / (ptrdiff_t)sizeof(float);
+    for (ptrdiff_t i = 0; i < row->pitch.row; i += line) {
+        __builtin_prefetch(row->from + row->pitch.plane + 2 * row->pitch.row + i, 0, 2);
+        __builtin_prefetch(row->to + row->pitch.row + i, 1, 2);
+        if (row->sum != NULL) __builtin_prefetch(row->sum + row->pitch.row + i, 1, 2);
+    }
+}
+
+TY_INLINE void step_row(const ty_lpv_row* row, int32_t terms, ty_lpv_lane_sums* sums) {
+    cell_block block;
+    block.row = row;
+    block.begin = 0;
+    if (row->blocked_links != NULL) set_all_transparent(&block, all_links);
+    if (row->count > WIDE) fetch_next(row);
+    for (; block.begin < row->count; block.begin += LANES) {
+        block.count = row->count - block.begin;
+        block.blocked_links = row->blocked_links != NULL ? row->blocked_links[block.begin / TY_LPV_BLOCK] : 0;
+        find_transmission(&block);
+        for (int32_t c = 0; c < 3; ++c) step_block(&block, c, terms, sums->sums[c]);
+        set_all_transparent(&block, block.blocked_links);
+    }
+    for (int32_t c = 0; c < 3; ++c) sums->sums[c][TY_LPV_LEFT][0] += left_at_ends(row, c, terms);
+}
+
+static void step(const ty_lpv_row* row, ty_lpv_lane_sums* sums) {
+    if (row->terms == 4)
+        step_row(row, 4, sums);
+    else
+        step_row(row, TY_SH_TERMS, sums);
+}
+
+const ty_lpv_kernels TY_JOIN(ty_lpv_kernels_, TY_ISA) = {.step = step};
