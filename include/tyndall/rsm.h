@@ -1,4 +1,6 @@
-/* Tyndall: shadow maps and reflective shadow maps. Apache-2.0. */
+/* Tyndall: reflective shadow maps (RSM). Apache-2.0.
+ *
+ * A lightmap, light stored on surfaces, is a different thing: see tyndall/bake.h. */
 #ifndef TYNDALL_RSM_H
 #define TYNDALL_RSM_H
 
@@ -8,23 +10,22 @@
 extern "C" {
 #endif
 
-/* What one light meets first of the surfaces, as engines have it: a shadow map, and with normals and flux a reflective
- * one. Arrays are the caller's. faces x side x side texels, row by row; texel (x, y) covers [x, x + 1] x [y, y + 1] of
- * side; its middle counts. Directional: one face; a point at `origin + right * s + up * t` (s, t from -1 to 1 over the
- * map, rows from t = -1 up) is where a ray along `forward` begins. Spot: one face around the cone, or six as points
- * have (any six that cover all directions once); rays begin at the light and go along `forward + right * s + up * t` of
- * their face. */
+/* The first surface that each ray of a light hits, as graphics engines store it: a shadow map, and with normals and
+ * albedo a reflective shadow map (Dachsbacher and Stamminger 2005). The caller owns the arrays. They hold faces x side
+ * x side texels, row by row; texel (x, y) covers [x, x + 1] x [y, y + 1] of the face, and is sampled at its center.
+ * Directional light: one face with parallel rays along `forward` that start at `origin + right * s + up * t` (s and t
+ * from -1 to 1 over the face, rows start at t = -1). Spot light: one face around the cone, or six faces as for point
+ * lights (any six that cover the sphere once); rays start at the light and go along `forward + right * s + up * t`. */
 typedef struct ty_rsm {
     int32_t side;                 /* texels, 1..8192 */
     int32_t faces;                /* directional: 1; point: 6; spot: either */
-    double origin[3];             /* directional: see above, m; before all surfaces. Else not looked at */
-    double forward[6][3];         /* per face, unit; directional: the way light travels */
-    double right[6][3], up[6][3]; /* per face; directional: half of the map's sides, m; else times the tangent
-                                     of half of the field of view. At right angles to one another and to
-                                     forward */
-    const float* depth;           /* along forward, m, to the first surface; INFINITY: none */
-    const float* normal;          /* 3 a texel, unit, on the lit side; NULL: shadows only, nothing reflects */
-    const float* albedo;          /* 3 a texel, 0..1; with normals */
+    double origin[3];             /* directional lights: see above, m, in front of all surfaces; ignored for others */
+    double forward[6][3];         /* per face, unit; directional lights: the direction of propagation */
+    double right[6][3], up[6][3]; /* per face, orthogonal to one another and to forward; length: half the side of the
+                                     map, m, for directional lights, the tangent of half the field of view for others */
+    const float* depth;           /* distance along forward to the first surface, m; INFINITY: no surface */
+    const float* normal; /* 3 a texel, unit, on the lit side; NULL: a shadow map, whose surfaces reflect nothing */
+    const float* albedo; /* 3 a texel, 0..1; present exactly if normals are */
 } ty_rsm;
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Reflective shadow maps. */
+/* Candidates for virtual point lights. */
 #include "direct/vpl_samples.h"
 
 #include "base/context.h"
@@ -18,10 +18,10 @@ typedef struct shadow_job {
     ty_vpl_samples* map;
 } shadow_job;
 
-/* ---- where rays go ---- */
+/* ---- stratified directions ---- */
 
-/* A place in a square, [-1, 1] each, to a place in a disc: radius and turn, areas kept in proportion (Shirley and Chiu
- * 1997). */
+/* The concentric map of the square [-1, 1]^2 to the disc, in polar coordinates (angle in turns), which preserves
+ * relative area (Shirley and Chiu 1997). */
 static void disc_of(float a, float b, float* radius, float* turn) {
     const bool wide = fabsf(a) > fabsf(b);
     const float long_side = wide ? a : b;
@@ -57,9 +57,9 @@ void ty_vpl_samples_ray(const ty_vpl_samples* map, size_t texel, ty_vec* origin,
         *direction = direction_in_cone(map, (int32_t)(texel / (side * side)), x, y);
 }
 
-/* ---- where maps lie ---- */
+/* ---- placement ---- */
 
-/* Where rays start: before all surfaces and the medium. */
+/* The plane that parallel rays start from, in front of all surfaces and the medium. */
 static double start_of(const shadow_job* job, const double lower[3], const double upper[3]) {
     double range[2], other[2];
     ty_texels_extent(job->map->axis[2], lower, upper, range);
@@ -71,7 +71,7 @@ static double start_of(const shadow_job* job, const double lower[3], const doubl
     return range[0] - 1e-3 * (range[1] - range[0]) - 1e-6;
 }
 
-/* false: the box that is asked for has no surfaces. */
+/* False if there are no surfaces in the requested box. */
 static bool place_parallel(const shadow_job* job) {
     ty_vpl_samples* map = job->map;
     double lower[3], upper[3], along[3];
@@ -101,9 +101,9 @@ static void place_cone(const shadow_job* job) {
     map->share = 2.0f * TY_PI * map->cap / ((float)map->side * (float)map->side);
 }
 
-/* ---- what they meet ---- */
+/* ---- tracing ---- */
 
-/* Light that comes along a texel's ray, W. */
+/* Power of a sample's ray, W. */
 static void find_light(const shadow_job* job, ty_vec origin, ty_vec direction, float distance, float light[3]) {
     const ty_vpl_samples_def* def = job->def;
     float depth[3] = {0, 0, 0}, falloff = job->map->share;

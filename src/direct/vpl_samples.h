@@ -1,10 +1,11 @@
-/* Reflective shadow maps (Dachsbacher and Stamminger 2005): what a light meets first of a scene's surfaces, texel by
- * texel, and the light that they send back.
+/* Samples of the surfaces that a light reaches first, and the power that they reflect: the candidates for virtual point
+ * lights (Keller 1997).
  *
- * Each texel is one ray, somewhere in it. Directional lights have a square map across the surfaces; spot lights one of
- * their cone, point lights two of a hemisphere each (about +z and -z), in a map in which all texels are of the same
- * solid angle. All surfaces reflect diffusely and on both sides, so texels together send back what the light sends
- * them, times albedo. */
+ * The samples are stratified: one jittered ray per stratum. Directional lights have a square grid of strata across the
+ * surfaces; spot lights have strata of equal solid angle in their cone, point lights in two hemispheres (about +z and
+ * -z). All surfaces reflect diffusely on both sides, so all samples together reflect the power that the light sends to
+ * surfaces, times their albedo. Strata of equal solid angle do not map straight lines to straight lines, so these
+ * samples cannot serve as a shadow map: those are direct/shadow/rsm.h. */
 #ifndef TY_DIRECT_VPL_SAMPLES_H
 #define TY_DIRECT_VPL_SAMPLES_H
 
@@ -12,11 +13,11 @@
 #include "direct/grid_medium.h"
 
 typedef struct ty_vpl_sample {
-    ty_vec position; /* m, off the surface by as much as rounding needs, on the side that is lit */
-    ty_vec normal;   /* unit, smoothed, on that side */
-    float flux[3];   /* reflected, W: as intensity flux / pi times the cosine about the normal */
-    float area;      /* of the surface that the texel stands for, m^2 */
-    float distance;  /* along the texel's ray, m; INFINITY: it meets nothing, and all else is 0 */
+    ty_vec position; /* m, offset from the surface on the lit side against self-intersection */
+    ty_vec normal;   /* shading normal on that side, unit */
+    float flux[3];   /* reflected power, W; its intensity is flux / pi times the cosine about the normal */
+    float area;      /* surface area of the stratum, m^2 */
+    float distance;  /* along the ray, m; INFINITY: no surface, and all other fields are 0 */
 } ty_vpl_sample;
 
 typedef struct ty_vpl_samples {
@@ -24,34 +25,34 @@ typedef struct ty_vpl_samples {
     int32_t light;         /* an index into ty_light_set.lights */
     int32_t side;          /* texels */
     int32_t faces;         /* 1; point lights: 2 */
-    int32_t parallel;      /* whether rays are */
-    ty_vec axis[3];        /* unit; axis[2]: the way light travels, or the middle of the first face */
-    ty_vec origin;         /* parallel: where the ray of the corner 0, 0 starts; else the light; m */
-    float span[2];         /* parallel: of the map, m */
-    float cap;             /* else: 1 - cosine of the cone's half angle, of a face */
-    float share;           /* of a texel: m^2 across the light, or sr */
-    uint64_t seed;         /* of where in texels rays go */
+    int32_t parallel;      /* whether the rays are parallel */
+    ty_vec axis[3];        /* orthonormal; axis[2]: the direction of the light, or the center of the first face */
+    ty_vec origin;         /* start of the ray of corner (0, 0) if parallel, else the light's position, m */
+    float span[2];         /* size of the grid if parallel, m */
+    float cap;             /* if not parallel: 1 - cosine of the half angle of a face */
+    float share;           /* of a stratum: area across the light, m^2, or solid angle, sr */
+    uint64_t seed;         /* of the jitter */
     ty_vpl_sample* texels; /* face by face, row by row */
-    double flux[3];        /* of all texels, W */
+    double flux[3];        /* sum over all samples, W */
 } ty_vpl_samples;
 
 typedef struct ty_vpl_samples_def {
-    int32_t side;                 /* texels, 1..4096 */
-    const ty_grid_medium* medium; /* light is attenuated by it on its way; NULL: it is not */
-    float* const* extinction;     /* as many planes as the medium has, in place of its own; NULL: its own */
-    const double *lower, *upper;  /* directional lights: the map is of surfaces in this box alone, m; NULL: of all */
+    int32_t side;                 /* strata along a side, 1..4096 */
+    const ty_grid_medium* medium; /* medium that attenuates the light; NULL: vacuum */
+    float* const* extinction;     /* extinction in place of the medium's, as many planes; NULL: the medium's own */
+    const double *lower, *upper;  /* directional lights: only surfaces in this box are sampled, m; NULL: all surfaces */
     uint64_t seed;
 } ty_vpl_samples_def;
 
-/* The map of a directional, point or spot light of a committed scene; without surfaces nothing is met.
- * Errors: TY_ERROR_ARGUMENT (another light, def), TY_ERROR_MEMORY. *out is freed with ty_vpl_samples_destroy. */
+/* The samples of a directional, point or spot light of a committed scene. Errors: TY_ERROR_ARGUMENT (another kind of
+ * light, def), TY_ERROR_MEMORY. *out is freed with ty_vpl_samples_destroy. */
 ty_result ty_vpl_samples_create(const ty_scene* scene, const ty_vpl_samples_def* def, int32_t light,
                                 ty_vpl_samples** out);
 void ty_vpl_samples_destroy(ty_vpl_samples* map);
 
 size_t ty_vpl_samples_count(const ty_vpl_samples* map);
 
-/* The ray of a texel, from where light starts (parallel: a plane before all surfaces and the medium). */
+/* The ray of a sample, from the light, or from the plane in front of all surfaces and the medium if parallel. */
 void ty_vpl_samples_ray(const ty_vpl_samples* map, size_t texel, ty_vec* origin, ty_vec* direction);
 
 #endif

@@ -1,4 +1,4 @@
-/* Shadow maps and reflective shadow maps in which straight lines are straight. */
+/* Tracing and checking reflective shadow maps. */
 #include "direct/shadow/rsm.h"
 
 #include "base/context.h"
@@ -9,19 +9,19 @@
 
 enum { SIDE_MAX = 8192 };
 
-/* Texels of spots whose middle is farther than this outside of the cone, in texels, are left out. */
+/* Texels of a spot light's face whose center is more than this many texels outside the cone are not traced. */
 enum { CONE_ROOM = 2 };
 
-/* Beyond 80 degrees off its axis a face would be too wide. */
+/* Cosine of 80 degrees: spot lights with a wider half angle get six faces. */
 static const float cos_face_max = 0.17364818f;
 
 static bool has_six_faces(const ty_light_view* light) {
     return light->kind == TY_KIND_POINT || (light->kind == TY_KIND_SPOT && light->cos_outer < cos_face_max);
 }
 
-/* ---- where texels lie ---- */
+/* ---- projection ---- */
 
-/* A point of a face that texels count to, as -1..1. */
+/* Texel coordinate to the face coordinate -1..1. */
 static float place_in(const ty_rsm* map, float texel) {
     return 2.0f * texel / (float)map->side - 1.0f;
 }
@@ -45,7 +45,7 @@ float ty_rsm_texel_measure(const ty_rsm* map, const ty_light_view* light, int32_
     const float wide2 = ty_dot(right, right), high2 = ty_dot(up, up);
     const float area = 4.0f * sqrtf(wide2 * high2) / ((float)map->side * (float)map->side);
     if (light->kind == TY_KIND_DIRECTIONAL) return area;
-    /* The mean of solid angle by area of a face at distance 1, by Gauss-Legendre's two points each way. */
+    /* Mean solid angle per area of the face at distance 1, by 2 x 2 Gauss-Legendre quadrature. */
     static const float off = 0.288675135f;
     const float s[2] = {place_in(map, (float)x + 0.5f - off), place_in(map, (float)x + 0.5f + off)};
     const float t[2] = {place_in(map, (float)y + 0.5f - off), place_in(map, (float)y + 0.5f + off)};
@@ -56,10 +56,10 @@ float ty_rsm_texel_measure(const ty_rsm* map, const ty_light_view* light, int32_
     return 0.25f * area * sum;
 }
 
-/* ---- where maps lie ---- */
+/* ---- placement ---- */
 
-/* Two unit vectors at right angles to a direction. They turn smoothly with it, but for the way straight up: lights
- * that move do not see their texels jump. */
+/* Two unit vectors orthogonal to a direction. They rotate continuously with it except at straight up, so that the
+ * texels of a moving light do not jump. */
 static void frame_about(ty_axis up, ty_vec way, double right[3], double above[3]) {
     const double n[3] = {(double)way.x, (double)way.y, (double)way.z};
     const int w = up == TY_AXIS_Z ? 2 : 1, v = 3 - w;
@@ -74,7 +74,7 @@ static void frame_about(ty_axis up, ty_vec way, double right[3], double above[3]
     above[w] = v0;
 }
 
-/* A cube's faces. */
+/* The six faces of a cube. */
 static void place_cube(ty_rsm* map) {
     for (int face = 0; face < 6; ++face) {
         const int a = face / 2;
@@ -94,7 +94,7 @@ static void place_cone(const ty_scene* scene, const ty_light_view* light, ty_rsm
     }
 }
 
-/* Across a box; rays begin before it and all surfaces. */
+/* A face across the box; rays start in front of the box and of all surfaces. */
 static void place_parallel(const ty_scene* scene, const ty_rsm_def* def, ty_rsm* map) {
     double *axes[3] = {map->right[0], map->up[0], map->forward[0]}, range[2], surfaces[2], lower[3], upper[3];
     frame_about(scene->up, vec_of(map->forward[0]), map->right[0], map->up[0]);
@@ -127,9 +127,9 @@ static void place(const ty_scene* scene, const ty_light_view* light, const ty_rs
         place_parallel(scene, def, map);
 }
 
-/* ---- what they meet ---- */
+/* ---- tracing ---- */
 
-/* A face of a map. */
+/* One face of a map. */
 typedef struct map_face {
     ty_vec origin, forward, right, up;
 } map_face;
@@ -138,7 +138,7 @@ typedef struct map_job {
     const ty_light_view* light;
     ty_rsm* map;
     map_face faces[6];
-    float *depth, *normal, *albedo; /* the map's */
+    float *depth, *normal, *albedo; /* arrays of the map */
 } map_job;
 
 static map_face face_of(const map_job* job, int32_t face) {
@@ -150,7 +150,7 @@ static map_face face_of(const map_job* job, int32_t face) {
                       .up = vec_of(map->up[face])};
 }
 
-/* ty_rsm_ray of a texel's middle. */
+/* The ray through the center of a texel, as ty_rsm_ray. */
 static bool ray_of(const void* user, int32_t index, int32_t column, int32_t line, ty_ray* ray) {
     const map_job* job = user;
     const map_face* face = &job->faces[index];
@@ -185,7 +185,7 @@ static size_t texel_count(const ty_rsm* map) {
     return (size_t)map->faces * (size_t)map->side * (size_t)map->side;
 }
 
-/* Texels that have met nothing. */
+/* Texels without a surface. */
 static ty_result take_texels(ty_context* context, bool reflective, map_job* job) {
     const size_t count = texel_count(job->map);
     job->map->depth = job->depth = ty_alloc_array(context, count, sizeof(float), false);
@@ -238,13 +238,13 @@ void ty_rsm_destroy(ty_context* context, ty_rsm* map) {
     ty_free_array(context, map, 1, sizeof *map);
 }
 
-/* ---- callers' maps ---- */
+/* ---- maps of callers ---- */
 
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Whether a face's axes are at right angles, forward is unit and the others are long enough to count. */
+/* Whether the axes of a face are orthogonal, forward is unit and the other axes are not degenerate. */
 static bool is_frame(const double forward[3], const double right[3], const double up[3]) {
     const double r = sqrt(dot(right, right)), u = sqrt(dot(up, up)), slack = 1e-3;
     return fabs(dot(forward, forward) - 1) < slack && r > 0 && u > 0 && isfinite(r) && isfinite(u) &&
@@ -252,7 +252,7 @@ static bool is_frame(const double forward[3], const double right[3], const doubl
            fabs(dot(right, up)) < slack * r * u;
 }
 
-/* Texels that meet something hold what shading takes. */
+/* Whether a texel with a surface holds a valid depth, normal and albedo. */
 static bool is_texel(const ty_rsm* map, size_t i) {
     if (!(map->depth[i] >= 0)) return false;
     if (isinf(map->depth[i]) || map->normal == NULL) return true;

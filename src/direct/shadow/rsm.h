@@ -1,5 +1,6 @@
-/* Shadow maps in which straight lines are straight: tracing them, and where their texels lie. Other than those of
- * direct/vpl_samples.h their texels are not of the same solid angle, but engines have such maps, too. */
+/* Reflective shadow maps in perspective (or parallel) projection, which maps straight lines to straight lines: tracing,
+ * checking and projecting them. The candidates for virtual point lights, stratified by solid angle, are no map that
+ * anyone looks up: see direct/vpl_samples.h. */
 #ifndef TY_DIRECT_SHADOW_RSM_H
 #define TY_DIRECT_SHADOW_RSM_H
 
@@ -10,27 +11,27 @@
 
 typedef struct ty_rsm_def {
     int32_t side;                /* texels, 1..8192 */
-    bool reflective;             /* whether normals and albedo are found, too */
-    const double *lower, *upper; /* directional lights: the map covers this box, m; not looked at for others */
+    bool reflective;             /* whether normals and albedo are stored, too */
+    const double *lower, *upper; /* directional lights: the map covers this box, m; ignored for others */
 } ty_rsm_def;
 
-/* The map of a directional, point (six faces, a cube's) or spot light (an index into ty_light_set.lights) of a
- * committed scene, a ray through the middle of each texel; without surfaces nothing is met. Spots of more than 160
- * degrees have six faces, too, as points have; in others' corners, outside of the cone, nothing is met. counter:
- * NULL, or is added to. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. *out is freed with
- * ty_rsm_destroy. */
+/* Traces the map of a directional, point (six cube faces) or spot light of a committed scene, with one ray through the
+ * center of each texel. light: an index into ty_light_set.lights. Spot lights wider than 160 degrees get six faces,
+ * too; the corners of a spot light's face outside the cone stay empty. counter: NULL, or a counter of the rays. Errors:
+ * TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. *out is freed with ty_rsm_destroy. */
 ty_result ty_rsm_trace(const ty_scene* scene, const ty_rsm_def* def, int32_t light, ty_rsm** out,
                        ty_ray_counter* counter);
 void ty_rsm_destroy(ty_context* context, ty_rsm* map);
 
-/* Whether a caller's map makes sense for a light; messages name it as maps[index]. Errors: TY_ERROR_ARGUMENT. */
+/* Checks a caller's map against its light; messages name it maps[index]. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_rsm_check(ty_context* context, const ty_light_view* light, const ty_rsm* map, int32_t index);
 
-/* The ray through a place of a face, in texels; direction is of such a length that depth counts in it. */
+/* The ray through a point of a face, in texels. The length of the direction is 1 along forward, so that origin + depth
+ * * direction is the surface point. */
 void ty_rsm_ray(const ty_rsm* map, const ty_light_view* light, int32_t face, float x, float y, ty_vec* origin,
                 ty_vec* direction);
 
-/* What a texel stands for: solid angle, sr, seen from the light; of directional lights area across the light, m^2. */
+/* The solid angle of a texel seen from the light, sr; for directional lights its area across the light, m^2. */
 float ty_rsm_texel_measure(const ty_rsm* map, const ty_light_view* light, int32_t face, int32_t x, int32_t y);
 
 #endif

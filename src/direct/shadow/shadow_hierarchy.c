@@ -1,4 +1,4 @@
-/* Pyramids of nearness, and rays through them. */
+/* Building min-max hierarchies, and visibility of rays and points. */
 #include "direct/shadow/shadow_hierarchy.h"
 
 #include "base/context.h"
@@ -8,7 +8,7 @@
 
 /* ---- texels ---- */
 
-/* How much farther a texel's surface may be taken, in texels' widths. */
+/* Depth bias of a texel from the slope of its surface, at most and at least, in texel widths. */
 #define STEEPEST_SLOPE 4.0f
 #define LEAST_BIAS 1e-3f
 
@@ -34,7 +34,7 @@ static float depth_at(const hierarchy_job* job, int32_t x, int32_t y) {
     return job->map->map->depth[((size_t)job->face * side + (size_t)y) * side + (size_t)x];
 }
 
-/* The change of nearness from a texel to the one beside it; INFINITY where there is none to compare with. */
+/* The change of inverse depth to a neighbouring texel; INFINITY if that texel is empty or outside. */
 static float change_beside(const hierarchy_job* job, int32_t x, int32_t y, float inverse_depth) {
     const int32_t side = job->map->map->side;
     if (x < 0 || y < 0 || x >= side || y >= side) return INFINITY;
@@ -42,7 +42,7 @@ static float change_beside(const hierarchy_job* job, int32_t x, int32_t y, float
     return isinf(depth) ? INFINITY : fabsf(inverse_depth - inverse_depth_of(job->map, depth));
 }
 
-/* The lesser of both sides: the other one may be an edge. */
+/* The smaller change of both sides, because the other side may be a silhouette edge. */
 static float slope_of(const hierarchy_job* job, int32_t x, int32_t y, int32_t along_x, float inverse_depth) {
     const int32_t along_y = 1 - along_x;
     const float slope = ty_minf(change_beside(job, x - along_x, y - along_y, inverse_depth),
@@ -105,7 +105,7 @@ static void fill_blocks(void* user, int64_t row, int32_t worker) {
 
 /* ---- maps ---- */
 
-/* Linear functions of a point: its place along `axis` (half of a face's side) and its depth. */
+/* One row of the affine map from points to face coordinates or depth; `axis` is half a side of the face. */
 static void find_row(double scale, const double axis[3], const double forward[3], double middle, const double origin[3],
                      float row[4]) {
     const double square = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
@@ -146,8 +146,8 @@ static void fill_face(ty_shadow_hierarchy* map, int32_t index) {
 }
 
 static bool take_face(const ty_shadow_hierarchy* map, ty_shadow_face* face) {
-    size_t count =
-        width_at(map, 0) * width_at(map, 0) + width_at(map, 0) % 2; /* levels of pairs begin at even places */
+    size_t count = width_at(map, 0) * width_at(map, 0) +
+                   width_at(map, 0) % 2; /* levels of (min, max) pairs start at even indices */
     for (int32_t level = 1; level < map->levels; ++level) {
         face->offset[level] = count;
         count += 2 * width_at(map, level) * width_at(map, level);
@@ -189,10 +189,10 @@ void ty_shadow_hierarchy_destroy(ty_shadow_hierarchy* map) {
 
 /* ---- rays ---- */
 
-/* A ray before a face, and the part of it that surfaces may be before. */
+/* A ray in the coordinates of a face, and its interval in which surfaces may occlude it. */
 typedef struct face_ray {
     const ty_shadow_face* face;
-    ty_vec at, way; /* in the map */
+    ty_vec at, way; /* in face coordinates */
     ty_ray_interval interval;
 } face_ray;
 
@@ -239,7 +239,7 @@ static void walk_face(const ty_shadow_hierarchy* map, const face_ray* ray, float
     ty_shadow_traverse(ray->face, &line, map->map->side, map->levels - 1, list);
 }
 
-/* Gaps that are this long, relative to the distance, are between neighbouring faces. */
+/* Gaps up to this length, relative to the distance, are the seam between neighbouring faces. */
 #define FACE_SEAM 1e-5f
 
 int32_t ty_shadow_lit_segments(const ty_shadow_hierarchy* map, ty_vec origin, ty_vec direction, float from, float to,
@@ -270,7 +270,7 @@ int32_t ty_shadow_lit_segments(const ty_shadow_hierarchy* map, ty_vec origin, ty
     return list.count;
 }
 
-/* ---- many rays ---- */
+/* ---- ray packets ---- */
 
 static const ty_shadow_kernels* choose_kernels(void) {
 #if TY_ISA_X86
@@ -282,13 +282,13 @@ static const ty_shadow_kernels* choose_kernels(void) {
 #endif
 }
 
-/* Maps of one face: which rays have a part before surfaces, and all of those together. */
+/* Maps of one face: all rays with an interval on the face are traversed together. */
 static void walk_together(const ty_shadow_hierarchy* map, ty_shadow_rays* rays) {
     ty_shadow_line lines[TY_SHADOW_RAYS_MAX];
     ty_lit_segments lists[TY_SHADOW_RAYS_MAX];
     ty_ray_interval intervals[TY_SHADOW_RAYS_MAX];
     int32_t which[TY_SHADOW_RAYS_MAX], count = 0;
-    float ends[TY_SHADOW_RAYS_MAX]; /* of what is before surfaces */
+    float ends[TY_SHADOW_RAYS_MAX]; /* end of each ray's interval on the face */
     for (int32_t i = 0; i < rays->count; ++i) {
         ty_ray_interval interval = {rays->from[i], rays->to[i]};
         face_ray ray;
@@ -330,7 +330,7 @@ void ty_shadow_lit_segments_of(const ty_shadow_hierarchy* map, ty_shadow_rays* r
 
 /* ---- points ---- */
 
-/* Where a point lies in the first face that has it; false where none does. */
+/* The first face that contains a point, and the point's face coordinates; false if no face does. */
 static bool locate(const ty_shadow_hierarchy* map, ty_vec point, int32_t* face, ty_vec* at) {
     const float side = (float)map->map->side;
     for (*face = 0; *face < map->map->faces; ++*face) {
@@ -350,10 +350,10 @@ static bool is_outside_cone(const ty_light_view* light, ty_vec point) {
     return ty_dot(off, light->direction) <= light->cos_outer * sqrtf(ty_dot(off, off));
 }
 
-/* The plane through a point with a normal, before a face: 1 / depth on it is linear in the place on the map for lights
- * with a place, depth for others. */
+/* The tangent plane of a receiver in face coordinates: 1 / depth is linear in them for local lights, depth for
+ * directional lights. */
 typedef struct receiver_plane {
-    float depth, facing, along[2]; /* at the point: depth, how much it faces the light; its change by the texel */
+    float depth, facing, along[2]; /* at the receiver: depth, and the cosine with its change per texel */
 } receiver_plane;
 
 static receiver_plane plane_before(const ty_shadow_hierarchy* map, int32_t face, ty_vec at, ty_vec normal) {
@@ -374,7 +374,7 @@ static receiver_plane plane_before(const ty_shadow_hierarchy* map, int32_t face,
     return plane;
 }
 
-/* Depth on the plane so many texels from the point; INFINITY: the plane is not before the light there. */
+/* Depth of the plane at an offset in texels; INFINITY if the plane is behind the light there. */
 static float plane_depth(const ty_shadow_hierarchy* map, const receiver_plane* plane, float x, float y) {
     const float turn = plane->along[0] * x + plane->along[1] * y;
     if (is_parallel(map)) return plane->depth - turn / plane->facing;

@@ -1,15 +1,15 @@
-/* A straight way across a face of a map, block by block. */
+/* Hierarchical traversal of a straight line across a face. */
 #ifndef TY_DIRECT_SHADOW_HIERARCHY_K_H
 #define TY_DIRECT_SHADOW_HIERARCHY_K_H
 
 #include "direct/shadow/shadow_hierarchy.h"
 
-/* A part of a ray, m. */
+/* An interval of a ray, m. */
 typedef struct ty_ray_interval {
     float from, to;
 } ty_ray_interval;
 
-/* Cuts a part to where value + t slope >= 0; false if nothing is left. */
+/* Clips an interval to value + t slope >= 0; false if it becomes empty. */
 TY_FN bool ty_ray_interval_clip(float value, float slope, ty_ray_interval* interval) {
     if (slope > 0.0f)
         interval->from = ty_maxf(interval->from, -value / slope);
@@ -20,8 +20,8 @@ TY_FN bool ty_ray_interval_clip(float value, float slope, ty_ray_interval* inter
     return interval->from < interval->to;
 }
 
-/* Cuts a part to the cone about a spot's axis of this cosine, >= 0 but for rounding, which is convex; false if nothing
- * is left. */
+/* Clips an interval to the cone around a spot light's axis with this cosine of its half angle, at least 0 up to
+ * rounding, so that the cone is convex; false if it becomes empty. */
 TY_FN bool ty_ray_interval_clip_cone(const ty_light_view* light, float cosine, ty_vec origin, ty_vec direction,
                                      ty_ray_interval* interval) {
     const ty_vec off = ty_sub(origin, light->position);
@@ -36,21 +36,21 @@ TY_FN bool ty_ray_interval_clip_cone(const ty_light_view* light, float cosine, t
     if (root <= 0) return a > 0;
     const double q = -(b + copysign(sqrt(root), b));
     const double first = fmin(q / a, c / q), second = fmax(q / a, c / q);
-    /* Within the double cone, or, where a ray goes along it, beyond one of its halves. */
+    /* The ray is inside the double cone between the roots, or, if it runs along the axis, outside them. */
     if (a < 0 || along < 0) interval->to = ty_minf(interval->to, (float)(a < 0 ? second : first));
     if (a < 0 || along > 0) interval->from = ty_maxf(interval->from, (float)(a < 0 ? first : second));
     return interval->from < interval->to;
 }
 
-/* Stretches as they are found; what lies between them is dark. */
+/* The lit segments found so far; the gaps between them are in shadow. */
 typedef struct ty_lit_segments {
     float (*segments)[2];
     int32_t count;
-    int32_t lit; /* whether the last one goes on */
-    float at;    /* where it began, or the last one ended */
+    int32_t lit; /* whether the last segment is still open */
+    float at;    /* start of the open segment, or end of the last one */
 } ty_lit_segments;
 
-/* Joins two of the stretches, those nearest to one another. */
+/* Merges the two segments with the shortest gap. */
 TY_FN void ty_lit_segments_merge(ty_lit_segments* list) {
     int32_t best = 1;
     for (int32_t i = 2; i < list->count; ++i)
@@ -73,7 +73,7 @@ TY_FN void ty_lit_segments_append(ty_lit_segments* list, float from, float to) {
     list->segments[list->count++][1] = to;
 }
 
-/* From t on it is lit, or dark. */
+/* Switches to lit or to shadow at distance t. */
 TY_FN void ty_lit_segments_switch(ty_lit_segments* list, float t, int32_t lit) {
     if (list->lit == lit) return;
     t = ty_maxf(t, list->at);
@@ -82,12 +82,12 @@ TY_FN void ty_lit_segments_switch(ty_lit_segments* list, float t, int32_t lit) {
     list->at = t;
 }
 
-/* A part of a ray before a face: at u in [0, 1] it is above texel x + u dx, y + u dy. */
+/* A ray's interval projected on a face: at u in [0, 1] it is over texel (x + u dx, y + u dy). */
 typedef struct ty_shadow_line {
-    float x, y, inverse_depth; /* near: nearness */
+    float x, y, inverse_depth; /* at u = 0 */
     float dx, dy, inverse_depth_change;
     float from, length; /* along the ray, m */
-    float depth[2];     /* at the ends; 1 both for directional lights */
+    float depth[2];     /* at both ends; 1 for directional lights */
 } ty_shadow_line;
 
 TY_FN float ty_shadow_line_distance(const ty_shadow_line* line, float u) {
@@ -95,7 +95,7 @@ TY_FN float ty_shadow_line_distance(const ty_shadow_line* line, float u) {
     return line->from + line->length * ahead / (ahead + (1.0f - u) * line->depth[1]);
 }
 
-/* Within a texel, from u to `leave`: both ends are lit or dark, or it changes where the line passes its depth. */
+/* Crosses one texel from u to `leave`; visibility changes where the line crosses the texel's depth. */
 TY_FN void ty_shadow_cross_texel(const ty_shadow_line* line, float texel, float u, float leave, ty_lit_segments* list) {
     const float above = line->inverse_depth + u * line->inverse_depth_change - texel,
                 above_leave = line->inverse_depth + leave * line->inverse_depth_change - texel;
@@ -106,7 +106,8 @@ TY_FN void ty_shadow_cross_texel(const ty_shadow_line* line, float texel, float 
     ty_lit_segments_switch(list, ty_shadow_line_distance(line, u + (leave - u) * share), lit_leave);
 }
 
-/* Whether a line from u to `leave` is before all of a block (1), behind all of it (0), or neither (-1). */
+/* Compares the line between u and `leave` with a block: 1 in front of all texels, 0 behind all of them, -1 undecided.
+ */
 TY_FN int32_t ty_shadow_compare(const ty_shadow_line* line, ty_shadow_range range, float u, float leave) {
     const float a = line->inverse_depth + u * line->inverse_depth_change,
                 b = line->inverse_depth + leave * line->inverse_depth_change;
@@ -114,7 +115,7 @@ TY_FN int32_t ty_shadow_compare(const ty_shadow_line* line, ty_shadow_range rang
     return ty_maxf(a, b) < range.least ? 0 : -1;
 }
 
-/* Differences of places that are too small are made a little larger: no line is along an axis. */
+/* Bounds a slope away from 0, so that no line is parallel to an axis. */
 TY_FN float ty_shadow_slope(float d) {
     return fabsf(d) < 1e-6f ? 1e-6f : d;
 }
@@ -123,7 +124,7 @@ TY_FN int32_t ty_shadow_clamp(int32_t value, int32_t low, int32_t high) {
     return value < low ? low : value > high ? high : value;
 }
 
-/* The level that a line begins at: of blocks that are not much larger than it is long. */
+/* The start level: its blocks are about as large as the line is long. */
 TY_FN int32_t ty_shadow_first_level(const ty_shadow_line* line, int32_t top) {
     const float reach = 2.0f * ty_maxf(fabsf(ty_shadow_slope(line->dx)), fabsf(ty_shadow_slope(line->dy)));
     int32_t level = 0;
@@ -131,7 +132,7 @@ TY_FN int32_t ty_shadow_first_level(const ty_shadow_line* line, int32_t top) {
     return level;
 }
 
-/* Up where a block ends that four blocks make, else at the same level; down where a block is partly lit. */
+/* Traverses the hierarchy: one level up at the edge of a parent block, one level down where a block is undecided. */
 TY_FN void ty_shadow_traverse(const ty_shadow_face* face, const ty_shadow_line* line, int32_t side, int32_t top,
                               ty_lit_segments* list) {
     const float dx = ty_shadow_slope(line->dx), dy = ty_shadow_slope(line->dy);

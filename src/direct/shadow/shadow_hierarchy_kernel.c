@@ -1,5 +1,4 @@
-/* Lines through a pyramid side by side; see lit_kernel.h. Each goes on by one block at a time, as in
- * ty_shadow_traverse. */
+/* Traversal of many lines in SIMD lanes; each lane advances by one block at a time, as in ty_shadow_traverse. */
 #include "direct/shadow/shadow_hierarchy_kernel.h"
 
 #if defined(__AVX512F__)
@@ -13,12 +12,12 @@
 enum { LINES = TY_SHADOW_RAYS_MAX, BYTES = LINES * sizeof(float) };
 
 typedef float reals __attribute__((vector_size(BYTES)));
-typedef int32_t wholes __attribute__((vector_size(BYTES))); /* also masks: 0 or -1 */
+typedef int32_t wholes __attribute__((vector_size(BYTES))); /* also used as masks: 0 or -1 */
 
-/* What goes on along lines; LINES of each. */
+/* The traversal state of all lines, one lane each. */
 typedef struct line_set {
     reals x, y, inverse_depth, dx, dy, inverse_depth_change, per_x, per_y;
-    wholes ahead_x, ahead_y; /* 1: to greater places */
+    wholes ahead_x, ahead_y; /* 1: towards larger coordinates */
     wholes at_x, at_y, level, lit, active;
     reals u;
 } line_set;
@@ -53,7 +52,7 @@ TY_INLINE void begin(const ty_shadow_line* lines, int32_t count, int32_t side, i
     set->ahead_y = (set->dy > 0.0f) & 1;
 }
 
-/* Compilers take gathers apart, which takes longer than all the rest. */
+/* An explicit gather: compilers split it into scalar loads, which would dominate the run time. */
 TY_INLINE void gather(const float* from, const wholes* places, reals* out) {
 #if defined(__AVX512F__)
     *out = (reals)_mm512_i32gather_ps((__m512i)*places, from, sizeof(float));
@@ -72,7 +71,7 @@ TY_INLINE bool any(const wholes* mask) {
 #endif
 }
 
-/* What changes within blocks: lines that turn dark or lit, one by one. */
+/* Lines whose visibility changes inside a block, one by one. */
 TY_INLINE void turn(const ty_shadow_line* lines, const wholes* turns, const wholes* before, const reals* node,
                     const reals* leave, line_set* set, ty_lit_segments* lists) {
     for (int32_t i = 0; i < LINES; ++i) {
@@ -128,7 +127,7 @@ static void walk(const ty_shadow_face* face, const ty_shadow_line* lines, int32_
         set.u = CHOOSE_REAL(stays, leave, set.u);
         set.level = level + CHOOSE(stays, (even & (level < top)) & 1, descends);
         set.active &= ~(stays & ends);
-        /* Lines that have ended stay within the map. */
+        /* Finished lines keep a valid texel. */
         set.at_x &= set.active;
         set.at_y &= set.active;
     }

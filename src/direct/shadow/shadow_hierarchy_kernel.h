@@ -1,12 +1,11 @@
-/* Many straight ways across a face of a map at once, built once per instruction set: what one after another waits for
- * is waited for together. */
+/* Traversal of many lines at once, built once per instruction set: their memory latencies overlap. */
 #ifndef TY_DIRECT_SHADOW_HIERARCHY_KERNEL_H
 #define TY_DIRECT_SHADOW_HIERARCHY_KERNEL_H
 
 #include "direct/shadow/shadow_hierarchy.k.h"
 
 typedef struct ty_shadow_kernels {
-    /* As ty_shadow_traverse for up to TY_SHADOW_RAYS_MAX lines, each with its run. */
+    /* ty_shadow_traverse for up to TY_SHADOW_RAYS_MAX lines, each with its own list of segments. */
     void (*walk)(const ty_shadow_face* face, const ty_shadow_line* lines, int32_t count, int32_t side, int32_t top,
                  ty_lit_segments* lists);
 } ty_shadow_kernels;

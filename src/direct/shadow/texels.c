@@ -1,4 +1,4 @@
-/* Texels' rays, in packets. */
+/* Tracing the rays of a map's texels in packets. */
 #include "direct/shadow/texels.h"
 
 #include "base/context.h"
@@ -24,10 +24,10 @@ void ty_texels_extent(ty_vec axis, const double lower[3], const double upper[3],
 
 /* ---- packets ---- */
 
-/* A packet is a block of texels, whose rays are closer together than those of a row. */
+/* A packet is a square block of texels, whose rays are more coherent than those of a row. */
 enum { BLOCK = 4 };
 
-/* Packets that are traced one after the other: what they meet is looked at afterwards. */
+/* Packets that are traced before their hits are shaded. */
 enum { PACKETS = 8 };
 
 typedef struct packet {
@@ -82,7 +82,7 @@ static int32_t blocks_along(const ty_texels* texels) {
     return (texels->side + BLOCK - 1) / BLOCK;
 }
 
-/* The rays of a block that need any. */
+/* The rays of a block, without texels that need none. */
 static void fill_packet(const ty_texels* texels, int32_t face, int32_t left, int32_t top, packet* out) {
     const int32_t side = texels->side;
     out->count = 0;
@@ -93,7 +93,7 @@ static void fill_packet(const ty_texels* texels, int32_t face, int32_t left, int
         }
 }
 
-/* BLOCK rows of a face. */
+/* Traces BLOCK rows of a face. */
 static void trace_rows(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const texel_job* job = user;

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
+/* Progress after each stage of a solve, and the fraction of a render that the solve takes. */
 static const double medium_until = 0.05, map_until = 0.4, inject_until = 0.7, solve_share = 0.4;
 
 /* ---- solving ---- */
@@ -18,7 +18,7 @@ static bool scatters(const ty_lpv_job* job) {
     return (job->def->parts & TY_LPV_SCATTERING) != 0 && ty_scene_get_view(job->scene)->medium_count > 0;
 }
 
-/* Lattices, and the media on their cells. */
+/* Creates the lattices and the media on their cells. */
 static ty_result place(ty_lpv_job* job) {
     ty_grid_box boxes[TY_LPV_CASCADES_MAX];
     ty_lpv* light = job->light;
@@ -61,7 +61,7 @@ static ty_result inject(ty_lpv_job* job, ty_lattice* lattice, inject_fn function
     return result;
 }
 
-/* A copy of what flows: what of it is seen where it was injected. */
+/* Copies the injected power that counts as light in its own cell. */
 static ty_result copy_propagated_sh(const ty_lattice* lattice, float* own_cell_sh[3][TY_SH_TERMS]) {
     for (int c = 0; c < 3; ++c)
         for (int32_t t = 0; t < lattice->terms; ++t) {
@@ -78,7 +78,7 @@ static void free_propagated_sh(const ty_lattice* lattice, float* own_cell_sh[3][
             ty_free_array(lattice->context, own_cell_sh[c][t], lattice->cells, sizeof(float));
 }
 
-/* What the statistics say is of the widest lattice. */
+/* The energy balance of the statistics is that of the coarsest cascade. */
 static void take_power(ty_lpv_job* job, const ty_lattice_power* power, bool widest) {
     ty_lpv_stats* stats = &job->stats;
     if (power->iterations > stats->iterations) stats->iterations = power->iterations;
@@ -127,7 +127,7 @@ static ty_result run_parts(ty_lpv_job* job, double share) {
     return result;
 }
 
-/* share: of the caller's progress that the solve is. */
+/* share: fraction of the caller's progress that the solve covers. */
 static ty_result solve(const ty_scene* scene, const ty_lpv_def* def, double share, ty_lpv** out, ty_lpv_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     ty_result result = ty_lpv_check(context, def);
@@ -199,7 +199,7 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     return result;
 }
 
-/* With the caller's progress from there on. */
+/* Renders with the rest of the caller's progress. */
 static ty_result view_from(const ty_lpv* light, const ty_scene* scene, const ty_lpv_def* def,
                            ty_part_progress* progress, ty_image** out, ty_lpv_stats* stats) {
     ty_lpv_def own = *def;
@@ -237,7 +237,7 @@ ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image**
     return result;
 }
 
-/* ---- the light itself ---- */
+/* ---- fluence and irradiance ---- */
 
 typedef struct fluence_job {
     const ty_lpv* light;
@@ -245,7 +245,7 @@ typedef struct fluence_job {
     double* fluence;
 } fluence_job;
 
-/* The finest lattice that a cell of the caller's lies in; the widest if none. */
+/* The finest cascade that contains a cell of the caller's; the coarsest if none does. */
 static const ty_lattice* lattice_around(const fluence_job* job, const int32_t cell[3]) {
     for (int32_t i = 0; i < job->light->count - 1; ++i) {
         const ty_grid_box* box = &job->light->lattices[i]->box;

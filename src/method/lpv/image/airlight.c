@@ -1,4 +1,4 @@
-/* Airlight: what rays need, and the ways in. */
+/* Airlight: its precomputed data and entry points. */
 #include "method/lpv/image/airlight.h"
 
 #include "base/context.h"
@@ -6,9 +6,9 @@
 #include "direct/transmittance.k.h"
 #include "direct/uncollided.h"
 
-/* ---- what the media are ---- */
+/* ---- media ---- */
 
-/* Whether a medium's coefficients are the same everywhere. */
+/* Whether a medium is homogeneous within its bounds. */
 static bool is_even(const ty_medium_view* medium) {
     return medium->has_grid == 0 && medium->albedo_fields == 0 && medium->has_g_field == 0;
 }
@@ -92,7 +92,7 @@ void ty_airlight_destroy(ty_airlight* airlight) {
     ty_free_array(airlight->context, airlight, 1, sizeof *airlight);
 }
 
-/* ---- rays and points ---- */
+/* ---- queries ---- */
 
 /* At most TY_SHADOW_RAYS_MAX rays. */
 static void add_rays(const ty_airlight* airlight, ty_vec origin, const ty_eye_ray* rays, int32_t count,

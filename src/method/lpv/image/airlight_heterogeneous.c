@@ -1,9 +1,9 @@
-/* Airlight of media on cells: steps of a cell, in which coefficients and the transmittance from lights are those
- * between the cells' middles; how much of a step is lit, how it is dimmed, and 1 / r^2 are exact. */
+/* Airlight of heterogeneous media on cells, in steps of one cell. Coefficients and the transmittance from the lights
+ * are interpolated between cell centers; the lit part of a step, its attenuation and 1 / r^2 are exact. */
 #include "method/lpv/image/airlight_ray.h"
 #include "direct/single.k.h"
 
-/* A light and the stretches that it reaches. */
+/* A light and the lit segments of the ray. */
 typedef struct grid_light {
     const ty_airlight_source* of;
     ty_closest_approach pass;
@@ -14,13 +14,13 @@ typedef struct grid_light {
 typedef struct grid_march {
     const ty_airlight* airlight;
     ty_vec origin, direction;
-    ty_vec cells, cells_way; /* in cells of the box */
-    float depth[3];          /* so far */
+    ty_vec cells, cells_way; /* in cell coordinates of the box */
+    float depth[3];          /* optical depth so far */
     ty_airlight_sum* sum;
     grid_light lights[TY_AIRLIGHT_SOURCES_MAX];
 } grid_march;
 
-/* Media along a step. */
+/* The media on a step. */
 typedef struct grid_step {
     float from, to;
     ty_cell_point at;
@@ -36,30 +36,31 @@ static ty_vec to_cells(const ty_grid_medium* medium, ty_vec v, bool is_point) {
     return ty_vec_load(out);
 }
 
-/* The part of a ray in the box; false where it misses. */
+/* The interval of a ray in the box; false if it misses. */
 static bool clip_to_box(const ty_grid_medium* medium, ty_vec cells, ty_vec way, float* from, float* to) {
     const int32_t* size = medium->box.size;
     return ty_clip_box(cells, way, ty_vec_make(0, 0, 0), ty_vec_make((float)size[0], (float)size[1], (float)size[2]),
                        from, to);
 }
 
-/* A plane's values for all channels. */
+/* Interpolated values of all channels. */
 static void values_at(const ty_grid_medium* medium, float* const planes[3], const ty_cell_point* at, float out[3]) {
     for (int32_t c = 0; c < 3; ++c) out[c] = c < medium->planes ? ty_cell_value(planes[c], at) : out[0];
 }
 
 /* ---- one step ---- */
 
-/* Wider parts of a step, rad as a lamp sees them, are taken in two. */
+/* Angle, rad, under which a local light sees a part of a step; parts with a wider angle are split in two. */
 #define WIDEST 0.25f
 
-/* Light that comes to a part of a step: what it is over color, m or 1/m, the cosine between its way and the ray, and
- * where it is in the middle. */
+/* Light that reaches a part of a step: its integral along the ray per unit of color, m or 1/m, the cosine between its
+ * direction and the ray, the distance of its mean, and the angle it subtends. */
 typedef struct part_light {
     float amount, along, middle, angle;
 } part_light;
 
-/* By the angle under which a lamp sees the part; the middle is that of the angle. */
+/* The integral of 1 / r^2 over the part is its angle seen from the light over the light's distance from the ray; the
+ * mean is the bisector's. */
 static part_light find_lamp(const grid_march* march, const grid_light* light, float from, float to) {
     const ty_light_view* view = light->of->light;
     const float off = light->pass.off, a = from - light->pass.nearest, b = to - light->pass.nearest;
@@ -168,7 +169,7 @@ void ty_airlight_heterogeneous_transmittance(const ty_airlight* airlight, const 
     float from = 0, to = sun ? TY_FLOAT_MAX : 1.0f;
     for (int c = 0; c < 3; ++c) transmittance[c] = 1;
     if (!clip_to_box(medium, cells, way, &from, &to)) return;
-    /* What lies between a point outside and the box does not dim. */
+    /* The path between the box and a point outside it is vacuum. */
     cells = ty_mad(cells, way, from);
     const ty_cell_point at = ty_cell_locate(medium->box.size, cells);
     values_at(medium, light->planes, &at, transmittance);

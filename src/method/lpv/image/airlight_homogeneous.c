@@ -1,9 +1,9 @@
-/* Airlight of media that are the same everywhere within their bounds.
+/* Airlight of homogeneous media.
  *
- * A ray is cut where it enters and leaves media. In sunlight it is cut again where the side changes by which light came
- * into a box: between such places the optical depth from the sun is linear along the ray, so that lit segments have a
- * closed form. Light of lamps is integrated over the angle under which the lamp is seen (Kulla and Fajardo 2012: the
- * 1 / r^2 cancels) by Gauss and Legendre's rule in a few panels. */
+ * A ray is split where it enters and leaves media. For a directional light it is split again where the face through
+ * which the light entered a box changes: between such points the optical depth from the light is linear along the ray,
+ * so that lit segments have a closed form. Local lights are integrated over the equiangular variable (Kulla and Fajardo
+ * 2012), which cancels 1 / r^2, by Gauss-Legendre quadrature in a few panels. */
 #include "method/lpv/image/airlight_ray.h"
 #include "direct/shadow/shadow_hierarchy.k.h"
 #include "direct/transmittance.k.h"
@@ -13,33 +13,34 @@ enum { PIECES_MAX = 2 * TY_SPANS_MAX, CUTS_MAX = 64, NODES = 4 };
 static const float node[NODES] = {-0.861136312f, -0.339981044f, 0.339981044f, 0.861136312f};
 static const float node_weight[NODES] = {0.173927423f, 0.326072577f, 0.326072577f, 0.173927423f};
 
-/* A part of the ray in the same media. */
+/* An interval of the ray within the same media. */
 typedef struct media_interval {
     float from, to;
     uint64_t media; /* one bit each */
     float extinction[3];
-    float depth[3]; /* from the eye to where it begins */
+    float depth[3]; /* optical depth from the eye to its start */
 } media_interval;
 
 typedef struct airlight_ray {
     const ty_airlight* airlight;
     ty_vec origin, direction;
-    media_interval intervals[PIECES_MAX]; /* as far as anything is seen */
+    media_interval intervals[PIECES_MAX]; /* up to the opaque depth */
     int32_t count;
     ty_airlight_sum* sum;
 } airlight_ray;
 
-/* Where a light's depth or brightness along the ray may have a kink, in order. */
+/* Sorted distances at which the light's optical depth or intensity along the ray may have a kink. */
 typedef struct kink_list {
     int32_t count;
     float at[CUTS_MAX];
 } kink_list;
 
-/* A lit part of a piece without a cut. */
+/* A lit part of an interval without a kink. */
 typedef struct lit_interval {
     const media_interval* interval;
     float from, to;
-    float weight[3]; /* what of the light goes towards the eye, per metre; of lamps without the phase function */
+    float weight[3]; /* fraction of the light scattered towards the eye per metre; for local lights without the phase
+                        function */
 } lit_interval;
 
 static void add_kink(kink_list* kinks, float from, float to, float t) {
@@ -49,7 +50,7 @@ static void add_kink(kink_list* kinks, float from, float to, float t) {
     kinks->at[at] = t;
 }
 
-/* ---- pieces ---- */
+/* ---- media intervals ---- */
 
 static int32_t sort_ends(const ty_spans* spans, float ends[2 * TY_SPANS_MAX]) {
     int32_t count = 0;
@@ -77,7 +78,7 @@ static float greatest3(const float values[3]) {
     return ty_maxf(values[0], ty_maxf(values[1], values[2]));
 }
 
-/* Finds the pieces, and the transmittance of them all. */
+/* Finds the media intervals and the transmittance of the whole ray. */
 static void find_media_intervals(airlight_ray* ray, float far) {
     const ty_scene_view* scene = ray->airlight->scene;
     ty_spans spans;
@@ -101,7 +102,7 @@ static void find_media_intervals(airlight_ray* ray, float far) {
     for (int c = 0; c < 3; ++c) ray->sum->transmittance[c] = ty_decay(depth[c]);
 }
 
-/* Shortens the last piece to what is seen of it. */
+/* Shortens the last interval to the opaque depth. */
 static void clip_opaque(airlight_ray* ray) {
     if (ray->count == 0) return;
     media_interval* last = &ray->intervals[ray->count - 1];
@@ -112,7 +113,7 @@ static void clip_opaque(airlight_ray* ray) {
     last->to = ty_minf(last->to, last->from + seen);
 }
 
-/* What a piece scatters of light that comes in at cosine mu. */
+/* Scattering coefficient times phase function of an interval at cosine mu. */
 static void scattered_in(const airlight_ray* ray, const media_interval* interval, float mu, float out[3]) {
     const ty_scene_view* scene = ray->airlight->scene;
     out[0] = out[1] = out[2] = 0;
@@ -134,7 +135,7 @@ typedef struct lit_segments {
     const float (*at)[2];
 } lit_segments;
 
-/* Calls for each lit part of each piece between cuts. */
+/* Callback for each lit part between two kinks. */
 typedef void (*part_fn)(const airlight_ray* ray, const void* user, const lit_interval* lit_part);
 
 static void each_lit(const airlight_ray* ray, const kink_list* kinks, lit_segments* lit, const media_interval* interval,
@@ -159,23 +160,23 @@ static void add_part(const airlight_ray* ray, const lit_interval* lit_part, cons
     for (int c = 0; c < 3; ++c) ray->sum->radiance[c] += scattered[c] * lit_part->weight[c] * light[c];
 }
 
-/* ---- sunlight ---- */
+/* ---- directional lights ---- */
 
-/* A box on the way back to the sun from where the ray is at t: along each axis it is left after leave + t slope
- * lengths, and was entered `across` before. */
+/* The path from the ray at t back to the light through a box: along each axis it leaves the box after leave + t slope
+ * metres, and entered it `across` metres before. */
 typedef struct sun_box {
     float leave[3], slope[3], across[3];
 } sun_box;
 
 typedef struct sun_paths {
     ty_vec back;
-    int32_t curved; /* whether depth may not be linear between cuts */
+    int32_t curved; /* whether the optical depth may be nonlinear between kinks */
     int32_t boxes;
     sun_box box[TY_MEDIA_MAX];
     const ty_medium_view* of[TY_MEDIA_MAX];
 } sun_paths;
 
-/* Ways that are along a side of a box are taken to be slanted a little. */
+/* Directions parallel to a face of a box are tilted by this much. */
 #define BOX_SLANT 1e-7f
 
 static void find_box(const airlight_ray* ray, ty_vec back, const ty_medium_view* medium, sun_box* box) {
@@ -200,13 +201,13 @@ static float length_in(const sun_box* box, float t) {
     return ty_maxf(0.0f, least3(leave) - ty_maxf(0.0f, greatest3(enter)));
 }
 
-/* Where leave[a] + t slope[a] and a second such line meet. */
+/* Adds the kink where two linear functions of t are equal, given their difference value + t slope. */
 static void add_crossing_kink(kink_list* kinks, const media_interval* first, const media_interval* last, float value,
                               float slope) {
     if (slope != 0) add_kink(kinks, first->from, last->to, -value / slope);
 }
 
-/* Where it changes through which sides light comes to the ray; within the box all that counts is where it comes in. */
+/* Adds the kinks where the entry or exit face of the path changes; inside the box only the entry face matters. */
 static void add_box_kinks(const airlight_ray* ray, const sun_box* box, bool within, kink_list* kinks) {
     const media_interval *first = &ray->intervals[0], *last = &ray->intervals[ray->count - 1];
     for (int a = 0; a < 3; ++a) {
@@ -241,7 +242,7 @@ static void find_sun(const airlight_ray* ray, const ty_light_view* light, sun_pa
     }
 }
 
-/* Depth from the sun to the ray at t, if all media are boxes. */
+/* Optical depth from the light to the ray at t through box-shaped media. */
 static void depth_at(const sun_paths* sun, float t, float depth[3]) {
     depth[0] = depth[1] = depth[2] = 0;
     for (int32_t i = 0; i < sun->boxes; ++i) {
@@ -250,13 +251,13 @@ static void depth_at(const sun_paths* sun, float t, float depth[3]) {
     }
 }
 
-/* The integral over a part along which depths are linear. */
+/* Closed-form integral over a part with linear optical depth. */
 static void take_linear(const airlight_ray* ray, const sun_paths* sun, const lit_interval* lit_part) {
     static const float one[3] = {1, 1, 1};
     const media_interval* interval = lit_part->interval;
     const float length = lit_part->to - lit_part->from;
     float first[3], second[3], light[3] = {0, 0, 0};
-    /* Within, since media's sides may be at the ends. */
+    /* Sampled inside the part, because faces of media may lie at its ends. */
     depth_at(sun, lit_part->from + 0.25f * length, first);
     depth_at(sun, lit_part->from + 0.75f * length, second);
     for (int c = 0; c < ray->airlight->channels; ++c) {
@@ -269,7 +270,7 @@ static void take_linear(const airlight_ray* ray, const sun_paths* sun, const lit
     add_part(ray, lit_part, one, light);
 }
 
-/* The same where they are not. */
+/* Quadrature over a part with nonlinear optical depth. */
 static void take_curved(const airlight_ray* ray, const sun_paths* sun, const lit_interval* lit_part) {
     static const float one[3] = {1, 1, 1};
     const media_interval* interval = lit_part->interval;
@@ -311,10 +312,10 @@ static void add_sun(const airlight_ray* ray, const ty_airlight_source* light, li
     }
 }
 
-/* ---- lamps ---- */
+/* ---- local lights ---- */
 
-/* Thickest panels, by optical depth along the ray; widest ones, rad, and where more changes than the way through one
- * medium: spots fade, and light from outside comes in by one side or another. */
+/* Maximum optical depth of a panel along the ray; maximum angle of a panel, rad, and the same for spot lights, which
+ * fade, and for lights outside the media, whose entry face changes. */
 #define PANEL_DEPTH 2.5f
 #define PANEL_ANGLE 1.0f
 #define PANEL_ANGLE_NARROW 0.4f
@@ -322,13 +323,13 @@ static void add_sun(const airlight_ray* ray, const ty_airlight_source* light, li
 typedef struct local_light {
     const ty_airlight_source* of;
     ty_closest_approach pass;
-    float beside, along; /* of a spot's axis: towards the ray's nearest point, and along the ray */
-    float panel;         /* widest, rad */
-    float peak[2];       /* before and behind the lamp: how far off the angle 0 phase functions have a pole, rad */
+    float beside, along; /* components of a spot light's axis: towards the ray's closest point, and along the ray */
+    float panel;         /* maximum angle, rad */
+    float peak[2];       /* distance of the phase functions' pole from angle 0 in front of and behind the light, rad */
 } local_light;
 
-/* The angle between the ray and the way to the lamp is where panels are: [low, high], rad, before the lamp (sign -1) or
- * behind it (1). */
+/* A quadrature panel [low, high], rad, of the angle between the ray and the direction to the light; sign -1 in front of
+ * the closest point, 1 behind it. */
 typedef struct quadrature_panel {
     float low, high, sign;
 } quadrature_panel;
@@ -369,8 +370,8 @@ static void take_panel(const airlight_ray* ray, const local_light* lamp, const l
     }
 }
 
-/* A part on one side of the lamp, from `near` to `far` of its nearest point, in panels as narrow as phase functions are
- * peaked. */
+/* A part on one side of the closest point, between `near` and `far` metres from it, in panels narrower than the peak of
+ * the phase functions. */
 static void take_side(const airlight_ray* ray, const local_light* lamp, const lit_interval* lit_part, float near,
                       float far, float sign) {
     const float high = atan2f(lamp->pass.off, near), peak = lamp->peak[sign > 0];
@@ -400,7 +401,7 @@ static void take_lamp(const airlight_ray* ray, const void* user, const lit_inter
     }
 }
 
-/* Henyey-Greenstein's function of the angle has its pole ln(1 / g) off the real numbers. */
+/* The Henyey-Greenstein function of the angle has its pole at imaginary distance ln(1 / g). */
 static void find_peaks(const ty_airlight* airlight, local_light* lamp) {
     float most[2] = {1e-3f, 1e-3f};
     for (int32_t m = 0; m < airlight->scene->medium_count; ++m)
@@ -411,7 +412,7 @@ static void find_peaks(const ty_airlight* airlight, local_light* lamp) {
     for (int i = 0; i < 2; ++i) lamp->peak[i] = -ty_logf(most[i]);
 }
 
-/* A spot fades from its inner cone on. */
+/* A spot light's intensity has kinks at its inner cone. */
 static void add_spot_kinks(const airlight_ray* ray, const ty_light_view* light, kink_list* kinks) {
     const float from = ray->intervals[0].from, to = ray->intervals[ray->count - 1].to;
     ty_ray_interval lit_part = {from, to};
@@ -440,9 +441,9 @@ static void add_lamp(const airlight_ray* ray, const ty_airlight_source* light, l
         each_lit(ray, &kinks, &lit, &ray->intervals[i], take_lamp, &lamp, &lit_part);
 }
 
-/* ---- all ---- */
+/* ---- all lights ---- */
 
-/* The segments of all rays that a light reaches, and its light. */
+/* Finds the lit segments of all rays for one light and integrates them. */
 static void add_light(const airlight_ray* rays, int32_t count, const ty_airlight_source* light, ty_shadow_rays* lit) {
     lit->count = count;
     lit->origin = rays[0].origin;

@@ -1,5 +1,5 @@
-/* What airlight is made of: one ray through even media (airlight_even.c), or through media on cells
- * (airlight_cells.c). */
+/* Airlight along rays through homogeneous media (airlight_homogeneous.c) or media on cells (airlight_heterogeneous.c).
+ */
 #ifndef TY_METHOD_LPV_IMAGE_AIRLIGHT_RAY_H
 #define TY_METHOD_LPV_IMAGE_AIRLIGHT_RAY_H
 
@@ -9,38 +9,41 @@
 
 enum { TY_AIRLIGHT_SOURCES_MAX = 64 };
 
-/* Optical depth behind which nothing is seen. */
+/* Optical depth beyond which radiance is neglected. */
 #define TY_AIRLIGHT_OPAQUE 20.0f
 
 typedef struct ty_airlight_source {
     const ty_shadow_hierarchy* map;
     const ty_light_view* light;
-    int32_t inside; /* a lamp within all media, which are convex: its light crosses but the medium where it scatters */
-    float* planes[3]; /* transmittance of media on cells from the light, as many planes as the medium has; NULL: even */
+    int32_t inside; /* a local light inside all media, which are convex: no light crosses a medium's boundary before it
+                       scatters */
+    float* planes[3]; /* transmittance from the light on cells, as many planes as the medium has; NULL: homogeneous
+                         media */
 } ty_airlight_source;
 
 struct ty_airlight {
     ty_context* context;
     const ty_scene_view* scene;
     const ty_grid_medium* medium;
-    int32_t on_cells; /* whether any of the media varies: then all are taken on cells */
-    int32_t channels; /* 1: media dim all channels alike, 3: they do not */
-    uint64_t collide; /* even media, one bit each: those with extinction */
+    int32_t on_cells; /* whether any medium is heterogeneous: then all are evaluated on cells */
+    int32_t channels; /* 1: extinction is equal in all channels; 3: it is not */
+    uint64_t collide; /* bit mask of the homogeneous media with extinction */
     ty_airlight_source* lights;
     int32_t count;
 };
 
-/* A ray's results. */
+/* The results of a ray. */
 typedef struct ty_airlight_sum {
     float radiance[3], transmittance[3];
 } ty_airlight_sum;
 
-/* A ray about a lamp: `off` beside it at its nearest, which is at `nearest`, m along the ray. */
+/* The closest approach of a ray to a local light: at distance `nearest` along the ray it passes at distance `off`, m.
+ */
 typedef struct ty_closest_approach {
     float nearest, off;
 } ty_closest_approach;
 
-/* Rays are taken to pass a lamp at least this far off, in parts of its distance, and m. */
+/* Minimum distance at which a ray passes a light, relative to the distance along the ray, and in m. */
 #define TY_AIRLIGHT_OFFSET_RELATIVE 1e-4f
 #define TY_AIRLIGHT_OFFSET_MIN 1e-6f
 
@@ -57,7 +60,7 @@ void ty_airlight_homogeneous(const ty_airlight* airlight, ty_vec origin, const t
                              ty_airlight_sum* sums);
 void ty_airlight_heterogeneous(const ty_airlight* airlight, ty_vec origin, ty_vec direction, float far, float offset,
                                ty_airlight_sum* sum);
-/* Transmittance of media on cells from a light to a point. */
+/* Transmittance from a light to a point, from cells. */
 void ty_airlight_heterogeneous_transmittance(const ty_airlight* airlight, const ty_airlight_source* light, ty_vec point,
                                              float transmittance[3]);
 

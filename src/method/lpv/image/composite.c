@@ -1,5 +1,5 @@
-/* Surfaces behind media: media seen at half of the resolution are brought to the full one with regard to how far their
- * rays went. */
+/* The composite of surfaces behind media: half-resolution media samples are upsampled with regard to the distance of
+ * their rays. */
 #include "method/lpv/image/composite.h"
 
 #include "method/lpv/image/media_pass.h"
@@ -20,7 +20,7 @@ static void solve_three(double m[3][4], double out[3]) {
     }
 }
 
-/* Changes weights (which add up to 1) of places by as little as brings their mean to the pixel at (0, 0). */
+/* The smallest change of weights, which sum to 1, that moves the mean of their positions to the pixel at (0, 0). */
 static void centre_weights(const double places[4][2], float weight[4]) {
     double m[3][4] = {{0}}, change[3];
     for (int i = 0; i < 4; ++i) {
@@ -39,7 +39,7 @@ void ty_lpv_find_upsample_weights(ty_lpv_march_state* state) {
     enum { PERIOD = TY_LPV_UPSAMPLE_PERIOD };
     for (int32_t y = 0; y < PERIOD; ++y)
         for (int32_t x = 0; x < PERIOD; ++x) {
-            /* One period on, so that nothing is cut at the image's edges. */
+            /* One period from the corner, so that no ray is clamped at the image's border. */
             const int32_t at[2] = {x + PERIOD, y + PERIOD};
             float* weight = state->upsample.weights[y][x];
             int32_t columns[2], rows[2];
@@ -67,13 +67,13 @@ static void ray_march_pixel(ty_lpv_march_state* state, int32_t x, int32_t y, ty_
         ty_airlight_ray(state->job->airlight, way.origin, way.direction, way.far, way.offset, out->single, NULL);
 }
 
-/* Once scattered light is found anew where it differs by more than this part of a pixel's light between the rays around
- * it, as at edges of shafts; where it differs by more than all of it, as about lamps in the picture, by FINE x FINE
- * rays through the pixel. */
+/* Single scattering is computed anew for a pixel where it differs between the rays around it by more than this fraction
+ * of the pixel's radiance, as at the edges of light shafts; where it differs by more than the whole radiance, as around
+ * a visible light, by FINE x FINE rays. */
 static const float edge_contrast = 0.1f, lamp_contrast = 1.0f;
 enum { FINE = 4 };
 
-/* Light of a pixel towards the eye, all channels together. */
+/* Radiance of a pixel, sum of all channels. */
 static float light_of(const ty_lpv_march_state* state, int32_t x, int32_t y, const ty_lpv_media_radiance* radiance) {
     const float* surface = state->surface + 3 * ty_lpv_band_index(state, x, y);
     float sum = 0.0f;
@@ -99,7 +99,7 @@ static void single_scattering_pixel(ty_lpv_march_state* state, int32_t x, int32_
     }
 }
 
-/* Finds once scattered light anew if the rays around a pixel do not agree on it; whether they do not. */
+/* Computes single scattering anew if the rays around a pixel disagree; returns whether they did. */
 static bool sharpen(ty_lpv_march_state* state, int32_t x, int32_t y, float contrast, ty_lpv_media_radiance* out) {
     if (!(contrast > 0.0f)) return false;
     const float light = light_of(state, x, y, out);
@@ -108,7 +108,7 @@ static bool sharpen(ty_lpv_march_state* state, int32_t x, int32_t y, float contr
     return true;
 }
 
-/* What is before a row of pixels; returns how many of them had to be marched. */
+/* The media in front of a row of pixels; returns the number of pixels that needed a ray of their own. */
 static int64_t find_media_row(ty_lpv_march_state* state, int32_t x, int32_t y, int32_t count,
                               ty_lpv_media_radiance* out) {
     float contrast[TY_TILE];
@@ -130,7 +130,7 @@ static int64_t find_media_row(ty_lpv_march_state* state, int32_t x, int32_t y, i
     return alone;
 }
 
-/* Sums of what callers hand in may be too large for a float. */
+/* Callers' values may overflow a float in sums. */
 static float finite(float value) {
     return value > -TY_FLOAT_MAX && value < TY_FLOAT_MAX ? value : 0.0f;
 }

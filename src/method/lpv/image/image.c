@@ -51,7 +51,7 @@ static void run_tile(void* user, int64_t index, int32_t worker) {
     report(pass);
 }
 
-/* Runs a pass, which takes the progress up to `until`; seconds: is added to. Errors: TY_CANCELLED. */
+/* Runs a pass, which moves the progress to `until`, and adds its time to `seconds`. Errors: TY_CANCELLED. */
 static ty_result run_tiles(tile_pass* pass, double until, double* seconds) {
     ty_lpv_march_state* state = pass->state;
     const double begun = ty_wall_seconds();
@@ -82,7 +82,7 @@ static void surfaces_and_media_tile(ty_lpv_march_state* state, int32_t x, int32_
     ty_lpv_clock_add(&state->clocks, TY_CLOCK_SINGLE, begun);
 }
 
-/* A golden-ratio lattice over the pixel; one ray goes through the middle. */
+/* A golden-ratio lattice over the pixel; a single sample is at the center. */
 static void place_sample(ty_lpv_march_state* state, int32_t sample) {
     const float turn = 0.5f + 0.618033989f * (float)sample;
     state->sample = sample;
@@ -90,14 +90,15 @@ static void place_sample(ty_lpv_march_state* state, int32_t sample) {
     state->dy = turn - floorf(turn);
 }
 
-/* The first row that cannot be composed yet when so many rows' media are there: it takes media of the next ones. */
+/* The first row that cannot be composited yet when the media samples of `rows` rows exist, because it needs the row
+ * after it. */
 static int32_t composable(const ty_lpv_march_state* state, int32_t rows) {
     return rows == state->height || state->pixels_per_ray == 1 ? rows : rows - 1;
 }
 
-/* All bands for one ray per pixel; until: as in ty_part_next. */
+/* Renders all bands of one sample; until: as in ty_part_next. */
 static ty_result add_sample(ty_lpv_march_state* state, double until) {
-    static const double surfaces_share = 0.9; /* of a band's work */
+    static const double surfaces_share = 0.9; /* of the work of a band */
     const double from = state->progress.from + state->progress.share, per_row = (until - from) / state->height;
     ty_result result = TY_OK;
     for (int32_t top = 0, composed = 0; top < state->height && result == TY_OK; top += TY_BAND) {

@@ -1,4 +1,4 @@
-/* What images have per instruction set. */
+/* The image kernels, built once per instruction set. */
 #ifndef TY_METHOD_LPV_IMAGE_KERNEL_H
 #define TY_METHOD_LPV_IMAGE_KERNEL_H
 
@@ -9,10 +9,10 @@
 typedef struct ty_media_ray {
     ty_vec origin, direction; /* unit */
     float far;                /* m, TY_FLOAT_MAX at most */
-    float offset;             /* where its first step ends, (0, 1] of a step */
+    float offset;             /* end of its first step, (0, 1] of a step */
 } ty_media_ray;
 
-/* A place on a surface, and what arrives there. */
+/* A surface point and, as the result, its irradiance. */
 typedef struct ty_irradiance_query {
     ty_vec point, normal;
     float irradiance[3];
@@ -21,8 +21,8 @@ typedef struct ty_irradiance_query {
 typedef struct ty_lpv_image_kernels {
     void (*ray_march)(const ty_ray_march_request* request, const ty_media_ray* ways, int32_t count,
                       ty_ray_march_result* out);
-    /* What pixels of a row from (x, y) on, at such distances, see of the media; contrast: as ty_lpv_upsample_row has
-     * it. */
+    /* Upsampled media samples of the pixels of a row from (x, y) on, at the given distances; contrast: as in
+     * ty_lpv_upsample_row. */
     void (*upsample)(const ty_lpv_upsample* from, int32_t x, int32_t y, int32_t count, const float* distance,
                      ty_lpv_media_radiance* out, float* contrast);
     void (*irradiance)(const ty_packed_lattices* lattices, ty_irradiance_query* places, int32_t count);

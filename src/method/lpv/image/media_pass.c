@@ -1,14 +1,15 @@
-/* What rays see of media: at half of the resolution, or for pixels by themselves. */
+/* Media samples, at half of the resolution or for single pixels. */
 #include "method/lpv/image/media_pass.h"
 
-/* Ray (x, y) goes through one of the four pixels that it stands for: which one takes turns, so that edges of surfaces
- * are met on both sides. */
+/* Ray (x, y) goes through one of its four pixels in a regular pattern, so that neighbouring rays sample both sides of
+ * silhouette edges. */
 void ty_lpv_media_ray_pixel(int32_t x, int32_t y, int32_t full[2]) {
     full[0] = 2 * x + ((x + (y >> 1)) & 1);
     full[1] = 2 * y + ((y + (x >> 1)) & 1);
 }
 
-/* Of any four neighbours two by two, one is in each quarter: means over them are all but free of what steps do. */
+/* Any 2 x 2 neighbours have offsets in different quarters of a step, so that their mean has almost no stepping error.
+ */
 float ty_lpv_step_offset(const ty_lpv_march_state* state, int32_t x, int32_t y) {
     static const float order[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
     const float place = (order[y & 3][x & 3] + 0.5f) * 0.0625f + 0.618033989f * (float)state->sample + state->first;

@@ -1,6 +1,6 @@
-/* One ray through the media: front to back, in steps of the lattice's cells; what they let through and send, and what
- * they scatter of the lattice's light. Extinction is exact whatever the steps, for homogeneous media in closed form,
- * for others cell by cell; light is looked up where a step's matter is seen in the mean. */
+/* A ray march through the media, front to back, in steps of the lattice's cells: transmittance, emission, and the
+ * lattice's light scattered towards the eye. Extinction is exact for any step length, in closed form in homogeneous
+ * media and cell by cell in others; the light is looked up at the mean point of a step's visible scattering. */
 #ifndef TY_METHOD_LPV_IMAGE_RAY_MARCH_K_H
 #define TY_METHOD_LPV_IMAGE_RAY_MARCH_K_H
 
@@ -10,35 +10,35 @@
 #include "scene/scene.h"
 #include "scene/spans.k.h"
 
-/* Transmittance below which a ray ends. */
+/* Transmittance below which a ray march ends. */
 #define TY_RAY_MARCH_OPAQUE 1e-5f
-/* Length of what has no end, m. */
+/* Length of an unbounded interval, m. */
 #define TY_RAY_MARCH_FAR 1e30f
 
 typedef struct ty_ray_march_request {
     const ty_scene_view* scene;
-    const ty_grid_medium* medium;       /* where media vary */
-    const ty_packed_lattices* lattices; /* NULL: nothing is looked up */
+    const ty_grid_medium* medium;       /* heterogeneous media on cells */
+    const ty_packed_lattices* lattices; /* NULL: no multiple scattering */
     float step;                         /* cells */
 } ty_ray_march_request;
 
-/* What a ray brings. */
+/* The results of a ray march. */
 typedef struct ty_ray_march_result {
     float transmittance[3];
-    float multiple[3];  /* of the lattice's light, W m^-2 sr^-1 */
-    float glow[3];      /* that media send themselves */
-    float scattered[3]; /* the part of the light that media scatter */
-    /* Where the ray ends, for rays that go a little farther or not as far: extinction, 1/m, and how transmittance times
-     * what media scatter of the lattice's light, and of all light, rises by the metre. */
+    float multiple[3];  /* scattered light of the lattice, W m^-2 sr^-1 */
+    float glow[3];      /* emission of the media */
+    float scattered[3]; /* fraction of the light that media scatter */
+    /* At the end of the ray, to extrapolate to slightly longer or shorter rays: extinction, 1/m, and the derivatives of
+     * `multiple` and `scattered` with respect to distance. */
     float extinction[3], multiple_rise[3], scattered_rise[3];
 } ty_ray_march_result;
 
-/* Media at a place: coefficients, 1/m, and radiance that they send per metre. */
+/* Coefficients of the media at a point, 1/m, and their emission per metre. */
 typedef struct ty_media_coefficients {
-    float extinction[3], scattering[3], forward[3], glow[3]; /* forward: scattering times mean cosine */
+    float extinction[3], scattering[3], forward[3], glow[3]; /* forward: scattering times g */
 } ty_media_coefficients;
 
-/* A way through the cells of a medium. */
+/* A voxel traversal of a medium's cells. */
 typedef struct ty_voxel_walk {
     int32_t cell[3], step[3];
     float next[3], per_cell[3]; /* m along the ray */
@@ -48,16 +48,17 @@ typedef struct ty_voxel_walk {
 typedef struct ty_ray_march {
     const ty_ray_march_request* request;
     ty_vec origin, direction;
-    float enter[TY_LPV_CASCADES_MAX], leave[TY_LPV_CASCADES_MAX]; /* of the lattices; nowhere: enter > leave */
+    float enter[TY_LPV_CASCADES_MAX],
+        leave[TY_LPV_CASCADES_MAX]; /* interval of the ray in each cascade; empty: enter > leave */
     float offset;
-    ty_media_coefficients media; /* of the stretch, where they are homogeneous */
-    ty_voxel_walk cells;         /* of the stretch, where they are not */
+    ty_media_coefficients media; /* of an interval with homogeneous media */
+    ty_voxel_walk cells;         /* of an interval with heterogeneous media */
     int32_t varies;
-    /* Of the step: what its media scatter, times how much of it is seen, and the same along the ray (for where light is
-     * looked up). */
+    /* Of the step: the visible scattering of bands 0 and 1, its sum, and its first moment along the ray (for the lookup
+     * point). */
     float isotropic[3], directed[3], amount, moment;
-    float sum[TY_PACKED_FLOATS];  /* of the lattice's light, band by band as it is scattered */
-    float last[TY_PACKED_FLOATS]; /* of the last step's, not yet scattered */
+    float sum[TY_PACKED_FLOATS];  /* scattered light of the lattice, per term */
+    float last[TY_PACKED_FLOATS]; /* light of the lattice at the last step */
     ty_ray_march_result out;
 } ty_ray_march;
 
@@ -96,7 +97,7 @@ TY_FN void ty_voxel_walk_axis(const ty_grid_medium* medium, int32_t axis, float 
     cells->per_cell[axis] = direction != 0.0f ? side / fabsf(direction) : TY_FLOAT_MAX;
 }
 
-/* The cells from t on. */
+/* Begins the traversal at distance t. */
 TY_FN void ty_voxel_walk_begin(const ty_ray_march_request* request, ty_vec origin, ty_vec direction, float t, float end,
                                ty_voxel_walk* cells) {
     const ty_grid_medium* medium = request->medium;
@@ -115,7 +116,7 @@ TY_FN void ty_voxel_walk_begin(const ty_ray_march_request* request, ty_vec origi
     ty_voxel_walk_axis(medium, 2, origin.z, direction.z, cells->enter, cells);
 }
 
-/* Goes on to the next cell; false past the box. */
+/* Advances to the next cell; false outside the box. */
 TY_FN bool ty_voxel_walk_advance(const ty_grid_medium* medium, ty_voxel_walk* cells) {
     const int32_t xy = cells->next[0] < cells->next[1] ? 0 : 1;
     const int32_t axis = cells->next[xy] < cells->next[2] ? xy : 2;
@@ -126,12 +127,13 @@ TY_FN bool ty_voxel_walk_advance(const ty_grid_medium* medium, ty_voxel_walk* ce
 
 /* ---- steps ---- */
 
-/* Where the light of a slab of optical depth x comes from in the mean, of its length: 1/x - 1/(e^x - 1), nearly. */
+/* Mean depth of the visible scattering in a slab of optical depth x, as a fraction of its length: a rational
+ * approximation of 1/x - 1/(e^x - 1). */
 TY_FN float ty_ray_march_mean_depth(float x) {
     return (1.0f + 0.1296f * x) / (2.0f + x * (0.5926f + 0.1296f * x));
 }
 
-/* Takes a piece of the ray, from t on, within which media are alike. */
+/* Adds an interval of the ray with constant coefficients, from t on. */
 TY_FN void ty_ray_march_add_interval(ty_ray_march* ray, const ty_media_coefficients* media, float t, float length) {
     float depth = 0.0f, seen = 0.0f;
     for (int c = 0; c < 3; ++c) {
@@ -169,7 +171,7 @@ TY_FN void ty_ray_march_add_voxels(ty_ray_march* ray, float t, float end) {
     }
 }
 
-/* The lattice's light at a distance along the ray; level: of the finest lattice there. */
+/* The lattice's light at a distance along the ray; level: the finest cascade there. */
 TY_FN void ty_ray_march_lookup(const ty_ray_march* ray, float at, int32_t level, float light[TY_PACKED_FLOATS]) {
     const ty_packed_lattices* lattices = ray->request->lattices;
     const ty_packed_lattice* lattice = &lattices->lattices[level];
@@ -186,7 +188,7 @@ TY_FN void ty_ray_march_lookup(const ty_ray_march* ray, float at, int32_t level,
     for (int j = 0; j < TY_PACKED_FLOATS; ++j) light[j] = coarse[j] + finer * (light[j] - coarse[j]);
 }
 
-/* A step through media that vary, from t to `end`, in a lattice or (-1) in none. */
+/* A step through heterogeneous media from t to `end`; level: the cascade, -1 for none. */
 TY_FN void ty_ray_march_step(ty_ray_march* ray, float t, float end, int32_t level) {
     for (int c = 0; c < 3; ++c) ray->isotropic[c] = ray->directed[c] = 0.0f;
     ray->amount = ray->moment = 0.0f;
@@ -199,9 +201,9 @@ TY_FN void ty_ray_march_step(ty_ray_march* ray, float t, float end, int32_t leve
     }
 }
 
-/* A step through homogeneous media: of light, term by term, what is scattered of it, and what passes. */
+/* A step through homogeneous media: per term, the fraction scattered towards the eye and the transmittance. */
 typedef struct ty_homogeneous_step {
-    float length, at; /* m; where it is looked up, from the step's start */
+    float length, at; /* m; distance of the lookup point from the step's start */
     float scatters[TY_PACKED_FLOATS], passes[TY_PACKED_FLOATS];
 } ty_homogeneous_step;
 
@@ -220,16 +222,15 @@ TY_FN void ty_homogeneous_step_make(const ty_media_coefficients* media, float le
     step->at = length * ty_ray_march_mean_depth(depth);
 }
 
-/* Steps of a ray together, so that where they look is found for many at a time. */
+/* A batch of steps, whose lookup cells are computed together. */
 enum { TY_RAY_MARCH_BATCH = 16 };
 
 typedef struct ty_ray_march_batch {
     int32_t count;
     int32_t kind[TY_RAY_MARCH_BATCH];
-    float at[TY_RAY_MARCH_BATCH];     /* m along the ray; all are numbers */
-    int32_t base[TY_RAY_MARCH_BATCH]; /* the lowest of the eight cells */
-    float x[TY_RAY_MARCH_BATCH], y[TY_RAY_MARCH_BATCH],
-        z[TY_RAY_MARCH_BATCH]; /* how far on the place is towards the others */
+    float at[TY_RAY_MARCH_BATCH];     /* m along the ray; every entry is finite */
+    int32_t base[TY_RAY_MARCH_BATCH]; /* index of the lowest of the eight cells */
+    float x[TY_RAY_MARCH_BATCH], y[TY_RAY_MARCH_BATCH], z[TY_RAY_MARCH_BATCH]; /* interpolation fractions */
 } ty_ray_march_batch;
 
 TY_FN void ty_ray_march_locate(const ty_packed_lattice* lattice, ty_vec origin, ty_vec direction,
@@ -245,7 +246,8 @@ TY_FN void ty_ray_march_locate(const ty_packed_lattice* lattice, ty_vec origin, 
     }
 }
 
-/* The next steps up to `end`, of three kinds: the first one is cut short in front, the last one behind. */
+/* Lists the next steps up to `end`. There are three kinds: a shortened first step, full steps, and a shortened last
+ * step. */
 TY_FN float ty_ray_march_list_steps(const ty_ray_march* ray, float t, float end, float step, float* number,
                                     ty_homogeneous_step isotropic[3], ty_ray_march_batch* batch) {
     batch->count = 0;
@@ -264,8 +266,8 @@ TY_FN float ty_ray_march_list_steps(const ty_ray_march* ray, float t, float end,
     return t;
 }
 
-/* Goes from t to end through homogeneous media in one lattice: light alone, with the transmittance step by step. Steps
- * end at the same distances from the eye whatever begins or ends between them. */
+/* Marches from t to end through homogeneous media in one cascade, for the scattered light only. Steps end at fixed
+ * distances from the eye, independent of the boundaries between them. */
 TY_FN void ty_ray_march_homogeneous(ty_ray_march* ray, float t, float end, int32_t level) {
     const ty_packed_lattice* lattice = &ray->request->lattices->lattices[level];
     const bool blends = level + 1 < ray->request->lattices->count;
@@ -310,7 +312,7 @@ TY_FN bool ty_ray_march_is_opaque(const ty_ray_march_result* fog) {
            fog->transmittance[2] < TY_RAY_MARCH_OPAQUE;
 }
 
-/* The finest lattice from t on, -1: none, and up to where it is that. */
+/* The finest cascade at t, -1 for none; *end is reduced to where that changes. */
 TY_FN int32_t ty_ray_march_cascade(const ty_ray_march* ray, float t, float* end) {
     const int32_t count = ray->request->lattices != NULL ? ray->request->lattices->count : 0;
     for (int32_t i = 0; i < count; ++i) {
@@ -324,7 +326,7 @@ TY_FN int32_t ty_ray_march_cascade(const ty_ray_march* ray, float t, float* end)
     return -1;
 }
 
-/* The same through media that vary; false when nothing behind is seen. */
+/* Marches through heterogeneous media; false when the ray is opaque. */
 TY_FN bool ty_ray_march_heterogeneous(ty_ray_march* ray, float t, float end, int32_t level) {
     const float step = ray->request->step * ray->request->lattices->lattices[level].cell;
     float number = floorf(t / step - ray->offset) + 1.0f;
@@ -338,7 +340,7 @@ TY_FN bool ty_ray_march_heterogeneous(ty_ray_march* ray, float t, float end, int
     return true;
 }
 
-/* From t to end, within which the same media are there; false when nothing behind is seen. */
+/* Marches from t to end, where the set of media is constant; false when the ray is opaque. */
 TY_FN bool ty_ray_march_interval(ty_ray_march* ray, float t, float end) {
     if (ray->varies != 0) ty_voxel_walk_begin(ray->request, ray->origin, ray->direction, t, end, &ray->cells);
     while (t < end) {
@@ -360,7 +362,7 @@ TY_FN bool ty_ray_march_interval(ty_ray_march* ray, float t, float end) {
 
 /* ---- rays ---- */
 
-/* The media at t, and up to where no other comes and none of them ends; false: there is none. */
+/* The media at t; *end is the distance up to which the set of media is constant. False if there are none. */
 TY_FN bool ty_ray_march_media_at(ty_ray_march* ray, const ty_spans* spans, float t, float* end) {
     TY_GLOBAL const ty_medium_view* media = ray->request->scene->media;
     bool any = false;
@@ -397,7 +399,7 @@ TY_FN void ty_ray_march_begin(ty_ray_march* ray, const ty_ray_march_request* req
     }
 }
 
-/* What the lattice's light brings: it travels against the ray. */
+/* Evaluates the scattered light in the direction against the ray. */
 TY_FN void ty_ray_march_gather(ty_ray_march* ray) {
     float y[TY_SH_TERMS];
     ty_sh_at(ty_scale(ray->direction, -1.0f), 2, y);
@@ -408,13 +410,13 @@ TY_FN void ty_ray_march_gather(ty_ray_march* ray) {
     }
 }
 
-/* What the ray ends in, if it ends within media. */
+/* The derivatives at the end of a ray that ends inside media. */
 TY_FN void ty_ray_march_end(ty_ray_march* ray, float far) {
     float y[TY_SH_TERMS];
     ty_media_coefficients media = ray->media;
     if (ray->varies != 0) {
         if (ray->cells.leave < far) return;
-        /* Where the box's side is what the ray ends at, the cell behind it may have been the next. */
+        /* At a face of the box the traversal may already be past the last cell. */
         const int32_t* size = ray->request->medium->box.size;
         int32_t cell[3];
         for (int a = 0; a < 3; ++a) {
@@ -435,7 +437,7 @@ TY_FN void ty_ray_march_end(ty_ray_march* ray, float far) {
     }
 }
 
-/* Follows a ray with a unit direction as far as `far`. offset: where its first step ends, (0, 1] of a step. */
+/* Marches along a unit direction up to `far`. offset: end of the first step, (0, 1] of a step. */
 TY_FN void ty_ray_march_follow(ty_ray_march* ray, const ty_ray_march_request* request, ty_vec origin, ty_vec direction,
                                float far, float offset) {
     ty_spans spans;

@@ -1,15 +1,15 @@
-/* What surfaces reflect. */
+/* Direct light and light of the lattices that visible surfaces reflect. */
 #include "method/lpv/image/shading.h"
 
-/* Cosines between surfaces and lights below which maps are not asked if rays may be. */
+/* Cosine of incidence below which shadow rays replace the shadow map. */
 static const float grazing = 0.02f;
-/* How much nearer than a surface's plane texels may be, in their widths, to be of the surface itself: where rays decide
- * whether those up to `touching` of them are, and where they do not. */
+/* Depth bias, in texel widths, within which a texel in front of a surface's plane counts as the surface itself: with
+ * shadow rays, which decide up to a bias of `touching`, and without. */
 static const float own_with_rays = 0.1f, own_without = 1.0f, touching = 6.0f;
 
 /* ---- shadows ---- */
 
-/* How wide the texels of a map are about so far from its light, m. */
+/* Approximate texel width at a distance from the light, m. */
 static float texel_width(const ty_shadow_hierarchy* lit, float distance) {
     const ty_rsm* map = lit->map;
     double square[2] = {0, 0};
@@ -21,12 +21,12 @@ static float texel_width(const ty_shadow_hierarchy* lit, float distance) {
     return lit->light.kind == TY_KIND_DIRECTIONAL ? width : width * distance;
 }
 
-/* Rays towards a light that wait until there are enough of them. */
+/* A packet of shadow rays that is traced when full. */
 typedef struct shadow_packet {
     int32_t count;
     ty_ray rays[TY_PACKET];
     ty_lpv_pixel* pixels[TY_PACKET];
-    float light[TY_PACKET][3]; /* what they bring if nothing is in between */
+    float light[TY_PACKET][3]; /* reflected radiance if the ray is unoccluded */
 } shadow_packet;
 
 static void trace_shadows(ty_lpv_march_state* state, shadow_packet* packet) {
@@ -51,7 +51,7 @@ static void queue_shadow_ray(ty_lpv_march_state* state, const ty_light_sample* s
     if (++packet->count == TY_PACKET) trace_shadows(state, packet);
 }
 
-/* The share of a light that gets to a pixel by its map; -1: a ray is to say. */
+/* Visibility of a light from its shadow map; -1: a shadow ray has to decide. */
 static float visibility_of(const ty_lpv_march_state* state, const ty_shadow_hierarchy* map, const ty_lpv_pixel* pixel,
                            const ty_light_sample* sample) {
     const bool asks = state->job->def->shadow_rays && state->scene->mesh != NULL;
@@ -65,7 +65,7 @@ static float visibility_of(const ty_lpv_march_state* state, const ty_shadow_hier
 
 /* ---- direct light ---- */
 
-/* Radiance by a light that nothing shadows; false where there is none. */
+/* Reflected radiance of an unshadowed light; false if it is zero. */
 static bool reflect_light(const ty_lpv_march_state* state, int32_t index, const ty_light_sample* sample,
                           const ty_lpv_pixel* pixel, float light[3]) {
     const float facing = ty_dot(pixel->normal, sample->look) * (1.0f / TY_PI);
@@ -104,18 +104,20 @@ static void add_light(ty_lpv_march_state* state, int32_t index, ty_lpv_tile* til
     trace_shadows(state, &packet);
 }
 
-/* ---- the lattice's light ---- */
+/* ---- light of the lattices ---- */
 
-/* Where light is looked up, and what arrives there. */
+/* The irradiance queries of a tile. */
 typedef struct irradiance_list {
     int32_t count;
     ty_irradiance_query places[TY_TILE_PIXELS];
 } irradiance_list;
 
-/* Blocks are flat if their pixels are no farther apart than this, in cells, and their normals' cosines at least so. */
+/* A block is flat if its pixels are within this distance, in cells, and the cosines between their normals are at least
+ * this. */
 static const float flat_within = 0.25f, flat_cosine = 0.998f;
 
-/* Whether a tile's pixels from `first` on are a whole block on one flat surface: then its corners say it all. */
+/* Whether the pixels from `first` on are a whole block on a flat surface: then irradiance is interpolated from its
+ * corners. */
 static bool is_flat(const ty_lpv_march_state* state, const ty_lpv_tile* tile, int32_t first) {
     const ty_lpv_pixel* block = &tile->pixels[first];
     const float most = flat_within * state->lattices.lattices[0].cell;
@@ -139,7 +141,7 @@ static void add_irradiance(const float irradiance[3], ty_lpv_pixel* pixel) {
     for (int c = 0; c < 3; ++c) pixel->radiance[c] += pixel->albedo[c] * (1.0f / TY_PI) * irradiance[c];
 }
 
-/* Between the corners of a block. */
+/* Interpolates between the corners of a block. */
 static void add_between(const ty_irradiance_query corners[4], ty_lpv_pixel* block) {
     for (int32_t i = 0; i < TY_BLOCK_PIXELS; ++i) {
         const float across = (float)(i % TY_BLOCK) * (1.0f / (TY_BLOCK - 1));

@@ -1,4 +1,4 @@
-/* Media seen at half of the resolution, brought to the full one with regard to how far their rays went. */
+/* Joint bilateral upsampling of half-resolution media samples by ray distance. */
 #ifndef TY_METHOD_LPV_IMAGE_UPSAMPLE_K_H
 #define TY_METHOD_LPV_IMAGE_UPSAMPLE_K_H
 
@@ -6,13 +6,13 @@
 
 enum { TY_LPV_UPSAMPLE_PERIOD = 8, TY_LPV_UPSAMPLE_FLOATS = 16 };
 
-/* What a pixel sees of the media; as many floats as TY_LPV_UPSAMPLE_FLOATS. */
+/* Radiance and transmittance of the media in front of a pixel; TY_LPV_UPSAMPLE_FLOATS floats. */
 typedef struct ty_lpv_media_radiance {
     float transmittance[3], multiple[3], scattered[3], glow[3], single[3];
-    float distance; /* how far the ray goes, m; INFINITY: without end */
+    float distance; /* length of the ray, m; INFINITY: unbounded */
 } ty_lpv_media_radiance;
 
-/* What a ray sees, and how that changes where it goes a little farther; see ty_ray_march_result. */
+/* A ray's radiance and its derivatives with respect to distance; see ty_ray_march_result. */
 typedef struct ty_lpv_media_sample {
     ty_lpv_media_radiance radiance;
     float extinction[3], multiple_rise[3], scattered_rise[3];
@@ -22,16 +22,16 @@ typedef struct ty_lpv_media_sample {
 typedef struct ty_lpv_upsample {
     TY_GLOBAL const ty_lpv_media_sample* media_samples; /* NULL: vacuum */
     int32_t width, height;
-    int32_t mask; /* rows that air has, a power of two, less 1: others take their places */
+    int32_t mask; /* number of rows stored, a power of two, minus 1: rows wrap around */
     float weights[TY_LPV_UPSAMPLE_PERIOD][TY_LPV_UPSAMPLE_PERIOD][4]; /* of the four rays around a pixel */
 } ty_lpv_upsample;
 
-/* Distances that differ by more, relative to the lesser, are not alike at all. */
+/* Relative difference of distances at which the similarity is 0. */
 #define TY_LPV_UPSAMPLE_TOLERANCE 0.1f
-/* Weight of all neighbours together below which a pixel is marched by itself. */
+/* Total weight of the neighbours below which a pixel gets a ray of its own. */
 #define TY_LPV_UPSAMPLE_WEIGHT_MIN (1.0f / 64.0f)
 
-/* How alike two distances are; both at most TY_FLOAT_MAX, which stands for no end. */
+/* Similarity of two distances, 0..1; TY_FLOAT_MAX stands for an unbounded ray. */
 TY_FN float ty_lpv_upsample_similarity(float a, float b) {
     const float apart = fabsf(a - b), within = TY_LPV_UPSAMPLE_TOLERANCE * ty_minf(a, b);
     const float x = within > 0.0f ? apart / within : apart > 0.0f ? 1.0f : 0.0f;
@@ -39,8 +39,8 @@ TY_FN float ty_lpv_upsample_similarity(float a, float b) {
     return left * left;
 }
 
-/* The two rays around a pixel along a side, and the share of the second. Each stands for two pixels, and lies between
- * them. */
+/* The two rays around a pixel along one axis, and the weight of the second. A ray represents two pixels and lies
+ * between them. */
 TY_FN float ty_lpv_upsample_pair(int32_t pixel, int32_t count, int32_t pair[2]) {
     const int32_t first = (pixel + 1) / 2 - 1;
     pair[0] = first > 0 ? first : 0;
@@ -52,8 +52,8 @@ TY_FN void ty_lpv_upsample_bilinear(float along, float down, float weight[4]) {
     for (int i = 0; i < 4; ++i) weight[i] = (i % 2 != 0 ? along : 1.0f - along) * (i / 2 != 0 ? down : 1.0f - down);
 }
 
-/* Which floats go with the extinction of which channel; what rises as it is, and what (transmittance) by how much there
- * is. */
+/* Per float: half of the channel's extinction applies, 1 where the derivative is added as it is, and 1 where it is
+ * multiplied by the value (transmittance). */
 typedef struct ty_lpv_upsample_lanes {
     float channel[3][TY_LPV_UPSAMPLE_FLOATS], rises[TY_LPV_UPSAMPLE_FLOATS], fades[TY_LPV_UPSAMPLE_FLOATS];
 } ty_lpv_upsample_lanes;
@@ -68,7 +68,7 @@ TY_FN ty_lpv_upsample_lanes ty_lpv_upsample_lanes_make(void) {
     return lanes;
 }
 
-/* The mean of what rays bring, as if each went `farther` (m) than it does, which is little. */
+/* Weighted mean of the rays, each extrapolated by the small distance `farther`, m. */
 TY_FN void ty_lpv_upsample_mean(const ty_lpv_upsample_lanes* lanes,
                                 TY_GLOBAL const ty_lpv_media_sample* const media_samples[4], const float share[4],
                                 const float farther[4], float mean[TY_LPV_UPSAMPLE_FLOATS]) {
@@ -96,7 +96,7 @@ TY_FN void ty_lpv_upsample_mean(const ty_lpv_upsample_lanes* lanes,
     }
 }
 
-/* How much light that is scattered once differs between the rays that count, all channels together. */
+/* Range of single scattering among the rays with nonzero weight, sum of all channels. */
 TY_FN float ty_lpv_upsample_contrast(TY_GLOBAL const ty_lpv_media_sample* const media_samples[4],
                                      const float share[4]) {
     float least = TY_FLOAT_MAX, most = 0.0f;
@@ -109,10 +109,10 @@ TY_FN float ty_lpv_upsample_contrast(TY_GLOBAL const ty_lpv_media_sample* const 
     return most - least;
 }
 
-/* Pixels of a row that are taken together. */
+/* Pixels of a row that are processed together. */
 enum { TY_LPV_UPSAMPLE_WIDTH = 16 };
 
-/* The four rays around each of some pixels of a row. */
+/* The four rays around each pixel of a batch. */
 typedef struct ty_lpv_upsample_neighbours {
     TY_GLOBAL const ty_lpv_media_sample* media_samples[TY_LPV_UPSAMPLE_WIDTH][4];
     float far[TY_LPV_UPSAMPLE_WIDTH];
@@ -136,7 +136,8 @@ TY_FN void ty_lpv_upsample_find(const ty_lpv_upsample* from, int32_t x, int32_t 
     }
 }
 
-/* Weights by place, where rays around are alike so that their mean lies on the pixel, and by likeness. */
+/* Weights by position times similarity. Where all rays are similar, the positional weights are those whose mean
+ * position is the pixel. */
 TY_FN void ty_lpv_upsample_weigh(const ty_lpv_upsample* from, int32_t x, int32_t y, int32_t count,
                                  ty_lpv_upsample_neighbours* row) {
     float like[4][TY_LPV_UPSAMPLE_WIDTH], least[TY_LPV_UPSAMPLE_WIDTH];
@@ -177,8 +178,8 @@ TY_FN void ty_lpv_upsample_weigh(const ty_lpv_upsample* from, int32_t x, int32_t
     }
 }
 
-/* What up to TY_LPV_UPSAMPLE_WIDTH pixels of a row see; contrast: how much once scattered light differs between the
- * rays around each, or below 0: none of them went about as far. */
+/* Upsamples up to TY_LPV_UPSAMPLE_WIDTH pixels of a row. contrast: range of single scattering among the rays around
+ * each pixel; negative if no ray has a similar distance. */
 TY_FN void ty_lpv_upsample_row(const ty_lpv_upsample_lanes* lanes, const ty_lpv_upsample* from, int32_t x, int32_t y,
                                int32_t count, const float* distance, ty_lpv_media_radiance* out, float* contrast) {
     ty_lpv_upsample_neighbours row;

@@ -1,4 +1,4 @@
-/* What the camera sees of surfaces. */
+/* Surfaces that the camera sees. */
 #include "method/lpv/image/visible_surfaces.h"
 
 static void list_pixels(const ty_lpv_march_state* state, int32_t x, int32_t y, int32_t right, int32_t bottom,
@@ -68,13 +68,13 @@ static void trace(ty_lpv_march_state* state, ty_lpv_tile* tile) {
     atomic_fetch_add(&state->rays, tile->count);
 }
 
-/* ---- the caller's ---- */
+/* ---- handed in by a caller ---- */
 
 static float number_in(float value, float most) {
     return value >= 0.0f ? ty_minf(value, most) : 0.0f;
 }
 
-/* Callers' numbers may be anything. What is so far away, m, that squares of it are no numbers is no surface. */
+/* Callers' values are unchecked. Distances above this, m, whose squares overflow, count as no surface. */
 static const float farthest = 1e15f;
 
 static void set_view_surface(const ty_lpv_march_state* state, const ty_lpv_view_def* view, ty_lpv_pixel* pixel) {

@@ -1,4 +1,4 @@
-/* What surfaces stop between cells. */
+/* Blockers between cells. */
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/lpv/inject/inject.h"
@@ -7,22 +7,21 @@
 
 #include <stdatomic.h>
 
-/* Mode links: how much more area than there is counts, so that a wall that few rays met still closes all of a link. */
+/* Mode links: factor on the blocking area, so that a wall sampled by few rays still closes a link completely. */
 static const float slack = 1.25f;
 
-/* Surfaces on a plane between two cubes must not be shared by both, as rounding would have it: cubes lie off their
- * places by this much, in cells. */
+/* Offset of the cubes, in cells, so that rounding does not count a surface on the plane between two cubes for both. */
 static const float nudge = 1e-3f;
 
-/* Surfaces through cells' middles are not in front of them, m/m. */
+/* Minimum distance, in cells, of a surface in front of a cell's center. */
 static const float least_surface_depth = 0.01f;
 
-/* Terms of the fuzzy blockers. */
+/* Terms of the fuzzy blockers B (two bands). */
 enum { BLOCKER_TERMS = 4 };
 
-/* ---- cubes about corners of cells ---- */
+/* ---- cubes around corners of cells ---- */
 
-/* Sums over surfels in a cube about each corner of cells. */
+/* Sums over the surfels in a cube around each corner of cells. */
 enum { CORNER_AREA = BLOCKER_TERMS, CORNER_ALBEDO, CORNER_SUMS = CORNER_ALBEDO + 3 };
 
 typedef struct block_job {
@@ -35,13 +34,13 @@ typedef struct block_job {
     _Atomic bool failed, blocked;
 } block_job;
 
-/* Cubes of a cell's side. */
+/* A grid of cubes as large as cells. */
 typedef struct cube_grid {
     float lower[3], per_cell; /* m, 1/m */
     int32_t size[3];
 } cube_grid;
 
-/* Those that begin `shift` (0 or 1) halves of a cell before the cells. */
+/* The cubes shifted by `shift` (0 or 1) half cells towards lower coordinates. */
 static cube_grid cubes_of(const ty_lattice* lattice, const int32_t shift[3]) {
     cube_grid out = {.per_cell = 1.0f / lattice->cell};
     for (int a = 0; a < 3; ++a) {
@@ -51,7 +50,7 @@ static cube_grid cubes_of(const ty_lattice* lattice, const int32_t shift[3]) {
     return out;
 }
 
-/* The cube a point is in; false outside. */
+/* The cube that contains a point; false outside. */
 static bool cube_at(const cube_grid* cubes, ty_vec point, int32_t cube[3]) {
     const float at[3] = {point.x, point.y, point.z};
     for (int a = 0; a < 3; ++a) {
@@ -84,13 +83,13 @@ static void add_corners(const block_job* job) {
         sums[CORNER_AREA] += surfel->area;
         for (int c = 0; c < 3; ++c) sums[CORNER_ALBEDO + c] += surfel->area * surfel->albedo[c];
         if (job->mode != TY_LPV_MODE_PUBLISHED) continue;
-        /* Light that travels against the normal meets the surface. */
+        /* Light that travels against the normal hits the surface. */
         ty_sh_at(ty_scale(surfel->normal, -1.0f), 2, y);
         for (int t = 0; t < BLOCKER_TERMS; ++t) sums[t] += surfel->area * per_face * ty_sh_cosine(ty_sh_band(t)) * y[t];
     }
 }
 
-/* Means over the surfaces within a cell about a cell's middle. */
+/* Mean albedo of the surfaces within one cell of a cell's center. */
 static void find_albedo(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const block_job* job = user;
@@ -117,7 +116,7 @@ static uint8_t quantized_transmission(block_job* job, float blocked) {
 
 /* ---- mode links ---- */
 
-/* All links of one direction: surfaces belong to the link in the cube about whose middle they are. */
+/* Transmission of all links of one direction. A surfel belongs to the link whose midpoint is the center of its cube. */
 static void close_links(void* user, int64_t link, int32_t worker) {
     (void)worker;
     block_job* job = user;
@@ -146,9 +145,10 @@ static void close_links(void* user, int64_t link, int32_t worker) {
     ty_free_array(lattice->context, covered, grid.count, sizeof *covered);
 }
 
-/* ---- what is in front of cells' middles ---- */
+/* ---- surfaces in front of cell centers ---- */
 
-/* The cell that a surfel is in, and how far in front of its middle, in cells; false: not in front, or outside. */
+/* The cell that contains a surfel, and the surfel's distance in front of the center, in cells; false if it is not in
+ * front, or outside the lattice. */
 static bool is_before_center(const block_job* job, const cube_grid* cells, const ty_surfel* surfel, size_t* cell,
                              float* off) {
     const float half = 0.5f * job->lattice->cell;
@@ -177,7 +177,7 @@ static void add_surface_depth(ty_surface_depths* surface_depths, const ty_surfel
     plane[3] += surfel->area * off;
 }
 
-/* From sums over areas to means. */
+/* Area-weighted sums to means. */
 static void finish_surface_depths(ty_surface_depths* surface_depths) {
     for (int side = 0; side < TY_SURFACE_SIDES; ++side) {
         float* plane = surface_depths->plane[side];
@@ -227,8 +227,8 @@ static ty_result find_surface_depths(const block_job* job) {
 
 /* ---- mode published ---- */
 
-/* The mean of the cubes that meet at the middle of the link that leads into a cell: one for links across a corner, two
- * across an edge, four across a face. */
+/* The mean blocker of the cubes that meet at the midpoint of the link into a cell: one cube for links across a corner,
+ * two across an edge, four across a face. */
 static void blocker_between(const block_job* job, const int32_t step[3], const int32_t cell[3],
                             float blocker[BLOCKER_TERMS]) {
     int32_t corners = 0;
@@ -246,9 +246,9 @@ static void blocker_between(const block_job* job, const int32_t step[3], const i
     for (int t = 0; t < BLOCKER_TERMS; ++t) blocker[t] /= (float)corners;
 }
 
-/* Kaplanyan and Dachsbacher 2010: surfaces stop what share of a direction their area covers of a cell's face, times
- * the cosine; G_j takes the mean over its patch. Two bands know little of where a cosine ends: a wall still stops a
- * quarter of what runs along it, so there is more blocking than surfaces in corners and narrow places. */
+/* Fuzzy blockers (Kaplanyan and Dachsbacher 2010): a surface blocks the fraction of a cell's face that its area covers,
+ * times the cosine. Two bands blur the end of the cosine lobe: a wall blocks a quarter of the light parallel to it, so
+ * blocking is overestimated in corners and narrow passages. */
 static void fuzzy_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     block_job* job = user;
@@ -263,12 +263,12 @@ static void fuzzy_row(void* user, int64_t row, int32_t worker) {
             blocker_between(job, job->transfer.step[link], cell, blocker);
             for (int t = 0; t < BLOCKER_TERMS; ++t) sum += blocker[t] * transfer_G[t];
             lattice->transmission[link][(size_t)row * (size_t)size[0] + (size_t)cell[0]] =
-                quantized_transmission(job, sum / whole);
+                quantized_transmission(job, sum / whole); /* b = <B | G_j> / <1 | G_j>, Eq. 2 (Billeter 2012) */
         }
     }
 }
 
-/* Sums over all surfels that do not need one another. */
+/* Independent sums over all surfels, one per index. */
 static void sum_surfels(void* user, int64_t index, int32_t worker) {
     block_job* job = user;
     if (index == 0)

@@ -1,23 +1,23 @@
-/* Which links surfaces cross, by rays from cell to cell. */
+/* Exact blocking of links by rays from cell center to cell center. */
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/lpv/inject/inject.h"
 #include "method/lpv/lattice/links.h"
 #include "scene/scene.h"
 
-/* Off cells' middles by this much, in cells, so that surfaces through middles are on one side of them. */
+/* Offset of the rays from the cell centers, in cells, so that a surface through the centers lies on one side. */
 static const double aside[3] = {1e-3, 0.7e-3, 0.4e-3};
 
 typedef struct crossing_job {
     const ty_scene* scene;
     ty_lattice* lattice;
-    const uint8_t* near;                 /* by cell: whether any of its links is closed in part */
-    uint8_t* crossed[TY_LPV_HALF_LINKS]; /* by link, as ty_link_grid counts them */
+    const uint8_t* near;                 /* per cell: whether any of its links is partly blocked */
+    uint8_t* crossed[TY_LPV_HALF_LINKS]; /* per link, indexed as in ty_link_grid */
     ty_link_grid grids[TY_LPV_HALF_LINKS];
     ty_ray_counter* counter;
 } crossing_job;
 
-/* Rays to trace and where what they say goes. */
+/* A packet of rays and where their results are stored. */
 typedef struct crossing_packet {
     ty_ray rays[TY_PACKET];
     uint8_t* out[TY_PACKET];
@@ -47,7 +47,7 @@ static ty_ray ray_of(const ty_lattice* lattice, const int32_t step[3], const int
     return ray;
 }
 
-/* One layer of the links of one direction. */
+/* Traces one layer of the links of one direction. */
 static void cross_layer(void* user, int64_t index, int32_t worker) {
     (void)worker;
     crossing_job* job = user;
@@ -72,7 +72,7 @@ static void cross_layer(void* user, int64_t index, int32_t worker) {
     ty_ray_counter_add(job->counter, packet.traced, packet.seconds);
 }
 
-/* Links that are crossed are closed. What their neighbours in a row were closed by is the same surface. */
+/* Blocks crossed links. Partial blocking of the next links in a row is due to the same surface and is removed. */
 static void close_crossed(void* user, int64_t link, int32_t worker) {
     (void)worker;
     const crossing_job* job = user;

@@ -1,4 +1,4 @@
-/* What lattices start from: blockers, light that surfaces reflect, light that media scatter once. */
+/* Injection: blockers, light that surfaces reflect, and light that media scatter once. */
 #ifndef TY_METHOD_LPV_INJECT_H
 #define TY_METHOD_LPV_INJECT_H
 
@@ -7,43 +7,46 @@
 #include "scene/light.k.h"
 #include "scene/ray_counter.h"
 
-/* Points of surfaces, each for some area: from depth maps that see through all layers along three axes, or from what
- * lights and the camera see. */
+/* A surface sample with its area: from rays through all layers along three axes, or from the maps of the lights and the
+ * camera. */
 typedef struct ty_surfel {
-    ty_vec position, normal; /* m; unit, of the front */
+    ty_vec position, normal; /* m; unit, of the front side */
     float area;              /* m^2 */
     float albedo[3];
 } ty_surfel;
 
-/* All layers of the scene's surfaces within a box and half a cell around it, where links that lead out of the box are,
- * along three axes, `side` rays a cell of the box each way; areas are such that all three axes together count each
- * surface once. counter: NULL, or is added to. Errors: TY_ERROR_MEMORY. Freed with ty_free_array of *capacity. */
+/* Surfels of all layers of the scene's surfaces within a box, extended by half a cell for the links that leave it,
+ * along three axes with `side` x `side` rays per cell. The areas of all three axes together count each surface once.
+ * counter: NULL, or a counter of the rays. Errors: TY_ERROR_MEMORY. Freed with ty_free_array of *capacity. */
 ty_result ty_surfels_trace(const ty_scene* scene, const ty_grid_box* box, int32_t side, ty_surfel** out, size_t* count,
                            size_t* capacity, ty_ray_counter* counter);
 
-/* Mode links: closes links that surfaces cut, and finds the albedo around cells. Mode published: the same arrays from
- * fuzzy blockers, B in two bands in cells half a cell off, as <B | G_j>. */
+/* Finds the transmission of the links and the mean albedo around cells. Mode links: by the area that cuts a link. Mode
+ * published: by fuzzy blockers, B in two bands on cells shifted by half a cell, as <B | G_j>. Errors: TY_ERROR_MEMORY.
+ */
 ty_result ty_lattice_find_blockers(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfel* surfels, size_t count);
 
-/* Mode links, after ty_lattice_find_blockers, where there is a mesh: closes every link that a surface crosses on the
- * straight way from cell to cell, which areas alone do not where surfaces are slanted. Links near closed ones are
- * looked at. Errors: TY_ERROR_MEMORY. */
+/* Mode links with a mesh, after ty_lattice_find_blockers: blocks every link whose straight line from cell to cell
+ * crosses a surface, which areas alone miss where surfaces are slanted. Only links near partly blocked ones are traced.
+ * Errors: TY_ERROR_MEMORY. */
 ty_result ty_lattice_find_crossings(ty_lattice* lattice, const ty_scene* scene, ty_ray_counter* counter);
 
-/* A light and its map. */
+/* A light and its reflective shadow map. */
 typedef struct ty_lpv_light {
     const ty_light_view* light;
     const ty_rsm* rsm;
 } ty_lpv_light;
 
-/* What band l of what is injected is multiplied by (ty_lpv_def.window). */
+/* The factor on band l of injected light that reduces ringing (ty_lpv_def.window). */
 float ty_lpv_window(const ty_lpv_def* def, int32_t l);
 
-/* Light that surfaces reflect, lobes about normals, extinction on the way included (TY_LPV_SCATTERING), in cells on the
- * lit side; power: W per channel is added to. medium: as fine as extinction on the way is to be found, NULL: vacuum. */
+/* Injects light that surfaces reflect, as cosine lobes about the normals in the cells on the lit side, attenuated on
+ * the path from the light (TY_LPV_SCATTERING). Adds the injected power, W per channel, to `power`. medium: the fine
+ * cells for that attenuation; NULL: vacuum. Errors: TY_ERROR_MEMORY. */
 ty_result ty_lattice_inject_reflected(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_light* light,
                                       const ty_grid_medium* medium, double power[3]);
-/* Light that media scatter for the first time, by Henyey-Greenstein's bands. */
+/* Injects light that media scatter for the first time, as Henyey-Greenstein lobes about the rays. Errors:
+ * TY_ERROR_MEMORY. */
 ty_result ty_lattice_inject_scattered(ty_lattice* lattice, const ty_lpv_def* def, const ty_lpv_light* light,
                                       const ty_grid_medium* medium, double power[3]);
 

@@ -1,15 +1,15 @@
-/* What lights meet first: maps that are traced or a caller's. */
+/* The lights' reflective shadow maps, traced or a caller's. */
 #include "base/context.h"
 #include "method/lpv/job.h"
 
-/* The map of one light, traced over the widest lattice. */
+/* Traces the map of one light over the coarsest cascade. */
 static ty_result trace(ty_lpv_job* job, int32_t index, int32_t side, bool reflective, ty_rsm** out) {
     const ty_grid_box* box = &job->light->lattices[job->light->count - 1]->box;
     const ty_rsm_def def = {.side = side, .reflective = reflective, .lower = box->lower, .upper = box->upper};
     return ty_rsm_trace(job->scene, &def, index, out, &job->counter);
 }
 
-/* Point lights' maps have six faces, which share as many texels as the others' one has. */
+/* Texels along a side: the six faces of a point light share the number of texels of one face. */
 static int32_t side_of(const ty_light_view* light, int32_t side) {
     return light->kind == TY_KIND_POINT ? side * 2 / 5 + 1 : side;
 }

@@ -1,4 +1,4 @@
-/* Light that surfaces reflect. */
+/* Injection of light that surfaces reflect. */
 #include "direct/beam.k.h"
 #include "method/lpv/inject/rsm_rays.h"
 #include "method/lpv/lattice/lookup.k.h"
@@ -15,7 +15,7 @@ typedef struct reflect_job {
     ty_splat_cells cells;
 } reflect_job;
 
-/* false: the texel reflects nothing into the lattice. */
+/* The splat of one texel; false if it reflects nothing into the lattice. */
 static bool reflect(const reflect_job* job, const ty_rsm_rays* rays, int32_t i, ty_splat* out) {
     if (!(rays->share[i] > 0.0f) || !isfinite(rays->length[i])) return false;
     const ty_vec origin = ty_vec_make(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]);

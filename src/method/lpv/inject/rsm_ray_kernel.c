@@ -1,4 +1,4 @@
-/* Rays from lights; see lamp_kernel.h. */
+/* Rays from lights; see rsm_ray_kernel.h. */
 #include "method/lpv/inject/rsm_ray_kernel.h"
 
 #define TY_JOIN_(a, b) a##b
@@ -20,7 +20,7 @@ static void parallel_rays(const ty_rsm_face* face, float s0, float ds, float t, 
     }
 }
 
-/* As ty_rsm_texel_measure. */
+/* Mean solid angle per area, as in ty_rsm_texel_measure. */
 TY_FN float mean_density(float wide2, float s, float ds, float before, float after) {
     const float off = 0.288675135f * ds;
     const float a = wide2 * (s - off) * (s - off), b = wide2 * (s + off) * (s + off);
@@ -50,7 +50,7 @@ static void central_rays(const ty_rsm_face* face, float s0, float ds, float t, t
     }
 }
 
-/* As ty_spot_falloff. */
+/* Spot falloff, as in ty_spot_falloff. */
 static void fade(const ty_rsm_face* face, ty_rsm_rays* r) {
     const float outer = face->cos_outer, range = face->cos_inner - face->cos_outer, per_range = 1.0f / range;
     const ty_vec axis = face->axis;
@@ -90,9 +90,9 @@ static void clip(const ty_rsm_rays* r, const float lower[3], const float upper[3
     for (int32_t i = 0; i < r->count; ++i) end[i] = ty_maxf(begin[i], end[i]);
 }
 
-/* ---- what parts scatter ---- */
+/* ---- scattering on segments ---- */
 
-/* The number of a cell along an axis, moved inside. */
+/* A cell index along an axis, clamped to the lattice. */
 TY_FN int32_t inside_of(float place, int32_t size) {
     return (int32_t)ty_clampf(place, 0.0f, (float)(size - 1));
 }
@@ -101,8 +101,8 @@ TY_FN int32_t is_inside(float place, int32_t size) {
     return (int32_t)(place >= 0.0f) & (int32_t)(place < (float)size);
 }
 
-/* The cells of points along rays, moved off the surfaces that these end on, so that the cells' middles are on the lit
- * side; what that moves out of the lattice stays. */
+/* The cells of points on rays. Points are moved away from the surface that the ray ends on, so that the center of the
+ * cell is on the lit side, unless that leaves the lattice. */
 static void find_cells(const ty_ray_segments* parts, const ty_rsm_rays* r, const float* along, int32_t* cells) {
     const ty_ray_segments p = *parts;
     const float per_cell = 1.0f / p.cell;

@@ -6,55 +6,55 @@
 #include "base/vector.k.h"
 #include "direct/beam.k.h"
 
-/* Neighbouring texels of a row. */
+/* Neighbouring texels of a row that form a packet. */
 enum { TY_RSM_RAYS = 64 };
 
 typedef struct ty_rsm_rays {
     int32_t count;
-    size_t first; /* the first one's texel */
+    size_t first; /* index of the first texel */
     float origin[3][TY_RSM_RAYS], way[3][TY_RSM_RAYS];
-    float length[TY_RSM_RAYS];                    /* up to the surface, m; INFINITY: there is none */
-    float share[TY_RSM_RAYS];                     /* W by the light's color; 0: it sends nothing there */
-    float normal[3][TY_RSM_RAYS];                 /* of the surface, or against the ray */
-    float jitter[TY_RSM_RAYS];                    /* 0..1 */
-    float begin[TY_RSM_RAYS], end[TY_RSM_RAYS];   /* the stretch within the lattice, m; alike: there is none */
-    float enter[TY_RSM_RAYS], leave[TY_RSM_RAYS]; /* the stretch within the medium's box */
+    float length[TY_RSM_RAYS];    /* to the surface, m; INFINITY: none */
+    float share[TY_RSM_RAYS];     /* solid angle or area times falloff, so that times color it is W; 0: unlit */
+    float normal[3][TY_RSM_RAYS]; /* of the surface, or opposite to the ray */
+    float jitter[TY_RSM_RAYS];    /* 0..1 */
+    float begin[TY_RSM_RAYS], end[TY_RSM_RAYS];   /* interval in the lattice, m; begin = end: empty */
+    float enter[TY_RSM_RAYS], leave[TY_RSM_RAYS]; /* interval in the medium's box, m */
 } ty_rsm_rays;
 
-/* A face of a light's map. */
+/* A face of a map. */
 typedef struct ty_rsm_face {
     int32_t side, parallel, spot;
-    ty_vec origin, forward, right, up; /* as in ty_rsm; origin: of the light, if not parallel */
-    ty_vec axis;                       /* spot */
+    ty_vec origin, forward, right, up; /* as in ty_rsm; origin: the light's position if not parallel */
+    ty_vec axis;                       /* of a spot light */
     float cos_outer, cos_inner;
-    float area; /* of a texel, at distance 1 where rays are not parallel */
+    float area; /* of a texel, at distance 1 if rays are not parallel */
 } ty_rsm_face;
 
-/* Parts of rays, in a medium that is the same everywhere in its box. */
+/* Segments of rays in a medium that is homogeneous in its box. */
 typedef struct ty_ray_segments {
     int32_t channels;
     float extinction[3], scattering[3]; /* 1/m */
-    float samples, per_metre;           /* parts a ray at most, and otherwise a metre */
+    float samples, per_metre;           /* maximum number of segments per ray, and segments per metre */
     float lower[3], cell;               /* of the lattice, m */
     int32_t size[3];
-    float near_end; /* how far from its end points are moved off the surface, m */
+    float near_end; /* distance from a ray's end within which points are moved off the surface, m */
 } ty_ray_segments;
 
 typedef struct ty_segment_splats {
-    int32_t cell[TY_RSM_RAYS]; /* -1: nothing is scattered */
+    int32_t cell[TY_RSM_RAYS]; /* -1: no scattering */
     float share[3][TY_RSM_RAYS];
 } ty_segment_splats;
 
 typedef struct ty_rsm_ray_kernels {
-    /* Origins, ways and shares of the texels from (x, y) on; and lengths by the depth in front of `length`. */
+    /* Origins, directions and weights of the rays from texel (x, y) on; scales `length` from depth to distance. */
     void (*rays)(const ty_rsm_face* face, int32_t x, int32_t y, ty_rsm_rays* rays);
-    /* The stretch of [0, length] in a box. */
+    /* The interval of [0, length] in a box. */
     void (*clip)(const ty_rsm_rays* rays, const float lower[3], const float upper[3], float* begin, float* end);
-    /* One part of each ray. */
+    /* One segment of each ray. */
     void (*part)(const ty_ray_segments* parts, const ty_rsm_rays* rays, int32_t part, ty_segment_splats* out);
 } ty_rsm_ray_kernels;
 
-/* The point of a stretch, m from its beginning, up to which share u of what it scatters comes from. */
+/* The distance from a segment's start below which the fraction u of its scattering lies, m. */
 TY_FN float ty_scattering_distance(float u, float length, float extinction) {
     const float across = extinction * length;
     const float far = -ty_logf(1.0f - u * (1.0f - ty_decay(across))) / ty_maxf(extinction, 1e-30f);

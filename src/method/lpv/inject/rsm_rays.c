@@ -1,4 +1,4 @@
-/* Rays from lights. */
+/* Rays from lights through the texels of their maps. */
 #include "method/lpv/inject/rsm_rays.h"
 
 #include "direct/grid_depth.h"
@@ -13,9 +13,9 @@ const ty_rsm_ray_kernels* ty_rsm_ray_kernels_best(void) {
 #endif
 }
 
-/* ---- the light and the medium ---- */
+/* ---- light and medium ---- */
 
-/* Cells that are compared at a time. */
+/* Cells compared per block. */
 enum { EVEN_BLOCK = 4096 };
 
 static ty_vec vec_of(const double v[3]) {
@@ -107,7 +107,7 @@ void ty_rsm_ray_optical_depth(const ty_rsm_ray_medium* medium, const ty_rsm_rays
         ty_grid_depth(medium->medium, NULL, column(rays->origin, i), column(rays->way, i), rays->length[i], depth);
 }
 
-/* ---- media that are not the same everywhere ---- */
+/* ---- heterogeneous media ---- */
 
 ty_medium_walk ty_medium_walk_begin(const ty_grid_medium* medium, const ty_rsm_rays* rays, int32_t i) {
     ty_medium_walk walk = {.medium = medium, .cells = {.end = (double)rays->length[i]}};

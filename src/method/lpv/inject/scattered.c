@@ -1,20 +1,20 @@
-/* Light that media scatter for the first time.
+/* Injection of light that media scatter for the first time.
  *
- * A ray's stretch within the lattice is cut into equal parts. What a part scatters is found exactly from cell to cell
- * of the medium, and goes on from one point of it, more likely one where more is scattered. Where in parts points are
- * belongs to texels, and neighbours' points lie evenly between one another's. */
+ * A ray's interval in the lattice is divided into equal parts. The power that a part scatters is integrated exactly
+ * over the cells of the medium, and is injected at one point of the part, sampled in proportion to the scattering. The
+ * jitter of that point is low-discrepancy over neighbouring texels. */
 #include "base/random.k.h"
 #include "direct/beam.k.h"
 #include "method/lpv/inject/rsm_rays.h"
 #include "method/lpv/inject/splat.h"
 
-/* Samples a cell, about, of rays that are short. */
+/* Samples per cell on short rays. */
 static const float per_cell = 2.0f;
 
-/* How far from a ray's end, in cells, samples may be moved off the surface there. */
+/* Distance from a ray's end, in cells, within which samples are moved off the surface. */
 static const float near_end = 2.0f;
 
-/* Changes of the medium in one part of a ray that are told apart. */
+/* Maximum number of segments of the medium stored per part of a ray. */
 enum { STRETCHES = 64 };
 
 typedef struct scatter_job {
@@ -27,7 +27,7 @@ typedef struct scatter_job {
     float offset; /* of the jitter */
 } scatter_job;
 
-/* Numbers in [0, 1) that are even among neighbouring texels (Roberts 2018: the plastic number's lattice). */
+/* Low-discrepancy numbers in [0, 1) over neighbouring texels (the R2 sequence, Roberts 2018). */
 static float jitter_of(const scatter_job* job, int64_t row, int32_t x) {
     const double at = (double)job->offset + 0.7548776662466927 * x + 0.5698402909980532 * (double)row;
     return (float)(at - (double)(int64_t)at);
@@ -41,7 +41,7 @@ static void take_splat(const scatter_job* job, const ty_rsm_rays* rays, int32_t 
     for (int c = 0; c < 3; ++c) out->power[c] = share[job->parts.channels == 1 ? 0 : c] * color[c];
 }
 
-/* ---- media that are the same everywhere ---- */
+/* ---- homogeneous media ---- */
 
 static int32_t scatter_evenly(const scatter_job* job, const ty_rsm_rays* rays, ty_splat* out) {
     int32_t count = 0;
@@ -56,17 +56,17 @@ static int32_t scatter_evenly(const scatter_job* job, const ty_rsm_rays* rays, t
     return count;
 }
 
-/* ---- others ---- */
+/* ---- heterogeneous media ---- */
 
 /* A part of a ray. */
 typedef struct ray_part {
     ty_medium_segment stretches[STRETCHES];
-    float until[STRETCHES]; /* what is scattered up to the end of each, all channels together */
+    float until[STRETCHES]; /* cumulative scattering at the end of each segment, sum of all channels */
     int32_t count;
-    float scattered[3]; /* share of what the light sends along the ray */
+    float scattered[3]; /* fraction of the light along the ray that is scattered */
 } ray_part;
 
-/* Takes a stretch, and dims what is left of the light. */
+/* Adds a segment and attenuates the remaining light. */
 static void add_stretch(const scatter_job* job, ray_part* part, const ty_medium_segment* stretch, float left[3]) {
     float sum = part->count > 0 ? part->until[part->count - 1] : 0.0f;
     for (int32_t c = 0; c < job->parts.channels; ++c) {
@@ -80,7 +80,7 @@ static void add_stretch(const scatter_job* job, ray_part* part, const ty_medium_
     part->until[part->count - 1] = sum;
 }
 
-/* The point of a part up to which a share of what it scatters comes from, m along the ray. */
+/* The distance along the ray below which a fraction of the part's scattering lies, m. */
 static float place_of(const scatter_job* job, const ray_part* part, float share) {
     const float wanted = share * part->until[part->count - 1];
     int32_t i = 0;
@@ -93,7 +93,7 @@ static float place_of(const scatter_job* job, const ray_part* part, float share)
     return stretch->begin + ty_scattering_distance(u, stretch->length, extinction);
 }
 
-/* Off the surface that the ray ends on, so that the cell's middle is on the lit side. */
+/* The cell of a point, moved off the surface that the ray ends on, so that the cell's center is on the lit side. */
 static int32_t cell_of(const scatter_job* job, const ty_rsm_rays* rays, int32_t i, float at) {
     const ty_vec way = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
     const ty_vec normal = ty_vec_make(rays->normal[0][i], rays->normal[1][i], rays->normal[2][i]);

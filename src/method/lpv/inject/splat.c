@@ -1,10 +1,10 @@
-/* Splats are sorted by slabs of cells, row by row; then each slab takes its own from all rows, in order. */
+/* Splats are sorted by slab of cells, row by row; then each slab sums its own splats over all rows in order. */
 #include "method/lpv/inject/splat.h"
 
 #include "base/context.h"
 #include "base/parallel.h"
 
-/* Splats at a time, about: few enough to stay in a cache. */
+/* Approximate number of splats per batch, which fits a cache. */
 enum { BATCH = 1 << 17 };
 
 typedef struct splat_job {
@@ -18,7 +18,7 @@ typedef struct splat_job {
     double* power;        /* 3 a slab */
 } splat_job;
 
-/* One row's splats, sorted by slab and within as they came. */
+/* Sorts the splats of a row by slab, stably. */
 static void sort_row(void* user, int64_t index, int32_t worker) {
     const splat_job* job = user;
     const size_t most = (size_t)job->rows->most;
@@ -40,7 +40,7 @@ static void sort_row(void* user, int64_t index, int32_t worker) {
     begin[0] = 0;
 }
 
-/* What a band of a channel is multiplied by in a cell. */
+/* The factor on a band of a channel in a cell. */
 static float band_in(const splat_job* job, int32_t cell, int c, int32_t l) {
     const ty_grid_medium* medium = job->lattice->medium;
     float factor = job->rows->band[l];

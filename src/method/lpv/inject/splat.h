@@ -1,4 +1,4 @@
-/* Light that lands in cells, added up in an order that does not depend on the number of threads. */
+/* Splatting of light into cells, summed in an order that does not depend on the number of threads. */
 #ifndef TY_METHOD_LPV_SPLAT_H
 #define TY_METHOD_LPV_SPLAT_H
 
@@ -7,7 +7,7 @@
 /* A lobe of light in a cell. */
 typedef struct ty_splat {
     int32_t cell;
-    int32_t slab;   /* found by ty_splats_add */
+    int32_t slab;   /* set by ty_splats_add */
     float power[3]; /* W */
     ty_vec axis;    /* unit */
 } ty_splat;
@@ -17,15 +17,16 @@ typedef struct ty_splat_rows {
     int64_t rows;
     int32_t most;
     const void* user;
-    int32_t (*row)(const void* user, int64_t row, ty_splat* out); /* any thread; returns how many */
-    float band[TY_LPV_BANDS_MAX];                                 /* of the lobes about axes; the first is 1 */
-    bool turned; /* whether band l is also times g^l of the lattice's medium */
+    int32_t (*row)(const void* user, int64_t row,
+                   ty_splat* out); /* called from any thread; returns the number of splats */
+    float band[TY_LPV_BANDS_MAX];  /* coefficients of the lobes about the axes; the first is 1 */
+    bool turned;                   /* whether band l is also multiplied by g^l of the lattice's medium */
 } ty_splat_rows;
 
-/* Adds them to what flows, and to power, W per channel. Errors: TY_ERROR_MEMORY. */
+/* Adds the splats to propagated_sh and their power, W per channel, to `power`. Errors: TY_ERROR_MEMORY. */
 ty_result ty_splats_add(ty_lattice* lattice, const ty_splat_rows* rows, double power[3]);
 
-/* Where cells are, for many points. */
+/* The cell lookup of a lattice. */
 typedef struct ty_splat_cells {
     float lower[3], per_cell; /* m, 1/m */
     int32_t size[3];
@@ -40,7 +41,7 @@ static inline ty_splat_cells ty_splat_cells_of(const ty_lattice* lattice) {
     return out;
 }
 
-/* The cell that a point is in; -1 outside of the lattice. */
+/* The cell that contains a point; -1 outside the lattice. */
 static inline int32_t ty_splat_cell(const ty_splat_cells* cells, ty_vec point) {
     const float x = (point.x - cells->lower[0]) * cells->per_cell, y = (point.y - cells->lower[1]) * cells->per_cell;
     const float z = (point.z - cells->lower[2]) * cells->per_cell;
@@ -49,7 +50,7 @@ static inline int32_t ty_splat_cell(const ty_splat_cells* cells, ty_vec point) {
     return inside ? (int32_t)x + cells->size[0] * ((int32_t)y + cells->size[1] * (int32_t)z) : -1;
 }
 
-/* How far off a surface (unit normal) a point is to be for its cell's middle to be on the same side, m. */
+/* Distance from a surface (unit normal) beyond which the center of a point's cell is on the same side, m. */
 static inline float ty_splat_clearance(const ty_lattice* lattice, ty_vec normal) {
     return 0.5f * lattice->cell * (fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z));
 }

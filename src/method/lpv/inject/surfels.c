@@ -1,4 +1,4 @@
-/* Points of all layers of surfaces, along three axes. */
+/* Surfels of all layers of surfaces, along three axes. */
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/lpv/inject/inject.h"
@@ -10,12 +10,12 @@
 /* A task is a strip of BLOCK rows of rays; a packet is a block of BLOCK x BLOCK. */
 enum { BLOCK = 4 };
 
-/* Hits whose surfaces are asked about at a time. */
+/* Hits that are shaded per batch. */
 enum { BATCH = 64 };
 
-/* Where within its part of a cell a ray is. All are at the same place: whatever cube of a cell's side is looked at then
- * has `side` rays each way, wherever it begins. The two differ and are no simple fractions, so that rays do not run
- * along edges of what is modelled on a grid. */
+/* Position of a ray in its part of a cell, the same for all rays, so that every cube as large as a cell contains `side`
+ * x `side` rays. The two numbers differ and are no simple fractions, so that rays do not run along the edges of models
+ * built on a grid. */
 static const double offset[2] = {0.382, 0.271};
 
 typedef struct surfel_list {
@@ -23,7 +23,7 @@ typedef struct surfel_list {
     size_t count, capacity;
 } surfel_list;
 
-/* Where a strip's surfels are. */
+/* The location of a strip's surfels. */
 typedef struct surfel_strip {
     int32_t list;
     size_t first, count, place;
@@ -35,8 +35,8 @@ typedef struct surfel_job {
     int32_t side;
     double cell[3];
     int64_t begin[4];   /* the first strip of each axis */
-    surfel_list* lists; /* by worker */
-    ty_layers* layers;  /* by worker; too large for a stack */
+    surfel_list* lists; /* per worker */
+    ty_layers* layers;  /* per worker; too large for a stack */
     surfel_strip* strips;
     ty_surfel* out;
     ty_ray_counter* counter;
@@ -45,13 +45,13 @@ typedef struct surfel_job {
 
 /* ---- rays ---- */
 
-/* Rays along an axis through columns of cells along two others. */
+/* The rays parallel to an axis. */
 typedef struct ray_field {
     int32_t axis, across[2];
     int32_t count[2];
     double spacing[2];
     double begin, end; /* along the axis, m */
-    float area;        /* that a ray stands for, across it, m^2 */
+    float area;        /* cross section per ray, m^2 */
 } ray_field;
 
 static ray_field field_along(const surfel_job* job, int32_t axis) {
@@ -91,30 +91,30 @@ static void add_surfel(surfel_job* job, const ray_field* field, const ty_ray* ra
     }
     ty_surface_point point;
     ty_surface_evaluate(&job->scene->view.surfaces[hit->surface], hit, ty_vec_load(ray->direction), &point);
-    /* A hit stands for area / facing of the surface; by the square of facing all axes together are one. */
+    /* A hit represents the surface area `area / facing`. Weighted by facing^2, the three axes together count it once.
+     */
     ty_surfel* surfel = &list->items[list->count++];
     *surfel = (ty_surfel){.position = hit->position, .normal = hit->normal, .area = field->area * facing};
     memcpy(surfel->albedo, point.albedo, sizeof surfel->albedo);
 }
 
-/* Beside surfaces that are more along the ray than this, others are told apart by their distance as if they were not.
- */
+/* Minimum cosine between ray and surface in the distance test between layers. */
 static const float least_along = 0.1f;
 
-/* Whether a layer is behind the last one that counted, and not the same surface again: another triangle at its edge, or
- * one in the same place. */
+/* Whether a layer lies behind the last counted one, and is not the same surface hit twice, at a shared edge or a
+ * coincident triangle. */
 static bool is_behind(const ty_ray* ray, const ty_hit* last, float distance) {
     const float along = ty_maxf(fabsf(ty_dot(last->normal, ty_vec_load(ray->direction))), least_along);
     return (distance - last->distance) * along > last->margin;
 }
 
-/* Hits that are to become surfels, together. */
+/* A batch of hits that become surfels. */
 typedef struct hit_batch {
     ty_hit hits[BATCH];
     int32_t count;
 } hit_batch;
 
-/* ray: any of the field's. */
+/* Adds a batch of hits; ray: any ray of the field. */
 static void add_batch(surfel_job* job, const ray_field* field, const ty_ray* ray, hit_batch* batch, int32_t worker) {
     ty_surfaces_fetch(job->scene->view.surfaces, batch->hits, batch->count);
     for (int32_t i = 0; i < batch->count; ++i) add_surfel(job, field, ray, &batch->hits[i], worker);
@@ -132,7 +132,7 @@ static void add_layers(surfel_job* job, const ray_field* field, const ty_ray* ra
     }
 }
 
-/* The rays of a block. Returns how many they are. */
+/* Traces the rays of a block; returns their number. */
 static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left, int32_t top, int32_t worker,
                            double* seconds) {
     ty_ray rays[TY_PACKET];
@@ -175,7 +175,7 @@ static void copy_strip(void* user, int64_t index, int32_t worker) {
         memcpy(job->out + strip->place, job->lists[strip->list].items + strip->first, strip->count * sizeof *job->out);
 }
 
-/* All strips' surfels, in the strips' order. */
+/* Concatenates the surfels of all strips in order. */
 static ty_result gather(surfel_job* job, ty_surfel** out, size_t* count) {
     ty_context* context = job->scene->context;
     size_t total = 0;

@@ -1,4 +1,4 @@
-/* Blockers: of the scene's own surfaces, or of what a caller's maps and view show. */
+/* Blockers from the scene's surfaces, or from a caller's maps and view. */
 #include "base/context.h"
 #include "method/lpv/job.h"
 #include "scene/camera.h"
@@ -6,14 +6,13 @@
 
 #include <math.h>
 
-/* Points of surfaces. */
+/* A list of surfels. */
 typedef struct surfel_list {
     ty_surfel* items;
     size_t count, capacity;
 } surfel_list;
 
-/* across: the area that the point stands for, across the ray that found it; facing: cosine between that and the
- * normal. */
+/* across: the cross section that the point represents; facing: cosine between the ray and the normal. */
 static void add_point(surfel_list* list, ty_vec position, ty_vec normal, float across, float facing,
                       const float albedo[3]) {
     ty_surfel* surfel = &list->items[list->count++];
@@ -71,8 +70,8 @@ static void add_view(const ty_lpv_job* job, surfel_list* list) {
     }
 }
 
-/* What a caller's maps and view see; a surface that several of them see counts as often, which closes links that it
- * cuts in part too far. */
+/* Surfels from a caller's maps and view. A surface that several of them see counts several times, which overestimates
+ * the blocking of partly cut links. */
 static ty_result list_view_surfels(ty_lpv_job* job, surfel_list* list) {
     const ty_lpv* light = job->light;
     for (int32_t i = 0; i < light->source_count; ++i)

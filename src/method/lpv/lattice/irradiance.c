@@ -1,4 +1,4 @@
-/* The lattices' light on surfaces at single points. */
+/* Irradiance by the propagated light at single surface points. */
 #include "method/lpv/lattice/irradiance.h"
 
 #include "method/lpv/lattice/packed_lattice.k.h"

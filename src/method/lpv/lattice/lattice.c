@@ -1,4 +1,4 @@
-/* Lattices: their memory, and one to measure with. */
+/* Creation and destruction of lattices. */
 #include "method/lpv/lattice/lattice.h"
 
 #include "base/context.h"
@@ -71,14 +71,14 @@ void ty_lattice_destroy(ty_lattice* lattice) {
     ty_free_array(lattice->context, lattice, 1, sizeof *lattice);
 }
 
-/* ---- one to measure with ---- */
+/* ---- a lattice for benchmarks ---- */
 
-/* A few of the cells, spread evenly: whether `cell` is one of them. */
+/* Whether a cell is in a pseudo-random subset of one in `one_of` cells. */
 static bool is_picked(size_t cell, uint32_t one_of) {
     return (uint32_t)cell * 2654435761u / one_of % one_of == 0;
 }
 
-/* Walls of half a lattice's width, across x, that leave a part of each link open. */
+/* Walls across x over half the lattice, which block links partly. */
 static void add_walls(ty_lattice* lattice) {
     const int32_t *size = lattice->box.size, apart = 6;
     for (int32_t k = 0; k < TY_LPV_LINKS; ++k)

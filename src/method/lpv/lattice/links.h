@@ -1,4 +1,4 @@
-/* All links of one direction, in their places: those that lead out of the lattice, too. */
+/* The grid of all links of one direction, including those that leave the lattice. */
 #ifndef TY_METHOD_LPV_LINKS_H
 #define TY_METHOD_LPV_LINKS_H
 
@@ -8,7 +8,7 @@
 
 typedef struct ty_link_grid {
     int32_t step[3];
-    int32_t size[3]; /* places: the lattice's, and one more along axes that the step goes along */
+    int32_t size[3]; /* links per axis: one more than cells along the axes of the step */
     size_t count;
 } ty_link_grid;
 
@@ -25,7 +25,7 @@ static inline size_t ty_link_at(const ty_link_grid* grid, const int32_t place[3]
     return (size_t)place[0] + (size_t)grid->size[0] * row;
 }
 
-/* The place of the link before (way -1) or after (1) in a row; false where there is none. */
+/* The previous (way -1) or next (1) link in a row; false if there is none. */
 static inline bool ty_link_next(const ty_link_grid* grid, const int32_t place[3], int32_t way, int32_t next[3]) {
     for (int a = 0; a < 3; ++a) {
         next[a] = place[a] + way * grid->step[a];
@@ -34,7 +34,7 @@ static inline bool ty_link_next(const ty_link_grid* grid, const int32_t place[3]
     return true;
 }
 
-/* The cells that a link is between. */
+/* The two cells that a link connects. */
 static inline void ty_link_ends(const ty_link_grid* grid, const int32_t place[3], int32_t from[3], int32_t to[3]) {
     for (int a = 0; a < 3; ++a) {
         from[a] = place[a] - (grid->step[a] > 0 ? 1 : 0);
@@ -42,7 +42,7 @@ static inline void ty_link_ends(const ty_link_grid* grid, const int32_t place[3]
     }
 }
 
-/* The cell's number; false outside of the lattice. */
+/* The index of a cell; false outside the lattice. */
 static inline bool ty_link_cell(const ty_lattice* lattice, const int32_t cell[3], size_t* index) {
     const int32_t* size = lattice->box.size;
     for (int a = 0; a < 3; ++a)
@@ -51,7 +51,7 @@ static inline bool ty_link_cell(const ty_lattice* lattice, const int32_t cell[3]
     return true;
 }
 
-/* Opens a link both ways. */
+/* Sets the transmission of a link in both directions. */
 static inline void ty_link_set(ty_lattice* lattice, int32_t link, const ty_link_grid* grid, const int32_t place[3],
                                uint8_t transmission) {
     int32_t from[3], to[3];

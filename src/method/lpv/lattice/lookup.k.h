@@ -1,33 +1,33 @@
-/* Light between the cells of a lattice: of the eight around a point only those count that no surface separates from the
- * cell that the point lies in. */
+/* Interpolation of a lattice's light: of the eight cells around a point, those that a blocked link separates from the
+ * point's own cell are left out. */
 #ifndef TY_METHOD_LPV_LOOKUP_K_H
 #define TY_METHOD_LPV_LOOKUP_K_H
 
 #include "method/lpv/lattice/lattice.h"
 
-/* Cells around a point, with weights that add up to 1. */
+/* The cells around a point and their weights, which sum to 1. */
 typedef struct ty_lattice_cells {
     int32_t index[8];
     float weight[8];
 } ty_lattice_cells;
 
-/* Two lattices, of which the finer one's part goes down to 0 where it ends. */
+/* Blend of two cascades; the finer one's weight falls to 0 at its border. */
 typedef struct ty_lattice_cascade_weights {
     int32_t lattice[2]; /* -1: none */
     float weight[2];
 } ty_lattice_cascade_weights;
 
-/* Cells at the border of a finer lattice over which the coarser one takes over. */
+/* Width of the blend at the border of a finer cascade, cells. */
 #define TY_LATTICE_BLEND 2.0f
 
-/* A point on a surface moved to where the cells on its lit side are. */
+/* A surface point moved into the cells on its lit side. */
 TY_FN ty_vec ty_lattice_lift(ty_vec point, ty_vec normal, float cell) {
     const float size = fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z);
     return ty_mad(point, normal, 0.5f * cell * size);
 }
 
-/* A place, in cells from the lattice's lower corner, moved off those surfaces that it is in front of and its cell's
- * middle behind, so far that the middle of the cell which it gets to is in front, too. Returns how far it is moved. */
+/* The displacement of a point, in cells, away from the surfaces that it lies in front of but its cell's center lies
+ * behind, so far that the center of the new cell is in front, too. */
 TY_FN ty_vec ty_surface_depths_leave(TY_GLOBAL const int32_t* surface_depth_index,
                                      TY_GLOBAL const ty_surface_depths* surface_depths, const int32_t size[3],
                                      ty_vec place) {
@@ -48,7 +48,7 @@ TY_FN ty_vec ty_surface_depths_leave(TY_GLOBAL const int32_t* surface_depth_inde
     return way;
 }
 
-/* A point in cells from the lattice's lower corner. */
+/* A point in cell coordinates. */
 TY_FN ty_vec ty_lattice_coordinates(const ty_lattice* lattice, ty_vec point) {
     const float scale = 1.0f / lattice->cell;
     const double* lower = lattice->box.lower;
@@ -56,7 +56,7 @@ TY_FN ty_vec ty_lattice_coordinates(const ty_lattice* lattice, ty_vec point) {
                        (float)((double)point.z - lower[2]) * scale);
 }
 
-/* A point on a surface moved to where light is looked up for it. */
+/* The lookup point of a surface point. */
 TY_FN ty_vec ty_lattice_lit_side(const ty_lattice* lattice, ty_vec point, ty_vec normal) {
     const ty_vec off = ty_lattice_lift(point, normal, lattice->cell);
     const ty_vec leave = ty_surface_depths_leave(lattice->surface_depth_index, lattice->surface_depths,
@@ -64,8 +64,8 @@ TY_FN ty_vec ty_lattice_lit_side(const ty_lattice* lattice, ty_vec point, ty_vec
     return ty_mad(off, leave, lattice->cell);
 }
 
-/* Along one axis: the cell that a place lies in, the other one of the two around it, which way that is, and its weight.
- * At the lattice's border both are the same. */
+/* Linear interpolation along an axis: the cell that contains the coordinate, the step to the other cell, and its
+ * weight. At the border the step and the weight are 0. */
 typedef struct ty_lattice_pair {
     int32_t cell, step;
     float weight;
@@ -87,8 +87,7 @@ TY_FN ty_lattice_pair ty_lattice_pair_at(float place, int32_t size) {
     return pair;
 }
 
-/* The cells around a point; false, and no weight: the point is more than half a cell out of the
- * lattice, where there is no light. */
+/* The cells around a point. False, with zero weights, if the point is more than half a cell outside the lattice. */
 TY_FN bool ty_lattice_find(const ty_lattice* lattice, ty_vec point, ty_lattice_cells* cells) {
     const int32_t* size = lattice->box.size;
     const ty_vec p = ty_lattice_coordinates(lattice, point);
@@ -113,32 +112,32 @@ TY_FN bool ty_lattice_find(const ty_lattice* lattice, ty_vec point, ty_lattice_c
         cells->weight[i] = weight;
         sum += weight;
     }
-    const float scale = 1.0f / sum; /* the point's own cell has an eighth */
+    const float scale = 1.0f / sum; /* at least 1/8, the weight of the point's own cell */
     for (int32_t i = 0; i < 8; ++i) cells->weight[i] *= scale;
     return true;
 }
 
-/* A plane of values at a lookup's point. */
+/* Interpolates a plane of values. */
 TY_FN float ty_lattice_mean(const ty_lattice_cells* cells, TY_GLOBAL const float* plane) {
     float sum = 0.0f;
     for (int32_t i = 0; i < 8; ++i) sum += cells->weight[i] * plane[cells->index[i]];
     return sum;
 }
 
-/* The first `terms` terms of a channel's light there, W m^-2 sr^-1. */
+/* Interpolates the first `terms` terms of a channel's light, W m^-2 sr^-1. */
 TY_FN void ty_lattice_values(const ty_lattice* lattice, const ty_lattice_cells* cells, int32_t channel, int32_t terms,
                              float values[TY_SH_TERMS]) {
     for (int32_t t = 0; t < terms; ++t) values[t] = ty_lattice_mean(cells, lattice->light[channel][t]);
 }
 
-/* How many cells a place is within a lattice; below 0: outside. */
+/* Distance of a point to the lattice's border, in cells; negative outside. */
 TY_FN float ty_lattice_depth(const ty_lattice* lattice, ty_vec place) {
     const int32_t* size = lattice->box.size;
     const float x = ty_minf(place.x, (float)size[0] - place.x), y = ty_minf(place.y, (float)size[1] - place.y);
     return ty_minf(ty_minf(x, y), ty_minf(place.z, (float)size[2] - place.z));
 }
 
-/* Which of nested lattices, the finest first, light a point. */
+/* The cascades that light a point; lattices: finest first. */
 TY_FN ty_lattice_cascade_weights ty_lattice_choose_cascades(ty_lattice* const* lattices, int32_t count, ty_vec point) {
     ty_lattice_cascade_weights mix = {.lattice = {-1, -1}};
     for (int32_t i = 0; i < count; ++i) {

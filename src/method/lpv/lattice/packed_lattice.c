@@ -1,4 +1,4 @@
-/* Packing lattices. */
+/* Packing lattices for lookups. */
 #include "method/lpv/lattice/packed_lattice.h"
 
 #include "base/context.h"
@@ -7,7 +7,7 @@ typedef struct pack_job {
     const ty_lattice* lattice;
     ty_packed_lattice* packed;
     float* light;
-    uint8_t *blocked, *links; /* NULL: everything is open */
+    uint8_t *blocked, *links; /* NULL: no blockers */
 } pack_job;
 
 static size_t cell_count(const ty_packed_lattice* lattice) {
@@ -23,7 +23,7 @@ static void pack_light(const pack_job* job, size_t cell) {
             to[t < 4 ? 4 * c + t : TY_PACKED_FLOATS + 5 * c + t - 4] = lattice->light[c][t][cell];
 }
 
-/* What counts of a neighbour is what gets from there into the cell. */
+/* A neighbour's weight is the transmission from it into the cell. */
 static void pack_links(const pack_job* job, size_t cell) {
     uint8_t* links = job->links + cell * TY_PACKED_LINKS;
     uint8_t least = UINT8_MAX;

@@ -1,4 +1,4 @@
-/* Lattices' light brought together for lookups. */
+/* Lattices packed for lookups, with all terms of a cell side by side. */
 #ifndef TY_METHOD_LPV_PACKED_LATTICE_H
 #define TY_METHOD_LPV_PACKED_LATTICE_H
 

@@ -1,15 +1,14 @@
-/* The lattices' light between the middles of their cells, all terms of a cell side by side in memory: what images look
- * up for every pixel. Of the eight cells around a point those count that no surface separates from the one that the
- * point lies in. */
+/* Trilinear lookups in packed lattices, which images do for every pixel. Of the eight cells around a point, those that
+ * a blocked link separates from the point's own cell are left out. */
 #ifndef TY_METHOD_LPV_PACKED_LATTICE_K_H
 #define TY_METHOD_LPV_PACKED_LATTICE_K_H
 
 #include "method/lpv/lattice/lookup.k.h"
 
-/* Floats of a cell: channel by channel the first two bands and a quarter to spare, then, with three bands, five more
- * terms a channel and one to spare. */
+/* Floats of a cell: four terms per channel and four of padding; with three bands five more terms per channel and one of
+ * padding. */
 enum { TY_PACKED_FLOATS = 16, TY_PACKED_FLOATS_MAX = 32 };
-/* Bytes of a cell's links: how open the way is to the cell dx + 3 dy + 9 dz + 13. */
+/* Bytes per cell: the transmission from neighbour dx + 3 dy + 9 dz + 13. */
 enum { TY_PACKED_LINKS = 32, TY_PACKED_SELF = 13 };
 
 typedef struct ty_packed_lattice {
@@ -19,13 +18,13 @@ typedef struct ty_packed_lattice {
     ty_vec lower;          /* m */
     ty_vec upper;
     TY_GLOBAL const float* light;
-    TY_GLOBAL const uint8_t* blocked; /* per cell: whether any of its links is not fully open; NULL: none is */
-    TY_GLOBAL const uint8_t* links;   /* TY_PACKED_LINKS a cell */
+    TY_GLOBAL const uint8_t* blocked;             /* per cell: whether any of its links is blocked; NULL: no blockers */
+    TY_GLOBAL const uint8_t* links;               /* TY_PACKED_LINKS bytes per cell */
     TY_GLOBAL const int32_t* surface_depth_index; /* as in ty_lattice; NULL: none */
     TY_GLOBAL const ty_surface_depths* surface_depths;
 } ty_packed_lattice;
 
-/* All of them, finest first. */
+/* All cascades, finest first. */
 typedef struct ty_packed_lattices {
     int32_t count;
     ty_packed_lattice lattices[TY_LPV_CASCADES_MAX];
@@ -36,8 +35,8 @@ typedef struct ty_packed_cells {
     float weight[8];
 } ty_packed_cells;
 
-/* A place along an axis, in cells from the first one's middle: the lower of the two cells around, and how far on it is.
- */
+/* The lower of the two cells around a coordinate, measured in cells from the first cell's center, and the interpolation
+ * fraction. */
 TY_FN int32_t ty_packed_axis(float place, int32_t size, float* share) {
     const float middle = ty_clampf(place, 0.0f, (float)(size - 1));
     const int32_t last = size > 1 ? size - 2 : 0, cell = (int32_t)middle, base = cell < last ? cell : last;
@@ -45,7 +44,7 @@ TY_FN int32_t ty_packed_axis(float place, int32_t size, float* share) {
     return base;
 }
 
-/* Leaves out what surfaces separate from the cell that the point lies in, which always counts. */
+/* Multiplies the weights by the transmission into the point's own cell, and normalises them. */
 TY_FN void ty_packed_mask_blocked(TY_GLOBAL const uint8_t* links, const int32_t own[3], float weight[8]) {
     TY_GLOBAL const uint8_t* first = links + (TY_PACKED_SELF - own[0] - 3 * own[1] - 9 * own[2]);
     uint8_t transmission[8];
@@ -59,18 +58,18 @@ TY_FN void ty_packed_mask_blocked(TY_GLOBAL const uint8_t* links, const int32_t 
     for (int i = 0; i < 8; ++i) weight[i] *= scale;
 }
 
-/* A point in a lattice's cells, from the middle of the first one. */
+/* A point in cell coordinates, relative to the first cell's center. */
 TY_FN ty_vec ty_packed_coordinates(const ty_packed_lattice* lattice, ty_vec point) {
     const ty_vec p = ty_scale(ty_sub(point, lattice->lower), lattice->per_metre);
     return ty_vec_make(p.x - 0.5f, p.y - 0.5f, p.z - 0.5f);
 }
 
-/* The eight cells from `base` on, and their weights at a place that is x, y and z of a cell from there. */
+/* The eight cells from `base` on, and their weights at the interpolation fractions x, y and z. */
 TY_FN void ty_packed_cells_around(const ty_packed_lattice* lattice, int32_t base, float x, float y, float z,
                                   ty_packed_cells* cells) {
     const int32_t *size = lattice->size, nx = size[0], nxy = size[0] * size[1];
     const int32_t dx = nx > 1 ? 1 : 0, dy = size[1] > 1 ? nx : 0, dz = size[2] > 1 ? nxy : 0;
-    /* 1 - x, and x, by which side of the place a cell is on. */
+    /* 1 - x or x, as side + sign * x. */
     static const float side[8] = {1, 0, 1, 0, 1, 0, 1, 0}, sign[8] = {-1, 1, -1, 1, -1, 1, -1, 1};
     static const float side_y[8] = {1, 1, 0, 0, 1, 1, 0, 0}, sign_y[8] = {-1, -1, 1, 1, -1, -1, 1, 1};
     static const float side_z[8] = {1, 1, 1, 1, 0, 0, 0, 0}, sign_z[8] = {-1, -1, -1, -1, 1, 1, 1, 1};
@@ -96,7 +95,7 @@ TY_FN void ty_packed_cells_around(const ty_packed_lattice* lattice, int32_t base
         ty_packed_mask_blocked(lattice->links + self * TY_PACKED_LINKS, own, cells->weight);
 }
 
-/* The cells around a place, which is moved into the lattice if it is not there. */
+/* The cells around a point, which is clamped to the lattice. */
 TY_FN void ty_packed_locate(const ty_packed_lattice* lattice, ty_vec place, ty_packed_cells* cells) {
     float x, y, z;
     const int32_t* size = lattice->size;
@@ -106,7 +105,7 @@ TY_FN void ty_packed_locate(const ty_packed_lattice* lattice, ty_vec place, ty_p
     ty_packed_cells_around(lattice, base, x, y, z, cells);
 }
 
-/* The mean of the cells' floats from `first` on. */
+/* Weighted mean of the cells' floats from `first` on. */
 TY_FN void ty_packed_mean(const ty_packed_cells* cells, int32_t first, float mean[TY_PACKED_FLOATS]) {
     TY_GLOBAL const float* c[8];
     const float* w = cells->weight;
@@ -117,7 +116,7 @@ TY_FN void ty_packed_mean(const ty_packed_cells* cells, int32_t first, float mea
                   ((w[4] * c[4][j] + w[5] * c[5][j]) + (w[6] * c[6][j] + w[7] * c[7][j]));
 }
 
-/* How far within a lattice a point is: 0 on its faces, 1 two cells away from them; negative outside. */
+/* Depth of a point in a lattice: 0 on its faces, 1 from two cells inside on; negative outside. */
 TY_FN float ty_packed_depth(const ty_packed_lattice* lattice, ty_vec p) {
     const float x = ty_minf(p.x - lattice->lower.x, lattice->upper.x - p.x);
     const float y = ty_minf(p.y - lattice->lower.y, lattice->upper.y - p.y);
@@ -125,8 +124,8 @@ TY_FN float ty_packed_depth(const ty_packed_lattice* lattice, ty_vec p) {
     return ty_minf(ty_minf(x, ty_minf(y, z)) * 0.5f * lattice->per_metre, 1.0f);
 }
 
-/* The finest lattice at a point (half a cell around it counts), -1: none, and what the next one's share is: all of it
- * where the finer one ends, so that no edge shows. */
+/* The finest cascade at a point (including half a cell around it), -1 for none, and the weight of the next coarser one,
+ * which is 1 at the border of the finer. */
 TY_FN int32_t ty_packed_choose_cascade(const ty_packed_lattices* lattices, ty_vec point, float* coarser) {
     *coarser = 0.0f;
     for (int32_t i = 0; i < lattices->count; ++i) {
@@ -138,8 +137,8 @@ TY_FN int32_t ty_packed_choose_cascade(const ty_packed_lattices* lattices, ty_ve
     return -1;
 }
 
-/* What arrives on a surface: radiance of terms L_i, W m^-2, by the clamped cosine's bands; light travels against the
- * normal. */
+/* Irradiance, W m^-2: radiance terms L_i times the bands of the clamped cosine. y: harmonics of the direction against
+ * the normal. */
 TY_FN float ty_packed_clamped_cosine(const float band01[4], const float* band2, const float y[TY_SH_TERMS]) {
     float sum = ty_sh_cosine(0) * band01[0] * y[0];
     for (int i = 1; i < 4; ++i) sum += ty_sh_cosine(1) * band01[i] * y[i];
@@ -147,7 +146,7 @@ TY_FN float ty_packed_clamped_cosine(const float band01[4], const float* band2, 
     return ty_maxf(sum, 0.0f);
 }
 
-/* Irradiance at a surface with a unit normal on the side that is asked for; 0 outside of all lattices. */
+/* Irradiance of a surface on the side of its unit normal; 0 outside all lattices. */
 TY_FN void ty_packed_irradiance(const ty_packed_lattices* lattices, ty_vec point, ty_vec normal, float irradiance[3]) {
     float y[TY_SH_TERMS], coarser;
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;

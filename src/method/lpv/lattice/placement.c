@@ -1,13 +1,13 @@
-/* Where lattices lie. */
+/* Placement of the lattices. */
 #include "base/context.h"
 #include "method/lpv/lattice/lattice.h"
 #include "scene/medium.h"
 #include "scene/scene.h"
 
-/* How much wider lattices are than what they are about, so that surfaces at its sides are within. */
+/* Relative margin of a lattice around the scene's extent, so that surfaces on its faces are inside. */
 static const double margin = 1e-3;
 
-/* Media and surfaces; false: there is neither. */
+/* The extent of media and surfaces; false if there are none. */
 static bool find_extent(const ty_scene* scene, const ty_scene_view* view, double lower[3], double upper[3]) {
     for (int a = 0; a < 3; ++a) {
         lower[a] = INFINITY;
@@ -22,7 +22,7 @@ static void set_upper(ty_grid_box* box, double cell) {
     for (int a = 0; a < 3; ++a) box->upper[a] = box->lower[a] + cell * box->size[a];
 }
 
-/* The lattice about a whole scene. */
+/* The lattice around a whole scene. */
 static void place_about(const double lower[3], const double upper[3], int32_t resolution, ty_grid_box* box) {
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = fmax(longest, upper[a] - lower[a]);
@@ -36,7 +36,7 @@ static void place_about(const double lower[3], const double upper[3], int32_t re
     set_upper(box, cell);
 }
 
-/* A finer lattice within one: half as wide, about a point as far as there is room, on whole cells of its own. */
+/* A finer lattice inside another: half as wide, centered on a point as far as it fits, aligned to its own cells. */
 static void place_within(const ty_grid_box* outer, const double point[3], ty_grid_box* box) {
     *box = *outer;
     const double cell = 0.5 * (outer->upper[0] - outer->lower[0]) / outer->size[0];
@@ -47,7 +47,7 @@ static void place_within(const ty_grid_box* outer, const double point[3], ty_gri
     set_upper(box, cell);
 }
 
-/* A cube about the camera, on whole cells counted from the origin of the world. */
+/* A cube around the camera, aligned to whole cells from the origin of the world. */
 static void place_camera(const double camera[3], double extent, int32_t resolution, ty_grid_box* box) {
     const double cell = extent / resolution;
     for (int a = 0; a < 3; ++a) {

@@ -1,4 +1,4 @@
-/* Light that comes into a lattice from the one around it. */
+/* Inflow of light from the outer cascade. */
 #include "method/lpv/lattice/lookup.k.h"
 #include "method/lpv/propagate/propagation.h"
 
@@ -10,14 +10,14 @@ typedef struct inflow_job {
     const ty_lattice* outer;
 } inflow_job;
 
-/* The step of the outer lattice's medium in cells of this one's size. */
+/* The scattering operator of the outer lattice's medium in cells of this lattice's size. */
 static ty_lpv_medium_step outer_step(const inflow_job* job, int32_t channel, int32_t cell) {
     const ty_lpv_propagation* propagation = job->propagation;
     const ty_lpv_cell_medium medium = ty_lattice_medium_in(job->outer, channel, (size_t)cell);
     return ty_lpv_step_in(&propagation->transfer, propagation->mode, propagation->lattice->cell, &medium);
 }
 
-/* All light that there is at a cell around the lattice over all steps, as it goes on. */
+/* The light of the outer cascade, over all its iterations, in a cell around the lattice. */
 static void fill_cell(const inflow_job* job, int32_t x, int32_t y, int32_t z) {
     const ty_lpv_propagation* propagation = job->propagation;
     const ty_lattice *lattice = propagation->lattice, *outer = job->outer;

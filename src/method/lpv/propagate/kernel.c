@@ -1,4 +1,4 @@
-/* Light in a row of cells goes one step; built once per instruction set, with TY_ISA naming it. */
+/* One iteration of propagation for a row of cells; built once per instruction set, with TY_ISA naming it. */
 #include "method/lpv/propagate/kernel.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ enum { LANES = BYTES / sizeof(float) };
 typedef float lanes __attribute__((vector_size(BYTES)));
 typedef int32_t whole_lanes __attribute__((vector_size(BYTES)));
 
-/* All links: where they go, and their numbers. */
+/* All links: their directions and indices. */
 #define EACH_LINK(LINK)                                                                                                \
     LINK(-1, -1, -1, 0)                                                                                                \
     LINK(0, -1, -1, 1)                                                                                                 \
@@ -48,11 +48,11 @@ typedef int32_t whole_lanes __attribute__((vector_size(BYTES)));
     LINK(0, 1, 1, 14)                                                                                                  \
     LINK(1, 1, 1, 13)
 
-/* Up to LANES cells of a row, and what links into them let pass: 1 where `near` has no bit. */
+/* Up to LANES cells of a row and the transmission of the links into them: 1 where blocked_links has no bit. */
 typedef struct cell_block {
     const ty_lpv_row* row;
     int32_t begin, count;
-    uint32_t blocked_links; /* bits of the links that are not open */
+    uint32_t blocked_links; /* bits of the blocked links */
     _Alignas(BYTES) float transmission[TY_LPV_LINKS][LANES];
 } cell_block;
 
@@ -74,7 +74,7 @@ TY_INLINE lanes size_of(lanes value) {
     return value;
 }
 
-/* Nothing in lanes past the row's end. */
+/* Zeroes lanes past the row's end. */
 TY_INLINE lanes within(lanes value, int32_t count) {
     if (count >= LANES) return value;
     for (int i = 0; i < LANES; ++i)
@@ -82,14 +82,14 @@ TY_INLINE lanes within(lanes value, int32_t count) {
     return value;
 }
 
-/* value + step * term, for a step of -1, 0 or 1 that the compiler knows. */
+/* value + step * term for a constant step of -1, 0 or 1. */
 TY_INLINE lanes with(lanes value, int32_t step, lanes term) {
     return step == 0 ? value : step > 0 ? value + term : value - term;
 }
 
 /* ---- two bands ---- */
 
-/* What of one cell's light goes along a link. `at` is its first term. */
+/* <L | G_j> of one cell and link. `at`: its first term. */
 TY_INLINE lanes along_two(const float* at, ptrdiff_t term, const ty_lpv_link_functions* link_functions, int32_t dx,
                           int32_t dy, int32_t dz) {
     const int32_t kind = abs(dx) + abs(dy) + abs(dz) - 1;
@@ -108,6 +108,8 @@ TY_INLINE void add_two(lanes sum[4], lanes value, float band0, float band1, int3
     sum[3] = with(sum[3], dx, band1 * value);
 }
 
+/* Eq. 3 (Billeter 2012): the sum over j of dL_j = (1 - b_j) <L' | G_j> G_j, where L' is the light of the neighbour with
+ * the scattering operator already applied (propagate/transfer.c), and 1 - b_j is the transmission. */
 TY_INLINE void gather_two(const cell_block* block, const float* at, bool blocked_links, lanes sum[4]) {
     const ty_lpv_row* row = block->row;
     const ty_lpv_link_functions* link_functions = row->link_functions;
@@ -126,6 +128,7 @@ TY_INLINE void gather_two(const cell_block* block, const float* at, bool blocked
 
 /* ---- three bands ---- */
 
+/* Eq. 3 (Billeter 2012), as gather_two. */
 TY_INLINE void gather_three(const cell_block* block, const float* at, bool blocked_links, lanes sum[TY_SH_TERMS]) {
     const ty_lpv_row* row = block->row;
     const ptrdiff_t term = row->pitch.term, to_row = row->pitch.row, to_plane = row->pitch.plane;
@@ -146,14 +149,14 @@ TY_INLINE void gather_three(const cell_block* block, const float* at, bool block
 
 static const uint32_t all_links = (1u << TY_LPV_LINKS) - 1;
 
-/* The next link of a set, which it is taken from. */
+/* Removes and returns the next link of a set. */
 TY_INLINE int32_t take_link(uint32_t* links) {
     const int32_t k = __builtin_ctz(*links);
     *links &= *links - 1;
     return k;
 }
 
-/* All open: what find_open starts from. */
+/* Full transmission of all links of a set: the state that find_transmission starts from. */
 TY_INLINE void set_all_transparent(cell_block* block, uint32_t links) {
     while (links != 0) {
         const int32_t k = take_link(&links);
@@ -161,20 +164,23 @@ TY_INLINE void set_all_transparent(cell_block* block, uint32_t links) {
     }
 }
 
-/* What links into the block let pass, 0..1. */
+/* Transmission of the links into the block, 0..1. */
 TY_INLINE void find_transmission(cell_block* block) {
     const size_t first = block->row->first + (size_t)block->begin;
     for (uint32_t links = block->blocked_links; links != 0;) {
         const int32_t k = take_link(&links);
         const uint8_t* from = block->row->transmission[k] + first;
         float* transmission = block->transmission[k];
-        const int32_t count = block->count < LANES ? block->count : LANES; /* known, GCC would do one by one */
+        const int32_t count = block->count < LANES
+                                  ? block->count
+                                  : LANES; /* a count that GCC could prove would make it unroll into scalars */
 #pragma omp simd
         for (int32_t i = 0; i < count; ++i) transmission[i] = (float)from[i] * (1.0f / 255.0f);
     }
 }
 
-/* What surfaces stop on the way out, by its lobes back. Returns what of it would have left the lattice. */
+/* Light that blockers stop on its way out, as lobes back into the cell. Returns the part that would have left the
+ * lattice. */
 TY_INLINE lanes stop(const cell_block* block, const float* at, int32_t terms, lanes* lobes) {
     const ty_lpv_row* row = block->row;
     const int32_t last = row->count - 1 - block->begin;
@@ -201,13 +207,13 @@ TY_INLINE lanes stop(const cell_block* block, const float* at, int32_t terms, la
     return at_border;
 }
 
-/* ---- all of it ---- */
+/* ---- a whole step ---- */
 
 TY_INLINE void add_sum(float* sums, lanes value) {
     store(sums, load(sums) + value);
 }
 
-/* Light stopped near the block's cells comes back to them; the rest of it is surfaces'. */
+/* Reflects the blocked light by the albedo; the rest is absorbed by surfaces. */
 TY_INLINE void turn_back(const cell_block* block, const float* at, int32_t channel, int32_t terms, lanes* sum,
                          float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
     const ty_lpv_row* row = block->row;
@@ -239,6 +245,7 @@ TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t term
     if (block->blocked_links != 0) turn_back(block, at, channel, terms, sum, sums);
     for (int32_t t = 0; t < terms; ++t) {
         const lanes value = within(sum[t], block->count);
+        /* (1 - lambda) L + lambda_s-term of Eq. 3 (Billeter 2012), for the next step. */
         const lanes passed = value * load(row->scatter_factor[channel][t == 0 ? 0 : t < 4 ? 1 : 2] + block->begin);
         store(row->to + place + t * term, passed);
         if (row->sum != NULL) add_sum(row->sum + place + t * term, load(at + t * term) + passed);
@@ -253,7 +260,7 @@ TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t term
     add_sum(sums[TY_LPV_LEFT], left);
 }
 
-/* What the ends of a row send out of the lattice beyond what cells between them do. */
+/* Light that the ends of a row send out of the lattice, in excess of the cells between them. */
 TY_INLINE float left_at_ends(const ty_lpv_row* row, int32_t channel, int32_t terms) {
     const float* at = row->from + channel * terms * row->pitch.term;
     float left = 0.0f;
@@ -264,7 +271,7 @@ TY_INLINE float left_at_ends(const ty_lpv_row* row, int32_t channel, int32_t ter
     return left;
 }
 
-/* Asks for the rows that the next one begins with: of wide lattices, which caches do not hold. */
+/* Prefetches the rows that the next one starts with, for lattices wider than caches hold. */
 enum { WIDE = 48 };
 TY_INLINE void fetch_next(const ty_lpv_row* row) {
     const ptrdiff_t line = 64 / (ptrdiff_t)sizeof(float);

@@ -1,27 +1,27 @@
-/* One step of a lattice's light, built once per instruction set. */
+/* One iteration of propagation, built once per instruction set. */
 #ifndef TY_METHOD_LPV_KERNEL_H
 #define TY_METHOD_LPV_KERNEL_H
 
 #include "method/lpv/lattice/lattice.h"
 
-/* Cells that have one flag for whether surfaces are near, and to which rows are filled up. */
+/* Cells that share one set of blocked links; rows are padded to whole blocks. */
 enum { TY_LPV_BLOCK = 16 };
 
-/* Where light on its way is: rows of cells with those of one channel's terms after one another, dark cells around the
- * lattice. Whole blocks and one cell more on either side are in a row. Counted in floats. */
+/* Memory layout of the propagated light, in floats: rows of cells, all terms of all channels of a row one after
+ * another, with dark cells around the lattice. A row holds whole blocks and one more cell on either side. */
 typedef struct ty_lpv_pitch {
     ptrdiff_t term, row, plane;
 } ty_lpv_pitch;
 
-/* Links' shapes: of two bands also by how many axes they go along, less 1. */
+/* The transfer functions G_j; for two bands also by the number of axes of a link, minus 1. */
 typedef struct ty_lpv_link_functions {
-    float band0[3], band1[3]; /* first term; each component of the second band */
+    float band0[3], band1[3]; /* G_j0; each nonzero component of band 1 */
     float G[TY_LPV_LINKS][TY_SH_TERMS];
-    float lobes[TY_LPV_LINKS][TY_SH_TERMS]; /* cosines about the links, of a first term of 1 */
+    float lobes[TY_LPV_LINKS][TY_SH_TERMS]; /* cosine lobes about the links, scaled to a first term of 1 */
 } ty_lpv_link_functions;
 
-/* Sums of first terms, per channel and lane: of what arrived, the same without signs, what of it goes on, what surfaces
- * keep, and what leaves the lattice. */
+/* Sums of first terms, per channel and lane: of the light that arrived, its absolute values, the part that goes on, the
+ * part that surfaces absorb, and the part that leaves the lattice. */
 enum { TY_LPV_ARRIVED, TY_LPV_SIZE, TY_LPV_GOES_ON, TY_LPV_KEPT, TY_LPV_LEFT, TY_LPV_SUMS };
 typedef struct ty_lpv_lane_sums {
     _Alignas(64) float sums[3][TY_LPV_SUMS][TY_LPV_BLOCK];
@@ -32,23 +32,23 @@ typedef struct ty_lpv_row {
     int32_t count, terms;
     ty_lpv_pitch pitch;
     const ty_lpv_link_functions* link_functions;
-    const float* from; /* what flows, at the row's first cell and term, extinction applied */
-    float* to;         /* what flows from here, in the same order */
-    float* sum;        /* of both; NULL: at another step */
-    const float* scatter_factor[3][TY_LPV_BANDS_MAX]; /* per channel and band, in whole blocks */
-    const uint8_t* const* transmission;               /* of all cells, by link */
-    size_t first;                                     /* of this row's cells there */
-    const uint32_t* blocked_links;   /* per block: bits of the links that are not open; NULL: all are */
-    const float* albedo[3];          /* of the row; NULL: nothing comes back */
-    float out[3][TY_SH_TERMS];       /* what of a cell's terms leaves the lattice if links are open, in first
-                                        terms: at the first cell, between, at the last one */
-    uint8_t leaves[3][TY_LPV_LINKS]; /* whether light that would have come by a link from outside, or that goes
-                                        the other way, crosses the border: at the same cells */
-    bool border;                     /* whether any of the row's cells but its ends is at the border */
+    const float*
+        from;   /* light before the step, at the row's first cell and term, with the scattering operator applied */
+    float* to;  /* light after the step, in the same layout */
+    float* sum; /* accumulates both; NULL: not in this step */
+    const float* scatter_factor[3][TY_LPV_BANDS_MAX]; /* per channel and band, padded to whole blocks */
+    const uint8_t* const* transmission;               /* of all cells, per link */
+    size_t first;                                     /* index of this row's first cell in it */
+    const uint32_t* blocked_links;                    /* per block: bits of the blocked links; NULL: none */
+    const float* albedo[3];                           /* of the row; NULL: blocked light is absorbed */
+    float out[3][TY_SH_TERMS]; /* first term of the light that leaves the lattice through free links, per term of the
+                                  cell: at the first cell, between, at the last cell */
+    uint8_t leaves[3][TY_LPV_LINKS]; /* whether a link crosses the lattice's border: at the same three positions */
+    bool border;                     /* whether cells other than the row's ends are at the border */
 } ty_lpv_row;
 
 typedef struct ty_lpv_kernels {
-    /* Adds to sums. */
+    /* Propagates a row and adds to the sums. */
     void (*step)(const ty_lpv_row* row, ty_lpv_lane_sums* sums);
 } ty_lpv_kernels;
 

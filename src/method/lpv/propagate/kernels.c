@@ -1,4 +1,4 @@
-/* Which build of the step runs. */
+/* Choice of the instruction set. */
 #include "base/isa.h"
 #include "method/lpv/propagate/kernel.h"
 

@@ -1,11 +1,11 @@
-/* How light of lamps spreads. */
+/* Extinction floor near point and spot lights. */
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/lpv/propagate/propagate.h"
 
-/* Extinction times the distance from a lamp. Its rays alone need 2/3: flux r^-2 is then -1 / (3 extinction) times the
- * gradient of a fluence r^-2. What a fog scatters of them, as much in every shell, has the fluence pi^2 / (4 r) of a
- * flux 1 / r and needs pi^2 / 12. */
+/* Extinction times the distance from a light, pi^2 / 12. The light's own rays would need 2/3: their flux r^-2 is then
+ * -1 / (3 extinction) times the gradient of their fluence r^-2. The light that a fog scatters once, equal power in
+ * every shell, has the fluence pi^2 / (4 r) for a flux 1 / r, which needs pi^2 / 12. */
 static const float per_distance = 0.82246703f;
 
 typedef struct floor_job {
@@ -14,7 +14,7 @@ typedef struct floor_job {
     int32_t count;
 } floor_job;
 
-/* By how bright lamps would be at a point if nothing shadowed them. */
+/* The floor at a point, weighted by the unshadowed irradiance of local lights among all lights. */
 static float extinction_floor_at(const floor_job* job, ty_vec point) {
     float sum = 0.0f, all = 0.0f;
     for (int32_t i = 0; i < job->count; ++i) {

@@ -9,7 +9,7 @@ enum { ITERATIONS_MAX = 4096, ITERATIONS_PUBLISHED = 8 };
 
 static const double power_of_term = 3.5449077018110321; /* sqrt(4 pi) */
 
-/* What entered, and what of it media take before the first step. */
+/* Books the light that entered, and its absorption before the first step. */
 static void enter(const ty_lpv_sums* sums, double scale, ty_lattice_power* power, double size[3], double absorbed[3]) {
     for (int c = 0; c < 3; ++c) {
         power->entered[c] += scale * sums->arrived[c];
@@ -19,7 +19,7 @@ static void enter(const ty_lpv_sums* sums, double scale, ty_lattice_power* power
     }
 }
 
-/* Books a step; whether less than a part of what entered is under way. */
+/* Books a step; true when less than the tolerated fraction of the entered light is still in flight. */
 static bool book(const ty_lpv_sums* sums, const double size[3], double tolerance, ty_lattice_power* power,
                  double absorbed[3]) {
     bool done = true;
@@ -36,7 +36,7 @@ static bool book(const ty_lpv_sums* sums, const double size[3], double tolerance
 
 typedef struct iteration_plan {
     int32_t most;
-    double tolerance; /* below 0: none */
+    double tolerance; /* negative: none */
 } iteration_plan;
 
 static iteration_plan plan_iterations(const ty_lpv_def* def) {
@@ -86,6 +86,6 @@ ty_result ty_lattice_propagate(ty_lattice* lattice, const ty_lpv_def* def, float
 
 int32_t ty_lattice_step_operations(int32_t bands) {
     if (bands > 2) return 3 * TY_LPV_LINKS * 2 * bands * bands;
-    /* First term and as many of the second band as the link has axes, there and back. */
+    /* Band 0 and one component of band 1 per axis of the link, once to project and once to add. */
     return 3 * 2 * (6 * 2 + 12 * 3 + 8 * 4);
 }

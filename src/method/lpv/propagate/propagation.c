@@ -1,13 +1,12 @@
-/* Memory, media and surfaces of light on its way, and its steps. */
+/* Memory, scattering operators, blockers and steps of a propagation. */
 #include "method/lpv/propagate/propagation.h"
 
 #include "base/context.h"
 #include "base/parallel.h"
 
-/* ---- shapes ---- */
+/* ---- transfer functions ---- */
 
-/* Cosines about links for light that surfaces send back, relative to its first term: 2 / sqrt 3 and sqrt 5 / 4 times
- * what functions that are 1 along the link are of. */
+/* The clamped cosine lobe about a link, for light that surfaces reflect, scaled to a first term of 1. */
 static void make_lobe(const int32_t step[3], float lobe[TY_SH_TERMS]) {
     const ty_vec way = ty_normalize(ty_vec_make((float)step[0], (float)step[1], (float)step[2]));
     float y[TY_SH_TERMS];
@@ -50,7 +49,7 @@ static void store_step(const ty_lpv_medium_step* step, int32_t bands, float* fac
     factors[TY_FACTOR_FLUX * apart] = step->flux_factor[1];
 }
 
-/* The step of the cell before, which is mostly that of the next one but for lamps. */
+/* The operator of the previous cell, which usually equals that of the next one except for the extinction floor. */
 typedef struct last_step {
     bool exists;
     ty_lpv_cell_medium medium;
@@ -73,7 +72,7 @@ static void step_in(const ty_lpv_propagation* propagation, int32_t channel, size
     last->exists = true;
 }
 
-/* Of a plane of cells; of one row where media are the same everywhere. Rows are filled up to whole blocks. */
+/* The factors of a plane of cells, or of a single row for homogeneous media. Rows are padded to whole blocks. */
 static void find_factors(const ty_lpv_propagation* propagation, int32_t z) {
     const int32_t *size = propagation->lattice->box.size, width = propagation->blocks * TY_LPV_BLOCK;
     if (propagation->homogeneous && z > 0) return;
@@ -113,7 +112,7 @@ static void find_blocked_links(const ty_lpv_propagation* propagation, int32_t z)
 
 /* ---- memory ---- */
 
-enum { BATCHES = 4 }; /* of slabs, per thread and step */
+enum { BATCHES = 4 }; /* batches of slabs per thread and step */
 
 static ty_result take_memory(ty_lpv_propagation* propagation) {
     ty_context* context = propagation->lattice->context;
@@ -141,15 +140,15 @@ static ty_result take_memory(ty_lpv_propagation* propagation) {
     return propagation->blocked_links == NULL ? TY_ERROR_MEMORY : TY_OK;
 }
 
-/* ---- darkness ---- */
+/* ---- dark border ---- */
 
 static void clear_floats(const ty_lpv_propagation* propagation, size_t first, size_t count) {
     memset(propagation->from + first, 0, count * sizeof(float));
     memset(propagation->to + first, 0, count * sizeof(float));
 }
 
-/* What is around a plane's cells; together with the planes before the first and behind the last, all there is around
- * the lattice. Cells themselves get what is injected, and what steps bring. */
+/* Clears the border cells of a plane; together with the planes before the first and after the last this is the whole
+ * border of the lattice. Inner cells are set by injection and by steps. */
 static void clear_around(const ty_lpv_propagation* propagation, int32_t z) {
     const int32_t* size = propagation->lattice->box.size;
     const size_t row = (size_t)propagation->pitch.row, term = (size_t)propagation->pitch.term, width = (size_t)size[0];
@@ -194,7 +193,7 @@ ty_result ty_lpv_propagation_create(ty_lattice* lattice, const ty_lpv_def* def, 
     propagation->link_functions = make_link_functions(&propagation->transfer);
     propagation->blocks = (size[0] + TY_LPV_BLOCK - 1) / TY_LPV_BLOCK;
     propagation->pitch.term =
-        propagation->blocks * TY_LPV_BLOCK + 8; /* whole blocks, and at least one dark cell before the next */
+        propagation->blocks * TY_LPV_BLOCK + 8; /* whole blocks, and at least one dark cell before the next term */
     propagation->pitch.row = 3 * lattice->terms * propagation->pitch.term;
     propagation->pitch.plane = (size[1] + 2) * propagation->pitch.row;
     propagation->floats = (size_t)((size[2] + 2) * propagation->pitch.plane) + 2 * (size_t)TY_LPV_BLOCK;
@@ -215,8 +214,8 @@ ty_result ty_lpv_propagation_create(ty_lattice* lattice, const ty_lpv_def* def, 
 
 /* ---- steps ---- */
 
-/* Whether what goes against link k from the cells at a place (0: the first, 1: between, 2: the last) of a row leaves
- * the lattice; a row of one cell has it as the first. */
+/* Whether light against link k leaves the lattice from the first (place 0), inner (1) or last (2) cells of a row; the
+ * cell of a one-cell row is the first. */
 static bool leaves(const ty_lpv_propagation* propagation, int32_t place, int32_t y, int32_t z, int32_t k) {
     const int32_t *step = propagation->transfer.step[k], *size = propagation->lattice->box.size;
     const bool first = place == 0, last = place == 2 || (first && size[0] == 1);
@@ -283,14 +282,14 @@ static void step_slab(const ty_lpv_propagation* propagation, int32_t z) {
     ty_lpv_lane_sums sums;
     memset(&sums, 0, sizeof sums);
     for (int32_t y = 0; y < size[1]; ++y) {
-        if (y < 2 || y == size[1] - 1) find_border(propagation, y, z, &row); /* alike for all rows between */
+        if (y < 2 || y == size[1] - 1) find_border(propagation, y, z, &row); /* equal for all rows between */
         point_at(propagation, y, z, &row);
         propagation->kernels->step(&row, &sums);
     }
     add_slab(&sums, &propagation->slabs[z]);
 }
 
-/* Slabs one after another, as each begins with what the last one read. */
+/* Steps consecutive slabs, which share the rows read last. */
 static void step_slabs(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const ty_lpv_propagation* propagation = user;
@@ -323,15 +322,15 @@ ty_lpv_sums ty_lpv_propagation_step(ty_lpv_propagation* propagation, bool adds) 
     return add_slabs(propagation);
 }
 
-/* ---- injection and the end ---- */
+/* ---- injection and gathering ---- */
 
 typedef struct slab_job {
     ty_lpv_propagation* propagation;
-    float* const (*own_cell_sh)[TY_SH_TERMS]; /* NULL: what media's steps say */
-    bool pending;                             /* whether what flows is not in the sum yet */
+    float* const (*own_cell_sh)[TY_SH_TERMS]; /* NULL: injected_fraction of the medium's operator */
+    bool pending;                             /* whether the last step is not in the sum yet */
 } slab_job;
 
-/* What counts of the light that is injected into a row. */
+/* The part of a row's injected light that counts in its own cell. */
 static void count_row(const slab_job* job, int32_t channel, int32_t term, size_t first, const float* propagated_sh,
                       const float* share, float* counted) {
     const int32_t count = job->propagation->lattice->box.size[0];

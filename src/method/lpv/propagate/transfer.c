@@ -1,24 +1,24 @@
-/* Links between cells, and what media do to light on them. */
+/* Transfer functions of the links, and the scattering operator of media. */
 #include "method/lpv/propagate/transfer.h"
 
 #include <stdlib.h>
 
 /* ---- directions ---- */
 
-enum { PATCH_POINTS = 48 }; /* along the sides of a cube's faces */
+enum { PATCH_POINTS = 48 }; /* quadrature points along a side of a cube's face */
 
 typedef struct patch_sums {
     double solid_angle, terms[TY_SH_TERMS];
 } patch_sums;
 
-/* -1, 0 or 1: which of the multiples of 45 degrees a direction is nearest to, in the plane of an axis where it is the
- * longest component, 1, and another where it is this. */
+/* The nearest multiple of 45 degrees (as -1, 0 or 1) to a direction in the plane of two axes, given its component along
+ * one when its component along the other, the major axis, is 1. */
 static int32_t nearest(double component) {
-    static const double tangent = 0.41421356237309503; /* of 22.5 degrees */
+    static const double tangent = 0.41421356237309503; /* tan 22.5 degrees */
     return component > tangent ? 1 : component < -tangent ? -1 : 0;
 }
 
-/* Directions through one face of the cube [-1, 1]^3, whose points stand for equal parts of it. */
+/* Adds the directions through one face of the cube [-1, 1]^3, sampled on a regular grid. */
 static void add_face(int axis, double side, patch_sums sums[TY_LPV_LINKS]) {
     for (int32_t i = 0; i < PATCH_POINTS; ++i)
         for (int32_t j = 0; j < PATCH_POINTS; ++j) {
@@ -36,7 +36,7 @@ static void add_face(int axis, double side, patch_sums sums[TY_LPV_LINKS]) {
         }
 }
 
-/* How many axes a link goes along: links of one kind have the same shape. */
+/* The number of axes that a link moves along, minus 1: face, edge or corner link. Links of one kind are congruent. */
 static int32_t kind_of(const int32_t step[3]) {
     return abs(step[0]) + abs(step[1]) + abs(step[2]) - 1;
 }
@@ -44,7 +44,9 @@ static int32_t kind_of(const int32_t step[3]) {
 /* One link of each kind. */
 static const int32_t model[3][3] = {{0, 0, 1}, {1, 1, 0}, {1, 1, 1}};
 
-/* The patch of one link turned and mirrored onto another of its kind: sums as exact as symmetry. */
+/* G_j of Eq. 3 (Billeter 2012): the spherical harmonics of link j's patch of directions over the square root of its
+ * solid angle, normalised so that sum over j of G_j0^2 = 1. Rotated from the model link of its kind, so that the
+ * symmetry of the links is exact. */
 static void make_transfer_G(const patch_sums* patch, double whole, const int32_t step[3],
                             float transfer_G[TY_SH_TERMS]) {
     const int32_t kind = kind_of(step);
@@ -58,7 +60,7 @@ static void make_transfer_G(const patch_sums* patch, double whole, const int32_t
     transfer_G[4] = (float)(kind == 0 ? 0 : cross * step[0] * step[1]);
     transfer_G[5] = (float)(kind == 0 ? 0 : cross * step[1] * step[2]);
     transfer_G[7] = (float)(kind == 0 ? 0 : cross * step[0] * step[2]);
-    /* Band 2 is even about one axis: a face's link's own, and the one that an edge's link is square to. */
+    /* Band 2 is rotationally symmetric about one axis: that of a face link, or the axis orthogonal to an edge link. */
     double near_source[3];
     for (int a = 0; a < 3; ++a) near_source[a] = kind < 2 && (step[a] != 0) == (kind == 0) ? axial : 0;
     transfer_G[6] = (float)(near_source[2] - 0.5 * (near_source[0] + near_source[1]));
@@ -105,52 +107,54 @@ void ty_lpv_transfer_make(int32_t bands, bool keeps_momentum, ty_lpv_transfer* o
 
 /* ---- media ---- */
 
-/* The most momentum that light keeps from step to step: what media have whose free path is sixteen cells. Without it
- * two or three bands in vacuum would stand as high far from a small source as at the border, and below 0 in between;
- * with less, light between surfaces stays too long. About lamps, ty_lattice_find_extinction_floor goes further. */
+/* The maximum momentum that light keeps from step to step, that of a medium with a mean free path of 16 cells. Without
+ * this limit two or three bands overshoot in vacuum to negative fluence between a small source and the border; with a
+ * lower limit light between surfaces diffuses too slowly. Near local lights ty_lattice_find_extinction_floor lowers it
+ * further. */
 static const double momentum_retained = 0.92;
 
-/* How far a step is in cells without momentum: half of the diffusion's coefficient times the time. */
+/* Diffusivity of a step without momentum, cells^2: half of its variance. */
 static double reach(const ty_lpv_transfer* transfer) {
     return 0.5 * transfer->step_variance;
 }
 
-/* Momentum with which the lattice diffuses by so many cells^2 a step more than without. */
+/* The momentum that adds a diffusivity of `drift` cells^2 per step. */
 static double momentum_for(const ty_lpv_transfer* transfer, double drift) {
     return drift / (transfer->slope * transfer->slope + transfer->momentum * drift);
 }
 
-/* Momentum such that the lattice diffuses as the medium does: D = 1 / (3 sigma_tr). */
+/* Chooses the momentum such that the lattice's diffusion coefficient is the medium's, D = 1 / (3 sigma_tr). */
 ty_lpv_links_step ty_lpv_links_step_in(const ty_lpv_transfer* transfer, float cell, const ty_lpv_cell_medium* medium) {
     const double extinction = (double)medium->extinction, scattering = (double)medium->scattering;
     const double g = (double)medium->g, side = (double)cell;
-    const double depth = extinction * side * transfer->length, flown = exp(-depth);
+    const double depth = extinction * side * transfer->length,
+                 remaining = exp(-depth); /* 1 - lambda, Eq. 3 (Billeter 2012) */
     const double absorption = fmax(extinction - scattering, 0), reduced_extinction = extinction - g * scattering;
-    const double scattered = extinction > 0 ? (1 - flown) * scattering / extinction : 0;
-    double length = depth > 1e-6 ? (1 - flown) / extinction : side * transfer->length;
+    const double lambda_s = extinction > 0 ? (1 - remaining) * scattering / extinction : 0; /* Eq. 3 (Billeter 2012) */
+    double length = depth > 1e-6 ? (1 - remaining) / extinction : side * transfer->length;
     double scatter_factor = 1 - absorption * length, momentum_factor = momentum_retained * scatter_factor;
     const double inverse_diffusivity =
-        3 * reduced_extinction * side * side; /* a step's length over it is D in cells^2 a step */
+        3 * reduced_extinction * side * side; /* length / inverse_diffusivity is D in cells^2 per step */
     const double drift =
         inverse_diffusivity > 0 ? length / (inverse_diffusivity * scatter_factor) - reach(transfer) : INFINITY;
-    if (drift <= 0) { /* deeper than a free path: it stays until it has spread as far as a step goes */
+    if (drift <= 0) { /* deeper than a mean free path: light stays until it has diffused as far as a step goes */
         momentum_factor = 0;
         length = inverse_diffusivity * reach(transfer) / (1 + inverse_diffusivity * reach(transfer) * absorption);
         scatter_factor = 1 - absorption * length;
     } else if (drift < INFINITY) {
         momentum_factor = fmin(momentum_for(transfer, drift), momentum_factor);
     }
-    const double injected_fraction = 1 - 0.5 * flown,
+    const double injected_fraction = 1 - 0.5 * remaining,
                  flight = reduced_extinction * length > 1 ? 1 / (reduced_extinction * length) : 1;
     return (ty_lpv_links_step){.scatter_factor = scatter_factor,
                                .momentum_factor = momentum_factor,
                                .length = length,
-                               .band2_factor = flown + scattered * g * g,
+                               .band2_factor = remaining + lambda_s * g * g,
                                .injected_fraction = injected_fraction,
                                .injected_directed = fmin(injected_fraction, flight)};
 }
 
-/* Sums are of light that goes on, divided by how much of what arrives that is: never 0. */
+/* Sums of outgoing light are divided by this factor, which therefore must not be 0. */
 static float nonzero_factor(double scatter_factor) {
     static const double least = 1e-6;
     return (float)(fabs(scatter_factor) < least ? least : scatter_factor);
@@ -164,8 +168,7 @@ ty_lpv_medium_step ty_lpv_links_step_about(const ty_lpv_transfer* transfer, floa
             step->length / (3 * (double)extinction_floor * (double)cell * (double)cell) - reach(transfer);
         momentum_factor = fmin(momentum_factor, near_source > 0 ? momentum_for(transfer, near_source) : 0);
     }
-    /* Flux out of the lattice's gradients, against -D grad of the fluence; light that was injected has what it flies.
-     */
+    /* Ratio of the lattice's flux to band 1; injected light has the flux of its free flight instead. */
     const double beta2 = transfer->slope * transfer->slope, unretained = 1 - transfer->momentum * momentum_factor;
     const double flux_factor = sqrt(3.0) * (beta2 * momentum_factor + reach(transfer) * unretained) * (double)cell /
                                (transfer->slope * step->length);
@@ -180,12 +183,16 @@ ty_lpv_medium_step ty_lpv_links_step_about(const ty_lpv_transfer* transfer, floa
 
 static ty_lpv_medium_step step_as_published(const ty_lpv_transfer* transfer, double cell, double extinction,
                                             double scattering, double g) {
-    const double depth = extinction * cell * transfer->length, flown = exp(-depth);
-    const double scattered = extinction > 0 ? (1 - flown) * scattering / extinction : 0;
-    return (ty_lpv_medium_step){.scatter_factor = {nonzero_factor(flown + scattered),
-                                                   nonzero_factor(flown + scattered * g),
-                                                   nonzero_factor(flown + scattered * g * g)},
-                                .length = (float)(depth > 1e-6 ? (1 - flown) / extinction : cell * transfer->length),
+    const double depth = extinction * cell * transfer->length, remaining = exp(-depth);
+    const double lambda = 1 - remaining;                                           /* Eq. 3 (Billeter 2012) */
+    const double lambda_s = extinction > 0 ? lambda * scattering / extinction : 0; /* Eq. 3 (Billeter 2012) */
+    /* (1 - lambda) <L | G_j> + gamma_j lambda_s <L | 1> with gamma_j = G_j0 / sqrt(4 pi), Eq. 3 (Billeter 2012): as
+     * <L | 1> = sqrt(4 pi) L_0, the second term is lambda_s times band 0 of <L | G_j>. A Henyey-Greenstein medium adds
+     * lambda_s g^l to band l, so both terms are one factor per band. */
+    return (ty_lpv_medium_step){.scatter_factor = {nonzero_factor(remaining + lambda_s),
+                                                   nonzero_factor(remaining + lambda_s * g),
+                                                   nonzero_factor(remaining + lambda_s * g * g)},
+                                .length = (float)(depth > 1e-6 ? lambda / extinction : cell * transfer->length),
                                 .flux_factor = {1, 1, 1},
                                 .injected_fraction = {1, 1, 1}};
 }
