@@ -214,8 +214,10 @@ static void compare_marchers(ty_context* context, const scene_case* c) {
     ty_image_destroy(truth);
     ty_lpv_destroy(light);
     ty_scene_destroy(scene);
+    /* At the same resolution both are nearer to the truth; half of the resolution costs at most a fifth. */
     assert_true(single[1] < single[2]);
-    assert_true(whole[0] < 1.05 * whole[2]);
+    assert_true(whole[1] < whole[2]);
+    assert_true(whole[0] < 1.2 * whole[1]);
 }
 
 static void atrium(void** state) {
@@ -223,8 +225,9 @@ static void atrium(void** state) {
     compare_marchers(*state, &c);
 }
 
+/* The light is visible, and its airlight noisy: the reference takes four times as many samples. */
 static void box_in_fog(void** state) {
-    const scene_case c = {"builtin:fog_cornell", NULL, {NULL}, 60, 60, 256, 0, 0};
+    const scene_case c = {"builtin:fog_cornell", NULL, {NULL}, 60, 60, 1024, 0, 0};
     compare_marchers(*state, &c);
 }
 
@@ -236,7 +239,7 @@ static void smoke_in_a_box(void** state) {
                "\"density\": {\"noise\": {\"kind\": \"fbm\", \"resolution\": 48, \"frequency\": 3}}}]"},
         60,
         60,
-        256,
+        1024,
         0,
         0};
     compare_marchers(*state, &c);
