@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/* Which of two ways blockers and steps are. */
+/* The model of blockers and of propagation steps. */
 typedef enum ty_lpv_mode {
     TY_LPV_MODE_LINKS = 0,    /* ours, in absolute units: surfaces block the links between cells that they cut, and
                                  reflect what they stop; steps keep momentum and diffuse as media do */
@@ -24,13 +24,13 @@ typedef enum ty_lpv_mode {
                                  Eq. 3 has it, with in-scattering that conserves energy */
 } ty_lpv_mode;
 
-/* Where the lattice lies. */
+/* The placement of the lattice. */
 typedef enum ty_lpv_place {
     TY_LPV_PLACE_SCENE = 0, /* around media and surfaces */
     TY_LPV_PLACE_CAMERA = 1 /* cubes about the camera, which move by whole cells */
 } ty_lpv_place;
 
-/* What takes part; the paper's comparisons (Fig. 5) leave some of it out. */
+/* Features of the method; the paper's comparisons (Fig. 5) leave some of them out. */
 enum {
     TY_LPV_REFLECTED = 1,  /* injection of light that surfaces reflect */
     TY_LPV_SCATTERED = 2,  /* injection of light that media scatter once */
@@ -44,8 +44,8 @@ enum {
 
 enum { TY_LPV_CELLS_MAX = 256, TY_LPV_CASCADES_MAX = 6, TY_LPV_BANDS_MAX = 3 };
 
-/* What the camera sees, as engines have it: width x height pixels, row by row, the top one first, through the middles
- * of the scene's camera's pixels. Arrays are the caller's. */
+/* The surfaces that the camera sees, as engines store them: width x height pixels, row by row, the top one first,
+ * through the middles of the scene's camera's pixels. Arrays are the caller's. */
 typedef struct ty_lpv_view_def {
     const float* distance; /* m, along each pixel's ray; INFINITY: no surface */
     const float* normal;   /* 3 a pixel, unit, towards the camera's side */
@@ -53,7 +53,7 @@ typedef struct ty_lpv_view_def {
     const float* emission; /* 3 a pixel, radiance towards the camera; NULL: none */
 } ty_lpv_view_def;
 
-/* What to solve and how; made by ty_default_lpv_def. */
+/* The options of a solve and of its images; made by ty_default_lpv_def. */
 typedef struct ty_lpv_def {
     uint32_t cookie;  /* set by ty_default_lpv_def; checked */
     ty_lpv_mode mode; /* default TY_LPV_MODE_LINKS */
@@ -96,11 +96,11 @@ typedef struct ty_lpv_def {
 
 /* A def with every field at its default. */
 TY_API ty_lpv_def ty_default_lpv_def(void);
-/* What a scene file's render.lpv asks for (ty_scene_render_settings), and the defaults of all that it cannot say. Words
- * that are none of a setting's count as the first of them. */
+/* The options of a scene file's render.lpv (ty_scene_render_settings), and the defaults of all that it cannot say.
+ * Words that are none of a setting's count as the first of them. */
 TY_API ty_lpv_def ty_lpv_def_of(const ty_lpv_settings* settings);
 
-/* What a solve, and a view after it, did. Seconds of all lights, channels and cascades together. */
+/* Statistics of a solve, and of a view after it. Seconds of all lights, channels and cascades together. */
 typedef struct ty_lpv_stats {
     int32_t size[TY_LPV_CASCADES_MAX][3]; /* cells */
     double cell[TY_LPV_CASCADES_MAX];     /* side, m */
@@ -121,7 +121,7 @@ typedef struct ty_lpv_stats {
 /* Light in a scene's media and between its surfaces: solved once, seen from anywhere. */
 typedef struct ty_lpv ty_lpv;
 
-/* Whether the method takes a scene's lights, before any work: directional, point and spot ones, and not light of
+/* Checks before any work that the method takes a scene's lights: directional, point and spot ones, and not light of
  * surfaces that glow alone. Errors: TY_ERROR_ARGUMENT (a light of another kind, named by its place, or only surfaces
  * that glow). */
 TY_API ty_result ty_lpv_check_scene(const ty_scene* scene);

@@ -244,7 +244,7 @@ static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Whether the axes of a face are orthogonal, forward is unit and the other axes are not degenerate. */
+/* True if the axes of a face are orthogonal, forward is unit and the other axes are not degenerate. */
 static bool is_frame(const double forward[3], const double right[3], const double up[3]) {
     const double r = sqrt(dot(right, right)), u = sqrt(dot(up, up)), slack = 1e-3;
     return fabs(dot(forward, forward) - 1) < slack && r > 0 && u > 0 && isfinite(r) && isfinite(u) &&
@@ -252,7 +252,7 @@ static bool is_frame(const double forward[3], const double right[3], const doubl
            fabs(dot(right, up)) < slack * r * u;
 }
 
-/* Whether a texel with a surface holds a valid depth, normal and albedo. */
+/* True if a texel with a surface holds a valid depth, normal and albedo. */
 static bool is_texel(const ty_rsm* map, size_t i) {
     if (!(map->depth[i] >= 0)) return false;
     if (isinf(map->depth[i]) || map->normal == NULL) return true;

@@ -376,9 +376,9 @@ static receiver_plane plane_before(const ty_shadow_hierarchy* map, int32_t face,
 
 /* Depth of the plane at an offset in texels; INFINITY if the plane is behind the light there. */
 static float plane_depth(const ty_shadow_hierarchy* map, const receiver_plane* plane, float x, float y) {
-    const float turn = plane->along[0] * x + plane->along[1] * y;
-    if (is_parallel(map)) return plane->depth - turn / plane->facing;
-    const float facing = plane->facing + turn;
+    const float change = plane->along[0] * x + plane->along[1] * y;
+    if (is_parallel(map)) return plane->depth - change / plane->facing;
+    const float facing = plane->facing + change;
     return facing > 0.0f ? plane->depth * plane->facing / facing : INFINITY;
 }
 

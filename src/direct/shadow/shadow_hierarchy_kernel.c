@@ -72,10 +72,10 @@ TY_INLINE bool any(const wholes* mask) {
 }
 
 /* Lines whose visibility changes inside a block, one by one. */
-TY_INLINE void turn(const ty_shadow_line* lines, const wholes* turns, const wholes* before, const reals* node,
-                    const reals* leave, line_set* set, ty_lit_segments* lists) {
+TY_INLINE void switch_visibility(const ty_shadow_line* lines, const wholes* switches, const wholes* before,
+                                 const reals* node, const reals* leave, line_set* set, ty_lit_segments* lists) {
     for (int32_t i = 0; i < LINES; ++i) {
-        if ((*turns)[i] == 0) continue;
+        if ((*switches)[i] == 0) continue;
         if (set->level[i] == 0)
             ty_shadow_cross_texel(&lines[i], (*node)[i], set->u[i], (*leave)[i], &lists[i]);
         else
@@ -111,21 +111,21 @@ static void walk(const ty_shadow_face* face, const ty_shadow_line* lines, int32_
         const wholes before = LEAST(here, there) >= high, behind = MOST(here, there) < low;
         const wholes unsure = ~(before | behind), fine = level == 0;
         const wholes descends = unsure & ~fine & set.active, stays = set.active & ~descends;
-        const wholes turns = stays & ((unsure & fine) | ((before & 1) != set.lit));
-        if (any(&turns)) turn(lines, &turns, &before, &low, &leave, &set, lists);
+        const wholes switches = stays & ((unsure & fine) | ((before & 1) != set.lit));
+        if (any(&switches)) switch_visibility(lines, &switches, &before, &low, &leave, &set, lists);
         const wholes by_x = u_x < u_y, last = (1 << level) - 1;
         const wholes low_x = block_x << level, low_y = block_y << level;
         const wholes slid_x = TO_WHOLE(set.x + leave * set.dx), slid_y = TO_WHOLE(set.y + leave * set.dy);
-        const wholes kept_x = CHOOSE(slid_x < low_x, low_x, CHOOSE(slid_x > low_x + last, low_x + last, slid_x));
-        const wholes kept_y = CHOOSE(slid_y < low_y, low_y, CHOOSE(slid_y > low_y + last, low_y + last, slid_y));
-        const wholes next_x = CHOOSE(by_x, edge_x - (1 - set.ahead_x), kept_x);
-        const wholes next_y = CHOOSE(by_x, kept_y, edge_y - (1 - set.ahead_y));
+        const wholes clamped_x = CHOOSE(slid_x < low_x, low_x, CHOOSE(slid_x > low_x + last, low_x + last, slid_x));
+        const wholes clamped_y = CHOOSE(slid_y < low_y, low_y, CHOOSE(slid_y > low_y + last, low_y + last, slid_y));
+        const wholes next_x = CHOOSE(by_x, edge_x - (1 - set.ahead_x), clamped_x);
+        const wholes next_y = CHOOSE(by_x, clamped_y, edge_y - (1 - set.ahead_y));
         const wholes ends = (leave >= 1.0f) | (next_x < 0) | (next_y < 0) | (next_x >= side) | (next_y >= side);
-        const wholes even = (CHOOSE(by_x, block_x, block_y) & 1) == CHOOSE(by_x, set.ahead_x, set.ahead_y);
+        const wholes at_parent_edge = (CHOOSE(by_x, block_x, block_y) & 1) == CHOOSE(by_x, set.ahead_x, set.ahead_y);
         set.at_x = CHOOSE(stays, next_x, set.at_x);
         set.at_y = CHOOSE(stays, next_y, set.at_y);
         set.u = CHOOSE_REAL(stays, leave, set.u);
-        set.level = level + CHOOSE(stays, (even & (level < top)) & 1, descends);
+        set.level = level + CHOOSE(stays, (at_parent_edge & (level < top)) & 1, descends);
         set.active &= ~(stays & ends);
         /* Finished lines keep a valid texel. */
         set.at_x &= set.active;

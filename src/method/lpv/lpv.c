@@ -183,8 +183,8 @@ static ty_result make_image(const ty_lpv* light, const ty_scene* scene, const ty
     for (size_t i = 0; i < count; ++i) maps[i] = light->sources[i].hierarchy;
     ty_result result = TY_OK;
     if (light->medium != NULL) {
-        const ty_airlight_def air = {.medium = light->medium, .maps = maps, .count = light->source_count};
-        result = ty_airlight_create(scene, &air, &airlight);
+        const ty_airlight_def airlight_def = {.medium = light->medium, .maps = maps, .count = light->source_count};
+        result = ty_airlight_create(scene, &airlight_def, &airlight);
     }
     const ty_lpv_image_job job = {.scene = scene,
                                   .def = &sized,

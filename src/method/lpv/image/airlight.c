@@ -8,16 +8,16 @@
 
 /* ---- media ---- */
 
-/* Whether a medium is homogeneous within its bounds. */
-static bool is_even(const ty_medium_view* medium) {
+/* True if a medium is homogeneous within its bounds. */
+static bool is_homogeneous(const ty_medium_view* medium) {
     return medium->has_grid == 0 && medium->albedo_fields == 0 && medium->has_g_field == 0;
 }
 
-static void look_at_media(ty_airlight* airlight) {
+static void classify_media(ty_airlight* airlight) {
     airlight->channels = 1;
     for (int32_t m = 0; m < airlight->scene->medium_count; ++m) {
         const ty_medium_view* medium = &airlight->scene->media[m];
-        if (!is_even(medium)) airlight->on_cells = 1;
+        if (!is_homogeneous(medium)) airlight->on_cells = 1;
         if (medium->gray == 0) airlight->channels = 3;
         if (medium->sigma_t_max > 0) airlight->collide |= (uint64_t)1 << m;
     }
@@ -70,7 +70,7 @@ ty_result ty_airlight_create(const ty_scene* scene, const ty_airlight_def* def, 
     airlight->scene = view;
     airlight->medium = def->medium;
     airlight->count = def->count;
-    look_at_media(airlight);
+    classify_media(airlight);
     airlight->lights = ty_alloc_array(scene->context, (size_t)def->count, sizeof *airlight->lights, true);
     ty_result result = airlight->lights != NULL ? TY_OK : TY_ERROR_MEMORY;
     for (int32_t i = 0; i < def->count && result == TY_OK; ++i)

@@ -6,7 +6,7 @@
 /* A light and the lit segments of the ray. */
 typedef struct grid_light {
     const ty_airlight_source* of;
-    ty_closest_approach pass;
+    ty_closest_approach approach;
     int32_t count, next;
     float at[TY_LIT_SEGMENTS_MAX][2];
 } grid_light;
@@ -61,31 +61,31 @@ typedef struct part_light {
 
 /* The integral of 1 / r^2 over the part is its angle seen from the light over the light's distance from the ray; the
  * mean is the bisector's. */
-static part_light find_lamp(const grid_march* march, const grid_light* light, float from, float to) {
+static part_light find_local_light(const grid_march* march, const grid_light* light, float from, float to) {
     const ty_light_view* view = light->of->light;
-    const float off = light->pass.off, a = from - light->pass.nearest, b = to - light->pass.nearest;
+    const float off = light->approach.off, a = from - light->approach.nearest, b = to - light->approach.nearest;
     const float per_a = 1.0f / sqrtf(a * a + off * off), per_b = 1.0f / sqrtf(b * b + off * off);
     const float ahead = a * per_a + b * per_b, beside = off * (per_a + per_b);
     part_light out;
     out.angle = atan2f(off * (to - from), off * off + a * b);
     out.amount = out.angle / off;
     out.along = ahead / sqrtf(ahead * ahead + beside * beside);
-    out.middle = ty_clampf(light->pass.nearest + off * ahead / beside, from, to);
+    out.middle = ty_clampf(light->approach.nearest + off * ahead / beside, from, to);
     if (view->kind != TY_KIND_SPOT) return out;
     const ty_vec way = ty_sub(ty_mad(march->origin, march->direction, out.middle), view->position);
     out.amount *= ty_spot_falloff(view, ty_dot(way, view->direction) / sqrtf(ty_maxf(ty_dot(way, way), 1e-30f)));
     return out;
 }
 
-static void add_lit(grid_march* march, const grid_light* light, const grid_step* step, float from, float to) {
+static void add_lit_part(grid_march* march, const grid_light* light, const grid_step* step, float from, float to) {
     const ty_grid_medium* medium = march->airlight->medium;
     const ty_light_view* view = light->of->light;
     part_light part = {.amount = to - from, .along = ty_dot(view->direction, march->direction)};
     float passing[3], phase = 0;
-    if (view->kind != TY_KIND_DIRECTIONAL) part = find_lamp(march, light, from, to);
+    if (view->kind != TY_KIND_DIRECTIONAL) part = find_local_light(march, light, from, to);
     if (part.angle > WIDEST && part.middle > from && part.middle < to) {
-        add_lit(march, light, step, from, part.middle);
-        add_lit(march, light, step, part.middle, to);
+        add_lit_part(march, light, step, from, part.middle);
+        add_lit_part(march, light, step, part.middle, to);
         return;
     }
     values_at(medium, light->of->planes, &step->at, passing);
@@ -98,11 +98,11 @@ static void add_lit(grid_march* march, const grid_light* light, const grid_step*
     }
 }
 
-static void add_stretches(grid_march* march, grid_light* light, const grid_step* step) {
+static void add_lit_segments(grid_march* march, grid_light* light, const grid_step* step) {
     for (; light->next < light->count; ++light->next) {
         const float* at = light->at[light->next];
         const float from = ty_maxf(at[0], step->from), to = ty_minf(at[1], step->to);
-        if (from < to) add_lit(march, light, step, from, to);
+        if (from < to) add_lit_part(march, light, step, from, to);
         if (at[1] > step->to) return;
     }
 }
@@ -116,7 +116,7 @@ static void take_step(grid_march* march, float from, float to) {
     if (!(step.extinction[0] + step.extinction[1] + step.extinction[2] > 0)) return;
     values_at(medium, medium->scattering, &step.at, step.scattering);
     values_at(medium, medium->g, &step.at, step.g);
-    for (int32_t i = 0; i < airlight->count; ++i) add_stretches(march, &march->lights[i], &step);
+    for (int32_t i = 0; i < airlight->count; ++i) add_lit_segments(march, &march->lights[i], &step);
     for (int c = 0; c < 3; ++c) march->depth[c] += step.extinction[c] * (to - from);
 }
 
@@ -126,7 +126,7 @@ static void find_lights(grid_march* march, float from, float to) {
     for (int32_t i = 0; i < march->airlight->count; ++i) {
         grid_light* light = &march->lights[i];
         light->of = &march->airlight->lights[i];
-        light->pass = ty_closest_approach_to(light->of->light->position, march->origin, march->direction);
+        light->approach = ty_closest_approach_to(light->of->light->position, march->origin, march->direction);
         light->next = 0;
         light->count = ty_shadow_lit_segments(light->of->map, march->origin, march->direction, from, to, light->at);
     }

@@ -106,11 +106,12 @@ static void find_media_intervals(airlight_ray* ray, float far) {
 static void clip_opaque(airlight_ray* ray) {
     if (ray->count == 0) return;
     media_interval* last = &ray->intervals[ray->count - 1];
-    float seen = 0;
+    float visible_length = 0;
     for (int c = 0; c < 3; ++c)
-        seen = ty_maxf(seen, last->extinction[c] > 0 ? (TY_AIRLIGHT_OPAQUE - last->depth[c]) / last->extinction[c]
+        visible_length = ty_maxf(visible_length, last->extinction[c] > 0
+                                                     ? (TY_AIRLIGHT_OPAQUE - last->depth[c]) / last->extinction[c]
                                                      : TY_FLOAT_MAX);
-    last->to = ty_minf(last->to, last->from + seen);
+    last->to = ty_minf(last->to, last->from + visible_length);
 }
 
 /* Scattering coefficient times phase function of an interval at cosine mu. */
@@ -138,8 +139,8 @@ typedef struct lit_segments {
 /* Callback for each lit part between two kinks. */
 typedef void (*part_fn)(const airlight_ray* ray, const void* user, const lit_interval* lit_part);
 
-static void each_lit(const airlight_ray* ray, const kink_list* kinks, lit_segments* lit, const media_interval* interval,
-                     part_fn take, const void* user, lit_interval* lit_part) {
+static void for_each_lit_part(const airlight_ray* ray, const kink_list* kinks, lit_segments* lit,
+                              const media_interval* interval, part_fn take, const void* user, lit_interval* lit_part) {
     lit_part->interval = interval;
     for (; lit->next < lit->count; ++lit->next) {
         const float end = ty_minf(lit->at[lit->next][1], interval->to);
@@ -308,7 +309,7 @@ static void add_sun(const airlight_ray* ray, const ty_airlight_source* light, li
         lit_interval lit_part;
         scattered_in(ray, &ray->intervals[i], mu, lit_part.weight);
         for (int c = 0; c < 3; ++c) lit_part.weight[c] *= light->light->color[c];
-        each_lit(ray, &kinks, &lit, &ray->intervals[i], take_sun, &sun, &lit_part);
+        for_each_lit_part(ray, &kinks, &lit, &ray->intervals[i], take_sun, &sun, &lit_part);
     }
 }
 
@@ -322,7 +323,7 @@ static void add_sun(const airlight_ray* ray, const ty_airlight_source* light, li
 
 typedef struct local_light {
     const ty_airlight_source* of;
-    ty_closest_approach pass;
+    ty_closest_approach approach;
     float beside, along; /* components of a spot light's axis: towards the ray's closest point, and along the ray */
     float panel;         /* maximum angle, rad */
     float peak[2];       /* distance of the phase functions' pole from angle 0 in front of and behind the light, rad */
@@ -334,37 +335,37 @@ typedef struct quadrature_panel {
     float low, high, sign;
 } quadrature_panel;
 
-static void passing_to(const airlight_ray* ray, const local_light* lamp, const lit_interval* lit_part, float t,
+static void passing_to(const airlight_ray* ray, const local_light* local, const lit_interval* lit_part, float t,
                        float distance, float passing[3]) {
     const ty_scene_view* scene = ray->airlight->scene;
     const media_interval* interval = lit_part->interval;
-    const bool simple = lamp->of->inside != 0 && (ray->airlight->collide & ~interval->media) == 0;
+    const bool simple = local->of->inside != 0 && (ray->airlight->collide & ~interval->media) == 0;
     const float way = t - interval->from + (simple ? distance : 0.0f);
     for (int c = 0; c < ray->airlight->channels; ++c)
         passing[c] = ty_decay(interval->depth[c] + interval->extinction[c] * way);
     for (int c = ray->airlight->channels; c < 3; ++c) passing[c] = passing[0];
     if (simple) return;
-    float from_lamp[3];
-    const ty_vec off = ty_sub(ty_mad(ray->origin, ray->direction, t), lamp->of->light->position);
+    float from_light[3];
+    const ty_vec off = ty_sub(ty_mad(ray->origin, ray->direction, t), local->of->light->position);
     const float length = ty_maxf(sqrtf(ty_dot(off, off)), 1e-30f);
-    ty_transmittance(scene->media, scene->medium_count, lamp->of->light->position, ty_scale(off, 1.0f / length), length,
-                     NULL, from_lamp);
-    for (int c = 0; c < 3; ++c) passing[c] *= from_lamp[c];
+    ty_transmittance(scene->media, scene->medium_count, local->of->light->position, ty_scale(off, 1.0f / length),
+                     length, NULL, from_light);
+    for (int c = 0; c < 3; ++c) passing[c] *= from_light[c];
 }
 
-static void take_panel(const airlight_ray* ray, const local_light* lamp, const lit_interval* lit_part,
+static void take_panel(const airlight_ray* ray, const local_light* local, const lit_interval* lit_part,
                        const quadrature_panel* panel) {
     const float middle = 0.5f * (panel->low + panel->high), half = 0.5f * (panel->high - panel->low);
-    const ty_light_view* light = lamp->of->light;
+    const ty_light_view* light = local->of->light;
     for (int i = 0; i < NODES; ++i) {
         float sine, cosine, scattered[3], passing[3];
         ty_sincos_turn((middle + half * node[i]) * (0.5f / TY_PI), &sine, &cosine);
-        const float ahead = panel->sign * cosine, distance = lamp->pass.off / sine;
-        const float t = ty_clampf(lamp->pass.nearest + ahead * distance, lit_part->from, lit_part->to);
-        float weight = node_weight[i] * 2.0f * half / lamp->pass.off;
-        if (light->kind == TY_KIND_SPOT) weight *= ty_spot_falloff(light, sine * lamp->beside + ahead * lamp->along);
+        const float ahead = panel->sign * cosine, distance = local->approach.off / sine;
+        const float t = ty_clampf(local->approach.nearest + ahead * distance, lit_part->from, lit_part->to);
+        float weight = node_weight[i] * 2.0f * half / local->approach.off;
+        if (light->kind == TY_KIND_SPOT) weight *= ty_spot_falloff(light, sine * local->beside + ahead * local->along);
         scattered_in(ray, lit_part->interval, -ahead, scattered);
-        passing_to(ray, lamp, lit_part, t, distance, passing);
+        passing_to(ray, local, lit_part, t, distance, passing);
         for (int c = 0; c < 3; ++c) passing[c] *= weight;
         add_part(ray, lit_part, scattered, passing);
     }
@@ -372,22 +373,22 @@ static void take_panel(const airlight_ray* ray, const local_light* lamp, const l
 
 /* A part on one side of the closest point, between `near` and `far` metres from it, in panels narrower than the peak of
  * the phase functions. */
-static void take_side(const airlight_ray* ray, const local_light* lamp, const lit_interval* lit_part, float near,
+static void take_side(const airlight_ray* ray, const local_light* local, const lit_interval* lit_part, float near,
                       float far, float sign) {
-    const float high = atan2f(lamp->pass.off, near), peak = lamp->peak[sign > 0];
-    float low = atan2f(lamp->pass.off, far);
+    const float high = atan2f(local->approach.off, near), peak = local->peak[sign > 0];
+    float low = atan2f(local->approach.off, far);
     while (low < high) {
         quadrature_panel panel = {.low = low, .sign = sign};
-        panel.high = ty_minf(high, low + ty_minf(lamp->panel, 2.0f * (low + peak)));
+        panel.high = ty_minf(high, low + ty_minf(local->panel, 2.0f * (low + peak)));
         if (high - panel.high < 0.25f * (panel.high - low)) panel.high = high;
-        take_panel(ray, lamp, lit_part, &panel);
+        take_panel(ray, local, lit_part, &panel);
         low = panel.high;
     }
 }
 
-static void take_lamp(const airlight_ray* ray, const void* user, const lit_interval* whole) {
-    const local_light* lamp = user;
-    const float nearest = lamp->pass.nearest,
+static void integrate_local_light(const airlight_ray* ray, const void* user, const lit_interval* whole) {
+    const local_light* local = user;
+    const float nearest = local->approach.nearest,
                 depth = greatest3(whole->interval->extinction) * (whole->to - whole->from);
     const int32_t count = 1 + (int32_t)ty_minf(depth * (1.0f / PANEL_DEPTH), 64.0f);
     for (int32_t i = 0; i < count; ++i) {
@@ -395,21 +396,21 @@ static void take_lamp(const airlight_ray* ray, const void* user, const lit_inter
         lit_part.from = ty_lerpf(whole->from, whole->to, (float)i / (float)count);
         lit_part.to = ty_lerpf(whole->from, whole->to, (float)(i + 1) / (float)count);
         if (lit_part.from < nearest)
-            take_side(ray, lamp, &lit_part, ty_maxf(0.0f, nearest - lit_part.to), nearest - lit_part.from, -1.0f);
+            take_side(ray, local, &lit_part, ty_maxf(0.0f, nearest - lit_part.to), nearest - lit_part.from, -1.0f);
         if (lit_part.to > nearest)
-            take_side(ray, lamp, &lit_part, ty_maxf(0.0f, lit_part.from - nearest), lit_part.to - nearest, 1.0f);
+            take_side(ray, local, &lit_part, ty_maxf(0.0f, lit_part.from - nearest), lit_part.to - nearest, 1.0f);
     }
 }
 
 /* The Henyey-Greenstein function of the angle has its pole at imaginary distance ln(1 / g). */
-static void find_peaks(const ty_airlight* airlight, local_light* lamp) {
+static void find_peaks(const ty_airlight* airlight, local_light* local) {
     float most[2] = {1e-3f, 1e-3f};
     for (int32_t m = 0; m < airlight->scene->medium_count; ++m)
         for (int c = 0; c < 3; ++c) {
             most[0] = ty_maxf(most[0], airlight->scene->media[m].g[c]);
             most[1] = ty_maxf(most[1], -airlight->scene->media[m].g[c]);
         }
-    for (int i = 0; i < 2; ++i) lamp->peak[i] = -ty_logf(most[i]);
+    for (int i = 0; i < 2; ++i) local->peak[i] = -ty_logf(most[i]);
 }
 
 /* A spot light's intensity has kinks at its inner cone. */
@@ -421,24 +422,24 @@ static void add_spot_kinks(const airlight_ray* ray, const ty_light_view* light, 
     add_kink(kinks, from, to, lit_part.to);
 }
 
-static void add_lamp(const airlight_ray* ray, const ty_airlight_source* light, lit_segments lit) {
+static void add_local_light(const airlight_ray* ray, const ty_airlight_source* light, lit_segments lit) {
     kink_list kinks = {.count = 0};
-    local_light lamp = {.of = light,
-                        .pass = ty_closest_approach_to(light->light->position, ray->origin, ray->direction)};
-    find_peaks(ray->airlight, &lamp);
-    lamp.panel = light->inside != 0 ? PANEL_ANGLE : PANEL_ANGLE_NARROW;
+    local_light local = {.of = light,
+                         .approach = ty_closest_approach_to(light->light->position, ray->origin, ray->direction)};
+    find_peaks(ray->airlight, &local);
+    local.panel = light->inside != 0 ? PANEL_ANGLE : PANEL_ANGLE_NARROW;
     if (light->light->kind == TY_KIND_SPOT) {
-        lamp.panel = PANEL_ANGLE_NARROW;
-        const ty_vec nearest = ty_mad(ray->origin, ray->direction, lamp.pass.nearest);
+        local.panel = PANEL_ANGLE_NARROW;
+        const ty_vec nearest = ty_mad(ray->origin, ray->direction, local.approach.nearest);
         const ty_vec beside = ty_sub(nearest, light->light->position);
-        lamp.along = ty_dot(ray->direction, light->light->direction);
-        lamp.beside = ty_dot(beside, light->light->direction) / lamp.pass.off;
+        local.along = ty_dot(ray->direction, light->light->direction);
+        local.beside = ty_dot(beside, light->light->direction) / local.approach.off;
         add_spot_kinks(ray, light->light, &kinks);
     }
     lit_interval lit_part;
     memcpy(lit_part.weight, light->light->color, sizeof lit_part.weight);
     for (int32_t i = 0; i < ray->count && lit.next < lit.count; ++i)
-        each_lit(ray, &kinks, &lit, &ray->intervals[i], take_lamp, &lamp, &lit_part);
+        for_each_lit_part(ray, &kinks, &lit, &ray->intervals[i], integrate_local_light, &local, &lit_part);
 }
 
 /* ---- all lights ---- */
@@ -459,7 +460,7 @@ static void add_light(const airlight_ray* rays, int32_t count, const ty_airlight
         if (light->light->kind == TY_KIND_DIRECTIONAL)
             add_sun(&rays[i], light, segments);
         else
-            add_lamp(&rays[i], light, segments);
+            add_local_light(&rays[i], light, segments);
     }
 }
 

@@ -47,8 +47,8 @@ typedef struct ty_closest_approach {
 #define TY_AIRLIGHT_OFFSET_RELATIVE 1e-4f
 #define TY_AIRLIGHT_OFFSET_MIN 1e-6f
 
-static inline ty_closest_approach ty_closest_approach_to(ty_vec lamp, ty_vec origin, ty_vec direction) {
-    const ty_vec off = ty_sub(origin, lamp);
+static inline ty_closest_approach ty_closest_approach_to(ty_vec light, ty_vec origin, ty_vec direction) {
+    const ty_vec off = ty_sub(origin, light);
     const float nearest = -ty_dot(off, direction);
     const ty_vec beside = ty_mad(off, direction, nearest);
     const float least = TY_AIRLIGHT_OFFSET_RELATIVE * fabsf(nearest) + TY_AIRLIGHT_OFFSET_MIN;

@@ -70,7 +70,7 @@ static void ray_march_pixel(ty_lpv_march_state* state, int32_t x, int32_t y, ty_
 /* Single scattering is computed anew for a pixel where it differs between the rays around it by more than this fraction
  * of the pixel's radiance, as at the edges of light shafts; where it differs by more than the whole radiance, as around
  * a visible light, by FINE x FINE rays. */
-static const float edge_contrast = 0.1f, lamp_contrast = 1.0f;
+static const float edge_contrast = 0.1f, light_contrast = 1.0f;
 enum { FINE = 4 };
 
 /* Radiance of a pixel, sum of all channels. */
@@ -104,7 +104,7 @@ static bool sharpen(ty_lpv_march_state* state, int32_t x, int32_t y, float contr
     if (!(contrast > 0.0f)) return false;
     const float light = light_of(state, x, y, out);
     if (!(contrast > edge_contrast * light)) return false;
-    single_scattering_pixel(state, x, y, contrast > lamp_contrast * light ? FINE : 1, out);
+    single_scattering_pixel(state, x, y, contrast > light_contrast * light ? FINE : 1, out);
     return true;
 }
 

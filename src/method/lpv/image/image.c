@@ -190,15 +190,15 @@ static ty_result begin_state(const ty_lpv_image_job* job, ty_lpv_march_state* st
     state->upsample.height = state->media_height;
     state->first = def->seed != 0 ? (float)(ty_mix64(def->seed) >> 40) * 0x1p-24f : 0;
     state->progress = ty_part_begin(def->progress, def->progress_user, 0, 0);
-    const bool looks = state->has_media && (def->parts & TY_LPV_MARCH) != 0 && job->light.count > 0;
+    const bool has_lookups = state->has_media && (def->parts & TY_LPV_MARCH) != 0 && job->light.count > 0;
     state->ray_march = (ty_ray_march_request){.scene = state->scene,
                                               .medium = job->medium,
-                                              .lattices = looks ? &state->lattices : NULL,
+                                              .lattices = has_lookups ? &state->lattices : NULL,
                                               .step = (float)def->step};
     pthread_mutex_init(&state->lock, NULL);
     ty_lpv_find_upsample_weights(state);
     ty_result result = TY_OK;
-    if (looks || (def->parts & TY_LPV_SURFACES) != 0)
+    if (has_lookups || (def->parts & TY_LPV_SURFACES) != 0)
         result = ty_packed_lattices_create(state->context, job->light.lattices, job->light.count, &state->lattices);
     if (result == TY_OK) result = allocate_bands(state);
     if (result == TY_OK)

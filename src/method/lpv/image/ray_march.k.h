@@ -135,7 +135,7 @@ TY_FN float ty_ray_march_mean_depth(float x) {
 
 /* Adds an interval of the ray with constant coefficients, from t on. */
 TY_FN void ty_ray_march_add_interval(ty_ray_march* ray, const ty_media_coefficients* media, float t, float length) {
-    float depth = 0.0f, seen = 0.0f;
+    float depth = 0.0f, visible = 0.0f;
     for (int c = 0; c < 3; ++c) {
         const float x = media->extinction[c] * length, decay = ty_decay(x);
         const float reach = ray->out.transmittance[c] * length * ty_mean_decay(x, decay);
@@ -145,11 +145,11 @@ TY_FN void ty_ray_march_add_interval(ty_ray_march* ray, const ty_media_coefficie
         ray->out.scattered[c] += reach * media->scattering[c];
         ray->out.transmittance[c] *= decay;
         depth += x * (1.0f / 3.0f);
-        seen += reach * media->scattering[c];
+        visible += reach * media->scattering[c];
     }
-    if (!(seen > 0.0f)) return;
-    ray->amount += seen;
-    ray->moment += seen * (t + length * ty_ray_march_mean_depth(depth));
+    if (!(visible > 0.0f)) return;
+    ray->amount += visible;
+    ray->moment += visible * (t + length * ty_ray_march_mean_depth(depth));
 }
 
 TY_FN void ty_ray_march_add_voxels(ty_ray_march* ray, float t, float end) {
@@ -307,9 +307,9 @@ TY_FN void ty_ray_march_homogeneous(ty_ray_march* ray, float t, float end, int32
     }
 }
 
-TY_FN bool ty_ray_march_is_opaque(const ty_ray_march_result* fog) {
-    return fog->transmittance[0] < TY_RAY_MARCH_OPAQUE && fog->transmittance[1] < TY_RAY_MARCH_OPAQUE &&
-           fog->transmittance[2] < TY_RAY_MARCH_OPAQUE;
+TY_FN bool ty_ray_march_is_opaque(const ty_ray_march_result* result) {
+    return result->transmittance[0] < TY_RAY_MARCH_OPAQUE && result->transmittance[1] < TY_RAY_MARCH_OPAQUE &&
+           result->transmittance[2] < TY_RAY_MARCH_OPAQUE;
 }
 
 /* The finest cascade at t, -1 for none; *end is reduced to where that changes. */
@@ -444,16 +444,16 @@ TY_FN void ty_ray_march_follow(ty_ray_march* ray, const ty_ray_march_request* re
     ty_spans_find(request->scene->media, request->scene->medium_count, origin, direction, far, &spans);
     ty_ray_march_begin(ray, request, origin, direction, far, offset);
     float t = 0.0f, end;
-    bool seen = true, inside = false;
-    while (seen && t < TY_FLOAT_MAX) {
+    bool visible = true, inside = false;
+    while (visible && t < TY_FLOAT_MAX) {
         const bool any = ty_ray_march_media_at(ray, &spans, t, &end);
-        if (any) seen = ty_ray_march_interval(ray, t, end);
+        if (any) visible = ty_ray_march_interval(ray, t, end);
         inside = any && end >= far;
         if (inside) break;
         t = end;
     }
-    for (int c = 0; c < 3 && !seen; ++c) ray->out.transmittance[c] = 0.0f;
-    if (seen && inside && far < TY_FLOAT_MAX) ty_ray_march_end(ray, far);
+    for (int c = 0; c < 3 && !visible; ++c) ray->out.transmittance[c] = 0.0f;
+    if (visible && inside && far < TY_FLOAT_MAX) ty_ray_march_end(ray, far);
     ty_ray_march_gather(ray);
 }
 

@@ -116,7 +116,7 @@ typedef struct irradiance_list {
  * this. */
 static const float flat_within = 0.25f, flat_cosine = 0.998f;
 
-/* Whether the pixels from `first` on are a whole block on a flat surface: then irradiance is interpolated from its
+/* True if the pixels from `first` on are a whole block on a flat surface: then irradiance is interpolated from its
  * corners. */
 static bool is_flat(const ty_lpv_march_state* state, const ty_lpv_tile* tile, int32_t first) {
     const ty_lpv_pixel* block = &tile->pixels[first];

@@ -15,7 +15,7 @@ static const float per_cell = 2.0f;
 static const float near_end = 2.0f;
 
 /* Maximum number of segments of the medium stored per part of a ray. */
-enum { STRETCHES = 64 };
+enum { SEGMENTS_MAX = 64 };
 
 typedef struct scatter_job {
     const ty_lattice* lattice;
@@ -60,23 +60,23 @@ static int32_t scatter_evenly(const scatter_job* job, const ty_rsm_rays* rays, t
 
 /* A part of a ray. */
 typedef struct ray_part {
-    ty_medium_segment stretches[STRETCHES];
-    float until[STRETCHES]; /* cumulative scattering at the end of each segment, sum of all channels */
+    ty_medium_segment segments[SEGMENTS_MAX];
+    float until[SEGMENTS_MAX]; /* cumulative scattering at the end of each segment, sum of all channels */
     int32_t count;
     float scattered[3]; /* fraction of the light along the ray that is scattered */
 } ray_part;
 
 /* Adds a segment and attenuates the remaining light. */
-static void add_stretch(const scatter_job* job, ray_part* part, const ty_medium_segment* stretch, float left[3]) {
+static void add_segment(const scatter_job* job, ray_part* part, const ty_medium_segment* segment, float left[3]) {
     float sum = part->count > 0 ? part->until[part->count - 1] : 0.0f;
     for (int32_t c = 0; c < job->parts.channels; ++c) {
-        const float across = stretch->extinction[c] * stretch->length, decay = ty_decay(across);
-        const float scattered = left[c] * stretch->scattering[c] * stretch->length * ty_mean_decay(across, decay);
+        const float across = segment->extinction[c] * segment->length, decay = ty_decay(across);
+        const float scattered = left[c] * segment->scattering[c] * segment->length * ty_mean_decay(across, decay);
         part->scattered[c] += scattered;
         sum += scattered;
         left[c] *= decay;
     }
-    if (part->count < STRETCHES) part->stretches[part->count++] = *stretch;
+    if (part->count < SEGMENTS_MAX) part->segments[part->count++] = *segment;
     part->until[part->count - 1] = sum;
 }
 
@@ -85,12 +85,12 @@ static float place_of(const scatter_job* job, const ray_part* part, float share)
     const float wanted = share * part->until[part->count - 1];
     int32_t i = 0;
     while (i < part->count - 1 && part->until[i] <= wanted) ++i;
-    const ty_medium_segment* stretch = &part->stretches[i];
+    const ty_medium_segment* segment = &part->segments[i];
     const float before = i > 0 ? part->until[i - 1] : 0.0f, within = part->until[i] - before;
     const float u = within > 0.0f ? ty_clampf((wanted - before) / within, 0.0f, 1.0f) : share;
     float extinction = 0.0f;
-    for (int32_t c = 0; c < job->parts.channels; ++c) extinction += stretch->extinction[c] / (float)job->parts.channels;
-    return stretch->begin + ty_scattering_distance(u, stretch->length, extinction);
+    for (int32_t c = 0; c < job->parts.channels; ++c) extinction += segment->extinction[c] / (float)job->parts.channels;
+    return segment->begin + ty_scattering_distance(u, segment->length, extinction);
 }
 
 /* The cell of a point, moved off the surface that the ray ends on, so that the cell's center is on the lit side. */
@@ -123,17 +123,17 @@ static int32_t scatter_ray(const scatter_job* job, const ty_rsm_rays* rays, int3
     const int32_t wanted = 1 + (int32_t)((float)length * job->parts.per_metre);
     const int32_t parts = wanted < job->samples ? wanted : job->samples;
     ty_medium_walk walk = ty_medium_walk_begin(job->view.medium.medium, rays, i);
-    ty_medium_segment stretch;
+    ty_medium_segment segment;
     float left[3] = {1, 1, 1};
-    while (ty_medium_walk_step(&walk, begin, &stretch))
-        for (int32_t c = 0; c < job->parts.channels; ++c) left[c] *= ty_decay(stretch.extinction[c] * stretch.length);
+    while (ty_medium_walk_step(&walk, begin, &segment))
+        for (int32_t c = 0; c < job->parts.channels; ++c) left[c] *= ty_decay(segment.extinction[c] * segment.length);
     int32_t count = 0;
     for (int32_t k = 0; k < parts; ++k) {
         ray_part part;
         part.count = 0;
         part.scattered[0] = part.scattered[1] = part.scattered[2] = 0.0f;
-        while (ty_medium_walk_step(&walk, begin + length * (k + 1) / parts, &stretch))
-            add_stretch(job, &part, &stretch, left);
+        while (ty_medium_walk_step(&walk, begin + length * (k + 1) / parts, &segment))
+            add_segment(job, &part, &segment, left);
         count += scatter_part(job, rays, i, &part, &out[count]);
     }
     return count;
@@ -187,7 +187,7 @@ ty_result ty_lattice_inject_scattered(ty_lattice* lattice, const ty_lpv_def* def
                           .user = &job,
                           .row = scatter_row,
                           .band = {1},
-                          .turned = true};
+                          .anisotropic = true};
     for (int32_t l = 1; l < lattice->bands; ++l) rows.band[l] = ty_lpv_window(def, l);
     return ty_splats_add(lattice, &rows, power);
 }

@@ -44,7 +44,7 @@ static void sort_row(void* user, int64_t index, int32_t worker) {
 static float band_in(const splat_job* job, int32_t cell, int c, int32_t l) {
     const ty_grid_medium* medium = job->lattice->medium;
     float factor = job->rows->band[l];
-    if (!job->rows->turned || medium == NULL) return factor;
+    if (!job->rows->anisotropic || medium == NULL) return factor;
     for (int32_t i = 0; i < l; ++i) factor *= medium->g[medium->planes == 1 ? 0 : c][cell];
     return factor;
 }

@@ -20,7 +20,7 @@ typedef struct ty_splat_rows {
     int32_t (*row)(const void* user, int64_t row,
                    ty_splat* out); /* called from any thread; returns the number of splats */
     float band[TY_LPV_BANDS_MAX];  /* coefficients of the lobes about the axes; the first is 1 */
-    bool turned;                   /* whether band l is also multiplied by g^l of the lattice's medium */
+    bool anisotropic;              /* whether band l is also multiplied by g^l of the lattice's medium */
 } ty_splat_rows;
 
 /* Adds the splats to propagated_sh and their power, W per channel, to `power`. Errors: TY_ERROR_MEMORY. */

@@ -101,7 +101,7 @@ static void add_surfel(surfel_job* job, const ray_field* field, const ty_ray* ra
 /* Minimum cosine between ray and surface in the distance test between layers. */
 static const float least_along = 0.1f;
 
-/* Whether a layer lies behind the last counted one, and is not the same surface hit twice, at a shared edge or a
+/* True if a layer lies behind the last counted one, and is not the same surface hit twice, at a shared edge or a
  * coincident triangle. */
 static bool is_behind(const ty_ray* ray, const ty_hit* last, float distance) {
     const float along = ty_maxf(fabsf(ty_dot(last->normal, ty_vec_load(ray->direction))), least_along);

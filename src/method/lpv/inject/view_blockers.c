@@ -62,9 +62,9 @@ static void add_view(const ty_lpv_job* job, surfel_list* list) {
         if (!isfinite(view->distance[at])) continue;
         const ty_vec way =
             ty_mad(ty_mad(eye.corner, eye.dx, (float)(at % width) + 0.5f), eye.dy, (float)(at / width) + 0.5f);
-        const float stretch = sqrtf(ty_dot(way, way)), distance = view->distance[at];
-        const ty_vec direction = ty_scale(way, 1.0f / stretch), normal = ty_vec_load(view->normal + 3 * at);
-        const float solid_angle = ty_dot(eye.dx, eye.dx) / (stretch * stretch * stretch);
+        const float norm = sqrtf(ty_dot(way, way)), distance = view->distance[at];
+        const ty_vec direction = ty_scale(way, 1.0f / norm), normal = ty_vec_load(view->normal + 3 * at);
+        const float solid_angle = ty_dot(eye.dx, eye.dx) / (norm * norm * norm);
         add_point(list, ty_mad(eye.origin, direction, distance), normal, solid_angle * distance * distance,
                   ty_dot(normal, direction), view->albedo + 3 * at);
     }

@@ -73,7 +73,7 @@ void ty_lattice_destroy(ty_lattice* lattice) {
 
 /* ---- a lattice for benchmarks ---- */
 
-/* Whether a cell is in a pseudo-random subset of one in `one_of` cells. */
+/* True if a cell is in a pseudo-random subset of one in `one_of` cells. */
 static bool is_picked(size_t cell, uint32_t one_of) {
     return (uint32_t)cell * 2654435761u / one_of % one_of == 0;
 }

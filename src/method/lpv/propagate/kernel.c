@@ -214,21 +214,21 @@ TY_INLINE void add_sum(float* sums, lanes value) {
 }
 
 /* Reflects the blocked light by the albedo; the rest is absorbed by surfaces. */
-TY_INLINE void turn_back(const cell_block* block, const float* at, int32_t channel, int32_t terms, lanes* sum,
-                         float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
+TY_INLINE void reflect_blocked(const cell_block* block, const float* at, int32_t channel, int32_t terms, lanes* sum,
+                               float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
     const ty_lpv_row* row = block->row;
     lanes lobes[TY_SH_TERMS];
     for (int32_t t = 0; t < terms; ++t) lobes[t] = (lanes){0};
     add_sum(sums[TY_LPV_LEFT], -stop(block, at, terms, lobes));
     if (row->albedo[channel] == NULL) {
-        add_sum(sums[TY_LPV_KEPT], lobes[0]);
+        add_sum(sums[TY_LPV_BLOCKED], lobes[0]);
         return;
     }
     lanes albedo = {0};
     if (block->count >= LANES) albedo = load(row->albedo[channel] + block->begin);
     for (int32_t i = 0; block->count < LANES && i < block->count; ++i)
         albedo[i] = row->albedo[channel][block->begin + i];
-    add_sum(sums[TY_LPV_KEPT], (1.0f - albedo) * lobes[0]);
+    add_sum(sums[TY_LPV_BLOCKED], (1.0f - albedo) * lobes[0]);
     for (int32_t t = 0; t < terms; ++t) sum[t] += albedo * lobes[t];
 }
 
@@ -242,7 +242,7 @@ TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t term
     if (terms == 4 && block->blocked_links != 0) gather_two(block, at, true, sum);
     if (terms == 4 && block->blocked_links == 0) gather_two(block, at, false, sum);
     if (terms != 4) gather_three(block, at, block->blocked_links != 0, sum);
-    if (block->blocked_links != 0) turn_back(block, at, channel, terms, sum, sums);
+    if (block->blocked_links != 0) reflect_blocked(block, at, channel, terms, sum, sums);
     for (int32_t t = 0; t < terms; ++t) {
         const lanes value = within(sum[t], block->count);
         /* (1 - lambda) L + lambda_s-term of Eq. 3 (Billeter 2012), for the next step. */

@@ -22,7 +22,7 @@ typedef struct ty_lpv_link_functions {
 
 /* Sums of first terms, per channel and lane: of the light that arrived, its absolute values, the part that goes on, the
  * part that surfaces absorb, and the part that leaves the lattice. */
-enum { TY_LPV_ARRIVED, TY_LPV_SIZE, TY_LPV_GOES_ON, TY_LPV_KEPT, TY_LPV_LEFT, TY_LPV_SUMS };
+enum { TY_LPV_ARRIVED, TY_LPV_SIZE, TY_LPV_GOES_ON, TY_LPV_BLOCKED, TY_LPV_LEFT, TY_LPV_SUMS };
 typedef struct ty_lpv_lane_sums {
     _Alignas(64) float sums[3][TY_LPV_SUMS][TY_LPV_BLOCK];
 } ty_lpv_lane_sums;

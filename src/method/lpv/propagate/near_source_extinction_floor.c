@@ -22,10 +22,10 @@ static float extinction_floor_at(const floor_job* job, ty_vec point) {
         const ty_vec off = ty_sub(point, light->position);
         const float least = 0.5f * job->lattice->cell, square = ty_maxf(ty_dot(off, off), least * least);
         const float color = light->color[0] + light->color[1] + light->color[2];
-        const bool lamp = light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT;
-        const float bright = lamp ? color / square : color;
+        const bool is_local = light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT;
+        const float bright = is_local ? color / square : color;
         all += bright;
-        if (lamp) sum += bright * per_distance / sqrtf(square);
+        if (is_local) sum += bright * per_distance / sqrtf(square);
     }
     return all > 0.0f ? sum / all : 0.0f;
 }
@@ -46,10 +46,10 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
 
 ty_result ty_lattice_find_extinction_floor(ty_lattice* lattice, const ty_light_view* lights, int32_t count) {
     floor_job job = {lattice, lights, count};
-    bool lamps = false;
+    bool any_local = false;
     for (int32_t i = 0; i < count; ++i)
-        lamps = lamps || lights[i].kind == TY_KIND_POINT || lights[i].kind == TY_KIND_SPOT;
-    if (!lamps) return TY_OK;
+        any_local = any_local || lights[i].kind == TY_KIND_POINT || lights[i].kind == TY_KIND_SPOT;
+    if (!any_local) return TY_OK;
     lattice->extinction_floor =
         ty_alloc_array(lattice->context, lattice->cells, sizeof *lattice->extinction_floor, false);
     if (lattice->extinction_floor == NULL) return TY_ERROR_MEMORY;

@@ -26,7 +26,7 @@ static bool book(const ty_lpv_sums* sums, const double size[3], double tolerance
     for (int c = 0; c < 3; ++c) {
         power->absorbed[c] += absorbed[c];
         absorbed[c] = power_of_term * (sums->arrived[c] - sums->goes_on[c]);
-        power->blocked[c] += power_of_term * sums->kept[c];
+        power->blocked[c] += power_of_term * sums->blocked[c];
         power->escaped[c] += power_of_term * sums->left[c];
         power->left[c] = power_of_term * sums->arrived[c];
         done = done && power_of_term * sums->size[c] <= tolerance * size[c];

@@ -214,7 +214,7 @@ ty_result ty_lpv_propagation_create(ty_lattice* lattice, const ty_lpv_def* def, 
 
 /* ---- steps ---- */
 
-/* Whether light against link k leaves the lattice from the first (place 0), inner (1) or last (2) cells of a row; the
+/* True if light against link k leaves the lattice from the first (place 0), inner (1) or last (2) cells of a row; the
  * cell of a one-cell row is the first. */
 static bool leaves(const ty_lpv_propagation* propagation, int32_t place, int32_t y, int32_t z, int32_t k) {
     const int32_t *step = propagation->transfer.step[k], *size = propagation->lattice->box.size;
@@ -266,7 +266,7 @@ static void add_slab(const ty_lpv_lane_sums* row, ty_lpv_sums* sums) {
         sums->arrived[c] += add_lanes(row->sums[c][TY_LPV_ARRIVED]);
         sums->size[c] += add_lanes(row->sums[c][TY_LPV_SIZE]);
         sums->goes_on[c] += add_lanes(row->sums[c][TY_LPV_GOES_ON]);
-        sums->kept[c] += add_lanes(row->sums[c][TY_LPV_KEPT]);
+        sums->blocked[c] += add_lanes(row->sums[c][TY_LPV_BLOCKED]);
         sums->left[c] += add_lanes(row->sums[c][TY_LPV_LEFT]);
     }
 }
@@ -305,7 +305,7 @@ static ty_lpv_sums add_slabs(const ty_lpv_propagation* propagation) {
             sums.arrived[c] += propagation->slabs[z].arrived[c];
             sums.size[c] += propagation->slabs[z].size[c];
             sums.goes_on[c] += propagation->slabs[z].goes_on[c];
-            sums.kept[c] += propagation->slabs[z].kept[c];
+            sums.blocked[c] += propagation->slabs[z].blocked[c];
             sums.left[c] += propagation->slabs[z].left[c];
         }
     return sums;
@@ -404,11 +404,11 @@ static void gather_slab(void* user, int64_t index, int32_t worker) {
                       ty_lpv_propagation_factor(propagation, c, TY_FACTOR_INJECTED + ty_sh_band(t), y, z), counted);
             for (int32_t x = 0; x < size[0]; ++x) {
                 const float scale = length[x] * per_volume * (ty_sh_band(t) == 1 ? flux_factor[x] : 1.0f);
-                const bool lit =
+                const bool is_lit =
                     propagation->sum[homogeneous + (size_t)x] + flowing * propagation->from[homogeneous + (size_t)x] >
                     0.0f;
                 const float sum = propagation->sum[place + (size_t)x] + flowing * propagation->from[place + (size_t)x];
-                light[x] = lit ? sum / scatter_factor[x] * scale : 0.0f;
+                light[x] = is_lit ? sum / scatter_factor[x] * scale : 0.0f;
                 propagated_sh[x] = (propagated_sh[x] - counted[x]) * scale;
             }
         }

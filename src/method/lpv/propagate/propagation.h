@@ -10,7 +10,7 @@ enum { TY_FACTOR_SCATTER = 0, TY_FACTOR_LENGTH = 3, TY_FACTOR_FLUX = 4, TY_FACTO
 
 /* Sums of first terms over a slab of cells or over all cells: see ty_lpv_lane_sums. */
 typedef struct ty_lpv_sums {
-    double arrived[3], size[3], goes_on[3], kept[3], left[3];
+    double arrived[3], size[3], goes_on[3], blocked[3], left[3];
 } ty_lpv_sums;
 
 typedef struct ty_lpv_propagation {

@@ -77,11 +77,11 @@ static void measure(ty_lpv_transfer* transfer) {
     for (int32_t k = 0; k < TY_LPV_LINKS; ++k) {
         const float* transfer_G = transfer->G[k];
         const double square = kind_of(transfer->step[k]) + 1, dc = (double)transfer_G[0],
-                     turn = squares(transfer_G + 1, 3);
+                     band1_square = squares(transfer_G + 1, 3);
         transfer->length += dc * dc * sqrt(square);
-        transfer->slope += dc * sqrt(turn * square) / 3;
+        transfer->slope += dc * sqrt(band1_square * square) / 3;
         transfer->step_variance += dc * dc * square / 3;
-        transfer->momentum += turn / 3;
+        transfer->momentum += band1_square / 3;
     }
 }
 
