@@ -219,12 +219,12 @@ static void wrong_lights(void** state) {
     check_result(context, ty_scene_add_light(scene, &sky));
     check_result(context, ty_scene_commit(scene));
     assert_int_equal(ty_rsm_trace(scene, &def, 0, &map, NULL), TY_ERROR_ARGUMENT);
-    assert_error(context, "light map: light 0 is not");
+    assert_error(context, "RSM: light 0 is not");
     assert_int_equal(ty_rsm_trace(scene, &def, 1, &map, NULL), TY_ERROR_ARGUMENT);
-    assert_error(context, "light map: light 1 is not");
+    assert_error(context, "RSM: light 1 is not");
     def.side = 8193;
     assert_int_equal(ty_rsm_trace(scene, &def, 0, &map, NULL), TY_ERROR_ARGUMENT);
-    assert_error(context, "light map: side");
+    assert_error(context, "RSM: side");
     ty_scene_destroy(scene);
 }
 

@@ -112,7 +112,7 @@ static void a_sun_on_a_square(void** state) {
         assert_close(map->flux[0] / (0.2 * power), 1, 0.004);
         assert_close(map->flux[2] / (0.8 * power), 1, 0.004);
         for (size_t t = 0; t < ty_vpl_samples_count(map); ++t) {
-            const ty_vpl_sample* texel = &map->texels[t];
+            const ty_vpl_sample* texel = &map->items[t];
             area += (double)texel->area;
             if (isinf(texel->distance)) continue;
             ty_vec origin, direction;
@@ -139,7 +139,7 @@ static void lamps_in_a_room(void** state) {
         ty_vpl_samples* map = map_of(scene, &def);
         assert_close(map->flux[0], 0.5 * 3 * 2 * pi * cap, 1e-4 * 3 * 2 * pi * cap);
         assert_close(map->flux[2], 0.5 * 1 * 2 * pi * cap, 1e-4 * 2 * pi * cap);
-        for (size_t t = 0; t < ty_vpl_samples_count(map); ++t) area += (double)map->texels[t].area;
+        for (size_t t = 0; t < ty_vpl_samples_count(map); ++t) area += (double)map->items[t].area;
         if (i == 0) assert_close(area / (6 * 16), 1, 0.02);
         ty_vpl_samples_destroy(map);
         ty_scene_destroy(scene);
@@ -205,7 +205,7 @@ static void nothing_to_meet(void** state) {
         add_lamp(scene, kinds[i], 40, 0, 0, 0);
         ty_vpl_samples* map = map_of(scene, &def);
         assert_close(map->flux[0], 0, 0);
-        assert_true(isinf(map->texels[7].distance));
+        assert_true(isinf(map->items[7].distance));
         ty_vpl_samples_destroy(map);
         ty_scene_destroy(scene);
     }
@@ -224,7 +224,7 @@ static void wrong_lights(void** state) {
     assert_error(context, "light 1 is not");
     def.side = 0;
     assert_int_equal(ty_vpl_samples_create(scene, &def, 0, &map), TY_ERROR_ARGUMENT);
-    assert_error(context, "shadow map: side");
+    assert_error(context, "VPL samples: side");
     ty_scene_destroy(scene);
 }
 

@@ -1,14 +1,14 @@
-/* Virtual point lights, chosen from reflective shadow maps. */
+/* Virtual point lights, clustered from samples of the surfaces that the lights reach. */
 #include "direct/vpl.h"
 
 #include "base/context.h"
 #include "direct/vpl_samples.h"
 #include "scene/scene.h"
 
-/* Surfaces farther from the medium than this many of its longest sides are left out of directional lights' maps. */
+/* Directional lights sample only surfaces within this many of the medium's longest sides. */
 static const double REACH = 8;
 
-/* Lights whose maps are of full size; more of them share as many texels. */
+/* Number of lights up to which each has the full number of samples; more lights share that total. */
 enum { FULL_MAPS = 16, LEAST_SIDE = 16 };
 
 /* What texels are sorted by: positions in sides of the medium's box, and normals, of which opposite ones are a side
@@ -70,14 +70,14 @@ static double weight_of(const vpl_list* list, const ty_vpl_sample* texel) {
     return (double)bright * fmax(0.1, (double)along / sqrt(distance2)) / distance2;
 }
 
-static void list_map(vpl_list* list, const ty_vpl_samples* map) {
-    const size_t count = ty_vpl_samples_count(map);
+static void list_samples(vpl_list* list, const ty_vpl_samples* samples) {
+    const size_t count = ty_vpl_samples_count(samples);
     for (size_t i = 0; i < count; ++i) {
-        const double weight = weight_of(list, &map->texels[i]);
+        const double weight = weight_of(list, &samples->items[i]);
         if (!(weight > 0)) continue;
-        const ty_vec p = ty_scale(map->texels[i].position, 1 / list->longest), n = map->texels[i].normal;
-        list->texels[list->texel_count++] =
-            (vpl_texel){&map->texels[i], {p.x, p.y, p.z, 0.5f * n.x, 0.5f * n.y, 0.5f * n.z}, map->light, weight};
+        const ty_vec p = ty_scale(samples->items[i].position, 1 / list->longest), n = samples->items[i].normal;
+        list->texels[list->texel_count++] = (vpl_texel){
+            &samples->items[i], {p.x, p.y, p.z, 0.5f * n.x, 0.5f * n.y, 0.5f * n.z}, samples->light, weight};
     }
 }
 
@@ -217,7 +217,7 @@ static ty_result choose_vpls(vpl_list* list) {
     for (int32_t i = 0; i < list->map_count; ++i) texels += ty_vpl_samples_count(list->maps[i]);
     list->texels = ty_alloc_array(context, texels, sizeof *list->texels, false);
     if (list->texels == NULL) return TY_ERROR_MEMORY;
-    for (int32_t i = 0; i < list->map_count; ++i) list_map(list, list->maps[i]);
+    for (int32_t i = 0; i < list->map_count; ++i) list_samples(list, list->maps[i]);
     if (list->texel_count > 0)
         share_out(list, list->texels, list->texel_count, wanted < list->texel_count ? wanted : list->texel_count);
     ty_free_array(context, list->texels, texels, sizeof *list->texels);

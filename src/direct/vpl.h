@@ -7,7 +7,7 @@
 
 typedef struct ty_vpl_def {
     int32_t count;    /* at most */
-    int32_t texels;   /* side of the reflective shadow maps that they are chosen from */
+    int32_t texels;   /* strata along a side of ty_vpl_samples, from which they are chosen */
     double clamp;     /* of 1 / r^2: r is at least this part of the box's longest side */
     double prefilter; /* what their mean cosines are raised to */
     int32_t reduced; /* order of ty_grid_medium_reduce for the extinction that surfaces are lit through; 0: all of it */

@@ -22,18 +22,18 @@ typedef struct ty_vpl_sample {
 
 typedef struct ty_vpl_samples {
     ty_context* context;
-    int32_t light;         /* an index into ty_light_set.lights */
-    int32_t side;          /* texels */
-    int32_t faces;         /* 1; point lights: 2 */
-    int32_t parallel;      /* whether the rays are parallel */
-    ty_vec axis[3];        /* orthonormal; axis[2]: the direction of the light, or the center of the first face */
-    ty_vec origin;         /* start of the ray of corner (0, 0) if parallel, else the light's position, m */
-    float span[2];         /* size of the grid if parallel, m */
-    float cap;             /* if not parallel: 1 - cosine of the half angle of a face */
-    float share;           /* of a stratum: area across the light, m^2, or solid angle, sr */
-    uint64_t seed;         /* of the jitter */
-    ty_vpl_sample* texels; /* face by face, row by row */
-    double flux[3];        /* sum over all samples, W */
+    int32_t light;        /* an index into ty_light_set.lights */
+    int32_t side;         /* texels */
+    int32_t faces;        /* 1; point lights: 2 */
+    int32_t parallel;     /* whether the rays are parallel */
+    ty_vec axis[3];       /* orthonormal; axis[2]: the direction of the light, or the center of the first face */
+    ty_vec origin;        /* start of the ray of corner (0, 0) if parallel, else the light's position, m */
+    float span[2];        /* size of the grid if parallel, m */
+    float cap;            /* if not parallel: 1 - cosine of the half angle of a face */
+    float share;          /* of a stratum: area across the light, m^2, or solid angle, sr */
+    uint64_t seed;        /* of the jitter */
+    ty_vpl_sample* items; /* face by face, row by row */
+    double flux[3];       /* sum over all samples, W */
 } ty_vpl_samples;
 
 typedef struct ty_vpl_samples_def {
@@ -48,11 +48,11 @@ typedef struct ty_vpl_samples_def {
  * light, def), TY_ERROR_MEMORY. *out is freed with ty_vpl_samples_destroy. */
 ty_result ty_vpl_samples_create(const ty_scene* scene, const ty_vpl_samples_def* def, int32_t light,
                                 ty_vpl_samples** out);
-void ty_vpl_samples_destroy(ty_vpl_samples* map);
+void ty_vpl_samples_destroy(ty_vpl_samples* samples);
 
-size_t ty_vpl_samples_count(const ty_vpl_samples* map);
+size_t ty_vpl_samples_count(const ty_vpl_samples* samples);
 
 /* The ray of a sample, from the light, or from the plane in front of all surfaces and the medium if parallel. */
-void ty_vpl_samples_ray(const ty_vpl_samples* map, size_t texel, ty_vec* origin, ty_vec* direction);
+void ty_vpl_samples_ray(const ty_vpl_samples* samples, size_t texel, ty_vec* origin, ty_vec* direction);
 
 #endif

@@ -202,8 +202,8 @@ ty_result ty_rsm_trace(const ty_scene* scene, const ty_rsm_def* def, int32_t lig
     *out = NULL;
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
-    ty_result result = ty_check_number(scene->context, "light map: side", def->side, 1, SIDE_MAX);
-    if (result == TY_OK) result = ty_texels_check_light(scene, "light map", light);
+    ty_result result = ty_check_number(scene->context, "RSM: side", def->side, 1, SIDE_MAX);
+    if (result == TY_OK) result = ty_texels_check_light(scene, "RSM", light);
     if (result != TY_OK) return result;
     map_job job = {.light = &view->lights.lights[light]};
     job.map = ty_alloc_array(scene->context, 1, sizeof *job.map, true);
