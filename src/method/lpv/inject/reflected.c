@@ -54,6 +54,7 @@ ty_result ty_lattice_inject_reflected(ty_lattice* lattice, const ty_lpv_def* def
     ty_splat_rows rows = {
         .rows = ty_rsm_row_count(light), .most = light->rsm->side, .user = &job, .row = reflect_row, .band = {1}};
     if (light->rsm->normal == NULL) return TY_OK;
+    /* A virtual light per texel, as a clamped cosine lobe about its normal (Kaplanyan and Dachsbacher 2010). */
     for (int32_t l = 1; l < lattice->bands; ++l)
         rows.band[l] = ty_lpv_window(def, l) * ty_sh_cosine(l) / ty_sh_cosine(0);
     return ty_splats_add(lattice, &rows, power);

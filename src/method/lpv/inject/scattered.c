@@ -188,6 +188,7 @@ ty_result ty_lattice_inject_scattered(ty_lattice* lattice, const ty_lpv_def* def
                           .row = scatter_row,
                           .band = {1},
                           .anisotropic = true};
+    /* The paper injects band 0 only (isotropic); bands above it are g^l of Henyey-Greenstein about the ray. */
     for (int32_t l = 1; l < lattice->bands; ++l) rows.band[l] = ty_lpv_window(def, l);
     return ty_splats_add(lattice, &rows, power);
 }
