@@ -13,7 +13,7 @@ typedef struct direct_case {
 } direct_case;
 
 static inline void check_result(ty_context* context, ty_result result) {
-    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
 }
 
 /* Takes over a scene with everything in it: commits it, and cuts its media into cells, `longest` along the longest

@@ -33,7 +33,7 @@ static void test_places(void** state) {
     /* margins as of rays that hit there */
     const ty_ray ray = {.origin = {2.9f, -0.9f, 5}, .direction = {0, 0, -1}, .far = 10};
     ty_ray_hit hit;
-    assert_int_equal(ty_scene_trace(scene, &ray, 1, false, &hit), TY_OK);
+    assert_int_equal(ty_scene_trace(scene, &ray, 1, TY_RAYS_INCOHERENT, &hit), TY_OK);
     assert_true(hit.margin > 0 && receivers[0].margin == hit.margin);
     ty_atlas_destroy(atlas);
     ty_scene_destroy(scene);
@@ -175,7 +175,7 @@ static void assert_refused(ty_context* context, const mapped_mesh* mesh, bool ma
     ty_atlas* atlas = NULL;
     assert_int_equal(ty_atlas_create(scene, 0, "wall", &def, &atlas), TY_ERROR_INPUT);
     assert_null(atlas);
-    assert_non_null(strstr(ty_last_error(context), "wall"));
+    assert_non_null(strstr(ty_take_error(context), "wall"));
     assert_error(context, words);
     ty_scene_destroy(scene);
 }

@@ -263,7 +263,7 @@ static ty_scene* fog_of(ty_context* context, int32_t light, bool on_cells) {
     fog = coloured(fog);
     if (on_cells) fog.density_grid = even_grid(context, 48);
     add_medium(scene, fog);
-    ty_grid_destroy(fog.density_grid);
+    ty_grid_release(fog.density_grid);
     if (light == 0) direct_add_sun(scene, -0.2, -1, -0.1, 3);
     if (light == 1) add_lamp(scene, TY_LIGHT_POINT, 0.3, 0.4, -0.3);
     if (light == 2) add_lamp(scene, TY_LIGHT_SPOT, 0.7, 1.3, -0.5);

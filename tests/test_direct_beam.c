@@ -22,7 +22,7 @@ static ty_scene* cloud_scene(ty_context* context, bool gray) {
     if (!gray) set3f(medium.sigma_s, 1, 2, 9);
     medium.density_grid = direct_noise(context, 8, 8, 12, 7);
     check_result(context, ty_scene_add_medium(scene, &medium));
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     return scene;
 }
 

@@ -55,7 +55,7 @@ static void voxels_are_met_exactly(void** state) {
             }
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* Coarser cells, of whatever size, hold as much matter. */
@@ -75,7 +75,7 @@ static void nothing_is_lost_in_other_cells(void** state) {
     }
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* A ball of fog, a thinner box around it, of other colour and g, which glows: volumes, g by scattering, emission. */
@@ -152,9 +152,9 @@ static void fields_are_sampled(void** state) {
     }
     ty_grid_medium_destroy(sampled);
     ty_scene_destroy(scene);
-    ty_grid_destroy(albedo);
-    ty_grid_destroy(g);
-    ty_grid_destroy(temperature);
+    ty_grid_release(albedo);
+    ty_grid_release(g);
+    ty_grid_release(temperature);
 }
 
 /* A box whose bounds hold all cells needs no coverage; what it holds is the same where they do not. */
@@ -181,7 +181,7 @@ static void bounds_cut_cells(void** state) {
         assert_close(media[1]->extinction[0][cell], expected, 2e-5);
     }
     for (int i = 0; i < 2; ++i) ty_grid_medium_destroy(media[i]);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* A grid turned over is sampled point by point, and its cells are those of the other, turned over. */
@@ -207,7 +207,7 @@ static void turned_grids_are_the_same(void** state) {
                 assert_close(media[0]->extinction[0][i + 4 * (j + 4 * k)],
                              media[1]->extinction[0][3 - j + 4 * (i + 4 * k)], 2e-4);
     for (int i = 0; i < 2; ++i) ty_grid_medium_destroy(media[i]);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void reduced_extinction(void** state) {
@@ -223,7 +223,7 @@ static void reduced_extinction(void** state) {
     free(planes[0]);
     ty_grid_medium_destroy(medium);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* Beams of an environment carry 4 pi radiance, points of surfaces pi radiance area. */

@@ -35,7 +35,7 @@ static ty_scene* busy_scene(ty_context* context, bool gray, int32_t voxels) {
     ty_scene* scene = make_scene(context);
     ty_grid* grid = direct_noise(context, voxels, voxels, voxels * 3 / 2, 7);
     check_result(context, fill_scene(scene, grid, gray));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     return scene;
 }
 
@@ -79,7 +79,7 @@ static ty_result all_of_it(ty_context* context) {
     if (result == TY_OK) result = ty_grid_medium_create(scene, &box, &medium);
     if (result == TY_OK) result = light_medium(scene, medium);
     ty_grid_medium_destroy(medium);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     ty_scene_destroy(scene);
     return result;
 }

@@ -129,14 +129,21 @@ static void cuts_of_boxes_are_checked(void** state) {
 }
 
 static void points_are_checked(void** state) {
-    static const double odd[3] = {0, NAN, 0};
-    const float way[3] = {0, 0, 1};
+    static const double rays[3][6] = {{0, NAN, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0}, {9, 9, 9, 0, 0, 2}};
     ty_scene* scene = foggy_scene(*state);
     const ty_dom_def def = small_dom();
     ty_dom* light = solve_dom(scene, &def, NULL);
-    float radiance[3];
-    assert_int_equal(ty_dom_radiance(light, odd, way, 1, radiance), TY_ERROR_ARGUMENT);
-    assert_error(*state, "dom: point");
+    double radiance[3] = {-1, -1, -1};
+    assert_int_equal(ty_dom_radiance(light, rays[0], 1, radiance), TY_ERROR_ARGUMENT);
+    assert_error(*state, "rays: point");
+    assert_int_equal(ty_dom_radiance(light, rays[1], 1, radiance), TY_ERROR_ARGUMENT);
+    assert_error(*state, "rays: direction");
+    assert_int_equal(ty_dom_radiance(light, rays[2], 0, radiance), TY_ERROR_ARGUMENT);
+    assert_error(*state, "a count of 0 rays");
+    assert_int_equal(ty_dom_radiance(light, rays[2], 1, NULL), TY_ERROR_ARGUMENT);
+    assert_error(*state, "rays or radiance is NULL");
+    assert_int_equal(ty_dom_radiance(light, rays[2], 1, radiance), TY_OK);
+    for (int c = 0; c < 3; ++c) assert_true(radiance[c] == 0); /* outside of the box */
     ty_dom_destroy(light);
     ty_scene_destroy(scene);
 }
@@ -222,20 +229,21 @@ static void radiance_adds_up_to_fluence(void** state) {
     enum { WAYS = 2000 };
     static const double point[3] = {0.375, 0.625, -0.625}; /* the middle of a cell */
     static const int32_t one[3] = {1, 1, 1};
-    static float ways[3 * WAYS], radiance[3 * WAYS];
+    static double rays[6 * WAYS], radiance[3 * WAYS];
     ty_scene* scene = foggy_scene(*state);
     const ty_dom_def def = small_dom();
     ty_dom* light = solve_dom(scene, &def, NULL);
     double fluence[3], uncollided[3];
     for (int i = 0; i < WAYS; ++i) {
         const double z = 1 - (2 * i + 1.0) / WAYS, angle = 2.399963229728653 * i, radius = sqrt(1 - z * z);
-        set3f(ways + 3 * i, (float)(radius * cos(angle)), (float)(radius * sin(angle)), (float)z);
+        memcpy(rays + 6 * i, point, sizeof point);
+        set3(rays + 6 * i + 3, radius * cos(angle), radius * sin(angle), z);
     }
-    check_result(*state, ty_dom_radiance(light, point, ways, WAYS, radiance));
+    check_result(*state, ty_dom_radiance(light, rays, WAYS, radiance));
     check_result(*state, ty_dom_fluence(light, point, point, one, fluence, uncollided));
     for (int c = 0; c < 3; ++c) {
         double sum = 0;
-        for (int i = 0; i < WAYS; ++i) sum += (double)radiance[3 * i + c] * 4 * 3.141592653589793 / WAYS;
+        for (int i = 0; i < WAYS; ++i) sum += radiance[3 * i + c] * 4 * 3.141592653589793 / WAYS;
         assert_close(sum / (fluence[c] - uncollided[c]), 1, 0.01);
     }
     ty_dom_destroy(light);

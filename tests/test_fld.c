@@ -57,9 +57,9 @@ static const bad_field bad_fields[] = {
     FLD(limiter, FIELD_INT, -1, "fld.limiter"),
     FLD(larsen_power, FIELD_DOUBLE, 0.9, "fld.larsen_power: 0.9 is outside [1, 100]"),
     FLD(larsen_power, FIELD_DOUBLE, 101, "fld.larsen_power"),
-    FLD(streaming, FIELD_DOUBLE, -0.1, "fld.streaming: -0.1 is outside [0, 1]"),
-    FLD(streaming, FIELD_DOUBLE, 1.01, "fld.streaming"),
-    FLD(streaming, FIELD_DOUBLE, NAN, "fld.streaming"),
+    FLD(max_flux_fraction, FIELD_DOUBLE, -0.1, "fld.max_flux_fraction: -0.1 is outside [0, 1]"),
+    FLD(max_flux_fraction, FIELD_DOUBLE, 1.01, "fld.max_flux_fraction"),
+    FLD(max_flux_fraction, FIELD_DOUBLE, NAN, "fld.max_flux_fraction"),
     FLD(boundary, FIELD_INT, 2, "fld.boundary: there is none with number 2"),
     FLD(sigma_eps, FIELD_DOUBLE, -1, "fld.sigma_eps: -1"),
     FLD(sigma_eps, FIELD_DOUBLE, INFINITY, "fld.sigma_eps"),
@@ -101,7 +101,7 @@ static void defaults_are_as_documented(void** state) {
     (void)state;
     const ty_fld_def def = ty_default_fld_def();
     assert_int_equal(def.resolution, 0);
-    assert_true(def.ratio == 0 && def.larsen_power == 2 && def.streaming == 0 && def.sigma_eps == 0);
+    assert_true(def.ratio == 0 && def.larsen_power == 2 && def.max_flux_fraction == 0 && def.sigma_eps == 0);
     assert_true(def.relaxation == 1.85 && def.tolerance == 1e-3 && def.step == 1);
     assert_int_equal(def.beam, TY_FLD_BEAM_REDUCED);
     assert_int_equal(def.limiter, TY_FLD_LIMITER_LEVERMORE_POMRANING);

@@ -49,7 +49,7 @@ static ty_medium_def cloud_block(ty_context* context) {
     noise.size[1] = 18;
     noise.size[2] = 12;
     noise.frequency = 3;
-    check_result(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    check_result(context, ty_grid_create_noise(context, &noise, &medium.density_grid));
     return medium;
 }
 
@@ -80,10 +80,10 @@ static void flux_never_exceeds_fluence(void** state) {
                 char what[64];
                 snprintf(what, sizeof what, "light %d, limiter %d", kind, limiter);
                 def.limiter = (ty_fld_limiter)limiter;
-                def.streaming = 1;
+                def.max_flux_fraction = 1;
                 solve_cells(scene, &def, &light, NULL);
                 assert_sound(&light, what);
-                ty_grid_destroy(medium.density_grid);
+                ty_grid_release(medium.density_grid);
                 ty_scene_destroy(scene);
             }
 }
@@ -189,7 +189,7 @@ static void energy_is_kept(void** state) {
                 if (!(fabs(off) <= 1e-3))
                     fail_msg("light %d, form %d, channel %d: energy is off by %g", kind, form, c, off);
             }
-            ty_grid_destroy(medium.density_grid);
+            ty_grid_release(medium.density_grid);
             ty_scene_destroy(scene);
         }
 }
@@ -386,7 +386,7 @@ static void solvers_agree(void** state) {
         }
         ty_scene_destroy(scene);
     }
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
 }
 
 /* The paper's beam differs from the reduced one where media scatter forwards, and nowhere else. */
@@ -465,7 +465,7 @@ static void coarse_diffusion_is_refined(void** state) {
     def.ratio = 4;
     const double quarter = fluence_error(scene, &def, truth, fluence);
     if (!(quarter < third)) fail_msg("off by %g on a quarter, %g on a third", quarter, third);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     ty_scene_destroy(scene);
 }
 

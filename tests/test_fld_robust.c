@@ -158,7 +158,7 @@ static void few_cells(void** state) {
         check_result(*state, ty_grid_create(*state, &grid, &medium.density_grid));
         const brightness b = look_at(*state, &medium, 1, &sun, 5, &def);
         assert_true(b.mean > 0.01 && b.most < 0.5);
-        ty_grid_destroy(medium.density_grid);
+        ty_grid_release(medium.density_grid);
     }
 }
 

@@ -285,7 +285,7 @@ static void no_memory(void** state) {
         assert_int_equal(ty_light_map_trace(scene, &def, 0, &map, NULL), TY_ERROR_MEMORY);
         assert_null(map);
         assert_int_equal(memory.used, before);
-        ty_clear_error(context);
+        ty_take_error(context);
     }
     memory.until_refusal = -1;
     ty_scene_destroy(scene);

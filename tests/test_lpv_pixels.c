@@ -24,7 +24,7 @@ typedef struct view_case {
 } view_case;
 
 static void check(const ty_scene* scene, ty_result result) {
-    if (result != TY_OK) fail_msg("%s", ty_last_error(ty_scene_context(scene)));
+    if (result != TY_OK) fail_msg("%s", ty_take_error(ty_scene_context(scene)));
 }
 
 static ty_lpv_def small_def(void) {
@@ -264,7 +264,7 @@ static void even_light_in_voxels(void** state) {
     assert_close(plane_of(image, "transmittance.G")[7], exp(-1.6), 1e-5);
     ty_image_destroy(image);
     end_case(&at);
-    ty_grid_destroy(fog.density_grid);
+    ty_grid_release(fog.density_grid);
 }
 
 /* ---- surfaces in fog ---- */
@@ -332,14 +332,18 @@ static void views_of_callers(void** state) {
     begin_still(&at, *state);
     ty_image* traced = image_of(&at, NULL);
     static float distance[WIDE * HIGH], normal[3 * WIDE * HIGH], albedo[3 * WIDE * HIGH], emission[3 * WIDE * HIGH];
-    const ty_lpv_view_def view = {distance, normal, albedo, emission};
+    ty_lpv_view_def view = ty_default_lpv_view_def();
+    view.distance = distance;
+    view.normal = normal;
+    view.albedo = albedo;
+    view.emission = emission;
     const ty_camera_def camera = ty_scene_camera(at.scene);
     const ty_camera_view rays = ty_camera_get_view(&camera, WIDE, HIGH);
     for (int i = 0; i < WIDE * HIGH; ++i) {
         const ty_vec d = ty_camera_direction(&rays, (float)(i % WIDE) + 0.5f, (float)(i / WIDE) + 0.5f);
         const ty_ray ray = {{rays.origin.x, rays.origin.y, rays.origin.z}, {d.x, d.y, d.z}, INFINITY};
         ty_ray_hit hit;
-        check(at.scene, ty_scene_trace(at.scene, &ray, 1, false, &hit));
+        check(at.scene, ty_scene_trace(at.scene, &ray, 1, TY_RAYS_INCOHERENT, &hit));
         distance[i] = hit.surface >= 0 ? hit.distance : INFINITY;
         for (int c = 0; c < 3; ++c) {
             albedo[3 * i + c] = hit.surface == 0 ? 0.6f : 0.5f;

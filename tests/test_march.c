@@ -176,7 +176,7 @@ static void check_depths(ty_context* context, bool transfer, double tolerance) {
         assert_close(march_once(scene, &def, "transmittance.G"), exp(-depth), tolerance);
         ty_scene_destroy(scene);
     }
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static void depths_are_exact(void** state) {
@@ -213,7 +213,7 @@ static double lit_noise(ty_context* context, double step, uint64_t seed) {
     def.step = step;
     def.seed = seed;
     const double value = march_once(scene, &def, "R");
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     ty_scene_destroy(scene);
     return value;
 }

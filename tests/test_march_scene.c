@@ -159,7 +159,7 @@ static void shells_bound(void** state) {
     assert_close(march_value(image, "transmittance.R", 0), exp(-0.5 * length), 1e-5);
     assert_close(march_value(image, "R", 0), 0.8 * 3 * -expm1(-0.5 * length), 1e-5);
     ty_image_destroy(image);
-    ty_shell_destroy(shell);
+    ty_shell_release(shell);
     ty_scene_destroy(fog.scene);
 }
 
@@ -265,7 +265,7 @@ static void refusals(void** state) {
     scene = make_scene(*state);
     def = march_def(4, 4);
     assert_int_equal(ty_march(scene, &def, &image, NULL), TY_ERROR_ARGUMENT);
-    ty_clear_error(*state);
+    ty_take_error(*state);
     ty_scene_destroy(scene);
 }
 

@@ -33,7 +33,7 @@ static ty_grid* random_grid(ty_context* context, int32_t size, double low, doubl
 
 static ty_scene* medium_scene(ty_context* context, const ty_medium_def* def) {
     ty_scene* scene = make_scene(context);
-    if (ty_scene_add_medium(scene, def) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_add_medium(scene, def) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     return scene;
 }
@@ -105,7 +105,7 @@ static void wrong_points_are_refused(void** state) {
         def.transfer = points;
         refuse(*state, &def, bad[i].words);
     }
-    ty_grid_destroy(def.density_grid);
+    ty_grid_release(def.density_grid);
 }
 
 static void wrong_fields_are_refused(void** state) {
@@ -136,9 +136,9 @@ static void wrong_fields_are_refused(void** state) {
     def.density_grid = grid;
     assert_int_equal(made_shell(*state, &mesh, &def.shell), TY_OK);
     refuse(*state, &def, "medium.bounds: a grid without a transform fills a box, not a closed mesh");
-    ty_shell_destroy(def.shell);
+    ty_shell_release(def.shell);
     made_free(&mesh);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* What a scene holds stays when the caller lets go. */
@@ -156,9 +156,9 @@ static void media_keep_what_they_use(void** state) {
     const size_t bytes = ty_grid_get_info(def.density_grid).bytes + ty_grid_get_info(def.g_grid).bytes +
                          ty_grid_get_info(def.temperature_grid).bytes;
     assert_true(ty_scene_get_info(scene).bytes >= before + bytes);
-    ty_grid_destroy(def.density_grid);
-    ty_grid_destroy(def.g_grid);
-    ty_grid_destroy(def.temperature_grid);
+    ty_grid_release(def.density_grid);
+    ty_grid_release(def.g_grid);
+    ty_grid_release(def.temperature_grid);
     points[1].density = -7;
     ty_medium_def kept;
     assert_int_equal(ty_scene_get_medium(scene, 0, &kept), TY_OK);
@@ -252,7 +252,7 @@ static void bricks_bound_the_transferred_density(void** state) {
         const double value = (double)ty_grid_sample(def.density_grid, middle);
         for (int c = 0; c < 3; ++c) assert_close(albedo[c], curve_at(value, 1 + c), 2e-3);
         ty_scene_destroy(scene);
-        ty_grid_destroy(def.density_grid);
+        ty_grid_release(def.density_grid);
     }
 }
 
@@ -278,7 +278,7 @@ static void extremes_are_exact(void** state) {
         assert_true((double)medium->extremes[2 * i + 1] >= most - 1e-5);
     }
     ty_scene_destroy(scene);
-    ty_grid_destroy(def.density_grid);
+    ty_grid_release(def.density_grid);
 }
 
 /* ---- fields ---- */
@@ -331,9 +331,9 @@ static void fields_are_looked_up(void** state) {
             }
         }
         ty_scene_destroy(scene);
-        for (int c = 0; c < 3; ++c) ty_grid_destroy(def.albedo_grid[c]);
-        ty_grid_destroy(def.g_grid);
-        ty_grid_destroy(def.temperature_grid);
+        for (int c = 0; c < 3; ++c) ty_grid_release(def.albedo_grid[c]);
+        ty_grid_release(def.g_grid);
+        ty_grid_release(def.temperature_grid);
     }
 }
 
@@ -362,7 +362,7 @@ static void fields_may_be_one_grid_or_none(void** state) {
     ty_medium_albedo(view_of(scene), middle, albedo);
     for (int c = 0; c < 3; ++c) assert_close(albedo[c], field_at(def.albedo_grid[0], middle), 1e-4);
     ty_scene_destroy(scene);
-    ty_grid_destroy(def.albedo_grid[0]);
+    ty_grid_release(def.albedo_grid[0]);
 }
 
 int main(void) {

@@ -44,7 +44,7 @@ static void test_words_come_to_coefficients(void** state) {
         const word_case* word = &word_cases[i];
         ty_medium_def def;
         memset(&def, 0xff, sizeof def);
-        if (ty_medium_parse(*state, word->text, &def) != TY_OK) fail_msg("%s: %s", word->text, ty_last_error(*state));
+        if (ty_medium_parse(*state, word->text, &def) != TY_OK) fail_msg("%s: %s", word->text, ty_take_error(*state));
         expect_rgb(word->text, "sigma_s", def.sigma_s, word->sigma_s);
         expect_rgb(word->text, "sigma_a", def.sigma_a, word->sigma_a);
         expect_rgb(word->text, "g", def.g, word->g);
@@ -130,9 +130,8 @@ static void test_wrong_words_are_refused(void** state) {
         ty_medium_def def = ty_default_medium_def();
         def.sigma_s[0] = 7;
         assert_int_equal(ty_medium_parse(*state, wrong[i][0], &def), TY_ERROR_INPUT);
-        assert_string_equal(ty_last_error(*state), wrong[i][1]);
+        assert_string_equal(ty_take_error(*state), wrong[i][1]);
         assert_float_equal(def.sigma_s[0], 7, 0);
-        ty_clear_error(*state);
     }
 }
 

@@ -478,7 +478,7 @@ static void test_extremes(void** state) {
                                           radiance, uncollided);
                     for (int c = 0; c < 3; ++c) assert_true(fabsf(radiance[c]) < 1e11f && uncollided[c] < 1e9f);
                     pop_end(&made);
-                    ty_grid_destroy(medium.density_grid);
+                    ty_grid_release(medium.density_grid);
                 }
 }
 
@@ -499,7 +499,7 @@ static void test_one_density(void** state) {
     for (size_t i = 0; i < floats; ++i) assert_close((double)made.light.seen[i], (double)one[i], 2e-4);
     free(one);
     pop_end(&made);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
 }
 
 int main(void) {

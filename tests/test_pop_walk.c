@@ -80,7 +80,7 @@ static void test_energy(void** state) {
             assert_close(total_left(&made), first - out, 1e-5 * entered);
             pop_end(&made);
         }
-    ty_grid_destroy(noise);
+    ty_grid_release(noise);
 }
 
 /* Fluence times volume: of what enters the unit cube along an axis, 1 without a medium. */

@@ -79,7 +79,7 @@ static ty_scene* load_with(const char* text, const char* override) {
     const char* json = quoted(text);
     book = (log_book){0};
     if (ty_scene_parse(context, json, strlen(json), "s.json", "", &override, override != NULL, &scene) != TY_OK)
-        fail_msg("%s", ty_last_error(context));
+        fail_msg("%s", ty_take_error(context));
     return scene;
 }
 
@@ -97,8 +97,7 @@ static void refuse(const char* text, const char* message) {
     ty_scene* scene = NULL;
     const char* json = quoted(text);
     assert_int_equal(ty_scene_parse(context, json, strlen(json), "s.json", "", NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_string_equal(ty_last_error(context), message);
-    ty_clear_error(context);
+    assert_string_equal(ty_take_error(context), message);
     assert_null(scene);
 }
 
@@ -138,7 +137,7 @@ static void test_folders_keep_their_signs(void** state) {
     put_nrrd("a#b/smoke_12.nrrd", 1, "0 12");
     put_text("a#b/scene.json", quoted(HEAD "'frame':12,'media':[{'sigma_s':1,'density':{'file':'smoke_##.nrrd'}}]}"));
     ty_scene* scene = NULL;
-    if (ty_scene_load(context, "a#b/scene.json", NULL, 0, &scene) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_load(context, "a#b/scene.json", NULL, 0, &scene) != TY_OK) fail_msg("%s", ty_take_error(context));
     assert_float_equal(ty_grid_get_info(medium_of(scene, 0).density_grid).max, 12, 0);
     ty_scene_destroy(scene);
 }
@@ -417,7 +416,7 @@ static void put_vdb(const char* path, const char* grid_name) {
     ty_grid* grid = NULL;
     assert_int_equal(ty_grid_create(context, &def, &grid), TY_OK);
     assert_int_equal(ty_vdb_write(context, grid, grid_name, "none", path), TY_OK);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* The files that the examples name. */

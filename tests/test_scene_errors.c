@@ -331,7 +331,7 @@ static void expect_refusal(const bad_case* row, ty_result expected) {
     ty_scene* scene = NULL;
     const ty_result result = ty_scene_parse(context, row->text, strlen(row->text), "s.json", "nowhere", &row->override,
                                             row->override != NULL, &scene);
-    const char* message = ty_last_error(context);
+    const char* message = ty_take_error(context);
     const size_t length = strlen(row->message);
     const bool whole = length < 3 || strcmp(row->message + length - 3, "...") != 0;
     const size_t compared = whole ? strlen(message) + 1 : length - 3;
@@ -362,10 +362,9 @@ static void test_an_earlier_message_is_kept(void** state) {
     assert_int_equal(ty_scene_parse(context, "{", 1, "first", "", NULL, 0, &scene), TY_ERROR_INPUT);
     const char text[] = LIGHT("\"type\": \"environment\", \"file\": \"gone.hdr\"");
     assert_int_equal(ty_scene_parse(context, text, sizeof text - 1, "second", "", NULL, 0, &scene), TY_ERROR_FILE);
-    assert_memory_equal(ty_last_error(context), "first:1:", 8);
-    ty_clear_error(context);
+    assert_memory_equal(ty_take_error(context), "first:1:", 8);
     assert_int_equal(ty_scene_parse(context, text, sizeof text - 1, "third", NULL, NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_string_equal(ty_last_error(context), "third:3: lights[0].file: this scene may not name files");
+    assert_string_equal(ty_take_error(context), "third:3: lights[0].file: this scene may not name files");
     ty_context_destroy(context);
 }
 
@@ -379,13 +378,13 @@ static void test_wrong_calls_are_refused(void** state) {
     assert_int_equal(ty_scene_parse(context, NULL, 0, "x", "", NULL, 0, &scene), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_scene_parse(context, "{}", 2, "x", "", NULL, 1, &scene), TY_ERROR_ARGUMENT);
     assert_int_equal(ty_scene_parse(NULL, "{}", 2, "x", "", NULL, 0, &scene), TY_ERROR_ARGUMENT);
-    ty_clear_error(context);
+    ty_take_error(context);
     assert_int_equal(ty_scene_load(context, "gone.json", NULL, 0, &scene), TY_ERROR_FILE);
-    assert_non_null(strstr(ty_last_error(context), "gone.json"));
-    ty_clear_error(context);
+    assert_non_null(strstr(ty_take_error(context), "gone.json"));
     assert_int_equal(ty_scene_load(context, "builtin:cube", NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_non_null(strstr(ty_last_error(context), "there is no scene \"builtin:cube\"; known: "));
-    assert_non_null(strstr(ty_last_error(context), " cornell_fog,"));
+    const char* message = ty_take_error(context);
+    assert_non_null(strstr(message, "there is no scene \"builtin:cube\"; known: "));
+    assert_non_null(strstr(message, " cornell_fog,"));
     assert_null(scene);
     ty_context_destroy(context);
 }

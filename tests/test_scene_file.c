@@ -27,8 +27,8 @@ static ty_context* make_context(void) {
     return context;
 }
 
-static void expect_ok(const ty_context* context, ty_result result) {
-    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_last_error(context));
+static void expect_ok(ty_context* context, ty_result result) {
+    if (result != TY_OK) fail_msg("%s: %s", ty_result_name(result), ty_take_error(context));
 }
 
 static ty_scene* parse_with(ty_context* context, const char* text, const char* const* overrides, int32_t count) {
@@ -314,7 +314,7 @@ static void write_files(ty_context* context) {
     ty_grid* grid = NULL;
     expect_ok(context, ty_grid_create(context, &def, &grid));
     expect_ok(context, ty_vdb_write(context, grid, "density", "none", "density.vdb"));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     ty_image* image = NULL;
     expect_ok(context, ty_image_create_rgb(context, 8, 4, &image));
     for (int32_t c = 0; c < 3; ++c)
@@ -372,7 +372,7 @@ static void test_paths_start_at_the_scene(void** state) {
     ty_scene_destroy(scene);
     write_text("scene.json", "{\"tyndall\":1,\"lights\":[\n{\"type\":\"environment\",\"file\":\"scene.json\"}]}");
     assert_int_equal(ty_scene_load(context, "./scene.json", NULL, 0, &scene), TY_ERROR_INPUT);
-    assert_memory_equal(ty_last_error(context), "./scene.json:2: lights[0].file: ./scene.json", 44);
+    assert_memory_equal(ty_take_error(context), "./scene.json:2: lights[0].file: ./scene.json", 44);
     ty_context_destroy(context);
 }
 
@@ -463,12 +463,15 @@ static const char every_key[] =
     "\"render\":{\"method\":\"path\",\"spp\":1,\"seed\":1,\"path\":{\"max_depth\":0},"
     "\"screen\":{\"variant\":\"scatter\",\"spread\":\"gaussian\",\"filter\":4,\"levels\":0,\"environment\":\"none\","
     "\"balance\":false},"
-    "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"streaming\":1,\"boundary\":\"dirichlet\",\"solver\":\"sor\","
+    "\"fld\":{\"limiter\":\"larsen\",\"larsen_power\":3,\"max_flux_fraction\":1,\"boundary\":\"dirichlet\",\"solver\":"
+    "\"sor\","
     "\"relaxation\":1.5,\"tolerance\":1e-3,\"iterations\":9,\"sigma_eps\":0.1,\"beam\":\"published\",\"resolution\":32,"
     "\"ratio\":2,\"environment_beams\":8,\"surface_points\":4,\"spp\":2,\"step\":0.5},"
     "\"pop\":{\"mode\":\"collided\",\"resolution\":16,\"merged\":24,\"sharp\":false,\"direct\":40,\"ordinates\":27,"
-    "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"clamp\":0.1,"
-    "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"streaming\":0.7,\"tolerance\":1e-2,\"spp\":3,"
+    "\"prefilter\":0.5,\"importance\":false,\"surface_points\":5,\"vpls\":7,\"shadow_texels\":32,\"vpl_min_distance\":"
+    "0.1,"
+    "\"iterations\":11,\"residuum\":0.2,\"residuum_iterations\":12,\"max_flux_fraction\":0.7,\"tolerance\":1e-2,"
+    "\"spp\":3,"
     "\"step\":0.25},"
     "\"lpv\":{\"mode\":\"published\",\"parts\":\"both\",\"place\":\"camera\",\"resolution\":24,\"extent\":20,"
     "\"cascades\":3,\"bands\":3,\"window\":0.1,\"iterations\":10,\"tolerance\":0.02,\"map_side\":64,\"samples\":4,"
@@ -517,16 +520,17 @@ static void test_every_key_is_accepted(void** state) {
     assert_string_equal(fld.boundary, "dirichlet");
     assert_string_equal(fld.solver, "sor");
     assert_string_equal(fld.beam, "published");
-    assert_true(fld.larsen_power == 3 && fld.streaming == 1 && fld.relaxation == 1.5 && fld.tolerance == 1e-3);
+    assert_true(fld.larsen_power == 3 && fld.max_flux_fraction == 1 && fld.relaxation == 1.5 && fld.tolerance == 1e-3);
     assert_true(fld.sigma_eps == 0.1 && fld.ratio == 2 && fld.step == 0.5 && fld.iterations == 9);
     assert_true(fld.resolution == 32 && fld.environment_beams == 8 && fld.surface_points == 4 && fld.spp == 2);
     const ty_pop_settings pop = ty_scene_render_settings(scene).pop;
     assert_string_equal(pop.mode, "collided");
     assert_true(pop.resolution == 16 && pop.merged == 24 && pop.direct == 40 && pop.ordinates == 27);
-    assert_true(!pop.sharp && !pop.importance && pop.prefilter == 0.5 && pop.clamp == 0.1 && pop.residuum == 0.2);
+    assert_true(!pop.sharp && !pop.importance && pop.prefilter == 0.5 && pop.vpl_min_distance == 0.1 &&
+                pop.residuum == 0.2);
     assert_true(pop.surface_points == 5 && pop.vpls == 7 && pop.shadow_texels == 32);
     assert_true(pop.iterations == 11 && pop.residuum_iterations == 12 && pop.spp == 3);
-    assert_true(pop.streaming == 0.7 && pop.tolerance == 1e-2 && pop.step == 0.25);
+    assert_true(pop.max_flux_fraction == 0.7 && pop.tolerance == 1e-2 && pop.step == 0.25);
     const ty_lpv_settings lpv = ty_scene_render_settings(scene).lpv;
     assert_string_equal(lpv.mode, "published");
     assert_string_equal(lpv.parts, "both");

@@ -158,7 +158,7 @@ static ty_screen_params params_of(const ty_screen_def* def, const picture* p, bo
                                .center_y = 0.5f * (float)p->height,
                                .inverse_focal_x = (float)(1 / focal),
                                .inverse_focal_y = (float)(1 / focal),
-                               .unknown = def->unknown,
+                               .unknown = def->missing_depth,
                                .mean_slope = (float)(focal * focal * (double)def->sigma_s[0] / 8),
                                .mean_bend = (float)((double)def->sigma_a[0] * (double)def->sigma_s[0] / 6)};
     for (int c = 0; c < 3; ++c) {
@@ -367,8 +367,8 @@ static const bad_field bad_fields[] = {
     {DOUBLE(focal[0]), 1e300, "focal"},
     {DOUBLE(center[0]), (double)INFINITY, "center"},
     {DOUBLE(center[1]), (double)NAN, "center"},
-    {FLOAT(unknown), 0, "unknown"},
-    {FLOAT(unknown), (double)INFINITY, "unknown"},
+    {FLOAT(missing_depth), 0, "missing_depth"},
+    {FLOAT(missing_depth), (double)INFINITY, "missing_depth"},
     {INT(filter), 3, "filter"},
     {INT(filter), 0, "filter"},
     {INT(levels), 0, "levels"},
@@ -436,7 +436,9 @@ static void bad_images_are_refused(void** state) {
     image = image_of(&p);
     image.distance = NULL;
     refuse(*state, &image, "distance");
-    refuse(*state, NULL, "NULL");
+    image = (ty_screen_image){.width = 8, .height = 8};
+    refuse(*state, &image, "ty_default_screen_image");
+    refuse(*state, NULL, "ty_default_screen_image");
     assert_int_equal(ty_screen_apply(NULL, &def, &image, NULL, 0, NULL), TY_ERROR_ARGUMENT);
     free_picture(&p);
 }

@@ -63,7 +63,7 @@ static void depth_along_rays(void** state) {
     set3(def.box_max, 7, 5, 6);
     set3f(def.sigma_s, 1, 2, 3);
     check_result(context, ty_scene_add_medium(scene, &def));
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     direct_case made = direct_begin(scene, 64, 1, 1);
     const ty_grid_medium* m = made.medium;
     uint64_t random = 5;

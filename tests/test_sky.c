@@ -21,7 +21,7 @@ static ty_sky_def sun_at(double elevation_deg, double azimuth_deg, ty_axis up) {
 
 static ty_image* make_sky(ty_context* context, const ty_sky_def* def, float sun[3]) {
     ty_image* image = NULL;
-    assert_int_equal(ty_sky_image(context, def, &image, sun), TY_OK);
+    assert_int_equal(ty_sky_create_image(context, def, &image, sun), TY_OK);
     assert_int_equal(ty_image_width(image), def->width);
     assert_int_equal(ty_image_height(image), def->width / 2);
     return image;
@@ -255,17 +255,17 @@ static void test_solar_scales_and_haze_dims(void** state) {
 static void refuse(ty_context* context, const ty_sky_def* def, const char* word) {
     ty_image* image = NULL;
     float sun[3];
-    ty_clear_error(context);
-    assert_int_equal(ty_sky_image(context, def, &image, sun), TY_ERROR_ARGUMENT);
+    ty_take_error(context);
+    assert_int_equal(ty_sky_create_image(context, def, &image, sun), TY_ERROR_ARGUMENT);
     assert_null(image);
-    assert_non_null(strstr(ty_last_error(context), word));
+    assert_non_null(strstr(ty_take_error(context), word));
 }
 
 static void test_arguments_are_checked(void** state) {
     ty_context* context = *state;
     const ty_sky_def good = ty_default_sky_def();
     ty_sky_def def;
-    assert_int_equal(ty_sky_image(context, &good, NULL, NULL), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_sky_create_image(context, &good, NULL, NULL), TY_ERROR_ARGUMENT);
     refuse(context, NULL, "ty_default_sky_def");
     memset(&def, 0, sizeof def);
     refuse(context, &def, "ty_default_sky_def");

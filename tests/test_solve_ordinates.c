@@ -77,7 +77,7 @@ static problem make_cube(ty_context* context, int32_t n, int32_t bands, double e
 static void solve(ty_context* context, problem* p) {
     point(p);
     if (ty_ordinates_solve(context, &p->def, p->moments, NULL, 0, &p->stats) != TY_OK)
-        fail_msg("%s", ty_last_error(context));
+        fail_msg("%s", ty_take_error(context));
     if (!p->stats.converged) fail_msg("%g is left after %d sweeps", p->stats.change, (int)p->stats.sweeps);
     for (int t = 0; t < p->def.kept * p->def.kept; ++t)
         for (size_t i = 0; i < p->cells; ++i) assert_true(isfinite(p->moments[t][i]));

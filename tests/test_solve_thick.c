@@ -66,7 +66,7 @@ static void free_box(thick_box* box) {
 
 static void solve(void* context, thick_box* box) {
     if (ty_ordinates_solve(context, &box->def, box->moments, NULL, 0, &box->stats) != TY_OK)
-        fail_msg("%s", ty_last_error(context));
+        fail_msg("%s", ty_take_error(context));
     if (!box->stats.converged) fail_msg("%g is left after %d sweeps", box->stats.change, (int)box->stats.sweeps);
     for (int32_t t = 0; t < box->def.kept * box->def.kept; ++t)
         for (size_t i = 0; i < box->cells; ++i) assert_true(isfinite(box->moments[t][i]));

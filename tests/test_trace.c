@@ -86,8 +86,8 @@ static void many_rays_meet_what_single_rays_meet(void** state) {
     assert_true(hits != NULL && shadowed != NULL);
     for (int coherent = 0; coherent < 2; ++coherent) {
         int met[5] = {0};
-        assert_int_equal(ty_scene_trace(scene, rays, RAYS, coherent, hits), TY_OK);
-        assert_int_equal(ty_scene_trace_shadows(scene, rays, RAYS, coherent, shadowed), TY_OK);
+        assert_int_equal(ty_scene_trace(scene, rays, RAYS, (ty_ray_order)coherent, hits), TY_OK);
+        assert_int_equal(ty_scene_trace_shadows(scene, rays, RAYS, (ty_ray_order)coherent, shadowed), TY_OK);
         for (int i = 0; i < RAYS; ++i) {
             check_hit(mesh, &rays[i], &hits[i], coherent ? 2e-5 : 0);
             assert_int_equal(shadowed[i], hits[i].surface >= 0);
@@ -106,14 +106,14 @@ static void no_rays_and_no_surfaces(void** state) {
     ty_ray ray = {.direction = {0, 0, 1}, .far = 3};
     ty_ray_hit hit = {.surface = 7};
     bool shadowed = true;
-    assert_int_equal(ty_scene_trace(scene, &ray, 1, true, &hit), TY_ERROR_ARGUMENT); /* not committed */
+    assert_int_equal(ty_scene_trace(scene, &ray, 1, TY_RAYS_COHERENT, &hit), TY_ERROR_ARGUMENT); /* not committed */
     assert_int_equal(ty_scene_commit(scene), TY_OK);
-    assert_int_equal(ty_scene_trace(scene, &ray, -1, true, &hit), TY_ERROR_ARGUMENT);
-    assert_int_equal(ty_scene_trace_shadows(scene, &ray, -1, true, &shadowed), TY_ERROR_ARGUMENT);
-    assert_int_equal(ty_scene_trace(scene, NULL, 0, true, NULL), TY_OK);
+    assert_int_equal(ty_scene_trace(scene, &ray, -1, TY_RAYS_COHERENT, &hit), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_trace_shadows(scene, &ray, -1, TY_RAYS_COHERENT, &shadowed), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_scene_trace(scene, NULL, 0, TY_RAYS_COHERENT, NULL), TY_OK);
     assert_int_equal(hit.surface, 7);
-    assert_int_equal(ty_scene_trace(scene, &ray, 1, true, &hit), TY_OK);
-    assert_int_equal(ty_scene_trace_shadows(scene, &ray, 1, false, &shadowed), TY_OK);
+    assert_int_equal(ty_scene_trace(scene, &ray, 1, TY_RAYS_COHERENT, &hit), TY_OK);
+    assert_int_equal(ty_scene_trace_shadows(scene, &ray, 1, TY_RAYS_INCOHERENT, &shadowed), TY_OK);
     assert_int_equal(hit.surface, -1);
     assert_true(hit.distance == 3);
     assert_false(shadowed);

@@ -12,8 +12,8 @@ static const double moved[3] = {0.3, -0.2, 0.1}, turned[3] = {30, -50, 110};
 
 static ty_scene* mesh_scene(ty_context* context, const ty_mesh_def* def) {
     ty_scene* scene = make_scene(context);
-    if (ty_scene_add_mesh(scene, def) != TY_OK) fail_msg("%s", ty_last_error(context));
-    if (ty_scene_commit(scene) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_scene_add_mesh(scene, def) != TY_OK) fail_msg("%s", ty_take_error(context));
+    if (ty_scene_commit(scene) != TY_OK) fail_msg("%s", ty_take_error(context));
     return scene;
 }
 
@@ -385,7 +385,7 @@ static void blending_lets_a_fraction_through(void** state) {
         assert_close(share_met(scene, 0, true), expected[kind], 0.018);
         ty_scene_destroy(scene);
     }
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     for (int whole = 0; whole < 2; ++whole) {
         def = made_def(&mesh);
         def.material.alpha_mode = TY_ALPHA_BLEND;
@@ -437,7 +437,7 @@ static void masks_cut_where_alpha_is_low(void** state) {
         assert_int_equal(met, y > 0); /* rows 0 and 1 of the texture: v below and above 0.5 */
     }
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     made_free(&mesh);
 }
 
@@ -532,7 +532,7 @@ static void memory_is_counted(void** state) {
     assert_int_equal(ty_scene_add_mesh(scene, &def), TY_OK);
     const size_t shared = ty_scene_get_info(scene).bytes - before - 3 * plain;
     assert_true(shared >= sizeof texels && shared < sizeof texels + 8192);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     const size_t added = ty_scene_get_info(scene).bytes;
     assert_int_equal(ty_scene_commit(scene), TY_OK);
     const ty_scene_info info = ty_scene_get_info(scene);
@@ -578,11 +578,11 @@ static ty_result work(ty_context* context) {
     if (result == TY_OK) result = ty_scene_add_mesh(scene, &def);
     if (result == TY_OK) result = ty_scene_add_medium(scene, &medium);
     if (result == TY_OK) result = ty_scene_commit(scene);
-    if (result == TY_OK) result = ty_medium_coverage(scene, 0, low, high, size, 2, &coverage);
-    ty_grid_destroy(coverage);
+    if (result == TY_OK) result = ty_medium_create_coverage(scene, 0, low, high, size, 2, &coverage);
+    ty_grid_release(coverage);
     ty_scene_destroy(scene);
-    ty_shell_destroy(medium.shell);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_shell_release(medium.shell);
+    ty_texture_release(def.material.albedo_texture);
     made_free(&mesh);
     return result;
 }

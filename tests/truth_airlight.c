@@ -14,7 +14,7 @@ static ty_grid* noise_of(ty_context* context) {
     noise.kind = TY_NOISE_FBM;
     noise.size[0] = noise.size[1] = noise.size[2] = 48;
     noise.octaves = 3;
-    must(context, ty_grid_noise(context, &noise, &grid));
+    must(context, ty_grid_create_noise(context, &noise, &grid));
     return grid;
 }
 
@@ -32,7 +32,7 @@ static ty_scene* blocks_in_fog(ty_context* context, const ty_light_def* light, d
     if (kind == UNEVEN) fog.density_grid = noise_of(context);
     if (kind == UNEVEN) fog.scale = 3;
     add_medium(scene, &fog);
-    ty_grid_destroy(fog.density_grid);
+    ty_grid_release(fog.density_grid);
     add_light(scene, light);
     ty_shape_def floor = ty_default_shape_def();
     floor.kind = TY_SHAPE_BOX;

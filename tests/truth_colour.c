@@ -22,9 +22,9 @@ static ty_image* picture(ty_context* context, const coefficients* of, int channe
     }
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 32;
-    if (cloud) must(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    if (cloud) must(context, ty_grid_create_noise(context, &noise, &medium.density_grid));
     add_medium(scene, &medium);
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2), sky = light_of(TY_LIGHT_ENVIRONMENT, 0.3);
     set3(sun.direction, -1, -1, -0.3);
     add_light(scene, &sun);

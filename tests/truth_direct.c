@@ -20,9 +20,9 @@ static ty_scene* noise_scene(ty_context* context, surroundings around, double de
     noise.kind = TY_NOISE_FBM;
     noise.size[0] = noise.size[1] = noise.size[2] = FINE;
     noise.octaves = 3;
-    must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
+    must(context, ty_grid_create_noise(context, &noise, &cloud.density_grid));
     add_medium(scene, &cloud);
-    ty_grid_destroy(cloud.density_grid);
+    ty_grid_release(cloud.density_grid);
     if (around == BARE) return scene;
     static const double center[3] = {0.8, 1.4, 0}, u[3] = {0, 0, 1}, v[3] = {1, 0, 0};
     const ty_shape_def ball = sphere_shape(-0.3, 0.1, 0.2, 0.35, 0, 0), board = square_shape(center, u, v, 0.8, 0);
@@ -232,7 +232,7 @@ static void test_shells_and_fields(void** state) {
     fog.box_max[0] = 1;
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 16;
-    must(*state, ty_grid_noise(*state, &noise, &fog.g_grid));
+    must(*state, ty_grid_create_noise(*state, &noise, &fog.g_grid));
     for (int c = 0; c < 3; ++c) fog.albedo_grid[c] = fog.g_grid;
     add_medium(scene, &ball);
     add_medium(scene, &fog);
@@ -242,8 +242,8 @@ static void test_shells_and_fields(void** state) {
     add_light(scene, &sun);
     add_light(scene, &lamp);
     compare("shell, fields, overlap", scene, FINE, fewer(1024, 2), 0.025, 0.08);
-    ty_shell_destroy(ball.shell);
-    ty_grid_destroy(fog.g_grid);
+    ty_shell_release(ball.shell);
+    ty_grid_release(fog.g_grid);
     made_free(&mesh);
 }
 

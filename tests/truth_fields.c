@@ -34,14 +34,14 @@ static ty_grid* noise_grid(ty_context* context, int32_t size, uint32_t seed, boo
     def.octaves = 2;
     def.sharpness = 1.5f;
     ty_grid *noise = NULL, *grid;
-    must(context, ty_grid_noise(context, &def, &noise));
+    must(context, ty_grid_create_noise(context, &def, &noise));
     float* values = calloc((size_t)(size * size * size), sizeof *values);
     assert_non_null(values);
     for (int32_t i = 0; i < size * size * size; ++i)
         values[i] = ty_grid_voxel(noise, i % size, i / size % size, i / size / size);
     grid = grid_of(context, size, values, placed);
     free(values);
-    ty_grid_destroy(noise);
+    ty_grid_release(noise);
     return grid;
 }
 
@@ -73,14 +73,14 @@ static void test_even_albedo(void** state) {
     ty_medium_def number = medium_cube(0.5, 2.4, 0.6, 0.3), field = medium_cube(0.5, 1, 2, 0.3);
     field.albedo_grid[0] = field.albedo_grid[1] = field.albedo_grid[2] = even_grid(*state, 0.8);
     same(*state, "albedo 0.8 as a grid", &field, &number, 192);
-    ty_grid_destroy(field.albedo_grid[0]);
+    ty_grid_release(field.albedo_grid[0]);
 }
 
 static void test_even_g(void** state) {
     ty_medium_def number = medium_cube(0.5, 3, 0.3, 0.7), field = medium_cube(0.5, 3, 0.3, -0.9);
     field.g_grid = even_grid(*state, 0.7);
     same(*state, "g 0.7 as a grid", &field, &number, 192);
-    ty_grid_destroy(field.g_grid);
+    ty_grid_release(field.g_grid);
 }
 
 /* Three grids at once are three gray media. */
@@ -97,8 +97,8 @@ static void test_coloured_albedo(void** state) {
         ty_image_destroy(other);
     }
     ty_image_destroy(image);
-    ty_grid_destroy(colour.density_grid);
-    for (int c = 0; c < 3; ++c) ty_grid_destroy(colour.albedo_grid[c]);
+    ty_grid_release(colour.density_grid);
+    for (int c = 0; c < 3; ++c) ty_grid_release(colour.albedo_grid[c]);
 }
 
 /* ---- transfer functions ---- */
@@ -111,7 +111,7 @@ static void test_linear_transfer(void** state) {
     mapped.transfer = line;
     mapped.transfer_count = 3;
     same(*state, "linear transfer function", &mapped, &plain, 256);
-    ty_grid_destroy(plain.density_grid);
+    ty_grid_release(plain.density_grid);
 }
 
 /* Steep and not monotone; with an albedo that follows. */
@@ -159,9 +159,9 @@ static void test_curved_transfer(void** state) {
     fine.density_grid = resampled(*state, mapped.density_grid, 0);
     for (int c = 0; c < 3; ++c) fine.albedo_grid[c] = resampled(*state, mapped.density_grid, 1 + c);
     same(*state, "transfer function of a grid", &mapped, &fine, 256);
-    ty_grid_destroy(mapped.density_grid);
-    ty_grid_destroy(fine.density_grid);
-    for (int c = 0; c < 3; ++c) ty_grid_destroy(fine.albedo_grid[c]);
+    ty_grid_release(mapped.density_grid);
+    ty_grid_release(fine.density_grid);
+    for (int c = 0; c < 3; ++c) ty_grid_release(fine.albedo_grid[c]);
 }
 
 /* ---- shells ---- */
@@ -186,7 +186,7 @@ static void test_box_shell(void** state) {
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = cube_shell(*state, 0.5);
     same(*state, "shell of a box", &shell, &box, 192);
-    ty_shell_destroy(shell.shell);
+    ty_shell_release(shell.shell);
 }
 
 static void test_ball_shell(void** state) {
@@ -198,7 +198,7 @@ static void test_ball_shell(void** state) {
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = shell_of(*state, &mesh);
     same(*state, "shell of a ball", &shell, &ball, 192);
-    ty_shell_destroy(shell.shell);
+    ty_shell_release(shell.shell);
 }
 
 /* A cube in two shells, one with a hole that the other fills, half as far across as the cube. */
@@ -230,7 +230,7 @@ static void test_hollow_shell(void** state) {
     }
     assert_same_channel("rind and core, lamp", images[1], 0, images[0], 0, 0.012);
     for (int i = 0; i < 2; ++i) ty_image_destroy(images[i]);
-    ty_shell_destroy(rind.shell);
+    ty_shell_release(rind.shell);
 }
 
 static void test_shell_cuts_grid(void** state) {
@@ -240,8 +240,8 @@ static void test_shell_cuts_grid(void** state) {
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = cube_shell(*state, 0.35);
     same(*state, "grid cut by a shell", &shell, &box, 192);
-    ty_shell_destroy(shell.shell);
-    ty_grid_destroy(box.density_grid);
+    ty_shell_release(shell.shell);
+    ty_grid_release(box.density_grid);
 }
 
 int main(void) {

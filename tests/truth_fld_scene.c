@@ -28,8 +28,8 @@ static ty_difference compare(ty_context* context, const char* name, const ty_ima
     printf("  %-22s", name);
     for (int l = 0; l < 4; ++l) {
         ty_image *a = NULL, *b = NULL;
-        must(context, ty_image_layer(context, image, layers[l], &a));
-        must(context, ty_image_layer(context, truth, layers[l], &b));
+        must(context, ty_image_create_layer(context, image, layers[l], &a));
+        must(context, ty_image_create_layer(context, truth, layers[l], &b));
         must(context, ty_image_compare(context, a, b, BLOCK, &difference));
         printf(" %s %.4f / %.4f", l == 3 ? "all" : layers[l], difference.mean_ratio[3], difference.relative_rmse[3]);
         ty_image_destroy(a);

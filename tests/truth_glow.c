@@ -154,7 +154,7 @@ static void test_uneven_density(void** state) {
     const column c = {.sigma = 2.5, .emission = three, .grid = grid};
     assert_close("uneven density behind fog", found[0], exp(-0.4) * ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 /* Colours in one medium whose grid varies: the mixture of channels must not tint what glows. */
@@ -173,7 +173,7 @@ static void test_coloured_grid(void** state) {
         assert_close("coloured grid", found[i], ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     }
     ty_scene_destroy(scene);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
 }
 
 static double constant_half(double z) {
@@ -201,7 +201,7 @@ static void test_even_temperature(void** state) {
         for (int c = 0; c < 3; ++c)
             assert_close("black body of 2000 K", found[c], -0.25 * (double)black[c] * expm1(-depths[i]), tolerance);
         ty_scene_destroy(scene);
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
 }
 
@@ -230,8 +230,8 @@ static void test_temperature_ramp(void** state) {
     const column c = {.sigma = 2, .emission = ramp_emission, .grid = density};
     assert_close("ramp of temperature", found[0], ty_integrate(column_glow, &c, 0, 1, 96), tolerance);
     ty_scene_destroy(scene);
-    ty_grid_destroy(density);
-    ty_grid_destroy(temperature);
+    ty_grid_release(density);
+    ty_grid_release(temperature);
 }
 
 /* ---- an isothermal furnace: whatever it absorbs and scatters, everything looks alike ---- */
@@ -244,7 +244,7 @@ static ty_grid* noise_grid(ty_context* context, uint32_t seed) {
     def.kind = TY_NOISE_FBM;
     def.seed = seed;
     ty_grid* grid = NULL;
-    must(context, ty_grid_noise(context, &def, &grid));
+    must(context, ty_grid_create_noise(context, &def, &grid));
     return grid;
 }
 
@@ -270,9 +270,9 @@ static void check_isothermal(ty_context* context, const char* name, bool density
     commit(scene);
     assert_furnace(name, scene, warm, 24, 1024);
     ty_scene_destroy(scene);
-    ty_grid_destroy(body.density_grid);
-    for (int c = 0; c < 3; ++c) ty_grid_destroy(body.albedo_grid[c]);
-    ty_grid_destroy(body.g_grid);
+    ty_grid_release(body.density_grid);
+    for (int c = 0; c < 3; ++c) ty_grid_release(body.albedo_grid[c]);
+    ty_grid_release(body.g_grid);
 }
 
 static void test_isothermal(void** state) {

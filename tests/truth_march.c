@@ -17,11 +17,11 @@ static ty_scene* cloud(ty_context* context, const float sigma_s[3], float g, con
     camera.fov_y = 34;
     set3f(medium.sigma_s, sigma_s[0], sigma_s[1], sigma_s[2]);
     set3f(medium.g, g, g, g);
-    check_result(context, ty_grid_noise(context, &noise, &medium.density_grid));
+    check_result(context, ty_grid_create_noise(context, &noise, &medium.density_grid));
     check_result(context, ty_scene_add_medium(scene, &medium));
     check_result(context, ty_scene_set_camera(scene, &camera));
     check_result(context, ty_scene_add_light(scene, light));
-    ty_grid_destroy(medium.density_grid);
+    ty_grid_release(medium.density_grid);
     return scene;
 }
 
@@ -41,8 +41,8 @@ static ty_difference layer_difference(ty_context* context, const ty_image* image
                                       const char* layer, int32_t block) {
     ty_image* layers[2] = {NULL, NULL};
     ty_difference difference;
-    check_result(context, ty_image_layer(context, image, layer, &layers[0]));
-    check_result(context, ty_image_layer(context, truth, layer, &layers[1]));
+    check_result(context, ty_image_create_layer(context, image, layer, &layers[0]));
+    check_result(context, ty_image_create_layer(context, truth, layer, &layers[1]));
     check_result(context, ty_image_compare(context, layers[0], layers[1], block, &difference));
     print_message("%-14s %.5f %.4f\n", layer, difference.mean_ratio[3], difference.relative_rmse[3]);
     for (int i = 0; i < 2; ++i) ty_image_destroy(layers[i]);

@@ -169,7 +169,7 @@ static void test_glowing_texture(void** state) {
                     rectangle_irradiance(1, i % 4 / 4.0, (i % 4 + 1) / 4.0, i / 4 / 3.0, (i / 4 + 1) / 3.0, 0.3, -0.4);
     assert_close("glowing picture", irradiance_at(scene, 0.3, -0.4), expected, 0.005);
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.emission_texture);
+    ty_texture_release(def.material.emission_texture);
     made_free(&mesh);
 }
 
@@ -191,7 +191,7 @@ static void test_lonely_texel(void** state) {
     assert_close("lonely texel", seen_along(scene, under, up, 1), 7, 1e-5);
     assert_true(seen_along(scene, beside, up, 1).mean == 0);
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.emission_texture);
+    ty_texture_release(def.material.emission_texture);
     made_free(&mesh);
     free(values);
 }
@@ -263,7 +263,7 @@ static void test_painted_floor(void** state) {
         assert_close("painted floor", seen_along(scene, from, up, 64), 3 * 0.8 * texel * color, 1e-4);
     }
     ty_scene_destroy(scene);
-    ty_texture_destroy(def.material.albedo_texture);
+    ty_texture_release(def.material.albedo_texture);
     made_free(&mesh);
 }
 
@@ -311,7 +311,7 @@ static void test_shadows(void** state) {
         free(rays);
         free(radiance);
         ty_scene_destroy(scene);
-        ty_texture_destroy(texture);
+        ty_texture_release(texture);
         made_free(&mesh);
     }
 }
@@ -335,7 +335,7 @@ static void test_glowing_fences(void** state) {
         assert_close(mode == TY_ALPHA_MASK ? "glowing fence" : "glowing veil", irradiance_at(scene, 0.2, 0.3), expected,
                      0.005);
         ty_scene_destroy(scene);
-        ty_texture_destroy(texture);
+        ty_texture_release(texture);
         made_free(&mesh);
     }
 }

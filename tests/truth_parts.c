@@ -44,7 +44,7 @@ static ty_scene* busy_scene(ty_context* context, double glow) {
     gray(fog.emission, glow);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 24;
-    must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
+    must(context, ty_grid_create_noise(context, &noise, &cloud.density_grid));
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, low, high);
     ty_mesh_def box = made_def(&mesh);
@@ -62,7 +62,7 @@ static ty_scene* busy_scene(ty_context* context, double glow) {
     add_light(scene, &sky);
     set_camera(scene, 0.5, 1.5, 4, 40);
     commit(scene);
-    ty_grid_destroy(cloud.density_grid);
+    ty_grid_release(cloud.density_grid);
     made_free(&mesh);
     return scene;
 }
@@ -228,7 +228,7 @@ static void test_transmittance(void** state) {
         }
         ty_image_destroy(image);
         ty_scene_destroy(scene);
-        ty_grid_destroy(cube.density_grid);
+        ty_grid_release(cube.density_grid);
     }
 }
 
@@ -240,7 +240,7 @@ static void test_conservation(void** state) {
         ty_noise_def noise = ty_default_noise_def();
         noise.size[0] = noise.size[1] = noise.size[2] = 24;
         noise.kind = TY_NOISE_FBM;
-        must(*state, ty_grid_noise(*state, &noise, &cloud.density_grid));
+        must(*state, ty_grid_create_noise(*state, &noise, &cloud.density_grid));
         add_medium(scene, &cloud);
         set_camera(scene, 0.5, 1.5, 4, 25);
         commit(scene);
@@ -251,7 +251,7 @@ static void test_conservation(void** state) {
         assert_close("passed or scattered", sum, absorbing ? 1 - (1 - passes.mean) / 3 : 1, 0.004);
         ty_image_destroy(image);
         ty_scene_destroy(scene);
-        ty_grid_destroy(cloud.density_grid);
+        ty_grid_release(cloud.density_grid);
     }
 }
 

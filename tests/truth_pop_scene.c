@@ -40,7 +40,7 @@ static ty_image* scattered_part(ty_context* context, const ty_image* image) {
     for (int l = 0; l < 2; ++l) {
         ty_image* layer = NULL;
         const float* planes[3];
-        must(context, ty_image_layer(context, image, layers[l], &layer));
+        must(context, ty_image_create_layer(context, image, layers[l], &layer));
         assert_true(ty_image_rgb_planes(layer, planes));
         for (int c = 0; c < 3; ++c)
             for (int32_t i = 0; i < width * height; ++i) ty_image_plane(out, c)[i] += planes[c][i];

@@ -19,10 +19,10 @@ static ty_scene* nasty_scene(ty_context* context) {
     ty_medium_def cloud = medium_cube(2, 50, 0, 0.9);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 24;
-    must(context, ty_grid_noise(context, &noise, &cloud.density_grid));
+    must(context, ty_grid_create_noise(context, &noise, &cloud.density_grid));
     rgb(cloud.sigma_s, 0.01, 1, 50);
     add_medium(scene, &cloud);
-    ty_grid_destroy(cloud.density_grid);
+    ty_grid_release(cloud.density_grid);
     static const double center[3] = {0, -1e-4, -2}, x[3] = {1, 0, 0}, z[3] = {0, 0, 1}, slant[3] = {0, 1e-3, 1};
     ty_shape_def floor_board = square_shape(center, z, x, 2, 1), ramp = square_shape(center, slant, x, 2, 0.9);
     const ty_shape_def ball = sphere_shape(-0.5, 0.2, -2, 0.3, 1, 50), speck = sphere_shape(0.2, 0, -1, 1e-4, 1, 1e6);
@@ -166,9 +166,9 @@ static void test_white_rooms_come_to_an_end(void** state) {
     ty_medium_def smoke = medium_cube(1.1, 0, 1e-9, 0);
     ty_noise_def noise = ty_default_noise_def();
     noise.size[0] = noise.size[1] = noise.size[2] = 16;
-    must(*state, ty_grid_noise(*state, &noise, &smoke.density_grid));
+    must(*state, ty_grid_create_noise(*state, &noise, &smoke.density_grid));
     add_medium(scene, &smoke);
-    ty_grid_destroy(smoke.density_grid);
+    ty_grid_release(smoke.density_grid);
     ty_shape_def room = ty_default_shape_def();
     room.kind = TY_SHAPE_BOX;
     set3(room.origin, -1, -1, -1);

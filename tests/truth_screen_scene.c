@@ -92,9 +92,10 @@ static ty_image* render_screen(const ty_scene* scene, int32_t spp, uint64_t seed
     ty_context* context = ty_scene_context(scene);
     ty_image* image = render_surfaces(scene, spp, seed, true);
     float* distance = ty_image_plane(image, ty_image_find_channel(image, "depth.Z"));
-    ty_screen_image planes = {
-        .width = SIDE, .height = SIDE, .distance = distance, .distance_step = 1, .distance_row = SIDE};
-    planes.color.step = 1;
+    ty_screen_image planes = ty_default_screen_image();
+    planes.width = planes.height = SIDE;
+    planes.distance = distance;
+    planes.distance_row = SIDE;
     planes.color.row = SIDE;
     for (int c = 0; c < 3; ++c) planes.color.data[c] = ty_image_plane(image, c);
     planes.out = planes.color;

@@ -202,7 +202,7 @@ static inline bool stops(const volume_calls* calls, const ty_scene* scene, volum
     assert_int_equal(w.calls, stop);
     assert_null(image);
     assert_int_equal(memory->used, before);
-    assert_string_equal(ty_last_error(context), "");
+    assert_string_equal(ty_take_error(context), "");
     return true;
 }
 

@@ -1,4 +1,5 @@
-/* Tyndall: light in fog, smoke, clouds, milk and water. Apache-2.0. The whole public face. */
+/// @file tyndall.h
+/// All public headers of Tyndall, a library for light in fog, smoke, clouds, milk and water. Apache-2.0.
 #ifndef TYNDALL_TYNDALL_H
 #define TYNDALL_TYNDALL_H
 

@@ -49,7 +49,7 @@ static void planes_of(const ty_bake_light* light, float values[TY_ATLAS_PLANES])
         for (int c = 0; c < 3; ++c) {
             values[TY_ATLAS_LAYERS + 3 * layer + c] = light->irradiance[layer][c];
             for (int axis = 0; axis < 3; ++axis)
-                values[TY_ATLAS_TOWARD + 3 * c + axis] += light->toward[layer][c][axis];
+                values[TY_ATLAS_TOWARD + 3 * c + axis] += light->vector_irradiance[layer][c][axis];
         }
     for (int c = 0; c < 3; ++c) values[TY_ATLAS_FLUENCE + c] = light->fluence[c];
 }
@@ -123,7 +123,7 @@ static ty_result finish(finisher* job) {
     return TY_OK;
 }
 
-ty_result ty_atlas_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out) {
+ty_result ty_atlas_create_image(const ty_atlas* atlas, const ty_bake_light* light, ty_image** out) {
     finisher job = {.atlas = atlas, .light = light};
     ty_result result =
         ty_image_create(atlas->context, atlas->width, atlas->height, TY_ATLAS_CHANNELS, channel_names, &job.image);

@@ -19,7 +19,7 @@ ty_result ty_bake_surfaces(const ty_scene* scene, const ty_bake_def* def, const 
                 for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer) {
                     light[i].irradiance[layer][c] = (float)ty_bake_mean(&run, i, layer, c, 0);
                     for (int a = 0; a < 3; ++a)
-                        light[i].toward[layer][c][a] = (float)ty_bake_mean(&run, i, layer, c, 1 + a);
+                        light[i].vector_irradiance[layer][c][a] = (float)ty_bake_mean(&run, i, layer, c, 1 + a);
                 }
             }
         }

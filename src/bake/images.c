@@ -68,7 +68,7 @@ static void put_direction(const ty_bake_light* light, int c, float out[3]) {
     float toward[3] = {0, 0, 0}, square = 0;
     for (int axis = 0; axis < 3; ++axis) {
         for (int layer = 0; layer < TY_BAKE_LAYERS; ++layer)
-            toward[axis] += finite_or_zero(light->toward[layer][c][axis]);
+            toward[axis] += finite_or_zero(light->vector_irradiance[layer][c][axis]);
         square += toward[axis] * toward[axis];
     }
     const float whole = fmaxf(finite_or_zero(light->fluence[c]), sqrtf(square));
@@ -95,12 +95,12 @@ static ty_result check_size(ty_context* context, int64_t width, int64_t height) 
                    (long long)height);
 }
 
-ty_result ty_bake_light_image(ty_context* context, const ty_bake_light* light, int64_t count, int32_t width,
-                              ty_image** out) {
+ty_result ty_bake_create_light_image(ty_context* context, const ty_bake_light* light, int64_t count, int32_t width,
+                                     ty_image** out) {
     const int64_t height = width > 0 ? (count + width - 1) / width : 0;
     ty_result result = check_size(context, width, height);
     if (result == TY_OK && (light == NULL || out == NULL))
-        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_bake_light_image: light or out is NULL");
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_bake_create_light_image: light or out is NULL");
     if (result != TY_OK) return result;
     channel_list list;
     ty_image* image = NULL;
@@ -160,11 +160,11 @@ static void put_probe(const ty_bake_probe* probe, int32_t terms, ty_image* image
     for (int c = 0; c < 3; ++c) ty_image_plane(image, at++)[pixel] = finite_or_zero(probe->variance[c]);
 }
 
-ty_result ty_bake_probe_image(ty_context* context, const ty_bake_probe* probes, const int32_t size[3], int32_t terms,
-                              ty_image** out) {
+ty_result ty_bake_create_probe_image(ty_context* context, const ty_bake_probe* probes, const int32_t size[3],
+                                     int32_t terms, ty_image** out) {
     if (probes == NULL || out == NULL || (terms != 9 && terms != TY_BAKE_SH_TERMS))
         return ty_fail(context, TY_ERROR_ARGUMENT,
-                       "ty_bake_probe_image: probes or out is NULL, or terms are neither 9 nor 25");
+                       "ty_bake_create_probe_image: probes or out is NULL, or terms are neither 9 nor 25");
     const int64_t height = (int64_t)size[1] * size[2];
     ty_result result = size[1] < 1 || size[2] < 1 ? check_size(context, 0, 0) : check_size(context, size[0], height);
     if (result != TY_OK) return result;

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "base/context.h"
 #include "base/parallel.h"
+#include "base/thread_errors.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -15,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64 };
+enum { ALIGNMENT = 64 };
 /* Bytes of a large page, and from which size on arrays are rounded up to whole ones. */
 enum { LARGE_PAGE = 1 << 21, LARGE = 1 << 22 };
 
@@ -24,8 +25,8 @@ static const double mebibyte = 1048576;
 struct ty_context {
     ty_context_def def;
     int32_t threads;
-    pthread_mutex_t lock; /* guards message and the log callback */
-    char message[MESSAGE_SIZE];
+    uint64_t number;       /* no two contexts of a process share one; from 1 on */
+    pthread_mutex_t lock;  /* of the log callback */
     double machine_memory; /* bytes */
     _Atomic size_t taken;  /* bytes of arrays that were not given back yet */
     ty_team team;          /* all threads but the caller's */
@@ -34,20 +35,28 @@ struct ty_context {
 
 const char* ty_result_name(ty_result result) {
     switch (result) {
-#define TY_RESULT_NAME(code, name, text)                                                                               \
-    case name: return #name;
-        TY_RESULT_LIST(TY_RESULT_NAME)
-#undef TY_RESULT_NAME
+    case TY_OK: return "TY_OK";
+    case TY_CANCELLED: return "TY_CANCELLED";
+    case TY_ERROR_ARGUMENT: return "TY_ERROR_ARGUMENT";
+    case TY_ERROR_INPUT: return "TY_ERROR_INPUT";
+    case TY_ERROR_FILE: return "TY_ERROR_FILE";
+    case TY_ERROR_MEMORY: return "TY_ERROR_MEMORY";
+    case TY_ERROR_UNSUPPORTED: return "TY_ERROR_UNSUPPORTED";
+    case TY_ERROR_INTERNAL: return "TY_ERROR_INTERNAL";
     }
     return "unknown";
 }
 
 const char* ty_result_text(ty_result result) {
     switch (result) {
-#define TY_RESULT_TEXT(code, name, text)                                                                               \
-    case name: return text;
-        TY_RESULT_LIST(TY_RESULT_TEXT)
-#undef TY_RESULT_TEXT
+    case TY_OK: return "done";
+    case TY_CANCELLED: return "cancelled by the progress callback";
+    case TY_ERROR_ARGUMENT: return "an argument of the call is wrong";
+    case TY_ERROR_INPUT: return "the content of a file is wrong";
+    case TY_ERROR_FILE: return "a file cannot be opened, read or written";
+    case TY_ERROR_MEMORY: return "not enough memory";
+    case TY_ERROR_UNSUPPORTED: return "not available in this build or on this machine";
+    case TY_ERROR_INTERNAL: return "a library below failed unexpectedly";
     }
     return "unknown";
 }
@@ -97,14 +106,28 @@ ty_context_def ty_default_context_def(void) {
     return (ty_context_def){.cookie = TY_DEF_COOKIE};
 }
 
+/* How many contexts were made in this process. */
+static _Atomic uint64_t contexts_made;
+
 static size_t context_size(int32_t threads) {
     return sizeof(ty_context) + (size_t)(threads - 1) * sizeof(ty_team_member);
 }
 
+static ty_result check_context_def(const ty_context_def* def) {
+    const ty_result result = ty_check_def(NULL, def, "ty_default_context_def");
+    if (result != TY_OK) return result;
+    if (def->threads < 0 || def->threads > TY_THREADS_MAX)
+        return ty_fail(NULL, TY_ERROR_ARGUMENT, "context: threads: %d is outside [0, %d]", def->threads,
+                       TY_THREADS_MAX);
+    if ((def->alloc == NULL) != (def->free == NULL))
+        return ty_fail(NULL, TY_ERROR_ARGUMENT, "context: one of alloc and free is given without the other");
+    return TY_OK;
+}
+
 ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
-    if (out == NULL || def == NULL || def->cookie != TY_DEF_COOKIE || def->threads < 0 ||
-        def->threads > TY_THREADS_MAX || (def->alloc == NULL) != (def->free == NULL))
-        return TY_ERROR_ARGUMENT;
+    if (out == NULL) return ty_fail(NULL, TY_ERROR_ARGUMENT, "ty_context_create: out is NULL");
+    const ty_result checked = check_context_def(def);
+    if (checked != TY_OK) return checked;
     ty_context_def copy = *def;
     if (copy.alloc == NULL) {
         copy.alloc = default_alloc;
@@ -112,8 +135,9 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
     }
     const int32_t processors = available_processors(), threads = copy.threads > 0 ? copy.threads : processors;
     ty_context* context = copy.alloc(copy.alloc_user, context_size(threads));
-    if (context == NULL) return TY_ERROR_MEMORY;
+    if (context == NULL) return ty_fail(NULL, TY_ERROR_MEMORY, "not enough memory for a context");
     memset(context, 0, context_size(threads));
+    context->number = 1 + atomic_fetch_add(&contexts_made, 1);
     context->def = copy;
     context->threads = threads;
     ty_team_create(&context->team, context->members, threads - 1, threads <= processors);
@@ -132,15 +156,17 @@ void ty_context_destroy(ty_context* context) {
     def.free(def.alloc_user, context, context_size(context->threads));
 }
 
-const char* ty_last_error(const ty_context* context) {
-    return context == NULL ? "" : context->message;
+/* Messages of calls that had no context are kept under 0. */
+static uint64_t number_of(const ty_context* context) {
+    return context != NULL ? context->number : 0;
 }
 
-void ty_clear_error(ty_context* context) {
-    if (context == NULL) return;
-    pthread_mutex_lock(&context->lock);
-    context->message[0] = '\0';
-    pthread_mutex_unlock(&context->lock);
+const char* ty_take_error(ty_context* context) {
+    return ty_errors_take(number_of(context));
+}
+
+bool ty_has_error(const ty_context* context) {
+    return ty_errors_has(number_of(context));
 }
 
 int32_t ty_context_threads(const ty_context* context) {
@@ -148,35 +174,37 @@ int32_t ty_context_threads(const ty_context* context) {
 }
 
 void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user) {
-    ty_loop loop = {.body = body, .user = user, .count = count};
+    ty_loop loop = {.body = body, .user = user, .count = count, .errors = ty_errors_current()};
     atomic_init(&loop.next, 0);
     ty_team_run(&context->team, &loop);
 }
 
+static void log_line(ty_context* context, ty_log_level level, const char* text) {
+    if (context == NULL || context->def.log == NULL) return;
+    pthread_mutex_lock(&context->lock);
+    context->def.log(context->def.log_user, level, text);
+    pthread_mutex_unlock(&context->lock);
+}
+
 ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) {
-    if (context == NULL) return result;
-    char text[MESSAGE_SIZE];
+    char text[TY_MESSAGE_SIZE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    pthread_mutex_lock(&context->lock);
-    if (context->message[0] == '\0') memcpy(context->message, text, sizeof text);
-    if (context->def.log != NULL) context->def.log(context->def.log_user, TY_LOG_ERROR, text);
-    pthread_mutex_unlock(&context->lock);
+    ty_errors_keep(number_of(context), text);
+    log_line(context, TY_LOG_ERROR, text);
     return result;
 }
 
 void ty_log(ty_context* context, ty_log_level level, const char* format, ...) {
     if (context->def.log == NULL) return;
-    char text[MESSAGE_SIZE];
+    char text[TY_MESSAGE_SIZE];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    pthread_mutex_lock(&context->lock);
-    context->def.log(context->def.log_user, level, text);
-    pthread_mutex_unlock(&context->lock);
+    log_line(context, level, text);
 }
 
 ty_result ty_check_def(ty_context* context, const void* def, const char* default_function) {

@@ -9,9 +9,12 @@ enum { TY_THREADS_MAX = 1024 };
 /* Every def made by its ty_default_*_def starts with this. */
 #define TY_DEF_COOKIE 0x74796466u
 
-/* Formats a message, keeps it if it is the first, logs it as an error, and returns result:
+/* Formats a message, keeps it for ty_take_error if the calling thread has none of this context that was not read, logs
+ * it as an error, and returns result. Without a context the message is kept for ty_take_error(NULL):
  * return ty_fail(context, TY_ERROR_INPUT, "%s: ...", path); */
 ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) __attribute__((format(printf, 3, 4)));
+/* Tells whether the calling thread has a message of this context that was not read. */
+bool ty_has_error(const ty_context* context);
 /* Logs a line without failing. */
 void ty_log(ty_context* context, ty_log_level level, const char* format, ...) __attribute__((format(printf, 3, 4)));
 

@@ -50,6 +50,7 @@ static void* wait_for_loops(void* argument) {
         ty_loop* loop = team->loop;
         ++team->working;
         pthread_mutex_unlock(&team->lock);
+        ty_errors_work_for(loop->errors);
         work(loop, self->index);
         pthread_mutex_lock(&team->lock);
         if (--team->working == 0) pthread_cond_signal(&team->finished);

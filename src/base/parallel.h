@@ -2,6 +2,8 @@
 #ifndef TY_BASE_PARALLEL_H
 #define TY_BASE_PARALLEL_H
 
+#include "base/thread_errors.h"
+
 #include <tyndall/base.h>
 
 #include <pthread.h>
@@ -13,6 +15,7 @@ typedef struct ty_loop {
     void* user;
     int64_t count;
     _Atomic int64_t next;
+    ty_thread_errors* errors; /* messages of the thread that waits for the loop */
 } ty_loop;
 
 struct ty_team;

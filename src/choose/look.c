@@ -146,7 +146,7 @@ static ty_result find_enclosed(look_job* job, const ty_scene* scene, const look_
     ty_result result = around != NULL && shadowed != NULL ? TY_OK : TY_ERROR_MEMORY;
     double sum = 0, all = 0;
     for (int32_t i = 0; i < RAYS && result == TY_OK; ++i) look_around(job, rays[i].at, far, around + i * AROUND);
-    if (result == TY_OK) result = ty_scene_trace_shadows(scene, around, RAYS * AROUND, false, shadowed);
+    if (result == TY_OK) result = ty_scene_trace_shadows(scene, around, RAYS * AROUND, TY_RAYS_INCOHERENT, shadowed);
     for (int32_t i = 0; i < RAYS * AROUND && result == TY_OK; ++i) {
         all += rays[i / AROUND].scattered;
         sum += shadowed[i] ? rays[i / AROUND].scattered : 0;
@@ -191,7 +191,7 @@ static ty_result look_through(look_job* job, const ty_scene* scene, look_ray* ra
     ty_result result = aimed != NULL && hits != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) {
         aim(scene, aimed);
-        result = ty_scene_trace(scene, aimed, RAYS, true, hits);
+        result = ty_scene_trace(scene, aimed, RAYS, TY_RAYS_COHERENT, hits);
     }
     double scattered = 0;
     for (int32_t i = 0; i < RAYS && result == TY_OK; ++i) {

@@ -42,7 +42,7 @@ static ty_result write_volume(ty_context* context, const ty_grid* grid, const ch
                               const char* output) {
     if (cli_has_extension(output, ".vdb")) return ty_vdb_write(context, grid, name, codec, output);
     if (cli_has_extension(output, ".nvdb")) return ty_nanovdb_write(context, grid, name, codec, output);
-    return ty_nrrd_write(context, grid, strcmp(codec, "gzip") == 0, output);
+    return ty_nrrd_write(context, grid, strcmp(codec, "gzip") == 0 ? TY_NRRD_CODEC_GZIP : TY_NRRD_CODEC_RAW, output);
 }
 
 static int convert_volume(cli_session* session, const ty_volume_def* def, const char* codec, const char* input,
@@ -53,7 +53,7 @@ static int convert_volume(cli_session* session, const ty_volume_def* def, const 
     ty_result result = ty_volume_read(session->context, input, def, &grid);
     if (result != TY_OK) return cli_fail_reading(session, result);
     result = write_volume(session->context, grid, def->grid, codec, output);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 

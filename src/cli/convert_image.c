@@ -18,7 +18,7 @@ static int write_image(cli_session* session, const ty_image* image, const conver
     const ty_result result =
         cli_has_extension(output, ".exr")
             ? ty_image_write_exr(session->context, image, output)
-            : ty_image_write_png(session->context, image, options->exposure, options->curve != 0, output);
+            : ty_image_write_png(session->context, image, options->exposure, (ty_tone_curve)options->curve, output);
     return result == TY_OK ? CLI_DONE : cli_fail_running(session, result);
 }
 
@@ -39,7 +39,7 @@ static ty_result read_image(cli_session* session, const convert_image_options* o
                                            : ty_image_read(session->context, input, out);
     if (result != TY_OK || options->layer == NULL) return result;
     ty_image* layer = NULL;
-    result = ty_image_layer(session->context, *out, options->layer, &layer);
+    result = ty_image_create_layer(session->context, *out, options->layer, &layer);
     ty_image_destroy(*out);
     *out = layer;
     return result;

@@ -83,7 +83,7 @@ ty_result cli_write_heat_map(ty_context* context, const ty_image* a, const ty_im
     ty_result result = ty_image_create_rgb(context, x1 - x0, y1 - y0, &map);
     if (result == TY_OK) {
         fill_heat_map(map, &pa, &pb, x0, y0);
-        result = ty_image_write_png(context, map, 0, false, path);
+        result = ty_image_write_png(context, map, 0, TY_TONE_CLIP, path);
     }
     ty_image_destroy(map);
     return result;

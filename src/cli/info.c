@@ -122,7 +122,7 @@ static int info_dense(cli_session* session, const char* path, const ty_volume_de
     if (result == TY_OK) result = ty_volume_read(session->context, path, def, &grid);
     if (result != TY_OK) return cli_fail_reading(session, result);
     const ty_grid_info info = ty_grid_get_info(grid);
-    ty_grid_destroy(grid);
+    ty_grid_release(grid);
     if (json)
         print_dense_json(&info, components, path);
     else

@@ -5,7 +5,7 @@
 
 static int write_merged(cli_session* session, const ty_image* image, const char* output, double exposure, int count) {
     const ty_result result = cli_has_extension(output, ".png")
-                                 ? ty_image_write_png(session->context, image, exposure, true, output)
+                                 ? ty_image_write_png(session->context, image, exposure, TY_TONE_FILMIC, output)
                                  : ty_image_write_exr(session->context, image, output);
     if (result != TY_OK) return cli_fail_running(session, result);
     if (!session->common.quiet)

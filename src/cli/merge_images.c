@@ -261,7 +261,7 @@ static ty_result create_image(merge* m) {
     int32_t frame[4];
     ty_image_get_frame(first, frame);
     if (result == TY_OK) result = ty_image_set_frame(m->image, (int32_t)w->x0, (int32_t)w->y0, frame[2], frame[3]);
-    return result == TY_OK ? TY_OK : refuse(m, result, "%s", ty_last_error(m->context));
+    return result == TY_OK ? TY_OK : refuse(m, result, "%s", ty_take_error(m->context));
 }
 
 /* Root mean square standard error over the mean; negative when the image does not tell. */

@@ -38,8 +38,7 @@ static ty_result render(cli_session* session, const ty_scene* scene, const cli_r
     result = method->render(session, scene, request, out, report);
     if (!is_refusal(result) || method == &cli_method_path) return result;
     report->method = cli_method_path.name;
-    snprintf(report->choice, sizeof report->choice, "%s refused: %s", method->name, ty_last_error(session->context));
-    ty_clear_error(session->context);
+    snprintf(report->choice, sizeof report->choice, "%s refused: %s", method->name, ty_take_error(session->context));
     say(session, report);
     return cli_method_path.render(session, scene, request, out, report);
 }

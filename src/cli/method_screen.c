@@ -71,9 +71,11 @@ static ty_result scatter(cli_session* session, const ty_scene* scene, const ty_s
     float* distance = malloc(size);
     if (distance == NULL) return TY_ERROR_MEMORY;
     memcpy(distance, ty_image_plane_const(image, ty_image_find_channel(image, "depth.Z")), size);
-    ty_screen_image planes = {
-        .width = width, .height = height, .distance = distance, .distance_step = 1, .distance_row = width};
-    planes.color.step = 1;
+    ty_screen_image planes = ty_default_screen_image();
+    planes.width = width;
+    planes.height = height;
+    planes.distance = distance;
+    planes.distance_row = width;
     planes.color.row = width;
     for (int c = 0; c < 3; ++c) planes.color.data[c] = ty_image_plane(image, c);
     planes.out = planes.color;

@@ -26,7 +26,7 @@ static ty_result write_images(cli_session* session, const render_options* option
     for (int i = 0; i < 2; ++i) {
         if (paths[i] == NULL) continue;
         const ty_result result = cli_has_extension(paths[i], ".png")
-                                     ? ty_image_write_png(session->context, image, exposure, true, paths[i])
+                                     ? ty_image_write_png(session->context, image, exposure, TY_TONE_FILMIC, paths[i])
                                      : ty_image_write_exr(session->context, image, paths[i]);
         if (result != TY_OK) return result;
     }
@@ -129,7 +129,7 @@ static cli_request make_request(const render_options* options, const cli_session
 static int fail_rendering(cli_session* session, ty_result result, const cli_checkpoint* checkpoint) {
     if (result != TY_ERROR_INPUT || checkpoint->bytes == NULL) return cli_fail_running(session, result);
     cli_progress_clear(&session->progress);
-    return cli_fail(CLI_USAGE, "%s: %s; remove it to begin anew", checkpoint->path, ty_last_error(session->context));
+    return cli_fail(CLI_USAGE, "%s: %s; remove it to begin anew", checkpoint->path, ty_take_error(session->context));
 }
 
 /* Writes a finished or partial image; the exit status. */

@@ -142,8 +142,8 @@ void cli_report_stats(json_writer* json, const void* user) {
         json_numbers(json, "step_seconds", report->screen.step_seconds, 3);
         json_integer(json, "levels", report->screen.levels);
         json_number(json, "spread", report->screen.spread);
-        json_integer(json, "cut", report->screen.cut);
-        json_integer(json, "mended", report->screen.mended);
+        json_integer(json, "oversized", report->screen.oversized);
+        json_integer(json, "nonfinite_fixed", report->screen.nonfinite_fixed);
         json_number(json, "bytes", report->screen.bytes);
         json_text(json, "isa", report->screen.isa);
         json_close_object(json);

@@ -6,13 +6,15 @@
 #include <string.h>
 
 static ty_screen_image describe_image(const screen_input* input, const screen_output* output) {
-    ty_screen_image image = {.width = input->width, .height = input->height, .distance = input->distance};
+    ty_screen_image image = ty_default_screen_image();
+    image.width = input->width;
+    image.height = input->height;
+    image.distance = input->distance;
     /* Inputs are only read. */
     for (int c = 0; c < 3; ++c) {
         image.color.data[c] = (float*)(uintptr_t)input->color[c];
         image.out.data[c] = output->color[c];
     }
-    image.color.step = image.out.step = image.distance_step = 1;
     image.color.row = image.out.row = image.distance_row = input->width;
     return image;
 }
@@ -22,7 +24,7 @@ static void copy_distances(const screen_input* input, const ty_screen_def* def, 
     const int64_t pixels = (int64_t)input->width * input->height;
     for (int64_t i = 0; out != NULL && i < pixels; ++i) {
         const float distance = input->distance[i];
-        out[i] = distance > 0 && isfinite(distance) ? distance : def->unknown;
+        out[i] = distance > 0 && isfinite(distance) ? distance : def->missing_depth;
     }
 }
 
@@ -47,7 +49,7 @@ static int make_def(cli_session* session, const screen_options* options, const s
     memcpy(def->sigma_s, medium->sigma_s, sizeof def->sigma_s);
     memcpy(def->sigma_a, medium->sigma_a, sizeof def->sigma_a);
     memcpy(def->g, medium->g, sizeof def->g);
-    def->unknown = (float)options->sky_distance;
+    def->missing_depth = (float)options->sky_distance;
     def->progress = cli_progress_report;
     def->progress_user = &session->progress;
     screen_set_variant(options, def);

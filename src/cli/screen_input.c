@@ -62,7 +62,7 @@ static int choose_channel(const screen_options* options, ty_image* image, const 
 /* Messages about memory do not know what it was for. */
 static int fail_reading(cli_session* session, const char* path, ty_result result) {
     if (result != TY_ERROR_MEMORY) return cli_fail_reading(session, result);
-    return cli_fail(CLI_FAILED, "%s: %s", path, ty_last_error(session->context));
+    return cli_fail(CLI_FAILED, "%s: %s", path, ty_take_error(session->context));
 }
 
 static int read_distances(cli_session* session, const screen_options* options, screen_input* input) {
@@ -158,7 +158,7 @@ int screen_set_camera(const screen_options* options, const screen_input* input, 
         const double center = options->center_given ? options->center[axis] : 0.5 * frame[2 + axis];
         def->center[axis] = center - frame[axis];
     }
-    def->planar = options->depth_is == 1;
+    def->distance_kind = (ty_screen_distance_kind)options->depth_is;
     return CLI_GO;
 }
 

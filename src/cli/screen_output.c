@@ -72,7 +72,7 @@ int screen_fail_running(cli_session* session, const screen_report* report, int32
     cli_format_bytes(images + (double)work, all);
     cli_progress_clear(&session->progress);
     return cli_fail(CLI_FAILED, "%s: %dx%d pixels need %s in all; %s", input->image_path, input->width, input->height,
-                    all, ty_last_error(session->context));
+                    all, ty_take_error(session->context));
 }
 
 /* Makes the image from the names of its channels: own ones, then carried ones. */
@@ -132,14 +132,14 @@ static void note_distances(cli_session* session, const screen_report* report) {
     if (input->filled > 0)
         note(session, "%s: %" PRId64 " of %" PRId64 " pixels have no distance; they get one from those around them",
              input->distance_path, input->filled, pixels);
-    if (report->stats.unknown > 0)
+    if (report->stats.missing_depth > 0)
         note(session, "%s: %" PRId64 " of %" PRId64 " pixels have no distance; they count as %.7g m away (--sky)",
-             input->distance_path, report->stats.unknown, pixels, (double)report->def->unknown);
+             input->distance_path, report->stats.missing_depth, pixels, (double)report->def->missing_depth);
 }
 
 static void note_cut(cli_session* session, const screen_report* report) {
     const ty_screen_stats* stats = &report->stats;
-    const double needed = stats->levels + ceil(log2(stats->spread / stats->held));
+    const double needed = stats->levels + ceil(log2(stats->spread / stats->max_spread));
     /* The pyramid ends at one pixel. */
     const double side = fmax(report->input->width, report->input->height);
     const double most = fmin(TY_SCREEN_LEVELS_MAX, ceil(log2(side)));
@@ -149,17 +149,17 @@ static void note_cut(cli_session* session, const screen_report* report) {
     else if (stats->levels < most)
         snprintf(advice, sizeof advice, "--levels %.0f would hold the most", most);
     note(session, "%" PRId64 " pixels spread up to %.3g pixels wide, more than %d levels hold, and are cut to that; %s",
-         stats->cut, stats->spread, stats->levels, advice);
+         stats->oversized, stats->spread, stats->levels, advice);
 }
 
 void screen_print_notes(cli_session* session, const screen_report* report) {
     const screen_input* input = report->input;
     const ty_screen_stats* stats = &report->stats;
     note_distances(session, report);
-    if (stats->mended > 0)
+    if (stats->nonfinite_fixed > 0)
         note(session, "%s: %" PRId64 " pixels were negative or not finite, and are mended", input->image_path,
-             stats->mended);
-    if (stats->cut > 0 && stats->levels > 0) note_cut(session, report);
+             stats->nonfinite_fixed);
+    if (stats->oversized > 0 && stats->levels > 0) note_cut(session, report);
     if (cli_has_extension(report->options->output, ".png") && ty_image_find_channel(input->image, "A") >= 0)
         note(session, "%s: alpha is left out of a PNG; .exr keeps it", input->image_path);
 }
@@ -173,10 +173,10 @@ void screen_report_stats(json_writer* json, const void* user) {
     json_integer(json, "height", report->input->height);
     json_integer(json, "levels", stats->levels);
     json_number(json, "spread", stats->spread);
-    json_number(json, "held", stats->held);
-    json_integer(json, "cut", stats->cut);
-    json_integer(json, "mended", stats->mended);
-    json_integer(json, "unknown", stats->unknown);
+    json_number(json, "max_spread", stats->max_spread);
+    json_integer(json, "oversized", stats->oversized);
+    json_integer(json, "nonfinite_fixed", stats->nonfinite_fixed);
+    json_integer(json, "missing_depth", stats->missing_depth);
     json_integer(json, "filled", report->input->filled);
     json_number(json, "bytes", stats->bytes);
     json_text(json, "isa", stats->isa == NULL ? "" : stats->isa);
@@ -221,7 +221,7 @@ static ty_result set_numbers(ty_image* image, const screen_report* report) {
         {cli_fov_key, atan(0.5 * frame[3] / def->focal[1]) * (360 / 3.14159265358979323846)},
         {"tyndall.screen.filter", def->filter},
         {"tyndall.screen.levels", report->stats.levels},
-        {"tyndall.screen.unknown", (double)def->unknown},
+        {"tyndall.screen.missing_depth", (double)def->missing_depth},
         {"tyndall.seconds", report->stats.seconds},
     };
     ty_result result = TY_OK;
@@ -242,16 +242,17 @@ static ty_result set_metadata(ty_image* image, const screen_report* report) {
 }
 
 /* What came out of a display-ready file goes back into one without a curve. */
-static bool has_curve(const screen_options* options, const char* image_path) {
-    if (options->curve != 0) return options->curve == 2;
-    return !cli_has_extension(image_path, ".png") && !cli_has_extension(image_path, ".jpg") &&
-           !cli_has_extension(image_path, ".jpeg");
+static ty_tone_curve choose_curve(const screen_options* options, const char* image_path) {
+    if (options->curve != 0) return options->curve == 2 ? TY_TONE_FILMIC : TY_TONE_CLIP;
+    const bool display_ready = cli_has_extension(image_path, ".png") || cli_has_extension(image_path, ".jpg") ||
+                               cli_has_extension(image_path, ".jpeg");
+    return display_ready ? TY_TONE_CLIP : TY_TONE_FILMIC;
 }
 
 static ty_result write_files(cli_session* session, const screen_report* report, const ty_image* image) {
     const screen_options* options = report->options;
     const char* const paths[] = {options->output, options->png};
-    const bool curve = has_curve(options, report->input->image_path);
+    const ty_tone_curve curve = choose_curve(options, report->input->image_path);
     for (int i = 0; i < 2; ++i) {
         if (paths[i] == NULL) continue;
         const ty_result result = cli_has_extension(paths[i], ".png")

@@ -113,7 +113,7 @@ const char* cli_last_message(void) {
 
 static int fail_with_message(cli_session* session, ty_result result, int file_status) {
     cli_progress_clear(&session->progress);
-    const char* message = ty_last_error(session->context);
+    const char* message = ty_take_error(session->context);
     if (message[0] == '\0') message = ty_result_text(result);
     switch (result) {
     case TY_CANCELLED: return cli_fail(CLI_INTERRUPTED, "interrupted");

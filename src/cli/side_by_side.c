@@ -96,7 +96,7 @@ ty_result cli_write_side_by_side(ty_context* context, const cli_panel* panels, i
         draw_pixels(image, &l, x0, panels[i].image);
         draw_label(image, &l, x0, panels[i].label, white);
     }
-    result = ty_image_write_png(context, image, exposure, true, path);
+    result = ty_image_write_png(context, image, exposure, TY_TONE_FILMIC, path);
     ty_image_destroy(image);
     return result;
 }

@@ -293,8 +293,8 @@ static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium
     double density[3];
     ty_grid* coverage = NULL;
     if (!covers_all(scene, index, out)) {
-        const ty_result covered = ty_medium_coverage(scene, index, out->box.lower, out->box.upper, out->box.size,
-                                                     COVERAGE_SAMPLES, &coverage);
+        const ty_result covered = ty_medium_create_coverage(scene, index, out->box.lower, out->box.upper, out->box.size,
+                                                            COVERAGE_SAMPLES, &coverage);
         if (covered != TY_OK) return covered;
     }
     job.coverage = coverage;
@@ -306,7 +306,7 @@ static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium
         ty_parallel_for(out->context, (int64_t)out->box.size[1] * out->box.size[2],
                         job.aligned.cells[0] != NULL ? mean_row : sample_row, &job);
     ty_aligned_destroy(out, &job.aligned);
-    ty_grid_destroy(coverage);
+    ty_grid_release(coverage);
     return result;
 }
 

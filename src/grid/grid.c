@@ -214,11 +214,11 @@ ty_result ty_grid_adopt(ty_context* context, const ty_grid_def* def, void* value
     for (int a = 0; a < 3; ++a) grid->bricks[a] = (def->size[a] + TY_BRICK) / TY_BRICK;
     grid->extremes = ty_alloc_array(context, brick_count(grid), 2 * sizeof(float), false);
     if (grid->values == NULL || grid->extremes == NULL) {
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
         return TY_ERROR_MEMORY;
     }
     if (survey(grid) != TY_OK) {
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
         return TY_ERROR_MEMORY;
     }
     *out = grid;
@@ -244,7 +244,7 @@ ty_grid* ty_grid_retain(ty_grid* grid) {
     return grid;
 }
 
-void ty_grid_destroy(ty_grid* grid) {
+void ty_grid_release(ty_grid* grid) {
     if (grid == NULL || atomic_fetch_sub(&grid->owners, 1) > 1) return;
     ty_context* context = grid->context;
     ty_free_array(context, grid->values, grid->voxels, ty_grid_value_size(grid->type));

@@ -368,8 +368,9 @@ static void prepare_job(noise_job* job) {
         place_lobes(job);
 }
 
-ty_result ty_grid_noise(ty_context* context, const ty_noise_def* def, ty_grid** out) {
-    if (context == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_grid_noise: a pointer is NULL");
+ty_result ty_grid_create_noise(ty_context* context, const ty_noise_def* def, ty_grid** out) {
+    if (context == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_grid_create_noise: a pointer is NULL");
     const ty_result result = check_def(context, def);
     if (result != TY_OK) return result;
     ty_grid_def grid = ty_default_grid_def();

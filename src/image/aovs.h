@@ -2,7 +2,7 @@
 #ifndef TY_IMAGE_AOVS_H
 #define TY_IMAGE_AOVS_H
 
-#include <tyndall/path.h>
+#include <tyndall/image.h>
 
 enum { TY_AOV_COLOR = 0, TY_AOV_GROUPS = 9, TY_AOV_CHANNELS_MAX = 26 };
 

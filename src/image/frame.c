@@ -42,9 +42,9 @@ size_t ty_image_index(const ty_image* image, int32_t x, int32_t y) {
     return (size_t)(y - image->frame[1]) * (size_t)image->width + (size_t)(x - image->frame[0]);
 }
 
-ty_result ty_image_fill_frame(ty_context* context, const ty_image* image, ty_image** out) {
+ty_result ty_image_create_full_frame(ty_context* context, const ty_image* image, ty_image** out) {
     if (image == NULL || out == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_fill_frame: an argument is NULL");
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_create_full_frame: an argument is NULL");
     ty_image* filled = NULL;
     const ty_result result = ty_image_create_like(context, image, image->frame[2], image->frame[3], &filled);
     if (result != TY_OK) return result;

@@ -63,9 +63,9 @@ static ty_result create_layer(ty_context* context, const ty_image* image, const 
     return TY_OK;
 }
 
-ty_result ty_image_layer(ty_context* context, const ty_image* image, const char* layer, ty_image** out) {
+ty_result ty_image_create_layer(ty_context* context, const ty_image* image, const char* layer, ty_image** out) {
     if (image == NULL || layer == NULL || out == NULL)
-        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_layer: an argument is NULL");
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_create_layer: an argument is NULL");
     const size_t capacity = (size_t)image->channel_count;
     const char** names = ty_alloc_array(context, capacity, sizeof *names, false);
     if (names == NULL) return TY_ERROR_MEMORY;

@@ -9,7 +9,7 @@
 #include "image/cuts.h"
 #include "image/options.h"
 
-#include <tyndall/path.h>
+#include <tyndall/image.h>
 
 enum { TY_MARCH_LIGHTS_MAX = 16, TY_MARCH_BLURRED = 32 };
 enum { TY_MARCH_AOVS = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH };

@@ -2,7 +2,8 @@
 #ifndef TY_IMAGE_OPTIONS_H
 #define TY_IMAGE_OPTIONS_H
 
-#include <tyndall/path.h>
+#include <tyndall/image.h>
+#include <tyndall/scene.h>
 
 typedef struct ty_image_options {
     int32_t width, height; /* pixels; both 0: the camera's */

@@ -167,7 +167,7 @@ ty_result ty_bytes_read(ty_context* context, const char* path, size_t limit, uin
     return ty_read_file(context, path, limit, bytes, size);
 }
 
-void ty_bytes_free(ty_context* context, uint8_t* bytes, size_t size) {
+void ty_bytes_destroy(ty_context* context, uint8_t* bytes, size_t size) {
     ty_free_file(context, bytes, size);
 }
 

@@ -39,7 +39,7 @@ static ty_result take(ty_context* context, const char* path, const json_t* root,
         *out = points;
         *count = (int64_t)size;
     } else {
-        ty_points_free(context, points, (int64_t)size);
+        ty_points_destroy(context, points, (int64_t)size);
     }
     return result;
 }
@@ -67,6 +67,6 @@ ty_result ty_points_read(ty_context* context, const char* path, float** out, int
     return result;
 }
 
-void ty_points_free(ty_context* context, float* points, int64_t count) {
+void ty_points_destroy(ty_context* context, float* points, int64_t count) {
     ty_free_array(context, points, (size_t)count, 3 * sizeof *points);
 }

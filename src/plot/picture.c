@@ -16,7 +16,8 @@ static ty_result create_picture(int32_t width, int32_t height, plot_picture* out
     return TY_OK;
 }
 
-static ty_result show(ty_context* context, const ty_image* image, double exposure, bool curve, plot_picture* out) {
+static ty_result show(ty_context* context, const ty_image* image, double exposure, ty_tone_curve curve,
+                      plot_picture* out) {
     plot_picture picture;
     ty_result result = create_picture(ty_image_width(image), ty_image_height(image), &picture);
     if (result != TY_OK) return result;
@@ -30,7 +31,7 @@ static ty_result show(ty_context* context, const ty_image* image, double exposur
 }
 
 ty_result plot_picture_of_image(ty_context* context, const ty_image* image, double exposure, plot_picture* out) {
-    return show(context, image, exposure, true, out);
+    return show(context, image, exposure, TY_TONE_FILMIC, out);
 }
 
 ty_result plot_picture_of_values(ty_context* context, const float* values, int32_t width, int32_t height,
@@ -45,7 +46,7 @@ ty_result plot_picture_of_values(ty_context* context, const float* values, int32
         plot_map_color(scale->map, ((double)values[i] - scale->lower) / (scale->upper - scale->lower), rgb);
         for (int c = 0; c < 3; ++c) planes[c][i] = rgb[c];
     }
-    result = show(context, colors, 0, false, out);
+    result = show(context, colors, 0, TY_TONE_CLIP, out);
     ty_image_destroy(colors);
     return result;
 }

@@ -23,6 +23,18 @@ ty_result ty_check_direction(ty_context* context, const char* field, const doubl
     return TY_OK;
 }
 
+ty_result ty_check_rays(ty_context* context, const double* rays, int64_t count, const double* radiance) {
+    if (count < 1) return ty_fail(context, TY_ERROR_ARGUMENT, "radiance: a count of %lld rays", (long long)count);
+    if (rays == NULL || radiance == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "radiance: rays or radiance is NULL");
+    ty_result result = TY_OK;
+    for (int64_t i = 0; i < count && result == TY_OK; ++i) {
+        result = ty_check_point(context, "rays: point", rays + 6 * i);
+        if (result == TY_OK) result = ty_check_direction(context, "rays: direction", rays + 6 * i + 3);
+    }
+    return result;
+}
+
 ty_result ty_check_affine(ty_context* context, const char* field, const ty_affine* affine) {
     ty_affine inverse;
     if (!ty_affine_invert(affine, &inverse))

@@ -10,6 +10,9 @@
 ty_result ty_check_point(ty_context* context, const char* field, const double point[3]);
 /* Finite and not zero. */
 ty_result ty_check_direction(ty_context* context, const char* field, const double direction[3]);
+/* Rays as the radiance functions of all methods take them: count of a point and a direction of any length, 6 numbers
+ * each; radiance: the output, which must be there. */
+ty_result ty_check_rays(ty_context* context, const double* rays, int64_t count, const double* radiance);
 ty_result ty_check_affine(ty_context* context, const char* field, const ty_affine* affine);
 /* Each channel finite, in [low, high]. */
 ty_result ty_check_rgb(ty_context* context, const char* field, const float rgb[3], double low, double high);

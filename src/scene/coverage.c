@@ -55,8 +55,8 @@ static ty_result check_box(ty_context* context, const double lower[3], const dou
     return result;
 }
 
-ty_result ty_medium_coverage(const ty_scene* scene, int32_t medium, const double lower[3], const double upper[3],
-                             const int32_t size[3], int32_t samples, ty_grid** out) {
+ty_result ty_medium_create_coverage(const ty_scene* scene, int32_t medium, const double lower[3], const double upper[3],
+                                    const int32_t size[3], int32_t samples, ty_grid** out) {
     ty_context* context = ty_scene_context(scene);
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;

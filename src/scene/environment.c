@@ -114,7 +114,7 @@ static ty_result copy_map(ty_context* context, ty_environment* env, const ty_ima
     if (frame[0] == 0 && frame[1] == 0 && frame[2] == ty_image_width(image) && frame[3] == ty_image_height(image))
         return copy_pixels(context, env, image);
     ty_image* filled = NULL;
-    ty_result result = ty_image_fill_frame(context, image, &filled);
+    ty_result result = ty_image_create_full_frame(context, image, &filled);
     if (result == TY_OK) result = copy_pixels(context, env, filled);
     ty_image_destroy(filled);
     return result;

@@ -140,8 +140,8 @@ bool ty_medium_copy(ty_context* context, const ty_medium_def* def, ty_medium_def
 void ty_medium_release(ty_context* context, ty_medium_def* copy) {
     ty_grid* grids[TY_MEDIUM_GRIDS];
     ty_medium_grids(copy, grids);
-    for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_destroy(grids[i]);
-    ty_shell_destroy(copy->shell);
+    for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_release(grids[i]);
+    ty_shell_release(copy->shell);
     ty_free_text(context, (char*)copy->name);
     ty_free_array(context, (void*)copy->transfer, (size_t)copy->transfer_count, sizeof *copy->transfer);
 }

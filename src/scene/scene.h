@@ -52,6 +52,10 @@ struct ty_scene {
     ty_mesh* mesh;
 };
 
+/* Set what ty_scene_hash and ty_scene_camera_source tell; source is cut to 255 bytes. */
+void ty_scene_set_hash(ty_scene* scene, uint64_t hash);
+void ty_scene_set_camera_source(ty_scene* scene, const char* source);
+
 /* The view of a committed scene; NULL, with a message, of any other. */
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene);
 /* Whether the scene is committed and has media, which `method` cannot do without. Errors: TY_ERROR_ARGUMENT. */

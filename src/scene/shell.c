@@ -111,7 +111,7 @@ ty_result ty_shell_create(ty_context* context, const float* positions, int64_t v
     }
     if (result == TY_OK) result = ty_mesh_create_shell(context, shell->triangles, &shell->mesh);
     if (result != TY_OK) {
-        ty_shell_destroy(shell);
+        ty_shell_release(shell);
         return result;
     }
     if (open > 0)
@@ -125,7 +125,7 @@ ty_shell* ty_shell_retain(ty_shell* shell) {
     return shell;
 }
 
-void ty_shell_destroy(ty_shell* shell) {
+void ty_shell_release(ty_shell* shell) {
     if (shell == NULL || atomic_fetch_sub(&shell->owners, 1) > 1) return;
     ty_mesh_destroy(shell->mesh);
     ty_triangles_destroy(shell->context, shell->triangles);

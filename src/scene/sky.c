@@ -300,8 +300,9 @@ static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3
     }
 }
 
-ty_result ty_sky_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
-    if (context == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_image: a pointer is NULL");
+ty_result ty_sky_create_image(ty_context* context, const ty_sky_def* def, ty_image** out, float sun_irradiance[3]) {
+    if (context == NULL || out == NULL)
+        return ty_fail(context, TY_ERROR_ARGUMENT, "ty_sky_create_image: a pointer is NULL");
     ty_result result = check_def(context, def);
     if (result != TY_OK) return result;
     sky_job job = {.def = *def};

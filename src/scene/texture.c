@@ -81,7 +81,7 @@ ty_result ty_texture_create(ty_context* context, const ty_texture_def* def, ty_t
     else
         texture->rgba8 = ty_alloc_array(context, count, 4, false);
     if (texture->floats == NULL && texture->rgba8 == NULL) {
-        ty_texture_destroy(texture);
+        ty_texture_release(texture);
         return TY_ERROR_MEMORY;
     }
     if (def->image != NULL)
@@ -97,7 +97,7 @@ ty_texture* ty_texture_retain(ty_texture* texture) {
     return texture;
 }
 
-void ty_texture_destroy(ty_texture* texture) {
+void ty_texture_release(ty_texture* texture) {
     if (texture == NULL || atomic_fetch_sub(&texture->owners, 1) > 1) return;
     const size_t count = (size_t)texture->width * (size_t)texture->height;
     ty_free_array(texture->context, texture->rgba8, count, 4);

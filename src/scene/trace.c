@@ -77,11 +77,13 @@ static ty_result trace(const ty_scene* scene, trace_job job) {
     return TY_OK;
 }
 
-ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent, ty_ray_hit* hits) {
-    return trace(scene, (trace_job){.rays = rays, .count = count, .coherent = coherent, .hits = hits});
+ty_result ty_scene_trace(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
+                         ty_ray_hit* hits) {
+    return trace(scene, (trace_job){.rays = rays, .count = count, .coherent = order == TY_RAYS_COHERENT, .hits = hits});
 }
 
-ty_result ty_scene_trace_shadows(const ty_scene* scene, const ty_ray* rays, int64_t count, bool coherent,
+ty_result ty_scene_trace_shadows(const ty_scene* scene, const ty_ray* rays, int64_t count, ty_ray_order order,
                                  bool* shadowed) {
-    return trace(scene, (trace_job){.rays = rays, .count = count, .coherent = coherent, .shadowed = shadowed});
+    return trace(
+        scene, (trace_job){.rays = rays, .count = count, .coherent = order == TY_RAYS_COHERENT, .shadowed = shadowed});
 }

@@ -176,8 +176,8 @@ void ty_triangles_destroy(ty_context* context, ty_triangles* t) {
     ty_free_array(context, t->colors, 4 * t->vertex_count, sizeof(float));
     ty_free_array(context, t->indices, 3 * t->triangle_count, sizeof(uint32_t));
     ty_free_array(context, t->lights, t->triangle_count, sizeof(int32_t));
-    ty_texture_destroy(t->material.albedo_texture);
-    ty_texture_destroy(t->material.emission_texture);
+    ty_texture_release(t->material.albedo_texture);
+    ty_texture_release(t->material.emission_texture);
     ty_free_text(context, (char*)t->origin.file);
     ty_free_text(context, (char*)t->origin.name);
     ty_free_array(context, t, 1, sizeof *t);

@@ -246,7 +246,7 @@ int bake_make_plan(bake_run* run) {
 }
 
 void bake_free_plan(cli_session* session, bake_plan* plan) {
-    if (plan->probes != NULL) ty_points_free(session->context, plan->probes, plan->probe_count);
+    if (plan->probes != NULL) ty_points_destroy(session->context, plan->probes, plan->probe_count);
     free(plan->units);
 }
 

@@ -114,6 +114,6 @@ int bake_read_state(bake_run* run) {
         text += strcspn(text, "\n");
     }
     run->receivers_skipped = run->receivers_done;
-    ty_bytes_free(run->session->context, bytes, size);
+    ty_bytes_destroy(run->session->context, bytes, size);
     return status;
 }

@@ -67,7 +67,7 @@ static ty_result write_image(const bake_run* run, const bake_unit* unit, int32_t
     if (result == TY_OK) result = ty_image_write_exr(context, image, path);
     if (result != TY_OK || unit->kind == BAKE_VERTICES) return result;
     bake_image_path(run, unit, part, ".png", path);
-    return ty_image_write_png(context, image, preview_exposure(image), true, path);
+    return ty_image_write_png(context, image, preview_exposure(image), TY_TONE_FILMIC, path);
 }
 
 /* ---- Surfaces ---- */
@@ -104,7 +104,7 @@ static ty_result bake_map(const bake_run* run, bake_unit* unit, int32_t mesh, in
     const ty_bake_receiver* places = ty_atlas_receivers(atlas, &count);
     ty_bake_light* light = calloc((size_t)count + 1, sizeof *light);
     result = light == NULL ? TY_ERROR_MEMORY : gather(run, unit, mesh, places, count, light);
-    if (result == TY_OK) result = ty_atlas_image(atlas, light, out);
+    if (result == TY_OK) result = ty_atlas_create_image(atlas, light, out);
     free(light);
     ty_atlas_destroy(atlas);
     *receivers += count;
@@ -154,7 +154,7 @@ static ty_result bake_vertices(const bake_run* run, bake_unit* unit) {
     ty_result result = receivers == NULL || light == NULL ? TY_ERROR_MEMORY : TY_OK;
     if (result == TY_OK) result = gather_vertices(run, unit, receivers, light);
     if (result == TY_OK)
-        result = ty_bake_light_image(run->session->context, light, unit->receivers, unit->size[0], &image);
+        result = ty_bake_create_light_image(run->session->context, light, unit->receivers, unit->size[0], &image);
     free(receivers);
     free(light);
     if (result == TY_OK) result = write_image(run, unit, -1, image);
@@ -177,8 +177,8 @@ float* bake_grid_points(const bake_grid* grid) {
 
 static ty_result write_grid(const bake_run* run, const bake_unit* unit, const ty_bake_probe* probes) {
     ty_image* image = NULL;
-    ty_result result = ty_bake_probe_image(run->session->context, probes, run->plan.grid.size,
-                                           run->options->sh * run->options->sh, &image);
+    ty_result result = ty_bake_create_probe_image(run->session->context, probes, run->plan.grid.size,
+                                                  run->options->sh * run->options->sh, &image);
     if (result == TY_OK) result = write_image(run, unit, -1, image);
     ty_image_destroy(image);
     return result;

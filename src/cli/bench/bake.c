@@ -48,7 +48,7 @@ static ty_result take_hits(const ty_scene* scene, const ty_ray* rays, int64_t co
     *out = (places){.at = malloc((size_t)count * sizeof *out->at), .light = calloc((size_t)count, sizeof *out->light)};
     ty_ray_hit* hits = malloc((size_t)count * sizeof *hits);
     ty_result result = out->at == NULL || out->light == NULL || hits == NULL ? TY_ERROR_MEMORY : TY_OK;
-    if (result == TY_OK) result = ty_scene_trace(scene, rays, count, false, hits);
+    if (result == TY_OK) result = ty_scene_trace(scene, rays, count, TY_RAYS_INCOHERENT, hits);
     for (int64_t i = 0; i < count && result == TY_OK; ++i) {
         const float* at = hits[i].position;
         if (hits[i].surface < 0 || (at[2] > 0.99f && at[2] < 1.01f && hypotf(at[0], at[1]) < 0.3f)) continue;

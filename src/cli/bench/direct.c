@@ -129,9 +129,9 @@ static ty_result measure_size(const bench_session* bench, int32_t side, measured
     ty_noise_def def = ty_default_noise_def();
     def.kind = TY_NOISE_FBM;
     for (int a = 0; a < 3; ++a) def.size[a] = side;
-    ty_result result = ty_grid_noise(bench->session->context, &def, &noise);
+    ty_result result = ty_grid_create_noise(bench->session->context, &def, &noise);
     for (int i = 0; i < CASES && result == TY_OK; ++i) result = measure_case(bench, &cases[i], noise, side, &out[i]);
-    ty_grid_destroy(noise);
+    ty_grid_release(noise);
     return result;
 }
 

@@ -34,7 +34,7 @@ static ty_result make_halves(ty_context* context, int32_t side, ty_grid** out) {
     noise.kind = TY_NOISE_FBM;
     noise.octaves = 2;
     for (int a = 0; a < 3; ++a) noise.size[a] = side;
-    return ty_grid_noise(context, &noise, out);
+    return ty_grid_create_noise(context, &noise, out);
 }
 
 /* The same values as float. */
@@ -56,7 +56,8 @@ static ty_result make_floats(ty_context* context, const ty_grid* halves, int32_t
 static ty_result write_case(ty_context* context, const load_case* load, const ty_grid* grid, const char* path) {
     if (strcmp(load->extension, "vdb") == 0) return ty_vdb_write(context, grid, "density", load->codec, path);
     if (strcmp(load->extension, "nvdb") == 0) return ty_nanovdb_write(context, grid, "density", load->codec, path);
-    return ty_nrrd_write(context, grid, strcmp(load->codec, "gzip") == 0, path);
+    return ty_nrrd_write(context, grid, strcmp(load->codec, "gzip") == 0 ? TY_NRRD_CODEC_GZIP : TY_NRRD_CODEC_RAW,
+                         path);
 }
 
 /* The median time to read the file. */
@@ -73,7 +74,7 @@ static ty_result measure_case(const bench_session* bench, const char* path, load
         seconds[run] = cli_wall_seconds() - start;
         const ty_grid_info info = ty_grid_get_info(grid);
         voxels = (double)info.size[0] * info.size[1] * info.size[2];
-        ty_grid_destroy(grid);
+        ty_grid_release(grid);
     }
     out->seconds = bench_median(seconds, bench->options->runs);
     out->mvoxels = 1e-6 * voxels / out->seconds;
@@ -127,8 +128,8 @@ static ty_result run_cases(const bench_session* bench, const char* folder) {
         printf("loading %d^3 voxels (medians of %d)\n%-18s %12s %10s %12s\n", side, bench->options->runs, "file",
                "size", "seconds", "Mvoxel/s");
     for (int i = 0; i < CASES && result == TY_OK; ++i) result = run_case(bench, &cases[i], grids, folder);
-    ty_grid_destroy(grids[0]);
-    ty_grid_destroy(grids[1]);
+    ty_grid_release(grids[0]);
+    ty_grid_release(grids[1]);
     return result;
 }
 

@@ -162,7 +162,7 @@ ty_result bench_make_rays(const ty_scene* scene, const int32_t size[2], ray_set 
     if (allocated) {
         sets[RAYS_CAMERA].count = count;
         fill_camera(scene, size, sets[RAYS_CAMERA].rays);
-        result = ty_scene_trace(scene, sets[RAYS_CAMERA].rays, count, true, hits);
+        result = ty_scene_trace(scene, sets[RAYS_CAMERA].rays, count, TY_RAYS_COHERENT, hits);
     }
     if (result == TY_OK) continue_rays(scene, hits, sets);
     free(hits);

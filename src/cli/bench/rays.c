@@ -91,8 +91,9 @@ static ty_result trace_set(const tracers* all, int side, const ray_set* set, con
         ty_parallel_for(all->context, (set->count + BLOCK_RAYS - 1) / BLOCK_RAYS, trace_bare_block, &job);
         return TY_OK;
     }
-    if (set->shadow) return ty_scene_trace_shadows(all->scene, set->rays, set->count, set->coherent, to->shadowed);
-    return ty_scene_trace(all->scene, set->rays, set->count, set->coherent, to->ours);
+    const ty_ray_order order = set->coherent ? TY_RAYS_COHERENT : TY_RAYS_INCOHERENT;
+    if (set->shadow) return ty_scene_trace_shadows(all->scene, set->rays, set->count, order, to->shadowed);
+    return ty_scene_trace(all->scene, set->rays, set->count, order, to->ours);
 }
 
 static double seconds_now(int32_t threads) {

@@ -424,7 +424,7 @@ int bench_read_results(cli_session* session, const char* path, bench_results* ou
     const ty_result result = ty_bytes_read(session->context, path, FILE_SIZE_MAX, &bytes, &size);
     if (result != TY_OK) return cli_fail_reading(session, result);
     out->file = json_loadb((const char*)bytes, size, JSON_REJECT_DUPLICATES, &error);
-    ty_bytes_free(session->context, bytes, size);
+    ty_bytes_destroy(session->context, bytes, size);
     if (out->file == NULL) return cli_fail(CLI_USAGE, "%s:%d: is not JSON: %s", path, error.line, error.text);
     const int status = take_file(path, out);
     if (status != CLI_GO) bench_free_results(out);

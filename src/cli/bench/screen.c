@@ -60,12 +60,14 @@ static float* plane(const scene* s, int index) {
 /* Rows [first, first + rows) of the scene. */
 static ty_screen_image part_of(const scene* s, int32_t first, int32_t rows) {
     const size_t begin = (size_t)first * (size_t)s->width;
-    ty_screen_image image = {.width = s->width, .height = rows, .distance = plane(s, 3) + begin};
+    ty_screen_image image = ty_default_screen_image();
+    image.width = s->width;
+    image.height = rows;
+    image.distance = plane(s, 3) + begin;
     for (int c = 0; c < 3; ++c) {
         image.color.data[c] = plane(s, c) + begin;
         image.out.data[c] = plane(s, 4 + c) + begin;
     }
-    image.color.step = image.out.step = image.distance_step = 1;
     image.color.row = image.out.row = image.distance_row = s->width;
     return image;
 }

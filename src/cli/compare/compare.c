@@ -62,11 +62,11 @@ static char* read_scene_text(cli_session* session, const char* path) {
     uint8_t* bytes = NULL;
     size_t size = 0;
     if (ty_bytes_read(session->context, path, SCENE_TEXT_MAX, &bytes, &size) != TY_OK) {
-        ty_clear_error(session->context);
+        ty_take_error(session->context);
         return NULL;
     }
     char* text = strndup((const char*)bytes, size);
-    ty_bytes_free(session->context, bytes, size);
+    ty_bytes_destroy(session->context, bytes, size);
     return text;
 }
 

@@ -74,7 +74,7 @@ static int compare(cli_session* session, const cli_comparison* comparison, const
                    ty_difference* out) {
     if (ty_image_compare(session->context, image, comparison->reference.image, 1, out) == TY_OK) return CLI_GO;
     cli_progress_clear(&session->progress);
-    return cli_fail(CLI_USAGE, "%s and %s: %s", source, comparison->reference.source, ty_last_error(session->context));
+    return cli_fail(CLI_USAGE, "%s and %s: %s", source, comparison->reference.source, ty_take_error(session->context));
 }
 
 int cli_measure_entry(cli_session* session, const cli_comparison* comparison, cli_compared* entry) {

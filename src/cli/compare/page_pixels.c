@@ -88,7 +88,7 @@ ty_result cli_write_page_pixels(ty_context* context, FILE* file, const ty_image*
     int32_t frame[4];
     ty_image_get_frame(image, frame);
     ty_image* filled = NULL;
-    ty_result result = ty_image_fill_frame(context, image, &filled);
+    ty_result result = ty_image_create_full_frame(context, image, &filled);
     if (result != TY_OK) return result;
     pixels p = {.width = frame[2], .height = frame[3], .shrink = shrink};
     p.columns = (frame[2] + shrink - 1) / shrink;

@@ -84,8 +84,7 @@ static int take_up(refining* r) {
     if (result != TY_ERROR_INPUT) return cli_fail_running(r->session, result);
     char text[CLI_COMPARE_REASON + 64];
     snprintf(text, sizeof text, "the stored reference is not used: %.*s", CLI_COMPARE_REASON,
-             ty_last_error(r->session->context));
-    ty_clear_error(r->session->context);
+             ty_take_error(r->session->context));
     if (!r->session->common.quiet) cli_progress_warn(&r->session->progress, text);
     free(r->kept.bytes);
     r->kept.bytes = NULL;

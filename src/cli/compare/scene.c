@@ -49,12 +49,11 @@ int cli_name_methods(const char* words, const cli_method* out[CLI_COMPARE_MAX]) 
 
 static void skip(cli_session* session, cli_comparison* comparison, const cli_method* method) {
     cli_skipped* skipped = &comparison->skipped[comparison->skipped_count++];
-    const char* reason = ty_last_error(session->context);
+    const char* reason = ty_take_error(session->context);
     const size_t length = strlen(method->name);
     if (strncmp(reason, method->name, length) == 0 && strncmp(reason + length, ": ", 2) == 0) reason += length + 2;
     skipped->name = method->name;
     snprintf(skipped->reason, sizeof skipped->reason, "%s", reason);
-    ty_clear_error(session->context);
     if (session->common.quiet) return;
     char line[CLI_COMPARE_REASON + 64];
     snprintf(line, sizeof line, "%s is left out: %s", method->name, skipped->reason);

@@ -124,7 +124,7 @@ static ty_result measure_method(auto_trial* trial, const cli_method* method, aut
     ty_result result = method->check != NULL ? method->check(trial->scene) : TY_OK;
     if (result == TY_OK) result = render(trial, method, request, trial->size, &image, &report, &seconds);
     if (result == TY_ERROR_ARGUMENT) {
-        ty_clear_error(context);
+        ty_take_error(context);
         return TY_OK;
     }
     if (result == TY_OK) result = time_method(trial, method, out);

@@ -91,7 +91,7 @@ static ty_result bake(figure_run* run, const maps* m, const char* item, int meth
         def.seed = (uint64_t)(10 * method + i);
         result = bake_view_light(run, item, m->scene, &def, receivers, count, &out->light[i], &seconds);
         out->seconds += seconds;
-        if (result == TY_OK) result = ty_atlas_image(m->atlases[i], out->light[i], &images[i]);
+        if (result == TY_OK) result = ty_atlas_create_image(m->atlases[i], out->light[i], &images[i]);
     }
     ty_bake_cache_destroy(cache);
     if (result == TY_OK) result = bake_merge(images, PARTS, &apart);

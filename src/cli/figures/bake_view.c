@@ -30,7 +30,7 @@ static ty_result trace_camera(const ty_scene* scene, const int32_t size[2], ty_r
                            .direction = {to.x, to.y, to.z},
                            .far = INFINITY};
     }
-    return ty_scene_trace(scene, rays, count, false, *out);
+    return ty_scene_trace(scene, rays, count, TY_RAYS_INCOHERENT, *out);
 }
 
 /* The side that the camera sees. */

@@ -58,7 +58,7 @@ static ty_result make_noise(figure_run* run, ty_grid** out) {
     for (int axis = 0; axis < 3; ++axis) def.size[axis] = NOISE;
     def.octaves = 3;
     def.sharpness = 1;
-    return ty_grid_noise(run->session->context, &def, out);
+    return ty_grid_create_noise(run->session->context, &def, out);
 }
 
 static ty_result solve(figure_run* run, fld_box* box, double* history, ty_diffusion_stats* stats) {
@@ -260,7 +260,7 @@ ty_result figure_fld_convergence(figure_run* run) {
     if (result == TY_OK) result = fill_least(run, &charts[3]);
     if (result == TY_OK) plot_page_charts(&run->page, charts, 2);
     if (result == TY_OK) plot_page_charts(&run->page, charts + 2, 2);
-    ty_grid_destroy(noise);
+    ty_grid_release(noise);
     free(charts);
     snprintf(
         run->caption, sizeof run->caption,

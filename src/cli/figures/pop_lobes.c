@@ -42,42 +42,36 @@ static void direction_of(int index, double direction[3]) {
     direction[2] = sin(angle);
 }
 
-/* Light that goes a way is seen by looking the other way. The beam itself has no width, so that no ray meets it. */
-static ty_result trace_slice(figure_run* run, const ty_scene* scene, float* out) {
-    double(*rays)[6] = calloc(RAYS, sizeof *rays);
-    double(*radiance)[3] = calloc(RAYS, sizeof *radiance);
-    ty_result result = rays != NULL && radiance != NULL ? TY_OK : TY_ERROR_MEMORY;
-    for (int i = 0; i < RAYS && result == TY_OK; ++i) {
-        double way[3];
+/* Makes the ray of every direction at every point: rays[RAYS][6]. */
+static void make_rays(double (*rays)[6]) {
+    for (int i = 0; i < RAYS; ++i) {
         point_of(i / DIRECTIONS, rays[i]);
-        direction_of(i % DIRECTIONS, way);
-        for (int axis = 0; axis < 3; ++axis) rays[i][3 + axis] = -way[axis];
+        direction_of(i % DIRECTIONS, rays[i] + 3);
     }
+}
+
+/* The beam itself has no width, so that no ray meets it. */
+static ty_result trace_slice(figure_run* run, const ty_scene* scene, const double* rays, double* radiance) {
     ty_path_def def = ty_default_path_def();
     def.spp = figure_samples(run, run->options->quick ? 8 : SAMPLES);
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
-    if (result == TY_OK) result = ty_path_radiance(scene, &def, RAYS, rays[0], radiance[0], NULL);
+    return ty_path_radiance(scene, &def, rays, RAYS, radiance, NULL);
+}
+
+/* The slice's green radiance, by path tracing where there is no light that was solved for. */
+static ty_result see_slice(figure_run* run, const ty_scene* scene, const ty_pop* light, float* out) {
+    double(*rays)[6] = calloc(RAYS, sizeof *rays);
+    double(*radiance)[3] = calloc(RAYS, sizeof *radiance);
+    ty_result result = rays != NULL && radiance != NULL ? TY_OK : TY_ERROR_MEMORY;
+    if (result == TY_OK) {
+        make_rays(rays);
+        result = light != NULL ? ty_pop_radiance(light, rays[0], RAYS, radiance[0])
+                               : trace_slice(run, scene, rays[0], radiance[0]);
+    }
     for (int i = 0; i < RAYS && result == TY_OK; ++i) out[i] = (float)radiance[i][1];
     free(rays);
     free(radiance);
-    return result;
-}
-
-static ty_result see_slice(const ty_pop* light, float* out) {
-    float directions[3 * DIRECTIONS], radiance[3 * DIRECTIONS];
-    ty_result result = TY_OK;
-    for (int i = 0; i < DIRECTIONS; ++i) {
-        double way[3];
-        direction_of(i, way);
-        for (int axis = 0; axis < 3; ++axis) directions[3 * i + axis] = (float)way[axis];
-    }
-    for (int p = 0; p < POINTS && result == TY_OK; ++p) {
-        double point[3];
-        point_of(p, point);
-        result = ty_pop_radiance(light, point, directions, DIRECTIONS, radiance);
-        for (int i = 0; i < DIRECTIONS; ++i) out[p * DIRECTIONS + i] = radiance[3 * i + 1];
-    }
     return result;
 }
 
@@ -110,7 +104,7 @@ static ty_result run_mode(figure_run* run, const ty_scene* scene, int column, in
     if (def.iterations > 0) def.residuum = 0;
     ty_result result = ty_pop_solve(scene, &def, &light, &stats);
     if (result == TY_OK) result = pop_scattered_fluence(light, &pop_cube_cells, fluence);
-    if (result == TY_OK && mode + 1 < SHOWN) result = see_slice(light, out->values[1 + mode]);
+    if (result == TY_OK && mode + 1 < SHOWN) result = see_slice(run, scene, light, out->values[1 + mode]);
     if (result == TY_OK && mode + 1 < SHOWN) result = note_shape(run, item, out->values[1 + mode], out->values[0]);
     ty_pop_destroy(light);
     if (result != TY_OK) return result;
@@ -134,7 +128,7 @@ static ty_result run_column(figure_run* run, int column, pop_truth* truth, doubl
     ty_scene* scene = NULL;
     ty_result result = pop_load_cube(run, cosines[column], &scene);
     if (result == TY_OK) result = pop_path_fluence(run, scene, &pop_cube_cells, FLUENCE_SAMPLES, truth);
-    if (result == TY_OK) result = trace_slice(run, scene, out->values[0]);
+    if (result == TY_OK) result = see_slice(run, scene, NULL, out->values[0]);
     for (int mode = 0; mode < MODES && result == TY_OK; ++mode)
         result = run_mode(run, scene, column, mode, truth, fluence, out, table);
     ty_scene_destroy(scene);

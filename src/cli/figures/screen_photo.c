@@ -44,7 +44,7 @@ static ty_result read_view(figure_run* run, const char* color_path, const char* 
     if (result == TY_OK) {
         view->width = ty_image_width(view->surface);
         view->height = ty_image_height(view->surface);
-        view->planar = true;
+        view->distance_kind = TY_SCREEN_DISTANCE_AXIS;
         memcpy(view->focal, focal, sizeof focal);
         memcpy(view->center, center, sizeof center);
         result = copy_depth(depth, view);

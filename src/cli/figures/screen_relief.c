@@ -96,7 +96,7 @@ static ty_result add_relief(const screen_view* view, const relief* r, int64_t fa
         mesh.material.emission[c] = 1;
     }
     result = ty_scene_add_mesh(scene, &mesh);
-    ty_texture_destroy(mesh.material.emission_texture);
+    ty_texture_release(mesh.material.emission_texture);
     return result;
 }
 

@@ -59,12 +59,14 @@ static bool open_dot(double distance, dot* d) {
 }
 
 static ty_screen_image image_of(const dot* d) {
-    ty_screen_image image = {.width = SIDE, .height = SIDE, .distance = d->distance};
+    ty_screen_image image = ty_default_screen_image();
+    image.width = SIDE;
+    image.height = SIDE;
+    image.distance = d->distance;
     for (int c = 0; c < 3; ++c) {
         image.color.data[c] = d->color[c];
         image.out.data[c] = d->out[c];
     }
-    image.color.step = image.out.step = image.distance_step = 1;
     image.color.row = image.out.row = image.distance_row = SIDE;
     return image;
 }

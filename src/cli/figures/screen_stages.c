@@ -33,7 +33,10 @@ static ty_result create_split(figure_run* run, const screen_view* view, split* o
 }
 
 static ty_result split_view(figure_run* run, const screen_view* view, const ty_screen_def* def, split* out) {
-    ty_screen_image image = {.width = view->width, .height = view->height, .distance = view->distance};
+    ty_screen_image image = ty_default_screen_image();
+    image.width = view->width;
+    image.height = view->height;
+    image.distance = view->distance;
     const float* colors[3];
     float *attenuated[3], *scattered[3];
     ty_result result = create_split(run, view, out);
@@ -45,7 +48,6 @@ static ty_result split_view(figure_run* run, const screen_view* view, const ty_s
         scattered[c] = ty_image_plane(out->scattered, c);
         image.out.data[c] = attenuated[c];
     }
-    image.color.step = image.out.step = image.distance_step = 1;
     image.color.row = image.out.row = image.distance_row = view->width;
     return ty_screen_split(run->session->context, def, &image, attenuated, scattered, out->spread);
 }

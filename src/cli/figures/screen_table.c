@@ -80,8 +80,11 @@ typedef struct table_job {
 } table_job;
 
 static ty_result prepare(figure_run* run, const screen_view* view, ty_image* out, table_job* job) {
-    const ptrdiff_t row = view->width;
-    *job = (table_job){.image = {view->width, view->height, {{0}, 1, row}, view->distance, 1, row, {{0}, 1, row}}};
+    *job = (table_job){.image = ty_default_screen_image()};
+    job->image.width = view->width;
+    job->image.height = view->height;
+    job->image.distance = view->distance;
+    job->image.color.row = job->image.out.row = job->image.distance_row = view->width;
     for (int c = 0; c < 3; ++c) {
         job->image.color.data[c] = ty_image_plane(view->surface, c);
         job->image.out.data[c] = ty_image_plane(out, c);

@@ -82,7 +82,7 @@ ty_screen_def screen_view_def(const screen_view* view) {
     ty_screen_def def = ty_default_screen_def();
     memcpy(def.focal, view->focal, sizeof def.focal);
     memcpy(def.center, view->center, sizeof def.center);
-    def.planar = view->planar;
+    def.distance_kind = view->distance_kind;
     return def;
 }
 
@@ -104,8 +104,11 @@ ty_result screen_apply(figure_run* run, const screen_view* view, const ty_screen
     ty_image* image = NULL;
     ty_result result = ty_image_create_rgb(run->session->context, view->width, view->height, &image);
     if (result != TY_OK) return result;
-    const ptrdiff_t row = view->width;
-    ty_screen_image planes = {view->width, view->height, {{0}, 1, row}, view->distance, 1, row, {{0}, 1, row}};
+    ty_screen_image planes = ty_default_screen_image();
+    planes.width = view->width;
+    planes.height = view->height;
+    planes.distance = view->distance;
+    planes.color.row = planes.out.row = planes.distance_row = view->width;
     for (int c = 0; c < 3; ++c) {
         planes.color.data[c] = ty_image_plane(view->surface, c);
         planes.out.data[c] = ty_image_plane(image, c);

@@ -22,7 +22,7 @@ typedef struct screen_view {
     ty_image* surface;          /* R, G, B without a medium */
     float* distance;            /* m along each pixel's ray; width * height, 0 where there is none */
     double focal[2], center[2]; /* pixels; as in ty_screen_def */
-    bool planar;
+    ty_screen_distance_kind distance_kind;
     float absorption[3]; /* of the room's medium, 1/m */
 } screen_view;
 

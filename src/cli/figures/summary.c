@@ -50,7 +50,7 @@ static json_t* read_json(cli_session* session, const char* folder, const char* n
     if (access(path, R_OK) != 0 || ty_bytes_read(session->context, path, FILE_SIZE_MAX, &bytes, &size) != TY_OK)
         return NULL;
     json_t* root = json_loadb((const char*)bytes, size, 0, NULL);
-    ty_bytes_free(session->context, bytes, size);
+    ty_bytes_destroy(session->context, bytes, size);
     const char* figure = json_string_value(json_object_get(root, "figure"));
     if (figure != NULL && strcmp(figure, name) == 0) return root;
     json_decref(root);

@@ -65,7 +65,7 @@ static ty_result write_png(ty_context* context, const raster* image, const char*
     return result;
 }
 
-ty_result ty_image_write_png(ty_context* context, const ty_image* image, double exposure, bool curve,
+ty_result ty_image_write_png(ty_context* context, const ty_image* image, double exposure, ty_tone_curve curve,
                              const char* path) {
     if (image == NULL || path == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_image_write_png: an argument is NULL");

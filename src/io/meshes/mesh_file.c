@@ -40,8 +40,7 @@ static ty_result below(ty_context* context, const char* path, bool clean, ty_res
     if (result != TY_ERROR_ARGUMENT) return result;
     if (!clean) return TY_ERROR_INPUT;
     char text[MESSAGE_SIZE];
-    snprintf(text, sizeof text, "%s", ty_last_error(context));
-    ty_clear_error(context);
+    snprintf(text, sizeof text, "%s", ty_take_error(context));
     return ty_fail(context, TY_ERROR_INPUT, "%s: %s", path, text);
 }
 
@@ -94,7 +93,7 @@ static ty_result make_textures(filler* f) {
 }
 
 static void free_textures(filler* f) {
-    for (size_t i = 0; f->textures != NULL && i < f->model->texture_count; ++i) ty_texture_destroy(f->textures[i]);
+    for (size_t i = 0; f->textures != NULL && i < f->model->texture_count; ++i) ty_texture_release(f->textures[i]);
     ty_free_array(f->context, f->textures, f->model->texture_count, sizeof(ty_texture*));
 }
 
@@ -163,7 +162,7 @@ ty_result ty_scene_add_mesh_file(ty_scene* scene, const char* path, const ty_mes
     if (result != TY_OK) return result;
     unsigned want = def->lights ? TY_MODEL_LIGHTS : 0;
     if (def->meshes) want |= TY_MODEL_MESHES | TY_MODEL_SHADING | (def->material == NULL ? TY_MODEL_MATERIALS : 0);
-    const bool clean = ty_last_error(context)[0] == '\0';
+    const bool clean = !ty_has_error(context);
     ty_model model;
     result = ty_read_model(context, path, want, &model);
     filler f = {.scene = scene,
@@ -186,7 +185,7 @@ static ty_result make_scene(const ty_model* model, const char* path, ty_scene** 
                 .def = &def,
                 .model = model,
                 .map = ty_affine_identity(),
-                .clean = ty_last_error(model->context)[0] == '\0'};
+                .clean = !ty_has_error(model->context)};
     ty_result result = ty_scene_create(model->context, TY_AXIS_Y, &f.scene);
     if (result == TY_OK) result = fill_scene(&f);
     if (result == TY_OK) result = ty_scene_commit(f.scene);
@@ -280,7 +279,7 @@ static void join_instances(const ty_model* model, const ty_affine* to_scene, flo
 
 static ty_result make_shell(const ty_model* model, const char* path, const ty_affine* map, ty_shell** out) {
     ty_context* context = model->context;
-    const bool clean = ty_last_error(context)[0] == '\0';
+    const bool clean = !ty_has_error(context);
     const size_t triangles = (size_t)ty_model_triangles(model);
     uint64_t vertices = 0;
     for (size_t i = 0; i < model->instance_count; ++i) vertices += model->meshes[model->instances[i].mesh].vertex_count;
@@ -299,9 +298,11 @@ static ty_result make_shell(const ty_model* model, const char* path, const ty_af
     return below(context, path, clean, result);
 }
 
-ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out) {
+ty_result ty_mesh_file_create_shell(ty_context* context, const char* path, const ty_mesh_file_def* def,
+                                    ty_shell** out) {
     ty_result result = check_def(context, path, def);
-    if (result == TY_OK && out == NULL) result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_shell: out is NULL");
+    if (result == TY_OK && out == NULL)
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_create_shell: out is NULL");
     if (result != TY_OK) return result;
     const ty_affine map = scene_from_file(def);
     ty_model model;

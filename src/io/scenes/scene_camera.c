@@ -2,6 +2,7 @@
 #include "base/context.h"
 #include "io/scenes/scene_reader.h"
 #include "io/schema_text.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>

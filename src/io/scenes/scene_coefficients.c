@@ -195,8 +195,7 @@ ty_result ty_medium_parse(ty_context* context, const char* text, ty_medium_def* 
     if (context == NULL || text == NULL || medium == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_medium_parse: context, text or medium is NULL");
     const ty_json_path root = {.depth = 0};
-    ty_scene_reader reader = {
-        .context = context, .clean = ty_last_error(context)[0] == '\0', .name = "medium", .text = ""};
+    ty_scene_reader reader = {.context = context, .clean = !ty_has_error(context), .name = "medium", .text = ""};
     ty_medium_def def = ty_default_medium_def();
     const bool json = text[strspn(text, " \t\r\n")] == '{';
     if (json) {

@@ -5,6 +5,7 @@
 #include "io/scenes/scene_reader.h"
 #include "io/scenes/schema.h"
 #include "io/schema_text.h"
+#include "scene/scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -73,7 +74,7 @@ static void read_fld(const json_t* fld, ty_fld_settings* settings) {
     read_word(fld, "solver", settings->solver);
     read_word(fld, "beam", settings->beam);
     ty_read_number(fld, "larsen_power", &settings->larsen_power);
-    ty_read_number(fld, "streaming", &settings->streaming);
+    ty_read_number(fld, "max_flux_fraction", &settings->max_flux_fraction);
     ty_read_number(fld, "relaxation", &settings->relaxation);
     ty_read_number(fld, "tolerance", &settings->tolerance);
     ty_read_number(fld, "sigma_eps", &settings->sigma_eps);
@@ -98,11 +99,11 @@ static void read_pop(const json_t* pop, ty_pop_settings* settings) {
     ty_read_int(pop, "surface_points", &settings->surface_points);
     ty_read_int(pop, "vpls", &settings->vpls);
     ty_read_int(pop, "shadow_texels", &settings->shadow_texels);
-    ty_read_number(pop, "clamp", &settings->clamp);
+    ty_read_number(pop, "vpl_min_distance", &settings->vpl_min_distance);
     ty_read_int(pop, "iterations", &settings->iterations);
     ty_read_number(pop, "residuum", &settings->residuum);
     ty_read_int(pop, "residuum_iterations", &settings->residuum_iterations);
-    ty_read_number(pop, "streaming", &settings->streaming);
+    ty_read_number(pop, "max_flux_fraction", &settings->max_flux_fraction);
     ty_read_number(pop, "tolerance", &settings->tolerance);
     ty_read_int(pop, "spp", &settings->spp);
     ty_read_number(pop, "step", &settings->step);
@@ -201,7 +202,7 @@ ty_result ty_scene_parse(ty_context* context, const char* text, size_t length, c
     if (context == NULL || text == NULL || out == NULL)
         return ty_fail(context, TY_ERROR_ARGUMENT, "ty_scene_parse: context, text or out is NULL");
     ty_scene_reader reader = {.context = context,
-                              .clean = ty_last_error(context)[0] == '\0',
+                              .clean = !ty_has_error(context),
                               .name = name != NULL ? name : "scene",
                               .folder = folder,
                               .text = text,

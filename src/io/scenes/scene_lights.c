@@ -19,7 +19,7 @@ static ty_result read_sky(const ty_scene_reader* reader, const json_t* sky, cons
     ty_read_int(sky, "resolution", &def.width);
     ty_image* image = NULL;
     float irradiance[3];
-    result = ty_reader_below(reader, path, ty_sky_image(reader->context, &def, &image, irradiance));
+    result = ty_reader_below(reader, path, ty_sky_create_image(reader->context, &def, &image, irradiance));
     if (result != TY_OK) return result;
     environment->image = image;
     result = add_light(reader, path, environment);

@@ -34,7 +34,7 @@ static ty_result make_noise(const ty_scene_reader* reader, const json_t* noise, 
     ty_read_float(noise, "lacunarity", &def.lacunarity);
     ty_read_float(noise, "coverage", &def.coverage);
     ty_read_float(noise, "sharpness", &def.sharpness);
-    return ty_reader_below(reader, path, ty_grid_noise(reader->context, &def, out));
+    return ty_reader_below(reader, path, ty_grid_create_noise(reader->context, &def, out));
 }
 
 /* Sets scale or density_grid; the caller destroys *noise, if it was made. */
@@ -118,7 +118,7 @@ static ty_result read_medium(ty_scene_reader* reader, const json_t* medium, cons
     if (result == TY_OK) result = ty_read_fields(reader, medium, path, &def, points);
     if (result == TY_OK) result = read_density(reader, medium, path, &def, &noise);
     if (result == TY_OK) result = ty_reader_below(reader, path, ty_scene_add_medium(reader->scene, &def));
-    ty_grid_destroy(noise);
+    ty_grid_release(noise);
     return result;
 }
 

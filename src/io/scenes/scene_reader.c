@@ -55,8 +55,7 @@ ty_result ty_reader_below(const ty_scene_reader* reader, const ty_json_path* pat
     if (result == TY_ERROR_ARGUMENT) result = TY_ERROR_INPUT;
     if (!reader->clean) return result;
     char below[MESSAGE_SIZE];
-    snprintf(below, sizeof below, "%s", ty_last_error(reader->context));
-    ty_clear_error(reader->context);
+    snprintf(below, sizeof below, "%s", ty_take_error(reader->context));
     return ty_reader_fail(reader, path, result, "%s", below[0] != '\0' ? below : ty_result_text(result));
 }
 

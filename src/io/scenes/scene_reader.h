@@ -27,7 +27,7 @@ typedef struct ty_scene_asset {
 
 typedef struct ty_scene_reader {
     ty_context* context;
-    bool clean;         /* the context had no message before */
+    bool clean;         /* the thread had no unread message of the context before */
     const char* name;   /* of the file, in messages */
     const char* folder; /* where relative paths start; NULL: the scene may name no files */
     const char* text;

@@ -217,6 +217,23 @@ static const char* own_key(const json_t* branch) {
     return NULL;
 }
 
+/* The key of the set that was probably meant: one that had the unknown name in an earlier version, which its schema
+ * says under "x-formerly", or the one that is nearest in spelling; NULL: none is near. */
+static const char* find_meant(const branch_set* set, const char* unknown) {
+    const char* nearest = NULL;
+    const char* key;
+    json_t* property;
+    for (size_t i = 0; i < set->count; ++i)
+        json_object_foreach(json_object_get(set->items[i], "properties"), key, property) {
+            const char* earlier = json_string_value(json_object_get(property, "x-formerly"));
+            if (earlier != NULL && strcmp(earlier, unknown) == 0) return key;
+            if (ty_word_near(unknown, key) &&
+                (nearest == NULL || ty_word_distance(unknown, key) < ty_word_distance(unknown, nearest)))
+                nearest = key;
+        }
+    return nearest;
+}
+
 /* Fails: no branch of the set knows the key. */
 static bool fail_unknown(checker* c, const branch_set* set, const char* unknown) {
     const ty_json_path here = c->path;
@@ -227,12 +244,7 @@ static bool fail_unknown(checker* c, const branch_set* set, const char* unknown)
     const size_t size = sizeof c->issue->text;
     const char* key;
     json_t* property;
-    const char* nearest = NULL;
-    for (size_t i = 0; i < set->count; ++i)
-        json_object_foreach(json_object_get(set->items[i], "properties"), key,
-                            property) if (ty_word_near(unknown, key) &&
-                                          (nearest == NULL || ty_word_distance(unknown, key) <
-                                                                  ty_word_distance(unknown, nearest))) nearest = key;
+    const char* nearest = find_meant(set, unknown);
     if (nearest != NULL) {
         ty_append(text, size, "did you mean \"%s\"?", nearest);
         return false;

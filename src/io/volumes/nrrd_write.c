@@ -84,12 +84,12 @@ static ty_result write_content(ty_context* context, const ty_grid* grid, bool gz
     return result;
 }
 
-ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, bool gzip, const char* path) {
+ty_result ty_nrrd_write(ty_context* context, const ty_grid* grid, ty_nrrd_codec codec, const char* path) {
     if (grid == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_nrrd_write: the grid is NULL");
     ty_output output;
     ty_result result = ty_output_open(context, path, &output);
     if (result != TY_OK) return result;
-    result = write_content(context, grid, gzip, output.stream, path);
+    result = write_content(context, grid, codec == TY_NRRD_CODEC_GZIP, output.stream, path);
     if (result == TY_OK) return ty_output_commit(context, &output);
     ty_output_discard(context, &output);
     return result;

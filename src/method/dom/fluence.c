@@ -5,7 +5,7 @@
 #include "scene/check.h"
 #include "solve/harmonics.h"
 
-#include <string.h>
+#include <math.h>
 
 static const double sqrt_four_pi = 3.5449077018110318;
 
@@ -78,29 +78,31 @@ static ty_cell_point locate(const ty_grid_box* box, const double point[3]) {
     return ty_cell_locate(box->size, ty_vec_load(cells));
 }
 
-ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const float* directions, int32_t count,
-                          float* radiance) {
-    const ty_result result = ty_check_point(light->context, "dom: point", point);
+/* Adds up the moments at a point along a unit direction. */
+static void radiance_along(const ty_dom* light, const double point[3], const double direction[3], double radiance[3]) {
     const int32_t terms = light->kept * light->kept;
-    float moments[3][TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
-    if (result != TY_OK) return result;
-    memset(radiance, 0, 3 * sizeof *radiance * (size_t)count);
-    if (is_outside(&light->box, point)) return TY_OK;
     const ty_cell_point place = locate(&light->box, point);
-    for (int32_t c = 0; c < ty_dom_channels(light); ++c)
+    double y[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
+    ty_harmonics_at(direction, light->kept, y);
+    for (int32_t c = 0; c < 3; ++c) {
+        float* moments = light->moments[light->shared ? 0 : c];
+        double sum = 0;
         for (int32_t t = 0; t < terms; ++t)
-            moments[c][t] = ty_cell_value(ty_dom_plane(light, light->moments[c], t), &place);
-    for (int32_t d = 0; d < count; ++d) {
-        const float* way = directions + 3 * d;
-        const double w[3] = {(double)way[0], (double)way[1], (double)way[2]};
-        double y[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
-        ty_harmonics_at(w, light->kept, y);
-        for (int32_t c = 0; c < 3; ++c) {
-            const float* of = moments[light->shared ? 0 : c];
-            double sum = 0;
-            for (int32_t t = 0; t < terms; ++t) sum += (double)of[t] * y[t];
-            radiance[3 * d + c] = (float)sum * light->color[c];
-        }
+            sum += (double)ty_cell_value(ty_dom_plane(light, moments, t), &place) * y[t];
+        radiance[c] = (double)((float)sum * light->color[c]);
+    }
+}
+
+ty_result ty_dom_radiance(const ty_dom* light, const double* rays, int64_t count, double* radiance) {
+    const ty_result result = ty_check_rays(light->context, rays, count, radiance);
+    if (result != TY_OK) return result;
+    for (int64_t i = 0; i < count; ++i) {
+        const double *point = rays + 6 * i, *w = point + 3;
+        const double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        const double direction[3] = {w[0] / length, w[1] / length, w[2] / length};
+        double* out = radiance + 3 * i;
+        out[0] = out[1] = out[2] = 0;
+        if (!is_outside(&light->box, point)) radiance_along(light, point, direction, out);
     }
     return TY_OK;
 }

@@ -17,7 +17,7 @@ ty_fld_def ty_fld_def_of(const ty_fld_settings* settings) {
     def.solver = (ty_fld_solver)ty_setting_index(settings->solver, solvers, 3);
     def.beam = (ty_fld_beam)ty_setting_index(settings->beam, beams, 2);
     def.larsen_power = settings->larsen_power;
-    def.streaming = settings->streaming;
+    def.max_flux_fraction = settings->max_flux_fraction;
     def.relaxation = settings->relaxation;
     def.tolerance = settings->tolerance;
     def.sigma_eps = settings->sigma_eps;
@@ -47,7 +47,7 @@ static ty_result check_solver(ty_context* context, const ty_fld_def* def) {
     if (result == TY_OK) result = check_kind(context, "fld.beam", (int32_t)def->beam, 2);
     if (result == TY_OK) result = ty_check_number(context, "fld.larsen_power", def->larsen_power, 1, 100);
     if (result == TY_OK) result = ty_check_number(context, "fld.sigma_eps", def->sigma_eps, 0, TY_COLOR_MAX);
-    if (result == TY_OK) result = ty_check_number(context, "fld.streaming", def->streaming, 0, 1);
+    if (result == TY_OK) result = ty_check_number(context, "fld.max_flux_fraction", def->max_flux_fraction, 0, 1);
     if (result == TY_OK) result = ty_check_within(context, "fld.relaxation", def->relaxation, 0, 2);
     if (result == TY_OK) result = ty_check_within(context, "fld.tolerance", def->tolerance, 0, 1);
     if (result == TY_OK) result = ty_check_number(context, "fld.iterations", def->iterations, 0, INT32_MAX);

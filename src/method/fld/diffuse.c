@@ -32,7 +32,7 @@ ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
     def.least_extinction = fld->sigma_eps;
     def.limiter = limiters[fld->limiter];
     def.larsen_power = fld->larsen_power;
-    def.streaming = fld->streaming > 0 ? fld->streaming : own_streaming(job);
+    def.streaming = fld->max_flux_fraction > 0 ? fld->max_flux_fraction : own_streaming(job);
     for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[fld->boundary];
     def.solver = solvers[fld->solver];
     def.relaxation = fld->relaxation;

@@ -11,7 +11,7 @@ static const double four_pi = 12.566370614359172;
 typedef struct fluence_job {
     const ty_fld* light;
     ty_cover_box cells;
-    double *fluence, *beam, *flux;
+    double *fluence, *uncollided, *flux;
 } fluence_job;
 
 /* What beams bring: fluence, and flux where lights know it. */
@@ -61,18 +61,18 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
             ty_cover_add(&light->diffuse->box, axes, terms + 1, 3, four_pi / 3, flux);
             add_beams(job, cell, c, &beam, flux);
             job->fluence[3 * at + (size_t)c] = diffuse + beam;
-            if (job->beam != NULL) job->beam[3 * at + (size_t)c] = beam;
+            if (job->uncollided != NULL) job->uncollided[3 * at + (size_t)c] = beam;
             for (int a = 0; a < 3 && job->flux != NULL; ++a) job->flux[9 * at + 3 * (size_t)c + (size_t)a] = flux[a];
         }
     }
 }
 
 ty_result ty_fld_fluence(const ty_fld* light, const double lower[3], const double upper[3], const int32_t size[3],
-                         double* fluence, double* beam, double* flux) {
+                         double* fluence, double* uncollided, double* flux) {
     const ty_cover_box cells = {lower, upper, size};
     const ty_result result = ty_cover_check(light->context, &cells);
     if (result != TY_OK) return result;
-    fluence_job job = {light, cells, fluence, beam, flux};
+    fluence_job job = {light, cells, fluence, uncollided, flux};
     ty_parallel_for(light->context, (int64_t)size[1] * size[2], fill_row, &job);
     return TY_OK;
 }

@@ -149,7 +149,7 @@ bool ty_impulse_save(const ty_impulse* tables, const char* path) {
         make_folders(path);
         written = ty_write_file(apart, path, bytes, size) == TY_OK;
         if (!written)
-            ty_log(tables->context, TY_LOG_WARNING, "impulse responses are not kept: %s", ty_last_error(apart));
+            ty_log(tables->context, TY_LOG_WARNING, "impulse responses are not kept: %s", ty_take_error(apart));
     }
     ty_context_destroy(apart);
     ty_free_array(tables->context, bytes, size, 1);

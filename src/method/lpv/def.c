@@ -34,6 +34,10 @@ ty_lpv_def ty_lpv_def_of(const ty_lpv_settings* settings) {
     return def;
 }
 
+ty_lpv_view_def ty_default_lpv_view_def(void) {
+    return (ty_lpv_view_def){.cookie = TY_DEF_COOKIE};
+}
+
 ty_lpv_def ty_default_lpv_def(void) {
     return ty_lpv_def_of(&ty_default_settings.lpv);
 }
@@ -63,7 +67,8 @@ static ty_result check_injection(ty_context* context, const ty_lpv_def* def) {
 
 static ty_result check_image(ty_context* context, const ty_lpv_def* def) {
     const ty_image_options options = {def->width, def->height, def->spp, def->seed, def->step, def->aovs};
-    const ty_result result = ty_check_image(context, "lpv", &options, TY_MARCH_AOVS | TY_AOV_NORMAL);
+    ty_result result = ty_check_image(context, "lpv", &options, TY_MARCH_AOVS | TY_AOV_NORMAL);
+    if (result == TY_OK && def->view != NULL) result = ty_check_def(context, def->view, "ty_default_lpv_view_def");
     if (result == TY_OK && def->view != NULL &&
         (def->view->distance == NULL || def->view->normal == NULL || def->view->albedo == NULL))
         return ty_fail(context, TY_ERROR_ARGUMENT, "lpv.view: distance, normal and albedo must all be there");

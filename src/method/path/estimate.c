@@ -20,16 +20,11 @@ static ty_result sample_items(ty_path_run* run, const ty_scene* scene, double* m
     return result;
 }
 
-ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, int64_t count, const double* rays,
+ty_result ty_path_radiance(const ty_scene* scene, const ty_path_def* def, const double* rays, int64_t count,
                            double* radiance, double* variance) {
     ty_path_run run;
     ty_result result = ty_path_prepare(scene, def, &run);
-    if (result != TY_OK) return result;
-    if (count < 1) return ty_fail(run.context, TY_ERROR_ARGUMENT, "path: a count of %lld rays", (long long)count);
-    for (int64_t i = 0; i < count && result == TY_OK; ++i) {
-        result = ty_check_point(run.context, "rays: origin", rays + 6 * i);
-        if (result == TY_OK) result = ty_check_direction(run.context, "rays: direction", rays + 6 * i + 3);
-    }
+    if (result == TY_OK) result = ty_check_rays(run.context, rays, count, radiance);
     if (result != TY_OK) return result;
     run.stage = "radiance";
     run.request.kind = TY_PATH_RAYS;

@@ -17,7 +17,9 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
         const double* ray = request->rays + 6 * item;
         const double length = sqrt(ray[3] * ray[3] + ray[4] * ray[4] + ray[5] * ray[5]);
         path->origin = ty_vec_make((float)ray[0], (float)ray[1], (float)ray[2]);
-        path->direction = ty_vec_make((float)(ray[3] / length), (float)(ray[4] / length), (float)(ray[5] / length));
+        /* The path goes against the light; 0 - x, so that no component becomes -0. */
+        path->direction =
+            ty_vec_make((float)((0 - ray[3]) / length), (float)((0 - ray[4]) / length), (float)((0 - ray[5]) / length));
     } else {
         float point[3];
         int64_t rest = item;

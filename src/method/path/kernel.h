@@ -22,7 +22,7 @@ typedef struct ty_path_request {
     ty_camera_view camera;    /* pixels */
     int32_t width;            /* of the whole frame */
     int32_t crop[4];          /* x, y, width, height: item i is pixel (x + i % width, y + i / width) */
-    const double* rays;       /* rays: 6 per item */
+    const double* rays;       /* rays: 6 per item, as ty_path_radiance has them */
     double lower[3], cell[3]; /* cells */
     int32_t size[3];
     int32_t guide_count; /* lights that high-g media are guided towards, and their shares, which add up to 1 */

@@ -19,11 +19,11 @@ ty_pop_def ty_pop_def_of(const ty_pop_settings* settings) {
     def.surface_points = settings->surface_points;
     def.vpls = settings->vpls;
     def.shadow_texels = settings->shadow_texels;
-    def.clamp = settings->clamp;
+    def.vpl_min_distance = settings->vpl_min_distance;
     def.iterations = settings->iterations;
     def.residuum = settings->residuum;
     def.residuum_iterations = settings->residuum_iterations;
-    def.streaming = settings->streaming;
+    def.max_flux_fraction = settings->max_flux_fraction;
     def.tolerance = settings->tolerance;
     def.spp = settings->spp;
     def.step = settings->step;
@@ -48,7 +48,7 @@ static ty_result check_lights(ty_context* context, const ty_pop_def* def) {
     if (result == TY_OK) result = ty_check_number(context, "pop.surface_points", def->surface_points, 1, 65536);
     if (result == TY_OK) result = ty_check_number(context, "pop.vpls", def->vpls, 0, 4096);
     if (result == TY_OK) result = ty_check_number(context, "pop.shadow_texels", def->shadow_texels, 16, 1024);
-    if (result == TY_OK) result = ty_check_number(context, "pop.clamp", def->clamp, 0, 1);
+    if (result == TY_OK) result = ty_check_number(context, "pop.vpl_min_distance", def->vpl_min_distance, 0, 1);
     return result;
 }
 
@@ -57,7 +57,7 @@ static ty_result check_solve(ty_context* context, const ty_pop_def* def) {
     if (result == TY_OK) result = ty_check_number(context, "pop.residuum", def->residuum, 0, 1);
     if (result == TY_OK)
         result = ty_check_choice(context, "pop.residuum_iterations", def->residuum_iterations, 1, 10000);
-    if (result == TY_OK) result = ty_check_number(context, "pop.streaming", def->streaming, 0, 1);
+    if (result == TY_OK) result = ty_check_number(context, "pop.max_flux_fraction", def->max_flux_fraction, 0, 1);
     if (result == TY_OK) result = ty_check_within(context, "pop.tolerance", def->tolerance, 0, 1);
     return result;
 }

@@ -43,7 +43,7 @@ ty_result ty_pop_diffuse(ty_pop_job* job) {
     ty_diffusion_def def = ty_default_diffusion_def();
     ty_diffuse_stats stats = {.converged = false};
     const double begun = ty_wall_seconds();
-    def.streaming = job->def->streaming > 0 ? job->def->streaming : own_streaming(job->light);
+    def.streaming = job->def->max_flux_fraction > 0 ? job->def->max_flux_fraction : own_streaming(job->light);
     def.tolerance = job->def->tolerance;
     turn_aside(job);
     const ty_result result =

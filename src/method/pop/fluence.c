@@ -2,8 +2,9 @@
 #include "base/context.h"
 #include "direct/cover.h"
 #include "method/pop/job.h"
+#include "scene/check.h"
 
-#include <string.h>
+#include <math.h>
 
 static const double four_pi = 12.566370614359172;
 
@@ -137,21 +138,22 @@ static void add_isotropic_rest(const ty_pop* light, ty_vec point, float radiance
     for (int c = 0; c < 3; ++c) radiance[c] += ty_cell_value(light->residuum.seen[c], &place);
 }
 
-ty_result ty_pop_radiance(const ty_pop* light, const double point[3], const float* directions, int32_t count,
-                          float* radiance) {
-    const ty_result result = check_lobes(light, "radiance");
+ty_result ty_pop_radiance(const ty_pop* light, const double* rays, int64_t count, double* radiance) {
+    ty_result result = check_lobes(light, "radiance");
+    if (result == TY_OK) result = ty_check_rays(light->context, rays, count, radiance);
     if (result != TY_OK) return result;
-    const ty_vec at = ty_vec_make((float)point[0], (float)point[1], (float)point[2]);
-    for (int32_t d = 0; d < count; ++d) {
-        const ty_vec way = ty_vec_load(directions + 3 * d);
-        float* out = radiance + 3 * d;
-        out[0] = out[1] = out[2] = 0;
-        for (int32_t i = 0; i < light->count; ++i)
-            ty_pop_light_radiance(light->medium, &light->ordinates[i], at, way, out, NULL);
+    for (int64_t i = 0; i < count; ++i) {
+        const double *point = rays + 6 * i, *w = point + 3;
+        const double length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        const ty_vec at = ty_vec_make((float)point[0], (float)point[1], (float)point[2]);
+        const ty_vec way = ty_vec_make((float)(w[0] / length), (float)(w[1] / length), (float)(w[2] / length));
+        float out[3] = {0, 0, 0};
+        for (int32_t o = 0; o < light->count; ++o)
+            ty_pop_light_radiance(light->medium, &light->ordinates[o], at, way, out, NULL);
         add_sharp_radiance(light, at, way, out);
         if (light->diffuse != NULL) add_diffuse_radiance(light, at, way, out);
         if (light->residuum.seen[0] != NULL) add_isotropic_rest(light, at, out);
-        for (int c = 0; c < 3; ++c) out[c] = ty_maxf(0, out[c]);
+        for (int c = 0; c < 3; ++c) radiance[3 * i + c] = (double)ty_maxf(0, out[c]);
     }
     return TY_OK;
 }

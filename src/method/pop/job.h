@@ -60,8 +60,11 @@ ty_result ty_pop_light_sharply(ty_pop_job* job);
 ty_result ty_pop_light_ordinates(ty_pop_job* job);
 /* What of the ordinates' light turns aside, split mode, and its diffusion. */
 ty_result ty_pop_diffuse(ty_pop_job* job);
-/* Merged cells seen from another place than before, from kept lobes. Errors: TY_ERROR_MEMORY. */
-ty_result ty_pop_see_from(ty_pop* light, const float eye[3]);
+/* A view of the light from another camera position, from kept lobes: it shares all memory with the light but for the
+ * merged cells and the table of ordinates. It is freed by ty_pop_end_view, after errors, too. Errors: TY_ERROR_MEMORY.
+ */
+ty_result ty_pop_see_from(const ty_pop* light, const float eye[3], ty_pop* out);
+void ty_pop_end_view(const ty_pop* light, ty_pop* view);
 
 /* Dark merged cells. with_left: also of light that is not passed on. */
 ty_result ty_pop_merged_create(ty_context* context, const ty_grid_box* box, bool with_left, ty_pop_merged* out);

@@ -325,19 +325,29 @@ static void see_one(void* user, int64_t index, int32_t worker) {
     ty_pop_see(b->job->light->medium, b->job->light->eye, grid);
 }
 
-ty_result ty_pop_see_from(ty_pop* light, const float eye[3]) {
-    ty_pop_job job = {.context = light->context, .def = &light->def, .light = light};
-    batch b = {.job = &job, .floats = light->def.mode == TY_POP_MODE_SPLIT ? TY_POP_SEEN : TY_POP_SEEN_LEFT};
-    memcpy(light->eye, eye, sizeof light->eye);
-    if (light->count == 0) return TY_OK;
+ty_result ty_pop_see_from(const ty_pop* light, const float eye[3], ty_pop* out) {
+    ty_context* context = light->context;
     const bool split = light->def.mode == TY_POP_MODE_SPLIT;
-    for (int c = 0; c < 3; ++c) {
-        memset(light->merged.seen[c], 0, light->cells * sizeof(float));
-        if (split) memset(light->merged.fluence[c], 0, light->cells * sizeof(float));
-    }
-    ty_result result = begin_batch(&b);
+    *out = *light;
+    memcpy(out->eye, eye, sizeof out->eye);
+    out->merged = (ty_pop_merged){.box.size = {0, 0, 0}};
+    out->ordinates = ty_alloc_array(context, (size_t)light->count, sizeof *out->ordinates, false);
+    ty_result result = ty_pop_merged_create(context, &light->merged.box, false, &out->merged);
+    if (out->ordinates == NULL) return TY_ERROR_MEMORY;
+    memcpy(out->ordinates, light->ordinates, (size_t)light->count * sizeof *out->ordinates);
+    if (result != TY_OK) return result;
+    for (int c = 0; c < 3 && !split; ++c)
+        memcpy(out->merged.fluence[c], light->merged.fluence[c], light->cells * sizeof(float));
+    ty_pop_job job = {.context = context, .def = &out->def, .light = out};
+    batch b = {.job = &job, .floats = split ? TY_POP_SEEN : TY_POP_SEEN_LEFT};
+    result = begin_batch(&b);
     if (result == TY_OK) result = run_batches(&b, see_one);
-    if (result == TY_OK && split) scale_merged(light);
+    if (result == TY_OK && split) scale_merged(out);
     end_batch(&b);
     return result;
+}
+
+void ty_pop_end_view(const ty_pop* light, ty_pop* view) {
+    ty_pop_merged_destroy(light->context, &view->merged);
+    ty_free_array(light->context, view->ordinates, (size_t)light->count, sizeof *view->ordinates);
 }

@@ -24,7 +24,7 @@ ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, 
 static inline ty_vpl_def ty_pop_vpl_def(const ty_pop_def* def) {
     return (ty_vpl_def){.count = def->vpls,
                         .texels = def->shadow_texels,
-                        .clamp = def->clamp,
+                        .clamp = def->vpl_min_distance,
                         .prefilter = def->prefilter,
                         .reduced = def->mode == TY_POP_MODE_SPLIT,
                         .seed = def->seed};

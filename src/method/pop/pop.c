@@ -192,25 +192,33 @@ static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_
     return result;
 }
 
-/* Looks at the light from the scene's camera. */
-static ty_result turn_to_camera(ty_pop* light, const ty_scene* scene) {
-    float eye[3];
-    place_eye(scene, eye);
-    if (memcmp(eye, light->eye, sizeof eye) == 0 || light->count == 0) return TY_OK;
-    if (light->def.keep_lobes) return ty_pop_see_from(light, eye);
-    return ty_fail(light->context, TY_ERROR_ARGUMENT,
-                   "pop: solved for a camera at (%g, %g, %g), and this one is at (%g, %g, %g); keep_lobes is for that",
-                   (double)light->eye[0], (double)light->eye[1], (double)light->eye[2], (double)eye[0], (double)eye[1],
-                   (double)eye[2]);
+/* Renders from another camera position than the solve's. */
+static ty_result view_from(const ty_pop* light, const float eye[3], const ty_scene* scene, const ty_pop_def* def,
+                           ty_part_progress progress, ty_image** out, ty_pop_stats* stats) {
+    if (!light->def.keep_lobes)
+        return ty_fail(
+            light->context, TY_ERROR_ARGUMENT,
+            "pop: solved for a camera at (%g, %g, %g), and this one is at (%g, %g, %g); keep_lobes is for that",
+            (double)light->eye[0], (double)light->eye[1], (double)light->eye[2], (double)eye[0], (double)eye[1],
+            (double)eye[2]);
+    ty_pop moved;
+    ty_result result = ty_pop_see_from(light, eye, &moved);
+    if (result == TY_OK) result = march(&moved, scene, def, progress, out, stats);
+    ty_pop_end_view(light, &moved);
+    return result;
 }
 
-ty_result ty_pop_view(ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
+ty_result ty_pop_view(const ty_pop* light, const ty_scene* scene, const ty_pop_def* def, ty_image** out,
                       ty_pop_stats* stats) {
     *out = NULL;
-    ty_result result = ty_pop_check(ty_scene_context(scene), def);
-    if (result == TY_OK) result = turn_to_camera(light, scene);
+    const ty_result result = ty_pop_check(ty_scene_context(scene), def);
     if (result != TY_OK) return result;
-    return march(light, scene, def, ty_part_begin(def->progress, def->progress_user, 0, 1), out, stats);
+    const ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, 0, 1);
+    float eye[3];
+    place_eye(scene, eye);
+    const bool same = memcmp(eye, light->eye, sizeof eye) == 0 || light->count == 0;
+    return same ? march(light, scene, def, progress, out, stats)
+                : view_from(light, eye, scene, def, progress, out, stats);
 }
 
 ty_result ty_pop_render(const ty_scene* scene, const ty_pop_def* def, ty_image** out, ty_pop_stats* stats) {

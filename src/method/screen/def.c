@@ -10,7 +10,7 @@ ty_screen_def ty_default_screen_def(void) {
     return (ty_screen_def){.cookie = TY_DEF_COOKIE,
                            .forward = {1, 1, 1},
                            .center = {-1, -1},
-                           .unknown = 1e6f,
+                           .missing_depth = 1e6f,
                            .filter = 4,
                            .levels = TY_SCREEN_LEVELS_AUTO,
                            .mask = TY_SCREEN_MASK_SMOOTH,
@@ -19,6 +19,10 @@ ty_screen_def ty_default_screen_def(void) {
                            .blurred_distance = true,
                            .normalise = true,
                            .level_scale = 0.8f};
+}
+
+ty_screen_image ty_default_screen_image(void) {
+    return (ty_screen_image){.cookie = TY_DEF_COOKIE, .color.step = 1, .distance_step = 1, .out.step = 1};
 }
 
 void ty_screen_naive_def(ty_screen_def* def) {
@@ -75,9 +79,10 @@ static ty_result check_camera(ty_context* context, const ty_screen_def* def) {
         if (!(fabs(def->center[axis]) <= 1e9))
             return ty_fail(context, TY_ERROR_ARGUMENT, "screen.center: %g is outside -1e9..1e9", def->center[axis]);
     }
-    if (!(def->unknown > 0 && def->unknown <= 1e15f))
-        return ty_fail(context, TY_ERROR_ARGUMENT, "screen.unknown: %g m is not a distance, above 0 and at most 1e15",
-                       (double)def->unknown);
+    if (!(def->missing_depth > 0 && def->missing_depth <= 1e15f))
+        return ty_fail(context, TY_ERROR_ARGUMENT,
+                       "screen.missing_depth: %g m is not a distance, above 0 and at most 1e15",
+                       (double)def->missing_depth);
     return TY_OK;
 }
 
@@ -122,12 +127,13 @@ static ty_result check_planes(ty_context* context, const char* name, const ty_sc
 }
 
 ty_result ty_screen_check_image(ty_context* context, const ty_screen_image* image, bool out) {
-    if (image == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: it is NULL");
+    ty_result result = ty_check_def(context, image, "ty_default_screen_image");
+    if (result != TY_OK) return result;
     if (image->width < 1 || image->height < 1 || image->width > TY_SCREEN_SIDE_MAX ||
         image->height > TY_SCREEN_SIDE_MAX)
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: %d x %d is outside 1..%d", image->width,
                        image->height, TY_SCREEN_SIDE_MAX);
-    ty_result result = check_planes(context, "color", &image->color);
+    result = check_planes(context, "color", &image->color);
     if (result != TY_OK) return result;
     if (image->distance == NULL || image->distance_step == 0)
         return ty_fail(context, TY_ERROR_ARGUMENT, "screen image: distance is NULL, or distance_step is 0");

@@ -294,7 +294,7 @@ static void set_levels(scatter* s) {
 
 /* As many levels as the largest spread needs, or as were asked for. */
 static int32_t choose_levels(const scatter* s) {
-    if (s->job->def->levels > 0 || s->job->stats.cut > 0) return s->built;
+    if (s->job->def->levels > 0 || s->job->stats.oversized > 0) return s->built;
     int32_t levels = 1;
     for (int32_t band = 0; band < s->band_count; ++band)
         for (int c = 0; c < 3; ++c) {
@@ -353,7 +353,7 @@ ty_result ty_screen_scatter(ty_screen_job* job) {
     job->stats.step_seconds[1] = filtered - split;
     job->stats.step_seconds[2] = ty_wall_seconds() - filtered;
     job->stats.levels = levels;
-    job->stats.held = held_radius(&s, levels);
+    job->stats.max_spread = held_radius(&s, levels);
     job->stats.bytes = count_bytes(&s, levels);
     return TY_OK;
 }

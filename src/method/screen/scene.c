@@ -57,7 +57,7 @@ ty_result ty_screen_set_scene(const ty_scene* scene, int32_t height, ty_screen_d
     const ty_camera_def camera = ty_scene_camera(scene);
     def->focal[0] = def->focal[1] = ty_screen_focal(height > 0 ? height : camera.resolution[1], camera.fov_y);
     def->center[0] = def->center[1] = -1;
-    def->planar = false;
+    def->distance_kind = TY_SCREEN_DISTANCE_RAY;
     return TY_OK;
 }
 

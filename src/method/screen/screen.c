@@ -44,12 +44,12 @@ static void make_params(ty_screen_job* job) {
     const bool middle = def->center[0] == -1 && def->center[1] == -1; /* parts of a frame may have it outside */
     ty_screen_params params = {.width = width,
                                .height = height,
-                               .planar = def->planar,
+                               .planar = def->distance_kind == TY_SCREEN_DISTANCE_AXIS,
                                .center_x = (float)(middle ? 0.5 * width : def->center[0]),
                                .center_y = (float)(middle ? 0.5 * height : def->center[1]),
                                .inverse_focal_x = (float)(1 / def->focal[0]),
                                .inverse_focal_y = (float)(1 / def->focal[1]),
-                               .unknown = def->unknown};
+                               .unknown = def->missing_depth};
     const double focal = sqrt(def->focal[0] * def->focal[1]);
     double mean_s = 0, mean_a = 0, mean_reduced = 0;
     for (int c = 0; c < 3; ++c) {
@@ -93,9 +93,9 @@ double ty_screen_radius(const ty_screen_job* job, int channel, double measure) {
 void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count) {
     ty_screen_stats* stats = &job->stats;
     for (int32_t band = 0; band < band_count; ++band) {
-        stats->mended += counts[band].mended;
-        stats->unknown += counts[band].unknown;
-        stats->cut += counts[band].cut;
+        stats->nonfinite_fixed += counts[band].mended;
+        stats->missing_depth += counts[band].unknown;
+        stats->oversized += counts[band].cut;
         for (int c = 0; c < 3; ++c)
             stats->spread = fmax(stats->spread, ty_screen_radius(job, c, (double)counts[band].largest[c]));
     }
@@ -164,8 +164,8 @@ static ty_result copy_picture(ty_screen_job* job) {
     const double start = ty_wall_seconds();
     ty_parallel_for(job->context, task_count(job->image), copy_rows, &work);
     job->stats.step_seconds[0] = ty_wall_seconds() - start;
-    job->stats.mended = work.mended;
-    job->stats.unknown = work.unknown;
+    job->stats.nonfinite_fixed = work.mended;
+    job->stats.missing_depth = work.unknown;
     job->stats.bytes = (double)job->image->width * job->image->height * (4 + 3) * sizeof(float);
     return TY_OK;
 }
