@@ -6,10 +6,15 @@
 #include <stdexcept>
 #include <string>
 
-template <auto destroy> struct destroyer {
-    template <typename T> void operator()(T* object) const { destroy(object); }
+template <auto destroy>
+struct destroyer {
+    template <typename T>
+    void operator()(T* object) const {
+        destroy(object);
+    }
 };
-template <typename T, auto destroy> using owner = std::unique_ptr<T, destroyer<destroy>>;
+template <typename T, auto destroy>
+using owner = std::unique_ptr<T, destroyer<destroy>>;
 
 using context_ptr = owner<ty_context, ty_context_destroy>;
 using grid_ptr = owner<ty_grid, ty_grid_release>;

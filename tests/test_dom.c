@@ -224,6 +224,10 @@ static void cameras_move_without_solving_again(void** state) {
     check_cameras(&calls, *state);
 }
 
+static void light_outlives_its_scene(void** state) {
+    check_lifetimes(&calls, *state);
+}
+
 /* All directions' radiance together is the fluence of what has scattered. */
 static void radiance_adds_up_to_fluence(void** state) {
     enum { WAYS = 2000 };
@@ -375,6 +379,7 @@ int main(void) {
         cmocka_unit_test(refused_memory_leaves_nothing),
         cmocka_unit_test(threads_do_not_change_bits),
         cmocka_unit_test(cameras_move_without_solving_again),
+        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(radiance_adds_up_to_fluence),
         cmocka_unit_test(starts_save_sweeps),
         cmocka_unit_test(gray_scenes_are_solved_once),

@@ -191,6 +191,10 @@ static void cameras_move_without_solving_again(void** state) {
     check_cameras(&calls, *state);
 }
 
+static void light_outlives_its_scene(void** state) {
+    check_lifetimes(&calls, *state);
+}
+
 /* R, G, B are what was scattered, and what surfaces sent. */
 static void channels_add_up(void** state) {
     ty_scene* scene = foggy_scene(*state);
@@ -253,6 +257,7 @@ int main(void) {
         cmocka_unit_test(refused_memory_leaves_nothing),
         cmocka_unit_test(threads_do_not_change_bits),
         cmocka_unit_test(cameras_move_without_solving_again),
+        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(channels_add_up),
         cmocka_unit_test(views_know_the_beam_of_their_light),
     };

@@ -376,6 +376,47 @@ static void views_of_callers(void** state) {
     end_case(&at);
 }
 
+static ty_scene* lit_fog(ty_context* context) {
+    ty_scene* scene = make_scene(context);
+    const ty_medium_def fog = box_medium((double[3]){-2, 0, -2}, (double[3]){2, 2, 2}, 0.3f, 0);
+    check(scene, ty_scene_add_medium(scene, &fog));
+    add_floor(scene, 2, 0.5f);
+    add_box(scene, -0.5, 0, -0.5, 1, 0.6f);
+    add_sun(scene, 0.3, -1, 0.2);
+    look_from(scene, 0, 1, 6, 0, 1, 0, 40);
+    check(scene, ty_scene_commit(scene));
+    return scene;
+}
+
+/* Light does not refer to the scene that it was solved for: lookups work without it, and views of a scene like it. */
+static void light_outlives_its_scene(void** state) {
+    static const double lower[3] = {-2, 0, -2}, upper[3] = {2, 2, 2};
+    static const int32_t size[3] = {3, 2, 3};
+    double fluence[2][3 * 18];
+    ty_image* images[2] = {NULL};
+    ty_lpv* light = NULL;
+    ty_lpv_def def = ty_default_lpv_def();
+    def.resolution = 8;
+    def.map_side = 64;
+    def.shadow_side = 64;
+    ty_scene* scene = lit_fog(*state);
+    check(scene, ty_lpv_solve(scene, &def, &light, NULL));
+    check(scene, ty_lpv_fluence(light, lower, upper, size, fluence[0]));
+    check(scene, ty_lpv_view(light, scene, &def, &images[0], NULL));
+    ty_scene_destroy(scene);
+    scene = lit_fog(*state);
+    check(scene, ty_lpv_fluence(light, lower, upper, size, fluence[1]));
+    check(scene, ty_lpv_view(light, scene, &def, &images[1], NULL));
+    assert_memory_equal(fluence[0], fluence[1], sizeof fluence[0]);
+    assert_true(fluence[0][0] > 0);
+    const size_t bytes = sizeof(float) * WIDE * HIGH;
+    for (int32_t c = 0; c < 3; ++c)
+        assert_memory_equal(ty_image_plane_const(images[0], c), ty_image_plane_const(images[1], c), bytes);
+    for (int i = 0; i < 2; ++i) ty_image_destroy(images[i]);
+    ty_lpv_destroy(light);
+    ty_scene_destroy(scene);
+}
+
 /* ---- shadows ---- */
 
 static void shadows(void** state) {
@@ -570,6 +611,7 @@ int main(void) {
         cmocka_unit_test(even_light_in_voxels),
         cmocka_unit_test(half_resolution),
         cmocka_unit_test(views_of_callers),
+        cmocka_unit_test(light_outlives_its_scene),
         cmocka_unit_test(shadows),
         cmocka_unit_test(lookups_agree),
         cmocka_unit_test(closed_links),

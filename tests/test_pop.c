@@ -128,12 +128,41 @@ static void threads_do_not_change_bits(void** state) {
     }
 }
 
+static void light_outlives_its_scene(void** state) {
+    check_lifetimes(&calls, *state);
+}
+
+/* A view from another camera position does not change the light: the first view can be had again. */
+static void views_do_not_change_light(void** state) {
+    for (int variant = 0; variant < calls.variants; ++variant) {
+        ty_scene* scene = foggy_scene(*state);
+        const ty_camera_def first = ty_scene_camera(scene);
+        ty_camera_def second = first;
+        set3(second.position, 1, 3, -4);
+        const ty_camera_def* const cameras[3] = {&first, &second, &first};
+        volume_def def;
+        calls.make_def(&def, variant);
+        ty_pop* light = solve_volume(&calls, scene, &def);
+        ty_image* images[3] = {NULL};
+        for (int i = 0; i < 3; ++i) {
+            check_result(*state, ty_scene_set_camera(scene, cameras[i]));
+            check_result(*state, ty_pop_view(light, scene, &def.pop, &images[i], NULL));
+        }
+        assert_true(same_images(images[0], images[2]));
+        assert_false(same_images(images[0], images[1]));
+        for (int i = 0; i < 3; ++i) ty_image_destroy(images[i]);
+        ty_pop_destroy(light);
+        ty_scene_destroy(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_defs_are_refused),         cmocka_unit_test(scenes_need_media),
         cmocka_unit_test(cuts_of_boxes_are_checked),      cmocka_unit_test(progress_runs_to_the_end),
         cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing),
-        cmocka_unit_test(threads_do_not_change_bits),
+        cmocka_unit_test(threads_do_not_change_bits),     cmocka_unit_test(light_outlives_its_scene),
+        cmocka_unit_test(views_do_not_change_light),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -277,6 +277,12 @@ static const bad_case bad_cases[] = {
     /* render */
     {HEAD "\"render\": {\"spp\": 0}}", NULL, "s.json:2: render.spp: 0 is outside [1, 16777216]"},
     {HEAD "\"render\": {\"seed\": -1}}", NULL, "s.json:2: render.seed: -1 is outside [0, 9007199254740991]"},
+    {HEAD "\"render\": {\"fld\": {\"streaming\": 1}}}", NULL,
+     "s.json:2: render.fld.streaming: unknown key; did you mean \"max_flux_fraction\"?"},
+    {HEAD "\"render\": {\"pop\": {\"streaming\": 1}}}", NULL,
+     "s.json:2: render.pop.streaming: unknown key; did you mean \"max_flux_fraction\"?"},
+    {HEAD "\"render\": {\"pop\": {\"clamp\": 0.1}}}", NULL,
+     "s.json:2: render.pop.clamp: unknown key; did you mean \"vpl_min_distance\"?"},
     {HEAD "\"render\": {\"screen\": {\"filter\": 5}}}", NULL,
      "s.json:2: render.screen.filter: 5 is not a multiple of 2"},
     {HEAD "\"render\": {\"screen\": {\"levels\": 16}}}", NULL, "s.json:2: render.screen.levels: 16 is outside [0, 15]"},

@@ -305,7 +305,8 @@ static void check_keywords(const json_t* root, const json_t* schema) {
                                         "additionalProperties",
                                         "required",
                                         "anyOf",
-                                        "oneOf"};
+                                        "oneOf",
+                                        "x-formerly"};
     const char* key;
     json_t *value, *inner;
     json_object_foreach((json_t*)schema, key, value) {

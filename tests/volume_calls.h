@@ -278,6 +278,27 @@ static inline void check_cameras(const volume_calls* calls, ty_context* context)
     ty_scene_destroy(scene);
 }
 
+/* Light does not refer to the scene that it was solved for: lookups work without it, and views of a scene like it. */
+static inline void check_lifetimes(const volume_calls* calls, ty_context* context) {
+    static double numbers[2][VOLUME_NUMBERS];
+    ty_image* images[2] = {NULL};
+    ty_scene* scene = foggy_scene(context);
+    volume_def def;
+    calls->make_def(&def, 0);
+    void* light = solve_volume(calls, scene, &def);
+    calls->look_up(light, numbers[0]);
+    check_result(context, calls->view(light, scene, &def, &images[0]));
+    ty_scene_destroy(scene);
+    calls->look_up(light, numbers[1]);
+    assert_memory_equal(numbers[0], numbers[1], sizeof numbers[0]);
+    scene = foggy_scene(context);
+    check_result(context, calls->view(light, scene, &def, &images[1]));
+    ty_scene_destroy(scene);
+    calls->destroy(light);
+    assert_true(same_images(images[0], images[1]));
+    for (int i = 0; i < 2; ++i) ty_image_destroy(images[i]);
+}
+
 /* As images, and on cells. */
 static inline void check_threads(const volume_calls* calls, const volume_def* def) {
     static const int32_t threads[] = {1, 2, 4};
