@@ -175,8 +175,9 @@ static void assert_refused(ty_context* context, const mapped_mesh* mesh, bool ma
     ty_atlas* atlas = NULL;
     assert_int_equal(ty_atlas_create(scene, 0, "wall", &def, &atlas), TY_ERROR_INPUT);
     assert_null(atlas);
-    assert_non_null(strstr(ty_take_error(context), "wall"));
-    assert_error(context, words);
+    const char* message = ty_take_error(context);
+    assert_non_null(strstr(message, "wall"));
+    assert_non_null(strstr(message, words));
     ty_scene_destroy(scene);
 }
 

@@ -81,7 +81,7 @@ typedef struct ty_bake_def {
                            ///< Russian roulette alone ends paths.
     int32_t scatterings;   ///< Largest number of scatterings between two surfaces, or a light and a surface, 1..the
                            ///< bounces of the tables; default 10. TY_BAKE_PATH keeps to it, too.
-    bool back_scattering;  ///< Whether light counts that surfaces behind a receiver send into the medium (Sec. 5.2);
+    bool back_scattering;  ///< True: light counts that surfaces behind a receiver send into the medium (Sec. 5.2);
                            ///< default true.
     const ty_impulse* tables;   ///< TY_BAKE_IMPULSE: the tables; NULL (default): created for the call.
     const ty_bake_cache* cache; ///< TY_BAKE_CACHE: the cache of the same scene; NULL (default): created for the call.
@@ -164,7 +164,7 @@ typedef struct ty_atlas_def {
     int32_t height;   ///< Texels along v, 4..16384; 0 (default): by `density`.
     double density;   ///< Texels per metre, > 0; default 8. It gives at most 4096 texels a side.
     int32_t padding;  ///< Texels around charts that are filled, 0..64; default 4.
-    bool close_seams; ///< Whether both sides of an edge that charts share on the surface, but not in the map, are made
+    bool close_seams; ///< True: both sides of an edge that charts share on the surface, but not in the map, are made
                       ///< alike; default true.
 } ty_atlas_def;
 

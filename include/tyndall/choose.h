@@ -43,9 +43,9 @@ typedef struct ty_look {
     double surfaces; ///< Fraction of the frame with surfaces.
     double enclosed; ///< Fraction of the directions around scattering points that meet a surface within the length of
                      ///< the media's box.
-    bool varies;     ///< Whether media are heterogeneous.
-    bool glows;      ///< Whether media emit light.
-    bool inside;     ///< Whether the camera is in a medium.
+    bool varies;     ///< True: media are heterogeneous.
+    bool glows;      ///< True: media emit light.
+    bool inside;     ///< True: the camera is in a medium.
     uint32_t lights; ///< 1 << ty_light_kind for each kind of light; emitting surfaces count as area lights.
 } ty_look;
 

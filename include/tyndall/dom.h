@@ -84,7 +84,7 @@ typedef struct ty_dom_stats {
     int32_t planes;                 ///< 1: one solve for all channels; 3.
     int32_t directions;             ///< Number of ordinates.
     int32_t bands;                  ///< Number of Legendre terms.
-    bool converged;                 ///< Whether all channels converged.
+    bool converged;                 ///< True: all channels converged.
     int32_t sweeps[3];              ///< Sweeps of all directions over all cells.
     int32_t cycles[3];              ///< Multigrid cycles.
     double change[3];               ///< Estimated relative change of the fluence that is still to come.

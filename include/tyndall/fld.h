@@ -101,7 +101,7 @@ typedef struct ty_fld_stats {
     int32_t direct_size[3];    ///< Cells of uncollided light along x, y, z.
     int32_t diffusion_size[3]; ///< Cells of diffusion along x, y, z.
     int32_t planes;            ///< 1: all channels have the same coefficients, and one solve; 3.
-    bool converged;            ///< Whether all channels converged.
+    bool converged;            ///< True: all channels converged.
     int32_t iterations[3];     ///< Picard iterations, or sweeps of SOR.
     int32_t cycles[3];         ///< Multigrid cycles.
     double residual[3];        ///< rms(residual) / rms(source) at the end.

@@ -67,7 +67,7 @@ TY_API void ty_grid_release(ty_grid* grid);
 typedef struct ty_grid_info {
     int32_t size[3];          ///< Voxels along x, y, z.
     ty_grid_type type;        ///< Storage of values.
-    bool placed;              ///< Whether the grid has a placement of its own.
+    bool placed;              ///< True: the grid has a placement of its own.
     float background;         ///< Value outside of a placed grid.
     float min;                ///< Minimum over all voxels.
     float max;                ///< Maximum over all voxels.

@@ -147,10 +147,10 @@ TY_API ty_result ty_nanovdb_write(ty_context* context, const ty_grid* grid, cons
 typedef struct ty_mesh_file_def {
     uint32_t cookie;       ///< Set by ty_default_mesh_file_def() and checked.
     ty_affine transform;   ///< Map from file units to m, invertible; default identity.
-    bool to_z_up;          ///< Whether to turn y-up files (glTF) into a z-up scene, (x, y, z) -> (x, -z, y), before
+    bool to_z_up;          ///< True: y-up files (glTF) are turned into a z-up scene, (x, y, z) -> (x, -z, y), before
                            ///< `transform`; default false.
-    bool meshes;           ///< Whether to take meshes; default true.
-    bool lights;           ///< Whether to take lights; default true.
+    bool meshes;           ///< True (default): meshes are taken.
+    bool lights;           ///< True (default): lights are taken.
     double light_scale;    ///< Factor of intensity and irradiance of punctual lights, 0..1e15; default 1: a candela
                            ///< counts as 1 W sr^-1, and a lux as 1 W m^-2.
     double emission_scale; ///< Factor of the emission of materials, 0..1e15; default 1.

@@ -92,9 +92,9 @@ typedef struct ty_lpv_def {
 
     const ty_lpv_view_def* view; ///< The surfaces that the camera sees; NULL (default): traced.
     int32_t shadow_side; ///< Texels along a side of the shadow maps of single scattering, 16..4096; default 512.
-    bool shadow_rays;    ///< Whether surfaces near the edges of shadows trace rays instead of trusting the maps alone;
+    bool shadow_rays;    ///< True: surfaces near the edges of shadows trace rays instead of trusting the maps alone;
                          ///< default true.
-    bool half;           ///< Whether media are marched at half of the resolution, and upsampled by depth; default
+    bool half;           ///< True: media are marched at half of the resolution, and upsampled by depth; default
                          ///< true.
     double step;         ///< Step of the ray march, cells, 0.05..8; default 1.
     int32_t width;       ///< Image width, pixels; 0 (default): that of the camera. Set with `height`.

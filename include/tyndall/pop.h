@@ -43,7 +43,7 @@ typedef struct ty_pop_def {
     int32_t merged; ///< Cells of the grid that joins all ordinates, along the longest side of the box around all media,
                     ///< 4..512. 0 (default): 1.5 times the resolution, at most 48 or the resolution; twice the
                     ///< resolution in the other modes (Sec. 5.3).
-    bool sharp;     ///< Whether the first eight directional, point and spot lights are propagated through cells as fine
+    bool sharp;     ///< True: the first eight directional, point and spot lights are propagated through cells as fine
                     ///< as the medium's instead of grids of their own; default true; mode split.
     int32_t direct; ///< Cells of these lights along the longest side, 4..1024. 0 (default): as fine as the finest
                     ///< voxels, at most 256; 64 for media without voxels.
@@ -51,10 +51,10 @@ typedef struct ty_pop_def {
     int32_t ordinates; ///< N: ordinates per environment light, 1..4096; default 64.
     double prefilter;  ///< beta of Sec. 5.1, 0..16: a = (1 - w / N)^beta. In mode published, w / N is the fraction of
                        ///< the sphere that an ordinate stands for; otherwise 1 - w / N is the mean cosine of its light,
-                      ///< whatever its shape, which is the same for a uniform environment and makes tuning unnecessary.
-                      ///< In mode split, scattered light is also no brighter than that of a disc with that mean cosine.
-                      ///< Default 1; 0: no prefiltering, a = 1.
-    bool importance; ///< Whether the choice of ordinates also weighs how much of their light the camera sees; default
+    ///< whatever its shape, which is the same for a uniform environment and makes tuning unnecessary.
+    ///< In mode split, scattered light is also no brighter than that of a disc with that mean cosine.
+    ///< Default 1; 0: no prefiltering, a = 1.
+    bool importance; ///< True: the choice of ordinates also weighs how much of their light the camera sees; default
                      ///< true.
     float* history;  ///< In and out: the map of importance of the frame before, TY_POP_IMPORTANCE_WIDTH x _HEIGHT. A
                      ///< fraction of it is mixed with this frame's map, which replaces it. All 0: there was no frame
@@ -67,7 +67,7 @@ typedef struct ty_pop_def {
     double vpl_min_distance; ///< Least distance r in 1 / r^2 of a virtual point light, as a fraction of the box's
                              ///< longest side, 0..1; default 0.05.
 
-    bool keep_lobes; ///< Whether to keep the light of each ordinate, which other camera positions, ty_pop_radiance()
+    bool keep_lobes; ///< True: the light of each ordinate is kept, which other camera positions, ty_pop_radiance()
                      ///< and the uncollided light of ty_pop_fluence() need; default false.
 
     int32_t iterations; ///< M, modes published and collided, 1..10000. 0 (default): the resolution, or m' of Eq. 10 if
@@ -110,21 +110,21 @@ typedef struct ty_pop_stats {
     int32_t planes;              ///< 1: all channels have the same coefficients; 3.
     int32_t iterations;          ///< Iterations of propagation; mode split: of diffusion, the largest of all channels.
     int32_t residuum_iterations; ///< Iterations of isotropic light in one grid.
-    bool converged;            ///< Mode split: whether diffusion converged. Other modes: whether little light was left.
-    double left;               ///< Modes published and collided: fraction of the light that was not yet propagated.
-    double seconds;            ///< Wall clock time of the whole, s.
-    double medium_seconds;     ///< Time to sample the media, s.
-    double importance_seconds; ///< Time to find the map of importance, s.
-    double ordinate_seconds;   ///< Time to choose ordinates, s.
-    double vpl_seconds;        ///< Time to find virtual point lights, s.
-    double direct_seconds;     ///< Time of the lights of `sharp`, s.
-    double initial_seconds;    ///< Time to sample media on the ordinates' grids, and the light that enters them, s.
-    double propagation_seconds; ///< Time of propagation, s; mode split: 0.
-    double residuum_seconds;    ///< Time of isotropic light in one grid, s; mode split: of diffusion.
-    double merge_seconds;       ///< Time to join ordinates in one grid, s.
-    double march_seconds;       ///< Time of the image, s.
-    double bytes;               ///< Memory of the ordinates' grids.
-    const char* isa;            ///< Instruction set of the kernels, as in ty_path_stats.
+    bool converged;              ///< True: diffusion converged (mode split), or little light was left (other modes).
+    double left;                 ///< Modes published and collided: fraction of the light that was not yet propagated.
+    double seconds;              ///< Wall clock time of the whole, s.
+    double medium_seconds;       ///< Time to sample the media, s.
+    double importance_seconds;   ///< Time to find the map of importance, s.
+    double ordinate_seconds;     ///< Time to choose ordinates, s.
+    double vpl_seconds;          ///< Time to find virtual point lights, s.
+    double direct_seconds;       ///< Time of the lights of `sharp`, s.
+    double initial_seconds;      ///< Time to sample media on the ordinates' grids, and the light that enters them, s.
+    double propagation_seconds;  ///< Time of propagation, s; mode split: 0.
+    double residuum_seconds;     ///< Time of isotropic light in one grid, s; mode split: of diffusion.
+    double merge_seconds;        ///< Time to join ordinates in one grid, s.
+    double march_seconds;        ///< Time of the image, s.
+    double bytes;                ///< Memory of the ordinates' grids.
+    const char* isa;             ///< Instruction set of the kernels, as in ty_path_stats.
 } ty_pop_stats;
 
 /// The light in a scene's media: solved once, and seen from the camera position of the solve, or with keep_lobes from

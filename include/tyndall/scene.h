@@ -95,7 +95,7 @@ typedef struct ty_medium_def {
 
     const ty_transfer_point* transfer; ///< Transfer function of `density_grid`; default NULL.
     int32_t transfer_count;            ///< Number of its points: 0 (default), or 2..TY_TRANSFER_MAX.
-    bool transfer_albedo;              ///< Whether its points set the albedo; default false.
+    bool transfer_albedo;              ///< True: its points set the albedo; default false.
 
     ty_grid* albedo_grid[3]; ///< Single-scattering albedo per channel, clamped to 0..1, which splits sigma_s + sigma_a
                              ///< anew; default NULL. All three or none; they may be one grid. Not with
@@ -226,7 +226,7 @@ typedef struct ty_texture_def {
                            ///< is set.
     const ty_image* image; ///< Linear R, G, B, or one channel, and A if there is one; copied.
     ty_wrap wrap[2];       ///< Along u and v; default TY_WRAP_REPEAT.
-    bool nearest;          ///< Whether lookups take the nearest texel; default false: bilinear.
+    bool nearest;          ///< True: lookups take the nearest texel; default false: bilinear.
 } ty_texture_def;
 
 /// A definition with all fields at their defaults.
@@ -261,7 +261,7 @@ typedef struct ty_material_def {
     ty_texture* emission_texture; ///< Default NULL.
     int32_t emission_uv;          ///< Texture coordinates for it, 0 or 1; default 0.
     float emission_map[6];        ///< As albedo_map; default identity.
-    bool double_sided; ///< Whether both sides emit, instead of the front; both reflect in any case; default false.
+    bool double_sided;        ///< True: both sides emit, instead of the front; both reflect in any case; default false.
     ty_alpha_mode alpha_mode; ///< Default TY_ALPHA_OPAQUE.
     float alpha_cutoff;       ///< 0..1; default 0.5.
 } ty_material_def;
@@ -353,7 +353,7 @@ TY_API ty_axis ty_scene_up_axis(const ty_scene* scene);
 /// The camera, or the default one if none was set.
 TY_API ty_camera_def ty_scene_camera(const ty_scene* scene);
 
-/// What a method is asked for under its own name in `render`.
+/// The settings under render.path in a scene file.
 typedef struct ty_path_settings {
     int32_t max_depth; ///< Scatterings and reflections at most; 0 (default) for unlimited.
 } ty_path_settings;
@@ -364,10 +364,10 @@ typedef struct ty_screen_settings {
     char spread[16];  ///< Of variant "scatter" and "reference": "small_angle" (default) or "gaussian" (the paper's).
     int32_t filter;   ///< Taps, 2, 4 (default) or 6.
     int32_t levels;   ///< Of the pyramid, 1..15; 0 (default): as many as are needed.
-    char environment[16]; ///< What light from outside the picture counts: "around" (default): the mean radiance that
+    char environment[16]; ///< Light from outside the picture that counts: "around" (default): the mean radiance that
                           ///< arrives at the camera from all directions, without media; "lights": that of environment
                           ///< lights alone; "none".
-    bool balance;         ///< Whether it is put in only for what the picture's own light loses to backward scattering
+    bool balance;         ///< True: it is put in only for what the picture's own light loses to backward scattering
                           ///< (ty_screen_balance), default, or in full; without "none" full is far too bright.
 } ty_screen_settings;
 
@@ -416,10 +416,10 @@ typedef struct ty_pop_settings {
 
 /// ty_lpv_def in words; 0 for what it calls its own choice.
 typedef struct ty_lpv_settings {
-    char mode[16];       ///< "links" (default) or "published" (the paper's).
-    char parts[16];      ///< What takes part: "all" (default), or as in the paper's Fig. 5 "shadow_map", "plain",
-                         ///< "plain_march", "single" or "both".
-    char place[16];      ///< Of the lattice: "scene" (default) or "camera".
+    char mode[16];  ///< "links" (default) or "published" (the paper's).
+    char parts[16]; ///< Features that take part: "all" (default), or as in the paper's Fig. 5 "shadow_map", "plain",
+                    ///< "plain_march", "single" or "both".
+    char place[16]; ///< Of the lattice: "scene" (default) or "camera".
     int32_t resolution;  ///< As in ty_lpv_def.
     int32_t cascades;    ///< As in ty_lpv_def.
     int32_t bands;       ///< As in ty_lpv_def.
@@ -453,7 +453,7 @@ typedef struct ty_dom_settings {
     int32_t spp;               ///< Rays per pixel.
 } ty_dom_settings;
 
-/// What `render` in a scene file asked for; defaults when a scene was built by calls.
+/// The settings under `render` in a scene file; defaults for a scene that was built by calls.
 typedef struct ty_render_settings {
     char method[16]; ///< "auto" (default; ty_choose_method), "path", "screen", "fld", "cda" (fld without limiter),
                      ///< "pop", "lpv" or "dom".
@@ -490,7 +490,7 @@ typedef struct ty_scene_info {
     int64_t triangles;    ///< Number of triangles of meshes.
     int64_t textures;     ///< Number of textures of meshes.
     int64_t emitters;     ///< Number of sampled lights: lights, and quads, spheres and triangles that emit.
-    bool bounded;         ///< Whether the box below is not empty.
+    bool bounded;         ///< True: the box below is not empty.
     double lower[3];      ///< Lower corner of the box around media and surfaces, m.
     double upper[3];      ///< Upper corner of that box, m.
     size_t bytes;         ///< Memory of grids, textures, tables and ray tracing structures.

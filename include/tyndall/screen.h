@@ -82,11 +82,11 @@ typedef struct ty_screen_def {
     ty_screen_mask mask; ///< TY_SCREEN_GATHER, as are the fields up to level_scale; default TY_SCREEN_MASK_SMOOTH. The
                          ///< defaults are the paper's method with normalised masks.
     float mask_width;    ///< epsilon of Eq. 7, > 0; default 0.5.
-    bool luminance_weights; ///< Whether Y of Eq. 8 is luminance, instead of 1; default true.
-    bool blurred_distance;  ///< Whether levels come from a distance map that is blurred by its own level (Eq. 11);
+    bool luminance_weights; ///< True: Y of Eq. 8 is luminance, instead of 1; default true.
+    bool blurred_distance;  ///< True: levels come from a distance map that is blurred by its own level (Eq. 11);
                             ///< default true.
-    bool normalise;         ///< Whether to divide by the filtered mask, so that masks remove no light; default true.
-    float level_scale;      ///< c of Eq. 7 and 10, pixels, > 0; default 0.8.
+    bool normalise;    ///< True: sums are divided by the filtered mask, so that masks remove no light; default true.
+    float level_scale; ///< c of Eq. 7 and 10, pixels, > 0; default 0.8.
 
     int32_t window; ///< TY_SCREEN_REFERENCE: pixels along x and y that the light of a pixel reaches, 1..65536; 0
                     ///< (default): all that single precision can tell from 0 (6 standard deviations).

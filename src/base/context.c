@@ -106,7 +106,7 @@ ty_context_def ty_default_context_def(void) {
     return (ty_context_def){.cookie = TY_DEF_COOKIE};
 }
 
-/* How many contexts were made in this process. */
+/* The number of contexts that were made in this process. */
 static _Atomic uint64_t contexts_made;
 
 static size_t context_size(int32_t threads) {
