@@ -184,7 +184,8 @@ static ty_result run(ty_context* context, const buffers* shadow, const buffers* 
         printf("irradiance by fog and surfaces: %.3f W m^-2 in the sun, %.3f in the shadow\n", (double)irradiance[0],
                (double)irradiance[3]);
 
-    for (int frame = 0; frame < VIEWS && result == TY_OK; ++frame) result = render_view(scene, light, &def, seen, frame);
+    for (int frame = 0; frame < VIEWS && result == TY_OK; ++frame)
+        result = render_view(scene, light, &def, seen, frame);
     ty_lpv_destroy(light);
     ty_scene_destroy(scene);
     return result;
