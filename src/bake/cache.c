@@ -1,6 +1,6 @@
 /* Light in cells of the media: where they lie, and filling them. */
 #include "base/context.h"
-#include "base/isa.h"
+#include "base/progress.h"
 #include "bake/gather.h"
 #include "scene/medium.h"
 #include "scene/scene.h"
@@ -19,17 +19,6 @@ static const double chunk_seconds = 0.1;
 static const double cells_share = 0.75;
 /* Of the seed, so that no cell's random numbers are a receiver's. */
 static const uint64_t seed_salt = 0x9d8f3c5a1b7e2460u;
-
-static ty_cache_kernel choose_kernel(bool walls) {
-#if TY_ISA_X86
-    static const ty_cache_kernel kernels[TY_ISA_COUNT][2] = {{ty_cache_kernel_v1, ty_wall_kernel_v1},
-                                                             {ty_cache_kernel_v3, ty_wall_kernel_v3},
-                                                             {ty_cache_kernel_v4, ty_wall_kernel_v4}};
-    return kernels[ty_best_isa()][walls];
-#else
-    return walls ? ty_wall_kernel_v1 : ty_cache_kernel_v1;
-#endif
-}
 
 /* ---- where cells lie ---- */
 
@@ -179,12 +168,7 @@ static void fill_block(void* user, int64_t block, int32_t worker) {
 }
 
 static bool tell(const ty_bake_def* def, double seconds, double fraction) {
-    const ty_progress progress = {
-        .stage = "fog",
-        .fraction = fraction,
-        .seconds = seconds,
-        .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
-    };
+    const ty_progress progress = ty_progress_at("fog", fraction, seconds);
     return def->progress == NULL || def->progress(def->progress_user, &progress);
 }
 
@@ -242,7 +226,7 @@ static ty_result fill_walls(ty_bake_cache* cache, const ty_bake_run* run, fill* 
     view->first = cache->first;
     f->request.view = *view;
     f->request.bake = &bake;
-    f->kernel = choose_kernel(true);
+    f->kernel = TY_BEST_KERNELS(ty_wall_kernel);
     return fill_all_of(cache, run->def, f, count, cells_share, 1);
 }
 
@@ -275,7 +259,7 @@ static ty_result fill_both(ty_bake_cache* cache, const ty_bake_run* run, fill* f
 }
 
 static ty_result fill_all(ty_bake_cache* cache, const ty_bake_run* run) {
-    fill f = {.kernel = choose_kernel(false), .known = cache->known};
+    fill f = {.kernel = TY_BEST_KERNELS(ty_cache_kernel), .known = cache->known};
     f.request = (ty_cache_request){.path = run->request.path, .view = cache->view};
     f.request.path.seed ^= seed_salt;
     f.request.paths = (uint32_t)(run->def->cell_paths > 0 ? run->def->cell_paths : PATHS_DEFAULT);

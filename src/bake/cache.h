@@ -3,6 +3,7 @@
 #ifndef TY_BAKE_CACHE_H
 #define TY_BAKE_CACHE_H
 
+#include "base/dispatch.h"
 #include "method/path/kernel.h"
 
 #include <tyndall/bake.h>
@@ -63,12 +64,8 @@ typedef struct ty_cache_request {
 /* Fills cells[begin..end), what is known but TY_CACHE_CUT of light from other cells; returns rays. */
 #define TY_CACHE_KERNEL(name) uint64_t name(const ty_cache_request* request, int64_t begin, int64_t end, uint8_t* known)
 typedef TY_CACHE_KERNEL((*ty_cache_kernel));
-TY_CACHE_KERNEL(ty_cache_kernel_v1);
-TY_CACHE_KERNEL(ty_cache_kernel_v3);
-TY_CACHE_KERNEL(ty_cache_kernel_v4);
+TY_DECLARE_KERNEL_FUNCTION(TY_CACHE_KERNEL, ty_cache_kernel);
 /* Fills the walls of cells[begin..end), once light in all cells is known. */
-TY_CACHE_KERNEL(ty_wall_kernel_v1);
-TY_CACHE_KERNEL(ty_wall_kernel_v3);
-TY_CACHE_KERNEL(ty_wall_kernel_v4);
+TY_DECLARE_KERNEL_FUNCTION(TY_CACHE_KERNEL, ty_wall_kernel);
 
 #endif

@@ -3,10 +3,7 @@
 
 #include "base/float_mode.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
-TY_CACHE_KERNEL(TY_JOIN(ty_cache_kernel_, TY_ISA)) {
+TY_CACHE_KERNEL(TY_KERNEL_NAME(ty_cache_kernel)) {
     const unsigned thread_state = ty_flush_denormals();
     uint64_t rays = 0;
     for (int64_t i = begin; i < end; ++i) known[request->cells[i]] = ty_cache_fill(request, request->cells[i], &rays);
@@ -14,7 +11,7 @@ TY_CACHE_KERNEL(TY_JOIN(ty_cache_kernel_, TY_ISA)) {
     return rays;
 }
 
-TY_CACHE_KERNEL(TY_JOIN(ty_wall_kernel_, TY_ISA)) {
+TY_CACHE_KERNEL(TY_KERNEL_NAME(ty_wall_kernel)) {
     const unsigned thread_state = ty_flush_denormals();
     ty_gather g = {.request = request->bake};
     (void)known;

@@ -2,7 +2,7 @@
 #include "bake/gather.h"
 
 #include "base/context.h"
-#include "base/isa.h"
+#include "base/progress.h"
 #include "scene/check.h"
 #include "scene/scene.h"
 
@@ -15,15 +15,6 @@ enum { PASS_FIRST = 16, BLOCK = 8, CHUNK_FIRST = 64 };
 enum { FOG_EVERY = 32, FOG_EVERY_BOUND = 4 };
 
 static const double chunk_seconds = 0.1;
-
-static ty_bake_kernel choose_kernel(void) {
-#if TY_ISA_X86
-    static const ty_bake_kernel kernels[TY_ISA_COUNT] = {ty_bake_kernel_v1, ty_bake_kernel_v3, ty_bake_kernel_v4};
-    return kernels[ty_best_isa()];
-#else
-    return ty_bake_kernel_v1;
-#endif
-}
 
 /* ---- media ---- */
 
@@ -154,7 +145,7 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
     request->back_scattering = def->back_scattering;
     request->receivers = receivers;
     request->terms = terms;
-    run->kernel = choose_kernel();
+    run->kernel = TY_BEST_KERNELS(ty_bake_kernel);
     const size_t size = (size_t)(TY_BAKE_LAYERS * 3 * terms);
     run->sums = ty_alloc_array(run->context, (size_t)count, sizeof *run->sums, true);
     run->light = ty_alloc_array(run->context, (size_t)count, size * sizeof *run->light, true);
@@ -216,14 +207,9 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
 }
 
 static bool tell(const ty_bake_run* run, double fraction, double seconds, uint64_t done) {
-    const ty_progress progress = {
-        .stage = "bake",
-        .fraction = fmin(1, fraction),
-        .seconds = seconds,
-        .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
-        .done = done,
-        .total = (uint64_t)run->def->spp,
-    };
+    ty_progress progress = ty_progress_at("bake", fmin(1, fraction), seconds);
+    progress.done = done;
+    progress.total = (uint64_t)run->def->spp;
     return run->def->progress == NULL || run->def->progress(run->def->progress_user, &progress);
 }
 

@@ -3,9 +3,6 @@
 
 #include "base/float_mode.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 static void begin_receiver(ty_gather* g, const ty_bake_receiver* receiver, ty_bake_sums* sums, float* chances) {
     ty_gather_stand(g, receiver);
     g->rays = 0;
@@ -16,7 +13,7 @@ static void begin_receiver(ty_gather* g, const ty_bake_receiver* receiver, ty_ba
     g->chances = chances;
 }
 
-TY_BAKE_KERNEL(TY_JOIN(ty_bake_kernel_, TY_ISA)) {
+TY_BAKE_KERNEL(TY_KERNEL_NAME(ty_bake_kernel)) {
     const unsigned thread_state = ty_flush_denormals();
     ty_gather g = {.request = request};
     const bool cached = request->cache.light != NULL;

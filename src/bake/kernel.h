@@ -2,6 +2,7 @@
 #ifndef TY_BAKE_KERNEL_H
 #define TY_BAKE_KERNEL_H
 
+#include "base/dispatch.h"
 #include "bake/cache.h"
 #include "bake/senders.h"
 #include "method/impulse/look.h"
@@ -56,8 +57,6 @@ typedef struct ty_bake_sums {
     void name(const ty_bake_request* request, int64_t begin, int64_t end, uint32_t first, uint32_t count,              \
               ty_bake_sums* sums, double* light)
 typedef TY_BAKE_KERNEL((*ty_bake_kernel));
-TY_BAKE_KERNEL(ty_bake_kernel_v1);
-TY_BAKE_KERNEL(ty_bake_kernel_v3);
-TY_BAKE_KERNEL(ty_bake_kernel_v4);
+TY_DECLARE_KERNEL_FUNCTION(TY_BAKE_KERNEL, ty_bake_kernel);
 
 #endif

@@ -190,7 +190,7 @@ ty_result ty_beam_begin(const ty_scene_view* scene, const ty_grid_medium* medium
     job.way[0] = (double)direction.x / length;
     job.way[1] = (double)direction.y / length;
     job.way[2] = (double)direction.z / length;
-    *beam = (ty_beam){.context = medium->context, .kernels = ty_direct_kernels_best()};
+    *beam = (ty_beam){.context = medium->context, .kernels = TY_BEST_KERNELS(ty_direct_kernels)};
     const int32_t way = ty_beam_way(medium, direction);
     choose_axes(medium, way / 2, beam);
     ty_result result = take_tables(beam);

@@ -2,10 +2,10 @@
 #ifndef TY_DIRECT_BEAM_H
 #define TY_DIRECT_BEAM_H
 
+#include "base/progress.h"
 #include "direct/beam_room.h"
 #include "direct/grid_medium.h"
 #include "direct/kernel.h"
-#include "direct/watch.h"
 #include "scene/scene.h"
 
 /* Tubes and the slabs they pass, in the order in which the beam does. Axes 0, 1, 2 here are u, v, w: w is the world's
@@ -47,9 +47,8 @@ typedef struct ty_beams {
     int32_t plane_count;
     float* planes[TY_BEAM_PLANES_MAX];
     float factor[TY_BEAMS_MAX][TY_BEAM_PLANES_MAX];
-    ty_beam_room* room; /* NULL: of this pass alone */
-    ty_watch* watch;    /* NULL: none */
-    double done, work;  /* for it: sources' worth before this, and of this */
+    ty_beam_room* room;         /* NULL: of this pass alone */
+    ty_part_progress* progress; /* of this pass; NULL: none */
 } ty_beams;
 
 /* Errors: TY_ERROR_MEMORY; TY_CANCELLED. */

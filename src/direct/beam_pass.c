@@ -154,8 +154,8 @@ static ty_result pass_slabs(pass_job* job) {
         pass_slab(job);
         if (job->turned != NULL && (job->slab % TY_TURN_SIDE == TY_TURN_SIDE - 1 || job->slab + 1 == beam->size[2]))
             ty_parallel_for(beam->context, beam->size[1], turn_back, job);
-        if (job->of->watch != NULL)
-            result = ty_watch_report(job->of->watch, job->of->done + job->of->work * job->slab / beam->size[2]);
+        if (job->of->progress != NULL)
+            result = ty_part_show(job->of->progress, "direct light", (double)job->slab / beam->size[2]);
     }
     return result;
 }

@@ -1,9 +1,7 @@
 /* Row loops over the items of beam.k.h and lamp.k.h; built once per instruction set, with TY_ISA naming it. */
 #include "direct/kernel.h"
-#include "direct/source.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
+#include "direct/source.h"
 
 /* ---- beams ---- */
 
@@ -205,7 +203,7 @@ static void lamp_sum(const ty_lamp_sum* s) {
         sum_lamp_row(s, s->stride);
 }
 
-const ty_direct_kernels TY_JOIN(ty_direct_kernels_, TY_ISA) = {
+const ty_direct_kernels TY_KERNEL_NAME(ty_direct_kernels) = {
     .tubes = tubes,
     .cells = cells,
     .turn = turn,

@@ -2,6 +2,7 @@
 #ifndef TY_DIRECT_KERNEL_H
 #define TY_DIRECT_KERNEL_H
 
+#include "base/dispatch.h"
 #include "direct/lamp.k.h"
 
 /* Rays along each tube that find where surfaces are. */
@@ -124,12 +125,6 @@ typedef struct ty_direct_kernels {
     void (*lamp_ways)(const ty_lamp_ways* ways);
     void (*lamp_sum)(const ty_lamp_sum* sum);
 } ty_direct_kernels;
-
-extern const ty_direct_kernels ty_direct_kernels_v1;
-extern const ty_direct_kernels ty_direct_kernels_v3;
-extern const ty_direct_kernels ty_direct_kernels_v4;
-
-/* Those for this processor. */
-const ty_direct_kernels* ty_direct_kernels_best(void);
+TY_DECLARE_KERNELS(ty_direct_kernels);
 
 #endif

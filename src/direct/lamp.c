@@ -237,7 +237,7 @@ static ty_result light_pyramid(ty_lamp_job* lamp, int32_t w, bool backwards) {
         before = l;
         l.hit = l.mean[0] = l.mean[1] = l.mean[2] = NULL;
         lamp->passed += 1.0 / 6 * before.slabs / medium->box.size[w];
-        if (result == TY_OK) result = ty_watch_report(lamp->watch, fmin(lamp->passed, 1));
+        if (result == TY_OK) result = ty_part_show(lamp->progress, "direct light", fmin(lamp->passed, 1));
     }
     ty_lamp_lattice_end(&before);
     return result;
@@ -258,12 +258,12 @@ static void place_lamp(ty_lamp_job* lamp) {
 }
 
 ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
-                      const ty_source* source, const ty_lamp_out* out, ty_watch* watch) {
+                      const ty_source* source, const ty_lamp_out* out, ty_part_progress* progress) {
     ty_lamp_job lamp = {.scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
     const size_t threads = (size_t)ty_context_threads(medium->context);
     lamp.light = source->stand_in != NULL ? source->stand_in : &scene->lights.lights[source->light];
-    lamp.kernels = ty_direct_kernels_best();
-    lamp.watch = watch;
+    lamp.kernels = TY_BEST_KERNELS(ty_direct_kernels);
+    lamp.progress = progress;
     place_lamp(&lamp);
     lamp.scratch_size = cell_scratch(&lamp);
     lamp.scratch = ty_alloc_array(medium->context, lamp.scratch_size * threads, sizeof *lamp.scratch, false);

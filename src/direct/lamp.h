@@ -2,9 +2,9 @@
 #ifndef TY_DIRECT_LAMP_H
 #define TY_DIRECT_LAMP_H
 
+#include "base/progress.h"
 #include "direct/grid_medium.h"
 #include "direct/source.h"
-#include "direct/watch.h"
 #include "scene/scene.h"
 
 /* What a lamp's light is added to. Where `transmittance` is set, its planes (as many as the medium has) take each
@@ -17,8 +17,8 @@ typedef struct ty_lamp_out {
     float* const (*flux)[3];
 } ty_lamp_out;
 
-/* extinction: as many planes as the medium has. Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
+/* extinction: as many planes as the medium has. progress: of this source. Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
-                      const ty_source* source, const ty_lamp_out* out, ty_watch* watch);
+                      const ty_source* source, const ty_lamp_out* out, ty_part_progress* progress);
 
 #endif

@@ -18,7 +18,7 @@ typedef struct ty_lamp_job {
     const ty_direct_kernels* kernels;
     float* scratch; /* of the workers */
     size_t scratch_size;
-    ty_watch* watch;
+    ty_part_progress* progress;
     double passed; /* of the work */
 } ty_lamp_job;
 

@@ -2,7 +2,6 @@
 #include "direct/lit.h"
 
 #include "base/context.h"
-#include "base/isa.h"
 #include "base/parallel.h"
 #include "direct/lit_kernel.h"
 
@@ -269,16 +268,6 @@ int32_t ty_lit_stretches(const ty_lit_map* map, ty_vec origin, ty_vec direction,
 
 /* ---- many rays ---- */
 
-static const ty_lit_kernels* choose_kernels(void) {
-#if TY_ISA_X86
-    static const ty_lit_kernels* const kernels[TY_ISA_COUNT] = {&ty_lit_kernels_v1, &ty_lit_kernels_v3,
-                                                                &ty_lit_kernels_v4};
-    return kernels[ty_best_isa()];
-#else
-    return &ty_lit_kernels_v1;
-#endif
-}
-
 /* Maps of one face: which rays have a part before surfaces, and all of those together. */
 static void walk_together(const ty_lit_map* map, ty_lit_rays* rays) {
     ty_lit_line lines[TY_LIT_LINES];
@@ -307,7 +296,7 @@ static void walk_together(const ty_lit_map* map, ty_lit_rays* rays) {
         which[count++] = i;
     }
     if (count == 0) return;
-    choose_kernels()->walk(&map->faces[0], lines, count, map->map->side, map->levels - 1, runs);
+    TY_BEST_KERNELS(ty_lit_kernels)->walk(&map->faces[0], lines, count, map->map->side, map->levels - 1, runs);
     for (int32_t k = 0; k < count; ++k) {
         if (parts[k].to - ends[k] > LIT_SEAM * parts[k].to) ty_lit_turn(&runs[k], ends[k], 1);
         ty_lit_turn(&runs[k], parts[k].to, 0);

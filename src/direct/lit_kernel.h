@@ -3,6 +3,7 @@
 #ifndef TY_DIRECT_LIT_KERNEL_H
 #define TY_DIRECT_LIT_KERNEL_H
 
+#include "base/dispatch.h"
 #include "direct/lit.k.h"
 
 typedef struct ty_lit_kernels {
@@ -10,8 +11,6 @@ typedef struct ty_lit_kernels {
     void (*walk)(const ty_lit_face* face, const ty_lit_line* lines, int32_t count, int32_t side, int32_t top,
                  ty_lit_run* runs);
 } ty_lit_kernels;
-
-extern const ty_lit_kernels ty_lit_kernels_v1;
-extern const ty_lit_kernels ty_lit_kernels_v3, ty_lit_kernels_v4;
+TY_DECLARE_KERNELS(ty_lit_kernels);
 
 #endif

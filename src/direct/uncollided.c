@@ -64,8 +64,8 @@ typedef struct add_job {
     const ty_grid_medium* medium;
     float* const* extinction;
     ty_light_field* field;
-    ty_beam_room* room; /* of each plane of the medium; NULL: none is kept */
-    ty_watch watch;
+    ty_beam_room* room;        /* of each plane of the medium; NULL: none is kept */
+    ty_part_progress progress; /* its share: of one source */
 } add_job;
 
 /* A source's color in units of the planes of a field. */
@@ -113,20 +113,22 @@ static void choose_planes(const add_job* job, const ty_source* const* sources, i
 /* Beams of one way. */
 static ty_result add_beams(add_job* job, const ty_source* const* sources, int32_t count) {
     ty_beam passing[TY_BEAMS_MAX];
-    ty_beams beams = {.beams = passing, .watch = &job->watch};
+    ty_part_progress progress = job->progress;
+    progress.share *= (double)count / job->medium->planes;
+    ty_beams beams = {.beams = passing, .progress = &progress};
     ty_result result = TY_OK;
     for (int32_t begun = 0; begun < count && result == TY_OK; ++begun, ++beams.count)
         result = begin_beam(job->scene, job->medium, sources[begun], &passing[begun]);
     for (int32_t p = 0; p < job->medium->planes && result == TY_OK; ++p) {
         beams.extinction = job->extinction[p];
         beams.room = job->room != NULL ? &job->room[p] : NULL;
-        beams.work = (double)count / job->medium->planes;
-        beams.done = p * beams.work;
         choose_planes(job, sources, p, &beams);
         result = ty_beams_pass(&beams, job->medium);
+        progress.from += progress.share;
     }
     for (int32_t i = 0; i < beams.count; ++i) ty_beam_end(&passing[i]);
-    job->watch.done += count;
+    job->progress.from += count * job->progress.share;
+    job->progress.reported = progress.reported;
     return result;
 }
 
@@ -177,8 +179,8 @@ static ty_result add_lamp(add_job* job, const ty_source* source) {
         .planes = field->planes, .fluence = field->fluence, .flux = field->flux[0][0] != NULL ? field->flux : NULL};
     color_in(field, source, out.color);
     const ty_result result =
-        ty_lamp_add(ty_scene_get_view(job->scene), job->medium, job->extinction, source, &out, &job->watch);
-    ++job->watch.done;
+        ty_lamp_add(ty_scene_get_view(job->scene), job->medium, job->extinction, source, &out, &job->progress);
+    job->progress.from += job->progress.share;
     return result;
 }
 
@@ -191,7 +193,8 @@ ty_result ty_uncollided_add_next(const ty_scene* scene, const ty_grid_medium* me
                    .extinction = extinction != NULL ? extinction : medium->extinction,
                    .field = field,
                    .room = room,
-                   .watch = ty_watch_begin(progress, progress_user, count)};
+                   .progress = ty_part_begin(progress, progress_user, 0, 1.0 / count)};
+    job.progress.reported = job.progress.begun;
     ty_result result = add_all_beams(&job, sources, count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i)
         if (sources[i].kind == TY_SOURCE_LAMP) result = add_lamp(&job, &sources[i]);
@@ -212,8 +215,8 @@ ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium,
 static ty_result pass_lamp(const ty_scene_view* view, const ty_grid_medium* medium, float* const extinction[3],
                            const ty_source* source, float* const planes[3]) {
     const ty_lamp_out out = {.transmittance = planes};
-    ty_watch watch = ty_watch_begin(NULL, NULL, 1);
-    return ty_lamp_add(view, medium, extinction, source, &out, &watch);
+    ty_part_progress progress = ty_part_begin(NULL, NULL, 0, 1);
+    return ty_lamp_add(view, medium, extinction, source, &out, &progress);
 }
 
 ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],

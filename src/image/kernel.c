@@ -5,9 +5,6 @@
 #include "base/octahedral.k.h"
 #include "image/reflect.k.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 /* A golden-ratio lattice over the pixel; one ray goes through the middle. */
 static void place_in_pixel(int32_t sample, int32_t spp, float* dx, float* dy) {
     const float turn = 0.5f + 0.618033989f * (float)sample;
@@ -71,7 +68,7 @@ static void add_ray(const ty_march_request* request, ty_march_ray* ray, ty_vec d
         ty_reflect(request, ray, direction, &hit, offset, light.transmittance, pixel->multiple);
 }
 
-TY_MARCH_KERNEL(TY_JOIN(ty_march_kernel_, TY_ISA)) {
+TY_MARCH_KERNEL(TY_KERNEL_NAME(ty_march_kernel)) {
     const unsigned state = ty_flush_denormals();
     uint64_t steps = 0;
     ty_march_ray ray;

@@ -2,6 +2,7 @@
 #ifndef TY_IMAGE_KERNEL_H
 #define TY_IMAGE_KERNEL_H
 
+#include "base/dispatch.h"
 #include "direct/single.k.h"
 #include "image/march.h"
 #include "image/upsample.k.h"
@@ -37,8 +38,6 @@ typedef struct ty_march_pixel {
 #define TY_MARCH_KERNEL(name)                                                                                          \
     uint64_t name(const ty_march_request* request, int32_t y, int32_t begin, int32_t end, ty_march_pixel* pixels)
 typedef TY_MARCH_KERNEL((*ty_march_kernel));
-TY_MARCH_KERNEL(ty_march_kernel_v1);
-TY_MARCH_KERNEL(ty_march_kernel_v3);
-TY_MARCH_KERNEL(ty_march_kernel_v4);
+TY_DECLARE_KERNEL_FUNCTION(TY_MARCH_KERNEL, ty_march_kernel);
 
 #endif

@@ -3,7 +3,7 @@
 #include "image/march.h"
 
 #include "base/context.h"
-#include "base/isa.h"
+#include "base/progress.h"
 #include "image/aovs.h"
 #include "image/image.h"
 #include "image/kernel.h"
@@ -14,8 +14,6 @@
 #include <stdatomic.h>
 
 enum { TILE = 16, REDUCED_MAX = 12 };
-
-static const double progress_interval = 0.1;
 
 /* A field's cells, as ty_upsample_view has them. */
 typedef struct march_cells {
@@ -106,17 +104,6 @@ static ty_result check_def(ty_context* context, const ty_march_def* def) {
 }
 
 /* ---- what the kernel gets ---- */
-
-static ty_march_kernel choose_kernel(const char** isa) {
-    const ty_isa best = ty_best_isa();
-    *isa = ty_isa_name(best);
-#if TY_ISA_X86
-    static const ty_march_kernel kernels[TY_ISA_COUNT] = {ty_march_kernel_v1, ty_march_kernel_v3, ty_march_kernel_v4};
-    return kernels[best];
-#else
-    return ty_march_kernel_v1;
-#endif
-}
 
 static ty_cell_place place_cells(const ty_grid_box* box) {
     ty_cell_place place;
@@ -245,14 +232,9 @@ static void store_row(const march_job* job, int32_t y, int32_t begin, int32_t en
 static void report(march_job* job, bool always) {
     const ty_march_def* def = job->def;
     if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&job->lock) != 0) return;
-    const double seconds = ty_wall_seconds() - job->begun;
-    if (always || seconds - job->reported >= progress_interval) {
-        job->reported = seconds;
+    if (ty_report_due(&job->reported) || always) {
         const double fraction = (double)atomic_load(&job->finished) / ((double)job->columns * job->rows);
-        const ty_progress progress = {.stage = "march",
-                                      .fraction = fraction,
-                                      .seconds = seconds,
-                                      .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1};
+        const ty_progress progress = ty_progress_at("march", fraction, ty_wall_seconds() - job->begun);
         if (!def->progress(def->progress_user, &progress)) atomic_store(&job->cancelled, true);
     }
     pthread_mutex_unlock(&job->lock);
@@ -293,10 +275,9 @@ static ty_result march(march_job* job) {
 
 ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** out, ty_march_stats* stats) {
     march_job job = {.context = ty_scene_context(scene), .def = def};
-    job.begun = ty_wall_seconds();
+    job.begun = job.reported = ty_wall_seconds();
     job.cpu_begun = ty_cpu_seconds();
-    const char* isa;
-    job.kernel = choose_kernel(&isa);
+    job.kernel = TY_BEST_KERNELS(ty_march_kernel);
     ty_result result = check_def(job.context, def);
     if (result == TY_OK) result = prepare(&job, scene);
     if (result == TY_OK) result = create_image(&job);
@@ -313,6 +294,6 @@ ty_result ty_march(const ty_scene* scene, const ty_march_def* def, ty_image** ou
         *stats = (ty_march_stats){.seconds = ty_wall_seconds() - job.begun,
                                   .cpu_seconds = ty_cpu_seconds() - job.cpu_begun,
                                   .steps = atomic_load(&job.steps),
-                                  .isa = isa};
+                                  .isa = ty_isa_name(ty_best_isa())};
     return TY_OK;
 }

@@ -38,15 +38,15 @@ static void NAME(ghosts)(const ty_cells* cells, REAL* phi, int32_t z) {
 }
 
 /* extinction, at least the least; phi, and differences of the cells on either side. */
-INLINE float NAME(limited)(const ty_cells* cells, const int32_t limiter, float sigma, REAL phi, REAL dx, REAL dy,
-                           REAL dz) {
+TY_INLINE float NAME(limited)(const ty_cells* cells, const int32_t limiter, float sigma, REAL phi, REAL dx, REAL dy,
+                              REAL dz) {
     return ty_cell_diffusivity(limiter, cells->larsen_power, ty_maxf(sigma, cells->least_extinction), (float)phi,
                                (float)dx * cells->half_inverse[0], (float)dy * cells->half_inverse[1],
                                (float)dz * cells->half_inverse[2]);
 }
 
-INLINE float NAME(diffusivity)(const ty_cells* cells, const int32_t limiter, const REAL* phi, float sigma,
-                               ptrdiff_t i) {
+TY_INLINE float NAME(diffusivity)(const ty_cells* cells, const int32_t limiter, const REAL* phi, float sigma,
+                                  ptrdiff_t i) {
     const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
     return NAME(limited)(cells, limiter, sigma, phi[i], phi[i + 1] - phi[i - 1], phi[i + row] - phi[i - row],
                          phi[i + plane] - phi[i - plane]);
@@ -61,8 +61,8 @@ typedef struct NAME(sor_block) {
 } NAME(sor_block);
 
 /* Takes cells i, i + 2, ... edge: whether the row touches a boundary along y or z. */
-INLINE void NAME(sor_take)(const ty_cells* cells, const row_view* view, const REAL* phi, const float* diff, int32_t i,
-                           int32_t count, const bool edge, NAME(sor_block) * block) {
+TY_INLINE void NAME(sor_take)(const ty_cells* cells, const row_view* view, const REAL* phi, const float* diff,
+                              int32_t i, int32_t count, const bool edge, NAME(sor_block) * block) {
     const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
     NAME(every_other)(phi + i, count, block->here);
     NAME(every_other)(phi + i - 1, count + 1, block->x);
@@ -84,8 +84,8 @@ INLINE void NAME(sor_take)(const ty_cells* cells, const row_view* view, const RE
 }
 
 /* Some cells of a block, from n on: D, then fluence. Cells from `count` on are there to fill up. */
-INLINE double NAME(sor_lanes)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL omega, int32_t i,
-                              int32_t begin, int32_t count, const bool edge, NAME(sor_block) * block) {
+TY_INLINE double NAME(sor_lanes)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL omega,
+                                 int32_t i, int32_t begin, int32_t count, const bool edge, NAME(sor_block) * block) {
     const int32_t last = cells->box.size[0] - 1;
     const float* k = view->k;
     const REAL scale = (REAL)cells->scale;
@@ -124,9 +124,9 @@ INLINE double NAME(sor_lanes)(const ty_cells* cells, const int32_t limiter, cons
 }
 
 /* A pass of Algorithm 1 over the cells of a colour, from the first to before the end. */
-INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL* phi,
-                               float* diff, REAL omega, int32_t first, int32_t end, const bool edge,
-                               NAME(sor_block) * block) {
+TY_INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, const row_view* view, REAL* phi,
+                                  float* diff, REAL omega, int32_t first, int32_t end, const bool edge,
+                                  NAME(sor_block) * block) {
     double sum = 0;
     for (int32_t i = first; i < end; i += 2 * SOR_BLOCK) {
         const int32_t left = (end - i + 1) / 2, count = left < SOR_BLOCK ? left : SOR_BLOCK;
@@ -142,8 +142,8 @@ INLINE double NAME(sor_colour)(const ty_cells* cells, const int32_t limiter, con
 }
 
 /* Cells of a row from range[0] to before range[1]. */
-INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* phi, float* diff, REAL omega,
-                            int32_t color, const int32_t range[2], int32_t y, int32_t z, NAME(sor_block) * block) {
+TY_INLINE double NAME(sor_row)(const ty_cells* cells, const int32_t limiter, REAL* phi, float* diff, REAL omega,
+                               int32_t color, const int32_t range[2], int32_t y, int32_t z, NAME(sor_block) * block) {
     const int32_t first = range[0] + ((color + y + z + range[0]) & 1), end = range[1];
     row_view view;
     set_row(cells, y, z, &view);

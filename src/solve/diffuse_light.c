@@ -248,7 +248,7 @@ static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
 /* The solves from `first` on, as many as there are side by side; a single one has all threads. */
 static ty_result solve_some(solve_work* work, int32_t first) {
     const int32_t left = work->count - first, count = left < work->beside ? left : work->beside;
-    ty_result result = ty_part_show(work->progress, "fluence");
+    ty_result result = ty_part_show(work->progress, "fluence", 0);
     if (result != TY_OK) return result;
     for (int32_t i = 0; i < count; ++i) work->solves[first + i].memory = work->memory[i];
     ty_parallel_for(work->context, count, solve_channel, &work->solves[first]);

@@ -2,8 +2,8 @@
 #include "solve/job.h"
 
 #include "base/context.h"
-#include "base/isa.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "solve/result.h"
 
 #include <math.h>
@@ -11,8 +11,6 @@
 
 /* Boxes with fewer cells are worked on by one thread: waking others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 14 };
-/* Between two reports, s. */
-static const double REPORT_SECONDS = 0.1;
 
 ty_diffusion_def ty_default_diffusion_def(void) {
     return (ty_diffusion_def){.limiter = TY_LIMITER_LEVERMORE_POMRANING,
@@ -249,35 +247,17 @@ ty_result ty_solve_note(ty_diffusion_job* job, double residual) {
         job->out->history[stats->history_count++] = residual;
     stats->residual = residual;
     stats->converged = residual <= def->tolerance;
-    const double now = ty_wall_seconds();
-    if (def->progress == NULL || now - job->reported < REPORT_SECONDS) return TY_OK;
-    job->reported = now;
+    if (def->progress == NULL || !ty_report_due(&job->reported)) return TY_OK;
     /* Residuals fall about geometrically. */
-    const double done = residual > 0 && residual < 1 ? log(residual) / log(def->tolerance) : 0;
-    const ty_progress progress = {.stage = "fluence",
-                                  .fraction = fmin(done, 1),
-                                  .seconds = now - job->start,
-                                  .remaining = done > 0 ? fmax((now - job->start) * (1 / done - 1), 0) : -1};
+    const double done = residual > 0 && residual < 1 ? fmin(log(residual) / log(def->tolerance), 1) : 0;
+    const ty_progress progress = ty_progress_at("fluence", done, job->reported - job->start);
     return def->progress(def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
 }
 
 void ty_solve_choose_kernels(ty_diffusion_job* job) {
-#if TY_ISA_X86
-    static const ty_cell_kernels* const cells[TY_ISA_COUNT] = {&ty_cell_kernels_v1, &ty_cell_kernels_v3,
-                                                               &ty_cell_kernels_v4};
-    static const ty_level_kernels* const levels[TY_ISA_COUNT] = {&ty_level_kernels_v1, &ty_level_kernels_v3,
-                                                                 &ty_level_kernels_v4};
-    static const ty_stage_kernels* const stages[TY_ISA_COUNT] = {&ty_stage_kernels_v1, &ty_stage_kernels_v3,
-                                                                 &ty_stage_kernels_v4};
-    const ty_isa best = ty_best_isa();
-    job->stage_kernels = stages[best];
-    job->cell_kernels = cells[best];
-    job->level_kernels = levels[best];
-#else
-    job->cell_kernels = &ty_cell_kernels_v1;
-    job->level_kernels = &ty_level_kernels_v1;
-    job->stage_kernels = &ty_stage_kernels_v1;
-#endif
+    job->cell_kernels = TY_BEST_KERNELS(ty_cell_kernels);
+    job->level_kernels = TY_BEST_KERNELS(ty_level_kernels);
+    job->stage_kernels = TY_BEST_KERNELS(ty_stage_kernels);
 }
 
 static ty_result solve(ty_diffusion_job* job) {

@@ -1,16 +1,8 @@
 /* Loops over planes of cells of the non-linear problem; built once per instruction set, with TY_ISA naming it. */
 #include "solve/kernel.h"
 
+#include "base/simd.h"
 #include "solve/cells.k.h"
-
-#if defined(__AVX512F__)
-#include <immintrin.h>
-#endif
-
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-/* What is inlined where a limiter is known, so that loops have no choices. */
-#define INLINE static inline __attribute__((always_inline))
 
 /* A row of the box: couplings to the six neighbours, 0 where a boundary is, and what is there instead. */
 typedef struct row_view {
@@ -35,21 +27,21 @@ static int32_t ranges_within(const ty_cells* cells, int32_t depth, int32_t y, in
     return whole ? 1 : 2;
 }
 
-INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {
+TY_INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {
     view->k[side] = 0;
     view->a[side] = cells->sides[side].a;
     view->b[side] = cells->sides[side].b;
     view->value[side] = cells->sides[side].value + face;
 }
 
-INLINE void open_side(const ty_cells* cells, row_view* view, int side) {
+TY_INLINE void open_side(const ty_cells* cells, row_view* view, int side) {
     view->k[side] = cells->coupling[side / 2];
     view->a[side] = view->b[side] = 0;
     view->value[side] = cells->zeros;
 }
 
 /* Without boundaries along x. Rows are set in place: copies of views would wait for what was just written. */
-INLINE void set_row(const ty_cells* cells, int32_t y, int32_t z, row_view* view) {
+TY_INLINE void set_row(const ty_cells* cells, int32_t y, int32_t z, row_view* view) {
     const ptrdiff_t at = ty_box_dense(&cells->box, y, z);
     view->extinction = cells->extinction + at;
     view->absorption = cells->absorption != NULL ? cells->absorption + at : cells->zeros;
@@ -61,7 +53,7 @@ INLINE void set_row(const ty_cells* cells, int32_t y, int32_t z, row_view* view)
     if (z == cells->box.size[2] - 1) set_side(cells, view, 5, cells->sides[5].step * y);
 }
 
-INLINE void set_x_side(const ty_cells* cells, int32_t y, int32_t z, int side, row_view* view) {
+TY_INLINE void set_x_side(const ty_cells* cells, int32_t y, int32_t z, int side, row_view* view) {
     set_side(cells, view, side, cells->sides[side].step * z + y);
 }
 
@@ -172,8 +164,8 @@ static void soften(const ty_cells* cells, const float* diffusivity, float share,
     close_box(box, out, z);
 }
 
-INLINE double assemble_range(const ty_cells* cells, const row_view* view, const double* phi, const float* diff,
-                             const ty_level* level, ptrdiff_t at, int32_t begin, int32_t end, const bool edge) {
+TY_INLINE double assemble_range(const ty_cells* cells, const row_view* view, const double* phi, const float* diff,
+                                const ty_level* level, ptrdiff_t at, int32_t begin, int32_t end, const bool edge) {
     const ptrdiff_t row = cells->box.row, plane = cells->box.plane;
     const float* k = view->k;
     const double scale = (double)cells->scale;
@@ -241,7 +233,7 @@ static void update(const ty_cells* cells, const float* x, double* phi, int32_t z
     }
 }
 
-const ty_cell_kernels TY_JOIN(ty_cell_kernels_, TY_ISA) = {
+const ty_cell_kernels TY_KERNEL_NAME(ty_cell_kernels) = {
     .ghosts = ghosts_double,
     .ghosts_float = ghosts_float,
     .diffuse = diffuse,

@@ -2,6 +2,7 @@
 #ifndef TY_SOLVE_KERNEL_H
 #define TY_SOLVE_KERNEL_H
 
+#include "base/dispatch.h"
 #include "solve/box.h"
 
 /* A side of the box: what flows out through its faces is a D / (1 + b D) (phi - value), per volume of its cells. */
@@ -79,6 +80,7 @@ typedef struct ty_cell_kernels {
     /* phi += x, and kept above a share of what it was when limited. */
     void (*update)(const ty_cells* cells, const float* x, double* phi, int32_t z);
 } ty_cell_kernels;
+TY_DECLARE_KERNELS(ty_cell_kernels);
 
 /* Its linearisation, on all levels (level_kernel.c). */
 typedef struct ty_level_kernels {
@@ -103,6 +105,7 @@ typedef struct ty_level_kernels {
     /* x += alpha p, f -= alpha e; returns f.f. */
     double (*step)(const ty_level* level, float alpha, const float* p, float* x, int32_t z);
 } ty_level_kernels;
+TY_DECLARE_KERNELS(ty_level_kernels);
 
 /* Between stages (stage_kernel.c). */
 typedef struct ty_stage_kernels {
@@ -117,15 +120,6 @@ typedef struct ty_stage_kernels {
     /* A plane of the finer phi times 1 + `before` of the coarser stage, linear between centres. */
     void (*correct)(const ty_stage* fine, const ty_stage* coarse, int32_t z);
 } ty_stage_kernels;
-
-extern const ty_cell_kernels ty_cell_kernels_v1;
-extern const ty_cell_kernels ty_cell_kernels_v3;
-extern const ty_cell_kernels ty_cell_kernels_v4;
-extern const ty_level_kernels ty_level_kernels_v1;
-extern const ty_level_kernels ty_level_kernels_v3;
-extern const ty_level_kernels ty_level_kernels_v4;
-extern const ty_stage_kernels ty_stage_kernels_v1;
-extern const ty_stage_kernels ty_stage_kernels_v3;
-extern const ty_stage_kernels ty_stage_kernels_v4;
+TY_DECLARE_KERNELS(ty_stage_kernels);
 
 #endif

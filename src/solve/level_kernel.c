@@ -1,20 +1,15 @@
 /* Loops over planes of a level of multigrid; built once per instruction set, with TY_ISA naming it. */
 #include "solve/kernel.h"
 
+#include "base/simd.h"
 #include "solve/level.k.h"
 
 #include <string.h>
-
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
 
 /* Items of a row on the stack. */
 enum { ROW_ITEMS = TY_DIFFUSION_SIDE_MAX };
 /* Cells relaxed together. */
 enum { BLOCK = 32 };
-
-/* What is inlined where it is known whether couplings are stored, so that loops have no choices. */
-#define INLINE static inline __attribute__((always_inline))
 
 /* A row of a level. */
 typedef struct level_row {
@@ -26,7 +21,7 @@ typedef struct level_row {
     ptrdiff_t row, plane;
 } level_row;
 
-INLINE level_row row_of(const ty_level* level, int32_t y, int32_t z) {
+TY_INLINE level_row row_of(const ty_level* level, int32_t y, int32_t z) {
     const ptrdiff_t at = ty_box_at(&level->box, y, z);
     level_row r = {.sink = level->d + at,
                    .f = level->f + at,
@@ -44,7 +39,7 @@ INLINE level_row row_of(const ty_level* level, int32_t y, int32_t z) {
     return r;
 }
 
-INLINE ty_level_faces faces_at(const level_row* r, const bool made, ptrdiff_t i) {
+TY_INLINE ty_level_faces faces_at(const level_row* r, const bool made, ptrdiff_t i) {
     return made ? ty_level_faces_made(r->diffusivity, r->k[0], r->k[1], r->k[2], r->row, r->plane, i)
                 : ty_level_faces_stored(r->gx, r->gy, r->gz, r->row, r->plane, i);
 }
@@ -54,7 +49,7 @@ INLINE ty_level_faces faces_at(const level_row* r, const bool made, ptrdiff_t i)
     ((r).diffusivity != NULL ? row_fn(&(r), true, __VA_ARGS__) : row_fn(&(r), false, __VA_ARGS__))
 
 /* Cells of a colour from `begin` on. */
-INLINE void relax_apart(const level_row* row, const bool made, int32_t begin, int32_t count) {
+TY_INLINE void relax_apart(const level_row* row, const bool made, int32_t begin, int32_t count) {
     const level_row r = *row;
 #pragma omp simd
     for (int32_t i = begin; i < count; i += 2)
@@ -62,7 +57,7 @@ INLINE void relax_apart(const level_row* row, const bool made, int32_t begin, in
 }
 
 /* Those of `cells` neighbours, from all of them: what cells of the other colour would become is dropped. */
-INLINE void relax_block(const level_row* row, const bool made, int32_t first, int32_t begin, const int32_t cells) {
+TY_INLINE void relax_block(const level_row* row, const bool made, int32_t first, int32_t begin, const int32_t cells) {
     const level_row r = *row;
     float next[BLOCK];
 #pragma omp simd
@@ -73,14 +68,14 @@ INLINE void relax_block(const level_row* row, const bool made, int32_t first, in
 }
 
 /* Blocks are faster: vectors are loaded as they lie, and nothing is left for single steps at the end of a row. */
-INLINE void relax_row(const level_row* row, const bool made, int32_t first, int32_t count, bool alone) {
+TY_INLINE void relax_row(const level_row* row, const bool made, int32_t first, int32_t count, bool alone) {
     int32_t begin = 0;
     for (; alone && begin + BLOCK <= count; begin += BLOCK) relax_block(row, made, first, begin, BLOCK);
     for (; alone && begin + BLOCK / 4 <= count; begin += BLOCK / 4) relax_block(row, made, first, begin, BLOCK / 4);
     relax_apart(row, made, begin + first, count);
 }
 
-INLINE void begin_row(const level_row* row, const bool made, int32_t first, int32_t count) {
+TY_INLINE void begin_row(const level_row* row, const bool made, int32_t first, int32_t count) {
     const level_row r = *row;
 #pragma omp simd
     for (int32_t i = first; i < count; i += 2) r.e[i] = r.f[i] / ty_level_diagonal(faces_at(&r, made, i), r.sink[i]);
@@ -120,7 +115,7 @@ static int32_t children_end(const ty_level* fine, const ty_level* coarse, int ax
 }
 
 /* Returns the sum of squares. */
-INLINE float add_residual(const level_row* row, const bool made, int32_t count, float* sum) {
+TY_INLINE float add_residual(const level_row* row, const bool made, int32_t count, float* sum) {
     const level_row r = *row;
     float squares = 0;
 #pragma omp simd reduction(+ : squares)
@@ -279,7 +274,7 @@ static void direct(const ty_level* level, float beta, float* p, int32_t z) {
     }
 }
 
-INLINE float apply_row(const level_row* row, const bool made, int32_t count, const float* p) {
+TY_INLINE float apply_row(const level_row* row, const bool made, int32_t count, const float* p) {
     const level_row r = *row;
     float sum = 0;
 #pragma omp simd reduction(+ : sum)
@@ -318,7 +313,7 @@ static double step(const ty_level* level, float alpha, const float* p, float* x,
     return total;
 }
 
-const ty_level_kernels TY_JOIN(ty_level_kernels_, TY_ISA) = {
+const ty_level_kernels TY_KERNEL_NAME(ty_level_kernels) = {
     .begin = begin,
     .relax = relax,
     .restrict_residual = restrict_residual,

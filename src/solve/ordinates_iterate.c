@@ -3,12 +3,11 @@
  * linear (Anderson acceleration): diffusion knows nothing of what light scattered forward does, and little of vacuum.
  */
 #include "base/context.h"
+#include "base/progress.h"
 #include "solve/ordinates_job.h"
 
 #include <math.h>
 
-/* Between two reports, s. */
-static const double REPORT_SECONDS = 0.1;
 /* Cycles of multigrid in a correction, whose solve sweeps and mixtures go on with. What iterations start from is solved
  * until this share of the residual is left, or for so many. */
 enum { CYCLES = 1, FIRST_CYCLES = 12 };
@@ -152,15 +151,11 @@ static ty_result sweep(const iteration* it) {
 }
 
 static ty_result report(ty_ordinates_job* job) {
-    const double now = ty_wall_seconds(), change = job->stats->change;
-    if (job->def->progress == NULL || now - job->reported < REPORT_SECONDS) return TY_OK;
-    job->reported = now;
+    const double change = job->stats->change;
+    if (job->def->progress == NULL || !ty_report_due(&job->reported)) return TY_OK;
     /* Changes fall about geometrically. */
     const double done = change > 0 && change < 1 ? fmin(log(change) / log(job->def->tolerance), 1) : 0;
-    const ty_progress progress = {.stage = "ordinates",
-                                  .fraction = done,
-                                  .seconds = now - job->start,
-                                  .remaining = done > 0 ? (now - job->start) * (1 / done - 1) : -1};
+    const ty_progress progress = ty_progress_at("ordinates", done, job->reported - job->start);
     return job->def->progress(job->def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
 }
 

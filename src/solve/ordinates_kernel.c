@@ -1,12 +1,9 @@
 /* What a sweep emits. Built once per instruction set, with TY_ISA naming it. */
 #include "solve/ordinates_kernel.h"
 
-#include <string.h>
+#include "base/simd.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-/* What is inlined where the number of bands is known, so that loops over terms have no ends to look for. */
-#define TY_INLINE static inline __attribute__((always_inline))
+#include <string.h>
 
 enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
 
@@ -93,4 +90,4 @@ static double emit(const ty_ordinates_mixture* m, size_t begin) {
     }
 }
 
-const ty_ordinates_kernels TY_JOIN(ty_ordinates_kernels_, TY_ISA) = {.emit = emit};
+const ty_ordinates_kernels TY_KERNEL_NAME(ty_ordinates_kernels) = {.emit = emit};

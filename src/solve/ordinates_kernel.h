@@ -2,6 +2,7 @@
 #ifndef TY_SOLVE_ORDINATES_KERNEL_H
 #define TY_SOLVE_ORDINATES_KERNEL_H
 
+#include "base/dispatch.h"
 #include "solve/ordinates_job.h"
 
 /* Iterates that a mixture has a share of, and what it is in: arrays as those of a job, whole. */
@@ -22,7 +23,6 @@ typedef struct ty_ordinates_kernels {
      * its first term. */
     double (*emit)(const ty_ordinates_mixture* mixture, size_t begin);
 } ty_ordinates_kernels;
-
-extern const ty_ordinates_kernels ty_ordinates_kernels_v1, ty_ordinates_kernels_v3, ty_ordinates_kernels_v4;
+TY_DECLARE_KERNELS(ty_ordinates_kernels);
 
 #endif

@@ -1,5 +1,4 @@
 /* Loops over all cells that sweeps are told from, and corrected with. Sums are made plane by plane, in order. */
-#include "base/isa.h"
 #include "base/kernel.h"
 #include "base/parallel.h"
 #include "solve/ordinates_job.h"
@@ -172,21 +171,11 @@ static ty_ordinates_mixture mixture_of(const ty_ordinates_job* job) {
     return m;
 }
 
-static const ty_ordinates_kernels* best_kernels(void) {
-#if TY_ISA_X86
-    static const ty_ordinates_kernels* const kernels[TY_ISA_COUNT] = {
-        &ty_ordinates_kernels_v1, &ty_ordinates_kernels_v3, &ty_ordinates_kernels_v4};
-    return kernels[ty_best_isa()];
-#else
-    return &ty_ordinates_kernels_v1;
-#endif
-}
-
 static void emit_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
-    const ty_ordinates_kernels* kernels = best_kernels();
+    const ty_ordinates_kernels* kernels = TY_BEST_KERNELS(ty_ordinates_kernels);
     const ty_ordinates_mixture m = mixture_of(job);
     const size_t begin = (size_t)z * plane_cells(job), cells = (size_t)job->def->size[0];
     double sum = 0;

@@ -7,9 +7,6 @@
 
 #include <string.h>
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 /* Items of a row on the stack. */
 enum { ROW_ITEMS = TY_DIFFUSION_SIDE_MAX };
 /* Less fluence than this counts as none. */
@@ -171,7 +168,7 @@ static void correct(const ty_stage* fine, const ty_stage* coarse, int32_t z) {
     }
 }
 
-const ty_stage_kernels TY_JOIN(ty_stage_kernels_, TY_ISA) = {
+const ty_stage_kernels TY_KERNEL_NAME(ty_stage_kernels) = {
     .thin = thin,
     .restrict_phi = restrict_phi,
     .balance = balance,

@@ -3,7 +3,6 @@
 
 #include "base/arena.h"
 #include "base/context.h"
-#include "base/isa.h"
 #include "base/parallel.h"
 #include "solve/harmonics.h"
 
@@ -112,9 +111,9 @@ static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const t
         for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, pair, i);
 }
 
-ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kernels, const int32_t size[3],
-                               const double cell[3], const ty_ordinate_set* set, int32_t bands, const float* extinction,
-                               ty_sweep** out) {
+ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3], const ty_ordinate_set* set,
+                          int32_t bands, const float* extinction, ty_sweep** out) {
+    const ty_sweep_kernels* kernels = TY_BEST_KERNELS(ty_sweep_kernels);
     *out = NULL;
     ty_sweep* sweep = ty_alloc_array(context, 1, sizeof *sweep, true);
     if (sweep == NULL) return TY_ERROR_MEMORY;
@@ -143,21 +142,6 @@ ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kern
     fill(sweep, &t, cell, set, bands);
     *out = sweep;
     return TY_OK;
-}
-
-static const ty_sweep_kernels* best_kernels(void) {
-#if TY_ISA_X86
-    static const ty_sweep_kernels* const kernels[TY_ISA_COUNT] = {&ty_sweep_kernels_v1, &ty_sweep_kernels_v3,
-                                                                  &ty_sweep_kernels_v4};
-    return kernels[ty_best_isa()];
-#else
-    return &ty_sweep_kernels_v1;
-#endif
-}
-
-ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3], const ty_ordinate_set* set,
-                          int32_t bands, const float* extinction, ty_sweep** out) {
-    return ty_sweep_create_with(context, best_kernels(), size, cell, set, bands, extinction, out);
 }
 
 void ty_sweep_let_in(ty_sweep* sweep, const float* radiance) {

@@ -2,6 +2,7 @@
 #ifndef TY_SOLVE_SWEEP_KERNEL_H
 #define TY_SOLVE_SWEEP_KERNEL_H
 
+#include "base/dispatch.h"
 #include "solve/sweep.h"
 
 /* Cells of a row that are worked on at once. */
@@ -49,12 +50,6 @@ typedef struct ty_sweep_kernels {
     void (*cross)(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
                   float* scratch, ty_sweep_sums* sums);
 } ty_sweep_kernels;
-
-extern const ty_sweep_kernels ty_sweep_kernels_v1, ty_sweep_kernels_v3, ty_sweep_kernels_v4;
-
-/* ty_sweep_create with kernels of one's choice, for tests. */
-ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kernels, const int32_t size[3],
-                               const double cell[3], const ty_ordinate_set* set, int32_t bands, const float* extinction,
-                               ty_sweep** out);
+TY_DECLARE_KERNELS(ty_sweep_kernels);
 
 #endif

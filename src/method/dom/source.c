@@ -169,7 +169,7 @@ static ty_result light_groups(direct_job* direct) {
     for (int32_t i = 0; i < direct->group_count && result == TY_OK; ++i) {
         const ty_source_group* group = &direct->groups[i];
         job->progress.share = share / ty_maxf(1, (float)direct->group_count);
-        result = ty_part_show(&job->progress, "direct light");
+        result = ty_part_show(&job->progress, "direct light", 0);
         if (result == TY_OK) result = group->own ? light_own(direct, group) : light_many(direct, group);
         job->progress.from += job->progress.share;
     }

@@ -17,7 +17,7 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         const ty_source_group* group = &groups[i];
         ty_light_field** field = group->own ? &light->beam[light->light_count] : many;
-        result = ty_part_show(&job->progress, "direct light");
+        result = ty_part_show(&job->progress, "direct light", 0);
         if (result == TY_OK && *field == NULL)
             result = ty_source_groups_field(job->sources, group->own ? group : groups, group->own ? 1 : count,
                                             group->own, job->fine, !group->own, field);

@@ -1,23 +1,9 @@
 /* Light in a row of cells goes one step; built once per instruction set, with TY_ISA naming it. */
 #include "method/lpv/kernel.h"
 
+#include "base/simd.h"
+
 #include <stdlib.h>
-
-#if defined(__AVX512F__)
-enum { BYTES = 64 };
-#elif defined(__AVX__)
-enum { BYTES = 32 };
-#else
-enum { BYTES = 16 };
-#endif
-enum { LANES = BYTES / sizeof(float) };
-
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-#define TY_INLINE static inline __attribute__((always_inline))
-
-typedef float lanes __attribute__((vector_size(BYTES)));
-typedef int32_t whole_lanes __attribute__((vector_size(BYTES)));
 
 /* All links: where they go, and their numbers. */
 #define EACH_LINK(LINK)                                                                                                \
@@ -48,67 +34,49 @@ typedef int32_t whole_lanes __attribute__((vector_size(BYTES)));
     LINK(0, 1, 1, 14)                                                                                                  \
     LINK(1, 1, 1, 13)
 
-/* Up to LANES cells of a row, and what links into them let pass: 1 where `near` has no bit. */
+/* Up to TY_LANES cells of a row, and what links into them let pass: 1 where `near` has no bit. */
 typedef struct cell_block {
     const ty_lpv_row* row;
     int32_t begin, count;
     uint32_t near; /* bits of the links that are not open */
-    _Alignas(BYTES) float open[TY_LPV_LINKS][LANES];
+    _Alignas(TY_LANE_BYTES) float open[TY_LPV_LINKS][TY_LANES];
 } cell_block;
 
-TY_INLINE lanes load(const float* from) {
-    lanes value;
-    memcpy(&value, from, sizeof value);
-    return value;
-}
-
-TY_INLINE void store(float* to, lanes value) {
-    memcpy(to, &value, sizeof value);
-}
-
-TY_INLINE lanes size_of(lanes value) {
-    whole_lanes bits;
-    memcpy(&bits, &value, sizeof bits);
-    bits &= 0x7fffffff;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 /* Nothing in lanes past the row's end. */
-TY_INLINE lanes within(lanes value, int32_t count) {
-    if (count >= LANES) return value;
-    for (int i = 0; i < LANES; ++i)
+TY_INLINE ty_lanes within(ty_lanes value, int32_t count) {
+    if (count >= TY_LANES) return value;
+    for (int i = 0; i < TY_LANES; ++i)
         if (i >= count) value[i] = 0.0f;
     return value;
 }
 
 /* value + step * term, for a step of -1, 0 or 1 that the compiler knows. */
-TY_INLINE lanes with(lanes value, int32_t step, lanes term) {
+TY_INLINE ty_lanes with(ty_lanes value, int32_t step, ty_lanes term) {
     return step == 0 ? value : step > 0 ? value + term : value - term;
 }
 
 /* ---- two bands ---- */
 
 /* What of one cell's light goes along a link. `at` is its first term. */
-TY_INLINE lanes along_two(const float* at, ptrdiff_t term, const ty_lpv_shapes* shapes, int32_t dx, int32_t dy,
-                          int32_t dz) {
+TY_INLINE ty_lanes along_two(const float* at, ptrdiff_t term, const ty_lpv_shapes* shapes, int32_t dx, int32_t dy,
+                             int32_t dz) {
     const int32_t kind = abs(dx) + abs(dy) + abs(dz) - 1;
     const float along = shapes->along[kind];
-    lanes value = shapes->even[kind] * load(at);
-    if (dy != 0) value = with(value, dy, along * load(at + term));
-    if (dz != 0) value = with(value, dz, along * load(at + 2 * term));
-    if (dx != 0) value = with(value, dx, along * load(at + 3 * term));
+    ty_lanes value = shapes->even[kind] * ty_lanes_load(at);
+    if (dy != 0) value = with(value, dy, along * ty_lanes_load(at + term));
+    if (dz != 0) value = with(value, dz, along * ty_lanes_load(at + 2 * term));
+    if (dx != 0) value = with(value, dx, along * ty_lanes_load(at + 3 * term));
     return value;
 }
 
-TY_INLINE void add_two(lanes sum[4], lanes value, float even, float along, int32_t dx, int32_t dy, int32_t dz) {
+TY_INLINE void add_two(ty_lanes sum[4], ty_lanes value, float even, float along, int32_t dx, int32_t dy, int32_t dz) {
     sum[0] += even * value;
     sum[1] = with(sum[1], dy, along * value);
     sum[2] = with(sum[2], dz, along * value);
     sum[3] = with(sum[3], dx, along * value);
 }
 
-TY_INLINE void gather_two(const cell_block* block, const float* at, bool near, lanes sum[4]) {
+TY_INLINE void gather_two(const cell_block* block, const float* at, bool near, ty_lanes sum[4]) {
     const ty_lpv_row* row = block->row;
     const ty_lpv_shapes* shapes = row->shapes;
     const ptrdiff_t term = row->pitch.term, to_row = row->pitch.row, to_plane = row->pitch.plane;
@@ -116,8 +84,8 @@ TY_INLINE void gather_two(const cell_block* block, const float* at, bool near, l
     {                                                                                                                  \
         const int32_t kind = abs(dx) + abs(dy) + abs(dz) - 1;                                                          \
         const float* source = at - (dx) - (dy)*to_row - (dz)*to_plane;                                                 \
-        lanes value = along_two(source, term, shapes, dx, dy, dz);                                                     \
-        if (near) value *= load(block->open[k]);                                                                       \
+        ty_lanes value = along_two(source, term, shapes, dx, dy, dz);                                                  \
+        if (near) value *= ty_lanes_load(block->open[k]);                                                              \
         add_two(sum, value, shapes->even[kind], shapes->along[kind], dx, dy, dz);                                      \
     }
     EACH_LINK(LINK)
@@ -126,16 +94,16 @@ TY_INLINE void gather_two(const cell_block* block, const float* at, bool near, l
 
 /* ---- three bands ---- */
 
-TY_INLINE void gather_three(const cell_block* block, const float* at, bool near, lanes sum[TY_SH_TERMS]) {
+TY_INLINE void gather_three(const cell_block* block, const float* at, bool near, ty_lanes sum[TY_SH_TERMS]) {
     const ty_lpv_row* row = block->row;
     const ptrdiff_t term = row->pitch.term, to_row = row->pitch.row, to_plane = row->pitch.plane;
 #define LINK(dx, dy, dz, k)                                                                                            \
     {                                                                                                                  \
         const float* source = at - (dx) - (dy)*to_row - (dz)*to_plane;                                                 \
         const float* shape = row->shapes->all[k];                                                                      \
-        lanes value = shape[0] * load(source);                                                                         \
-        for (int32_t t = 1; t < TY_SH_TERMS; ++t) value += shape[t] * load(source + t * term);                         \
-        if (near) value *= load(block->open[k]);                                                                       \
+        ty_lanes value = shape[0] * ty_lanes_load(source);                                                             \
+        for (int32_t t = 1; t < TY_SH_TERMS; ++t) value += shape[t] * ty_lanes_load(source + t * term);                \
+        if (near) value *= ty_lanes_load(block->open[k]);                                                              \
         for (int32_t t = 0; t < TY_SH_TERMS; ++t) sum[t] += shape[t] * value;                                          \
     }
     EACH_LINK(LINK)
@@ -157,7 +125,7 @@ TY_INLINE int32_t take_link(uint32_t* links) {
 TY_INLINE void open_all(cell_block* block, uint32_t links) {
     while (links != 0) {
         const int32_t k = take_link(&links);
-        for (int32_t i = 0; i < LANES; ++i) block->open[k][i] = 1.0f;
+        for (int32_t i = 0; i < TY_LANES; ++i) block->open[k][i] = 1.0f;
     }
 }
 
@@ -168,26 +136,26 @@ TY_INLINE void find_open(cell_block* block) {
         const int32_t k = take_link(&links);
         const uint8_t* from = block->row->open[k] + first;
         float* open = block->open[k];
-        const int32_t count = block->count < LANES ? block->count : LANES; /* known, GCC would do one by one */
+        const int32_t count = block->count < TY_LANES ? block->count : TY_LANES; /* known, GCC would do one by one */
 #pragma omp simd
         for (int32_t i = 0; i < count; ++i) open[i] = (float)from[i] * (1.0f / 255.0f);
     }
 }
 
 /* What surfaces stop on the way out, by its lobes back. Returns what of it would have left the lattice. */
-TY_INLINE lanes stop(const cell_block* block, const float* at, int32_t terms, lanes* lobes) {
+TY_INLINE ty_lanes stop(const cell_block* block, const float* at, int32_t terms, ty_lanes* lobes) {
     const ty_lpv_row* row = block->row;
     const int32_t last = row->count - 1 - block->begin;
-    const bool begins = block->begin == 0, ends = row->count > 1 && last < LANES;
-    lanes own[TY_SH_TERMS], at_border = {0};
-    for (int32_t t = 0; t < terms; ++t) own[t] = load(at + t * row->pitch.term);
+    const bool begins = block->begin == 0, ends = row->count > 1 && last < TY_LANES;
+    ty_lanes own[TY_SH_TERMS], at_border = {0};
+    for (int32_t t = 0; t < terms; ++t) own[t] = ty_lanes_load(at + t * row->pitch.term);
     for (uint32_t links = block->near; links != 0;) {
         const int32_t k = take_link(&links);
         const float* shape = row->shapes->all[k < TY_LPV_HALF_LINKS ? k + TY_LPV_HALF_LINKS : k - TY_LPV_HALF_LINKS];
         const float* lobe = row->shapes->lobes[k];
-        lanes leaving = shape[0] * own[0];
+        ty_lanes leaving = shape[0] * own[0];
         for (int32_t t = 1; t < terms; ++t) leaving += shape[t] * own[t];
-        const lanes stopped = (1.0f - load(block->open[k])) * (shape[0] * leaving);
+        const ty_lanes stopped = (1.0f - ty_lanes_load(block->open[k])) * (shape[0] * leaving);
         lobes[0] += stopped;
         for (int32_t t = 1; t < terms; ++t) lobes[t] += lobe[t] * stopped;
         if (row->leaves[1][k] != 0) {
@@ -202,24 +170,24 @@ TY_INLINE lanes stop(const cell_block* block, const float* at, int32_t terms, la
 
 /* ---- all of it ---- */
 
-TY_INLINE void add_sum(float* sums, lanes value) {
-    store(sums, load(sums) + value);
+TY_INLINE void add_sum(float* sums, ty_lanes value) {
+    ty_lanes_store(sums, ty_lanes_load(sums) + value);
 }
 
 /* Light stopped near the block's cells comes back to them; the rest of it is surfaces'. */
-TY_INLINE void turn_back(const cell_block* block, const float* at, int32_t channel, int32_t terms, lanes* sum,
+TY_INLINE void turn_back(const cell_block* block, const float* at, int32_t channel, int32_t terms, ty_lanes* sum,
                          float sums[TY_LPV_SUMS][TY_LPV_BLOCK]) {
     const ty_lpv_row* row = block->row;
-    lanes lobes[TY_SH_TERMS];
-    for (int32_t t = 0; t < terms; ++t) lobes[t] = (lanes){0};
+    ty_lanes lobes[TY_SH_TERMS];
+    for (int32_t t = 0; t < terms; ++t) lobes[t] = (ty_lanes){0};
     add_sum(sums[TY_LPV_LEFT], -stop(block, at, terms, lobes));
     if (row->albedo[channel] == NULL) {
         add_sum(sums[TY_LPV_KEPT], lobes[0]);
         return;
     }
-    lanes albedo = {0};
-    if (block->count >= LANES) albedo = load(row->albedo[channel] + block->begin);
-    for (int32_t i = 0; block->count < LANES && i < block->count; ++i)
+    ty_lanes albedo = {0};
+    if (block->count >= TY_LANES) albedo = ty_lanes_load(row->albedo[channel] + block->begin);
+    for (int32_t i = 0; block->count < TY_LANES && i < block->count; ++i)
         albedo[i] = row->albedo[channel][block->begin + i];
     add_sum(sums[TY_LPV_KEPT], (1.0f - albedo) * lobes[0]);
     for (int32_t t = 0; t < terms; ++t) sum[t] += albedo * lobes[t];
@@ -230,25 +198,25 @@ TY_INLINE void step_block(const cell_block* block, int32_t channel, int32_t term
     const ty_lpv_row* row = block->row;
     const ptrdiff_t term = row->pitch.term, place = channel * terms * term + block->begin;
     const float* at = row->from + place;
-    lanes sum[TY_SH_TERMS];
-    for (int32_t t = 0; t < terms; ++t) sum[t] = (lanes){0};
+    ty_lanes sum[TY_SH_TERMS];
+    for (int32_t t = 0; t < terms; ++t) sum[t] = (ty_lanes){0};
     if (terms == 4 && block->near != 0) gather_two(block, at, true, sum);
     if (terms == 4 && block->near == 0) gather_two(block, at, false, sum);
     if (terms != 4) gather_three(block, at, block->near != 0, sum);
     if (block->near != 0) turn_back(block, at, channel, terms, sum, sums);
     for (int32_t t = 0; t < terms; ++t) {
-        const lanes value = within(sum[t], block->count);
-        const lanes passed = value * load(row->pass[channel][t == 0 ? 0 : t < 4 ? 1 : 2] + block->begin);
-        store(row->to + place + t * term, passed);
-        if (row->sum != NULL) add_sum(row->sum + place + t * term, load(at + t * term) + passed);
+        const ty_lanes value = within(sum[t], block->count);
+        const ty_lanes passed = value * ty_lanes_load(row->pass[channel][t == 0 ? 0 : t < 4 ? 1 : 2] + block->begin);
+        ty_lanes_store(row->to + place + t * term, passed);
+        if (row->sum != NULL) add_sum(row->sum + place + t * term, ty_lanes_load(at + t * term) + passed);
         if (t > 0) continue;
         add_sum(sums[TY_LPV_ARRIVED], value);
-        add_sum(sums[TY_LPV_SIZE], size_of(value));
+        add_sum(sums[TY_LPV_SIZE], ty_lanes_abs(value));
         add_sum(sums[TY_LPV_GOES_ON], passed);
     }
     if (!row->border) return;
-    lanes left = {0};
-    for (int32_t t = 0; t < terms; ++t) left += row->out[1][t] * load(at + t * term);
+    ty_lanes left = {0};
+    for (int32_t t = 0; t < terms; ++t) left += row->out[1][t] * ty_lanes_load(at + t * term);
     add_sum(sums[TY_LPV_LEFT], left);
 }
 
@@ -280,7 +248,7 @@ TY_INLINE void step_row(const ty_lpv_row* row, int32_t terms, ty_lpv_lane_sums* 
     block.begin = 0;
     if (row->near != NULL) open_all(&block, all_links);
     if (row->count > WIDE) fetch_next(row);
-    for (; block.begin < row->count; block.begin += LANES) {
+    for (; block.begin < row->count; block.begin += TY_LANES) {
         block.count = row->count - block.begin;
         block.near = row->near != NULL ? row->near[block.begin / TY_LPV_BLOCK] : 0;
         find_open(&block);
@@ -297,4 +265,4 @@ static void step(const ty_lpv_row* row, ty_lpv_lane_sums* sums) {
         step_row(row, TY_SH_TERMS, sums);
 }
 
-const ty_lpv_kernels TY_JOIN(ty_lpv_kernels_, TY_ISA) = {.step = step};
+const ty_lpv_kernels TY_KERNEL_NAME(ty_lpv_kernels) = {.step = step};

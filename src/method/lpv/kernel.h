@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_LPV_KERNEL_H
 #define TY_METHOD_LPV_KERNEL_H
 
+#include "base/dispatch.h"
 #include "method/lpv/lattice.h"
 
 /* Cells that have one flag for whether surfaces are near, and to which rows are filled up. */
@@ -51,8 +52,6 @@ typedef struct ty_lpv_kernels {
     /* Adds to sums. */
     void (*step)(const ty_lpv_row* row, ty_lpv_lane_sums* sums);
 } ty_lpv_kernels;
-
-extern const ty_lpv_kernels ty_lpv_kernels_v1, ty_lpv_kernels_v3, ty_lpv_kernels_v4;
-const ty_lpv_kernels* ty_lpv_kernels_best(void);
+TY_DECLARE_KERNELS(ty_lpv_kernels);
 
 #endif

@@ -1,9 +1,6 @@
 /* Rays from lights; see lamp_kernel.h. */
 #include "method/lpv/lamp_kernel.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 /* ---- rays ---- */
 
 static void parallel_rays(const ty_lamp_face* face, float s0, float ds, float t, ty_lamp_rays* r) {
@@ -156,4 +153,4 @@ static void part(const ty_lamp_parts* given, const ty_lamp_rays* r, int32_t part
         if (!(length[i] > 0.0f && r->share[i] > 0.0f)) out->cell[i] = -1;
 }
 
-const ty_lamp_kernels TY_JOIN(ty_lamp_kernels_, TY_ISA) = {.rays = rays, .clip = clip, .part = part};
+const ty_lamp_kernels TY_KERNEL_NAME(ty_lamp_kernels) = {.rays = rays, .clip = clip, .part = part};

@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_LPV_LAMP_KERNEL_H
 #define TY_METHOD_LPV_LAMP_KERNEL_H
 
-#include "base/isa.h"
+#include "base/dispatch.h"
 #include "base/vector.k.h"
 #include "direct/beam.k.h"
 
@@ -53,6 +53,7 @@ typedef struct ty_lamp_kernels {
     /* One part of each ray. */
     void (*part)(const ty_lamp_parts* parts, const ty_lamp_rays* rays, int32_t part, ty_lamp_splats* out);
 } ty_lamp_kernels;
+TY_DECLARE_KERNELS(ty_lamp_kernels);
 
 /* The point of a stretch, m from its beginning, up to which share u of what it scatters comes from. */
 TY_FN float ty_lamp_place(float u, float length, float extinction) {
@@ -60,11 +61,5 @@ TY_FN float ty_lamp_place(float u, float length, float extinction) {
     const float far = -ty_logf(1.0f - u * (1.0f - ty_decay(across))) / ty_maxf(extinction, 1e-30f);
     return across < 1e-2f ? u * length : ty_minf(far, length);
 }
-
-extern const ty_lamp_kernels ty_lamp_kernels_v1;
-#if TY_ISA_X86
-extern const ty_lamp_kernels ty_lamp_kernels_v3, ty_lamp_kernels_v4;
-#endif
-const ty_lamp_kernels* ty_lamp_kernels_best(void);
 
 #endif

@@ -3,16 +3,6 @@
 
 #include "direct/grid_depth.h"
 
-const ty_lamp_kernels* ty_lamp_kernels_best(void) {
-#if TY_ISA_X86
-    static const ty_lamp_kernels* const kernels[TY_ISA_COUNT] = {&ty_lamp_kernels_v1, &ty_lamp_kernels_v3,
-                                                                 &ty_lamp_kernels_v4};
-    return kernels[ty_best_isa()];
-#else
-    return &ty_lamp_kernels_v1;
-#endif
-}
-
 /* ---- the light and the medium ---- */
 
 /* Cells that are compared at a time. */
@@ -65,7 +55,7 @@ static ty_lamp_medium medium_of(const ty_grid_medium* medium) {
 }
 
 ty_lamp_view ty_lamp_view_of(const ty_lpv_lamp* lamp, const ty_grid_medium* medium) {
-    ty_lamp_view out = {.lamp = lamp, .medium = medium_of(medium), .kernels = ty_lamp_kernels_best()};
+    ty_lamp_view out = {.lamp = lamp, .medium = medium_of(medium), .kernels = TY_BEST_KERNELS(ty_lamp_kernels)};
     for (int32_t face = 0; face < lamp->map->faces; ++face) out.faces[face] = face_of(lamp, face);
     return out;
 }

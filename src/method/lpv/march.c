@@ -182,7 +182,7 @@ void ty_lpv_march_destroy(ty_lpv_march* march) {
 
 ty_result ty_lpv_march_create(ty_lattice* lattice, const ty_lpv_def* def, ty_lpv_march* march) {
     const int32_t* size = lattice->box.size;
-    *march = (ty_lpv_march){.lattice = lattice, .mode = def->mode, .kernels = ty_lpv_kernels_best()};
+    *march = (ty_lpv_march){.lattice = lattice, .mode = def->mode, .kernels = TY_BEST_KERNELS(ty_lpv_kernels)};
     ty_lpv_transfer_make(lattice->bands, def->mode == TY_LPV_MODE_LINKS, &march->transfer);
     march->shapes = make_shapes(&march->transfer);
     march->blocks = (size[0] + TY_LPV_BLOCK - 1) / TY_LPV_BLOCK;

@@ -3,15 +3,12 @@
 #include "method/lpv/pixels.h"
 
 #include "base/context.h"
-#include "base/isa.h"
 #include "base/parallel.h"
 #include "base/random.k.h"
 #include "image/aovs.h"
 #include "method/lpv/frame.h"
 
 #include <time.h>
-
-static const double progress_interval = 0.1; /* s */
 
 /* ---- tiles ---- */
 
@@ -30,11 +27,8 @@ typedef struct tile_pass {
 static void report(tile_pass* pass) {
     ty_lpv_frame* frame = pass->frame;
     if (frame->progress.function == NULL || pthread_mutex_trylock(&frame->lock) != 0) return;
-    if (ty_wall_seconds() - frame->progress.reported >= progress_interval) {
-        const ty_progress part = {.stage = pass->stage,
-                                  .fraction = (double)atomic_load(&pass->finished) / (double)pass->tiles};
-        if (!ty_part_report(&frame->progress, &part)) atomic_store(&frame->cancelled, true);
-    }
+    const double fraction = (double)atomic_load(&pass->finished) / (double)pass->tiles;
+    if (ty_part_show(&frame->progress, pass->stage, fraction) != TY_OK) atomic_store(&frame->cancelled, true);
     pthread_mutex_unlock(&frame->lock);
 }
 
@@ -160,18 +154,6 @@ static void finish_stats(ty_lpv_frame* frame, ty_lpv_stats* out) {
 
 /* ---- frames ---- */
 
-static const ty_pixels_kernels* choose_kernels(const char** isa) {
-    const ty_isa best = ty_best_isa();
-    *isa = ty_isa_name(best);
-#if TY_ISA_X86
-    static const ty_pixels_kernels* const kernels[TY_ISA_COUNT] = {&ty_pixels_kernels_v1, &ty_pixels_kernels_v3,
-                                                                   &ty_pixels_kernels_v4};
-    return kernels[best];
-#else
-    return &ty_pixels_kernels_v1;
-#endif
-}
-
 static ty_result create_image(ty_lpv_frame* frame) {
     const char* names[TY_AOV_CHANNELS_MAX];
     const uint32_t asked = frame->job->def->aovs;
@@ -222,7 +204,8 @@ static ty_result begin_frame(const ty_lpv_image_job* job, ty_lpv_frame* frame) {
     frame->context = ty_scene_context(job->scene);
     frame->scene = ty_scene_get_view(job->scene);
     if (frame->scene == NULL) return TY_ERROR_ARGUMENT;
-    frame->kernels = choose_kernels(&frame->isa);
+    frame->kernels = TY_BEST_KERNELS(ty_pixels_kernels);
+    frame->isa = ty_isa_name(ty_best_isa());
     frame->camera = ty_camera_get_view(&camera, def->width, def->height);
     frame->foggy = job->medium != NULL;
     frame->width = def->width;

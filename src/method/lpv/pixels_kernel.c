@@ -3,9 +3,6 @@
 
 #include "base/float_mode.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 static void fog(const ty_fog_request* request, const ty_fog_way* ways, int32_t count, ty_fog* out) {
     const unsigned state = ty_flush_denormals();
     ty_fog_ray ray;
@@ -33,5 +30,5 @@ static void irradiance(const ty_lattice_look* look, ty_look_place* places, int32
     ty_restore_denormals(state);
 }
 
-const ty_pixels_kernels TY_JOIN(ty_pixels_kernels_,
-                                TY_ISA) = {.fog = fog, .upsample = upsample, .irradiance = irradiance};
+const ty_pixels_kernels TY_KERNEL_NAME(ty_pixels_kernels) = {
+    .fog = fog, .upsample = upsample, .irradiance = irradiance};

@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_LPV_PIXELS_KERNEL_H
 #define TY_METHOD_LPV_PIXELS_KERNEL_H
 
+#include "base/dispatch.h"
 #include "method/lpv/fog.k.h"
 #include "method/lpv/upsample.k.h"
 
@@ -26,9 +27,6 @@ typedef struct ty_pixels_kernels {
                      ty_lpv_seen* out, float* contrast);
     void (*irradiance)(const ty_lattice_look* look, ty_look_place* places, int32_t count);
 } ty_pixels_kernels;
-
-extern const ty_pixels_kernels ty_pixels_kernels_v1;
-extern const ty_pixels_kernels ty_pixels_kernels_v3;
-extern const ty_pixels_kernels ty_pixels_kernels_v4;
+TY_DECLARE_KERNELS(ty_pixels_kernels);
 
 #endif

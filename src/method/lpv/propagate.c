@@ -47,8 +47,7 @@ static ty_result iterate(ty_lpv_march* march, const ty_lpv_def* def, const doubl
                          ty_part_progress* progress, ty_lattice_power* power) {
     const iteration_plan plan = plan_iterations(def);
     for (bool done = false; !done && power->iterations < plan.most; ++power->iterations) {
-        const ty_progress part = {.stage = "propagation", .fraction = (double)power->iterations / plan.most};
-        if (ty_wall_seconds() - progress->reported > 0.1 && !ty_part_report(progress, &part)) return TY_CANCELLED;
+        if (ty_part_show(progress, "propagation", (double)power->iterations / plan.most) != TY_OK) return TY_CANCELLED;
         const ty_lpv_sums sums = ty_lpv_march_step(march, power->iterations % 2 == 0);
         done = book(&sums, size, plan.tolerance, power, absorbed);
     }

@@ -2,7 +2,6 @@
 #include "method/path/driver.h"
 
 #include "base/context.h"
-#include "base/isa.h"
 #include "image/options.h"
 #include "method/path/equiangular.k.h"
 #include "scene/check.h"
@@ -13,18 +12,6 @@ static const float faint_fraction = 0.5f;
 
 ty_path_def ty_default_path_def(void) {
     return (ty_path_def){.cookie = TY_DEF_COOKIE, .spp = 64, .aovs = TY_AOV_VARIANCE, .state_seconds = 60};
-}
-
-/* The best kernel this processor runs. */
-static ty_path_kernel choose_kernel(const char** isa) {
-    const ty_isa best = ty_best_isa();
-    *isa = ty_isa_name(best);
-#if TY_ISA_X86
-    static const ty_path_kernel kernels[TY_ISA_COUNT] = {ty_path_kernel_v1, ty_path_kernel_v3, ty_path_kernel_v4};
-    return kernels[best];
-#else
-    return ty_path_kernel_v1;
-#endif
 }
 
 static ty_result check_def(ty_context* context, const ty_path_def* def) {
@@ -83,7 +70,8 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     run->request.seed = def->seed;
     run->request.max_depth = def->max_depth;
     run->request.unscattered = def->unscattered && run->view.medium_count > 0;
-    run->kernel = choose_kernel(&run->stats.isa);
+    run->kernel = TY_BEST_KERNELS(ty_path_kernel);
+    run->stats.isa = ty_isa_name(ty_best_isa());
     return TY_OK;
 }
 

@@ -3,9 +3,6 @@
 
 #include "base/float_mode.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     if (request->kind == TY_PATH_PIXELS) {
         const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
@@ -79,7 +76,7 @@ static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_parts* pa
     }
 }
 
-TY_PATH_KERNEL(TY_JOIN(ty_path_kernel_, TY_ISA)) {
+TY_PATH_KERNEL(TY_KERNEL_NAME(ty_path_kernel)) {
     const unsigned thread_state = ty_flush_denormals();
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {

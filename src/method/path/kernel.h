@@ -2,6 +2,7 @@
 #ifndef TY_PATH_KERNEL_H
 #define TY_PATH_KERNEL_H
 
+#include "base/dispatch.h"
 #include "base/random.k.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
@@ -52,8 +53,6 @@ typedef struct ty_path_parts {
     uint64_t name(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample, uint32_t count,   \
                   ty_path_sums* sums, ty_path_parts* parts)
 typedef TY_PATH_KERNEL((*ty_path_kernel));
-TY_PATH_KERNEL(ty_path_kernel_v1);
-TY_PATH_KERNEL(ty_path_kernel_v3);
-TY_PATH_KERNEL(ty_path_kernel_v4);
+TY_DECLARE_KERNEL_FUNCTION(TY_PATH_KERNEL, ty_path_kernel);
 
 #endif

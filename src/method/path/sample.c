@@ -1,6 +1,7 @@
 /* Sampling many items in passes over threads, with progress, states, bounds on time and error, and cancelling. */
 #define _POSIX_C_SOURCE 200809L
 #include "base/context.h"
+#include "base/progress.h"
 #include "method/path/driver.h"
 #include "method/path/state.h"
 
@@ -10,8 +11,6 @@
 #include <string.h>
 
 enum { PASS_MAX = 16, STRIDE_FIRST = 16, STRIDE_MAX = TY_PATH_BLOCK * PASS_MAX };
-
-static const double progress_interval = 0.1;
 
 /* What a thread does between two looks at whether to stop, seconds. */
 static const double stride_seconds = 2e-3;
@@ -68,19 +67,13 @@ static void report(sampling* pass, bool always) {
     const double seconds = ty_wall_seconds() - pass->begun;
     if (def->seconds > 0 && seconds >= def->seconds) atomic_store(&pass->out_of_time, true);
     if (def->progress == NULL || (always ? pthread_mutex_lock : pthread_mutex_trylock)(&pass->lock) != 0) return;
-    if (always || seconds - pass->reported >= progress_interval) {
-        pass->reported = seconds;
+    if (ty_report_due(&pass->reported) || always) {
         const double share = (double)atomic_load(&pass->finished) / (double)block_count(pass->run);
         const double samples = pass->done_before + share * (pass->last - pass->done_before);
         const double fraction = fraction_done(pass, seconds, samples);
-        const ty_progress progress = {
-            .stage = pass->run->stage,
-            .fraction = fraction,
-            .seconds = seconds,
-            .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
-            .done = pass->done_before,
-            .total = def->spp < TY_PATH_SPP_MAX ? (uint64_t)def->spp : 0,
-        };
+        ty_progress progress = ty_progress_at(pass->run->stage, fraction, seconds);
+        progress.done = pass->done_before;
+        progress.total = def->spp < TY_PATH_SPP_MAX ? (uint64_t)def->spp : 0;
         if (!def->progress(def->progress_user, &progress)) atomic_store(&pass->cancelled, true);
     }
     pthread_mutex_unlock(&pass->lock);
@@ -226,7 +219,8 @@ static void sample_passes(sampling* pass) {
 }
 
 ty_result ty_path_sample(ty_path_run* run) {
-    sampling pass = {.run = run, .begun = ty_wall_seconds() - run->stats.seconds};
+    sampling pass = {.run = run, .reported = ty_wall_seconds()};
+    pass.begun = pass.reported - run->stats.seconds;
     pass.cpu_begun = ty_cpu_seconds() - run->stats.cpu_seconds;
     pass.saved = ty_wall_seconds();
     atomic_init(&pass.paths, run->stats.paths);

@@ -4,9 +4,6 @@
 #include "direct/turned.h"
 #include "method/pop/lobe.k.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 /* ---- the medium along columns ---- */
 
 /* Eight cells around a point of each column: the lowest, how far it is to the next ones, and shares. */
@@ -381,16 +378,16 @@ static void take(const ty_pop_take* take) {
     }
 }
 
-const ty_pop_grid_kernels TY_JOIN(ty_pop_grid_kernels_, TY_ISA) = {.misfit = misfit,
-                                                                   .unevenness = unevenness,
-                                                                   .sample = sample,
-                                                                   .light = light,
-                                                                   .pass = pass,
-                                                                   .turned = turned,
-                                                                   .look = look,
-                                                                   .scatter = scatter,
-                                                                   .start = start,
-                                                                   .begin = begin,
-                                                                   .sum = sum,
-                                                                   .give = give,
-                                                                   .take = take};
+const ty_pop_grid_kernels TY_KERNEL_NAME(ty_pop_grid_kernels) = {.misfit = misfit,
+                                                                 .unevenness = unevenness,
+                                                                 .sample = sample,
+                                                                 .light = light,
+                                                                 .pass = pass,
+                                                                 .turned = turned,
+                                                                 .look = look,
+                                                                 .scatter = scatter,
+                                                                 .start = start,
+                                                                 .begin = begin,
+                                                                 .sum = sum,
+                                                                 .give = give,
+                                                                 .take = take};

@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_POP_GRID_KERNEL_H
 #define TY_METHOD_POP_GRID_KERNEL_H
 
+#include "base/dispatch.h"
 #include "method/pop/columns.h"
 
 /* A slab of cells across some columns: coefficients, means over the part of each cell that is in the medium's box. */
@@ -105,12 +106,6 @@ typedef struct ty_pop_grid_kernels {
     void (*give)(const ty_pop_give* give);
     void (*take)(const ty_pop_take* take);
 } ty_pop_grid_kernels;
-
-extern const ty_pop_grid_kernels ty_pop_grid_kernels_v1;
-extern const ty_pop_grid_kernels ty_pop_grid_kernels_v3;
-extern const ty_pop_grid_kernels ty_pop_grid_kernels_v4;
-
-/* Those for this processor. */
-const ty_pop_grid_kernels* ty_pop_grid_kernels_best(void);
+TY_DECLARE_KERNELS(ty_pop_grid_kernels);
 
 #endif

@@ -85,7 +85,7 @@ static ty_result find_ordinates(ty_pop_job* job) {
     double begun = ty_wall_seconds();
     const bool matters = job->def->importance && has_environment(job->scene);
     const ty_vpl_def vpl_def = ty_pop_vpl_def(job->def);
-    ty_result result = ty_part_show(&job->progress, "importance");
+    ty_result result = ty_part_show(&job->progress, "importance", 0);
     if (result == TY_OK && matters)
         result = ty_pop_importance_find(job->scene, job->def, job->light->medium, job->importance);
     job->stats.importance_seconds = ty_wall_seconds() - begun;

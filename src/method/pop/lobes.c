@@ -63,7 +63,7 @@ static void see_slab(const ty_pop_grid_kernels* kernels, glance* g, int32_t k) {
 
 void ty_pop_see(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light) {
     glance g = {.light = light};
-    const ty_pop_grid_kernels* kernels = ty_pop_grid_kernels_best();
+    const ty_pop_grid_kernels* kernels = TY_BEST_KERNELS(ty_pop_grid_kernels);
     const unsigned state = ty_flush_denormals();
     ty_pop_slab_setup(kernels, medium, &g.columns, &g.slab);
     ty_pop_look_setup(medium, eye, light, &g.look);

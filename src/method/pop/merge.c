@@ -1,20 +1,9 @@
 /* All ordinates' light in one grid, block by block: what a block needs of a light stays in the caches. */
-#include "base/isa.h"
 #include "base/parallel.h"
 #include "method/pop/merge.h"
 #include "method/pop/merge_kernel.h"
 
 enum { SLABS = 4, SLAB_CELLS = TY_POP_MERGE_ROWS * TY_POP_MERGE_RUN };
-
-const ty_pop_merge_kernels* ty_pop_merge_kernels_best(void) {
-#if TY_ISA_X86
-    static const ty_pop_merge_kernels* const kernels[TY_ISA_COUNT] = {
-        &ty_pop_merge_kernels_v1, &ty_pop_merge_kernels_v3, &ty_pop_merge_kernels_v4};
-    return kernels[ty_best_isa()];
-#else
-    return &ty_pop_merge_kernels_v1;
-#endif
-}
 
 typedef struct work {
     const ty_pop_merge_kernels* kernels;
@@ -114,7 +103,7 @@ static void merge_block(void* user, int64_t index, int32_t worker) {
 
 void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {
     const int32_t* size = merged->box.size;
-    work w = {.kernels = ty_pop_merge_kernels_best(), .lights = lights, .count = count, .merged = merged};
+    work w = {.kernels = TY_BEST_KERNELS(ty_pop_merge_kernels), .lights = lights, .count = count, .merged = merged};
     w.blocks = (size[1] + TY_POP_MERGE_ROWS - 1) / TY_POP_MERGE_ROWS;
     const int32_t runs = (size[0] + TY_POP_MERGE_RUN - 1) / TY_POP_MERGE_RUN;
     w.length = (size[0] + runs - 1) / runs;

@@ -1,9 +1,6 @@
 /* Row loops of merging; built once per instruction set, with TY_ISA naming it. */
 #include "method/pop/merge_kernel.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 /* What one load brings: two neighbours' eight floats, or one cell's. Without registers as wide compilers
  * take them apart. */
 typedef float two_cells __attribute__((vector_size(64), aligned(4), may_alias));
@@ -170,4 +167,4 @@ static float pass(const ty_pop_residuum_row* row) {
     return sum;
 }
 
-const ty_pop_merge_kernels TY_JOIN(ty_pop_merge_kernels_, TY_ISA) = {.merge = merge, .pass = pass};
+const ty_pop_merge_kernels TY_KERNEL_NAME(ty_pop_merge_kernels) = {.merge = merge, .pass = pass};

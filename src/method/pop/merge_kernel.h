@@ -2,6 +2,7 @@
 #ifndef TY_METHOD_POP_MERGE_KERNEL_H
 #define TY_METHOD_POP_MERGE_KERNEL_H
 
+#include "base/dispatch.h"
 #include "method/pop/grid.h"
 
 enum {
@@ -33,10 +34,6 @@ typedef struct ty_pop_merge_kernels {
     void (*merge)(const ty_pop_light* light, const ty_pop_merge_rows* rows);
     float (*pass)(const ty_pop_residuum_row* row); /* gives the sum of what came in */
 } ty_pop_merge_kernels;
-
-extern const ty_pop_merge_kernels ty_pop_merge_kernels_v1, ty_pop_merge_kernels_v3, ty_pop_merge_kernels_v4;
-
-/* The build that this processor runs best. */
-const ty_pop_merge_kernels* ty_pop_merge_kernels_best(void);
+TY_DECLARE_KERNELS(ty_pop_merge_kernels);
 
 #endif

@@ -257,7 +257,7 @@ static void give_back(ty_context* context, work* w) {
 int32_t ty_pop_residuum(ty_context* context, const ty_grid_medium* medium, double least, int32_t iterations,
                         ty_pop_merged* merged, double* left) {
     const int32_t* size = merged->box.size;
-    work w = {.kernels = ty_pop_merge_kernels_best(), .medium = medium, .merged = merged};
+    work w = {.kernels = TY_BEST_KERNELS(ty_pop_merge_kernels), .medium = medium, .merged = merged};
     w.row = (size_t)size[0] + 2;
     w.slice = w.row * ((size_t)size[1] + 2);
     w.cells = w.slice * ((size_t)size[2] + 2);

@@ -37,7 +37,7 @@ static void add_turned(sweep* s) {
 }
 
 static void begin(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light, sweep* s) {
-    s->kernels = ty_pop_grid_kernels_best();
+    s->kernels = TY_BEST_KERNELS(ty_pop_grid_kernels);
     s->light = light;
     ty_pop_slab_setup(s->kernels, medium, &s->columns, &s->slab);
     ty_pop_look_setup(medium, eye, light, &s->look);

@@ -340,7 +340,7 @@ void ty_pop_walk(const ty_scene* scene, const ty_pop_def* def, const ty_grid_med
     const double began = ty_wall_seconds();
     const unsigned state = ty_flush_denormals();
     walk w;
-    w.kernels = ty_pop_grid_kernels_best();
+    w.kernels = TY_BEST_KERNELS(ty_pop_grid_kernels);
     w.medium = medium;
     w.light = light;
     w.mode = def->mode;

@@ -1,9 +1,6 @@
 /* Row loops over the items of *.k.h; built once per instruction set, with TY_ISA naming it. */
 #include "method/screen/kernel.h"
 
-#define TY_JOIN_(a, b) a##b
-#define TY_JOIN(a, b) TY_JOIN_(a, b)
-
 /* Pixels that are worked on at a time: their planes stay in the nearest cache. */
 enum { CHUNK = 256 };
 
@@ -516,7 +513,7 @@ static void reference_coverage(const ty_screen_sources* sources, int channel, in
     }
 }
 
-const ty_screen_kernels TY_JOIN(ty_screen_kernels_, TY_ISA) = {
+const ty_screen_kernels TY_KERNEL_NAME(ty_screen_kernels) = {
     .split = split,
     .scatter = scatter,
     .onward = onward,

@@ -3,6 +3,7 @@
 #ifndef TY_METHOD_SCREEN_KERNEL_H
 #define TY_METHOD_SCREEN_KERNEL_H
 
+#include "base/dispatch.h"
 #include "method/screen/gather.k.h"
 #include "method/screen/reference.k.h"
 #include "method/screen/scatter.k.h"
@@ -120,9 +121,6 @@ typedef struct ty_screen_kernels {
     void (*reference_coverage)(const ty_screen_sources* sources, int channel, int32_t x, int32_t y, int32_t count,
                                float* coverage);
 } ty_screen_kernels;
-
-extern const ty_screen_kernels ty_screen_kernels_v1;
-extern const ty_screen_kernels ty_screen_kernels_v3;
-extern const ty_screen_kernels ty_screen_kernels_v4;
+TY_DECLARE_KERNELS(ty_screen_kernels);
 
 #endif

@@ -3,6 +3,7 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
+#include "base/progress.h"
 
 #include <math.h>
 #include <string.h>
@@ -127,11 +128,7 @@ static void compose(void* user, int64_t index, int32_t worker) {
 static bool report(const reference* r, double start, int64_t done, int64_t total) {
     const ty_screen_def* def = r->job->def;
     if (def->progress == NULL) return true;
-    const double seconds = ty_wall_seconds() - start, fraction = (double)done / (double)total;
-    const ty_progress progress = {.stage = "screen",
-                                  .fraction = fraction,
-                                  .seconds = seconds,
-                                  .remaining = done > 0 ? seconds * (1 - fraction) / fraction : -1};
+    const ty_progress progress = ty_progress_at("screen", (double)done / (double)total, ty_wall_seconds() - start);
     return def->progress(def->progress_user, &progress);
 }
 

@@ -2,24 +2,11 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
-#include "base/isa.h"
 #include "base/parallel.h"
 #include "method/screen/spread.h"
 
 #include <math.h>
 #include <stdatomic.h>
-
-static const ty_screen_kernels* choose_kernels(const char** isa) {
-    const ty_isa best = ty_best_isa();
-    *isa = ty_isa_name(best);
-#if TY_ISA_X86
-    static const ty_screen_kernels* const kernels[TY_ISA_COUNT] = {&ty_screen_kernels_v1, &ty_screen_kernels_v3,
-                                                                   &ty_screen_kernels_v4};
-    return kernels[best];
-#else
-    return &ty_screen_kernels_v1;
-#endif
-}
 
 static bool has_medium(const ty_screen_def* def) {
     for (int c = 0; c < 3; ++c)
@@ -241,7 +228,8 @@ static ty_result start(ty_screen_job* job, bool out) {
     ty_result result = ty_screen_check(job->context, job->def);
     if (result == TY_OK) result = ty_screen_check_image(job->context, job->image, out);
     if (result != TY_OK) return result;
-    job->kernels = choose_kernels(&job->stats.isa);
+    job->kernels = TY_BEST_KERNELS(ty_screen_kernels);
+    job->stats.isa = ty_isa_name(ty_best_isa());
     job->small_angle = job->def->variant == TY_SCREEN_SCATTER && job->def->spread == TY_SCREEN_SPREAD_SMALL_ANGLE;
     make_params(job);
     return TY_OK;
