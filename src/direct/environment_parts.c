@@ -1,7 +1,9 @@
 /* Environment light, cut into parts. */
 #include "direct/environment_parts.h"
 
+#include "base/constants.h"
 #include "base/context.h"
+#include "base/luminance.k.h"
 #include "base/parallel.h"
 #include "base/random.k.h"
 #include "scene/environment_map.k.h"
@@ -15,8 +17,6 @@ static const double FLOOR = 0.03;
 
 /* Importance counts to the power N / (N + 8): a few parts must stand for all light, whichever is seen most. */
 static const double FEW = 8;
-
-static const double pi = 3.14159265358979323846;
 
 /* Sums over a stretch of the sphere. */
 typedef struct light_sum {
@@ -42,10 +42,6 @@ typedef struct part {
     double gain; /* light times the change of direction that a cut makes of it; 0: there is none */
     int32_t axis, cut;
 } part;
-
-static double luminance(const double color[3]) {
-    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
-}
 
 /* a + sign * b */
 static light_sum sum_up(light_sum a, const light_sum* b, double sign) {
@@ -87,7 +83,7 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
                            .flow = {flow[0], z_up ? flow[1] : flow[2], z_up ? flow[2] : -flow[1]},
                            .solid_angle = (double)cell->solid_angle};
         const float u = ((float)column + 0.5f) / (float)width - env->turns;
-        sum->mass = luminance(sum->color) * (FLOOR + (1 - FLOOR) * weight_at(job, u, v));
+        sum->mass = ty_luminance_f64(sum->color) * (FLOOR + (1 - FLOOR) * weight_at(job, u, v));
     }
 }
 
@@ -118,7 +114,7 @@ static light_sum sum_of(const table_job* job, const int32_t from[2], const int32
 /* Where a part is best cut: the lengths of the halves' mean vectors say how much light goes which way. Ties go to cuts
  * along the first axis, so that rounding does not decide. */
 static void find_cut(const table_job* job, part* p) {
-    const double bright = luminance(p->sum.color), whole = length_of(p->sum.flow);
+    const double bright = ty_luminance_f64(p->sum.color), whole = length_of(p->sum.flow);
     double best = whole + 1e-7 * bright;
     p->gain = 0;
     if (!(bright > job->dark)) return;
@@ -166,7 +162,7 @@ static int32_t cut_up(const table_job* job, part* parts, int32_t wanted) {
 /* The table sums what lookups blend, or misses it between cells: the light's own mean is what counts. */
 static void find_scale(const table_job* job, const light_sum* all, double scale[3]) {
     for (int c = 0; c < 3; ++c) {
-        const double total = 4 * pi * (double)job->environment->constant[c];
+        const double total = 4 * TY_PI_F64 * (double)job->environment->constant[c];
         scale[c] = all->color[c] > 0 ? total / all->color[c] : 0;
     }
 }
@@ -174,8 +170,8 @@ static void find_scale(const table_job* job, const light_sum* all, double scale[
 static ty_light_part part_of(const ty_scene* scene, const ty_environment_parts_def* def, int32_t light,
                              const light_sum* sum, const double scale[3]) {
     ty_light_part out = {.kind = TY_LIGHT_PART_PARALLEL, .light = light, .shadowed = scene->view.mesh != NULL};
-    const double bright = luminance(sum->color), length = length_of(sum->flow);
-    const double even = fmax(0, 1 - sum->solid_angle / (4 * pi)), own = fmin(1, length / bright);
+    const double bright = ty_luminance_f64(sum->color), length = length_of(sum->flow);
+    const double even = fmax(0, 1 - sum->solid_angle / (4 * TY_PI_F64)), own = fmin(1, length / bright);
     out.cosine = (float)pow(def->by_share ? even : own, def->prefilter);
     out.direction = scene->up == TY_AXIS_Z ? ty_vec_make(0, 0, -1) : ty_vec_make(0, -1, 0);
     for (int c = 0; c < 3; ++c) out.color[c] = (float)fmax(0, scale[c] * sum->color[c]);
@@ -190,11 +186,11 @@ static int32_t write_parts(const ty_scene* scene, int32_t light, table_job* job,
     int32_t written = 0;
     accumulate(job);
     const light_sum* all = &job->sums[(size_t)(job->size[0] + 1) * (size_t)(job->size[1] + 1) - 1];
-    job->dark = 1e-9 * luminance(all->color);
+    job->dark = 1e-9 * ty_luminance_f64(all->color);
     const int32_t count = cut_up(job, parts, job->def->parts);
     find_scale(job, all, scale);
     for (int32_t i = 0; i < count; ++i)
-        if (luminance(parts[i].sum.color) > job->dark)
+        if (ty_luminance_f64(parts[i].sum.color) > job->dark)
             out[written++] = part_of(scene, job->def, light, &parts[i].sum, scale);
     return written;
 }

@@ -11,6 +11,8 @@
 
 #include "scene/phase.k.h"
 
+#include "base/legendre.k.h"
+
 /* Fluences U, R and S of a beam (or what is proportional to them), and the mean cosine of what came in. */
 typedef struct ty_forward {
     float straight, kept, bent;
@@ -72,7 +74,7 @@ TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* be
     *below = 0.0f;
     for (; l < order; ++l) {
         const float weight = (float)(2 * l + 1) * now;
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        const float next = ty_legendre_next(l, mu, now, before);
         *below += weight * of_g;
         low += weight * of_x;
         before = now;
@@ -83,7 +85,7 @@ TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* be
     }
     if (of_b > TY_FORWARD_CLOSED) return (4.0f * TY_PI * ty_hg(mu, x) - low) / of_b;
     for (; l < order + TY_FORWARD_TERMS; ++l) {
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        const float next = ty_legendre_next(l, mu, now, before);
         tail += (float)(2 * l + 1) * now * of_g;
         before = now;
         now = next;
@@ -113,7 +115,7 @@ TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
     float before = 0.0f, now = 1.0f, sum = 0.0f;
     for (int32_t l = 0; l < fit->bands; ++l) {
         sum += (float)(2 * l + 1) * fit->moments[l] * now;
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        const float next = ty_legendre_next(l, mu, now, before);
         before = now;
         now = next;
     }
@@ -137,7 +139,7 @@ TY_FN float ty_forward_lacking(ty_forward light, float mu, float g, TY_GLOBAL co
     for (int32_t l = 0; l < fit->bands; ++l) {
         const float d = fit->moments[l] + fit->straight, weight = (float)(2 * l + 1) * now;
         sum += weight * (of_g * (expf(n * of_g) - 1.0f) - d * expf(n * d) + fit->straight * expf(n * fit->straight));
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
+        const float next = ty_legendre_next(l, mu, now, before);
         before = now;
         now = next;
         of_g *= g;

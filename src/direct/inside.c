@@ -1,5 +1,7 @@
 #include "direct/inside.h"
 
+#include "base/constants.h"
+
 #include <math.h>
 
 /* Measured: a point light in the middle of a ball of 2 to 3.3 mean free paths radius (docs/method/fld.md). */
@@ -33,7 +35,7 @@ void ty_inside_add_lamp(ty_inside* sum, const ty_grid_box* box, ty_vec position,
         const double off = at[a] - fmin(fmax(at[a], box->lower[a]), box->upper[a]);
         square += off * off;
     }
-    const double sphere = 12.566370614359172;
+    const double sphere = 4 * TY_PI_F64;
     if (square > 0)
         sum->from_outside += brightness(intensity) * fmin(0.5 * sphere, 0.5 * half_surface(box) / square);
     else

@@ -1,7 +1,9 @@
 /* Virtual point lights, chosen from reflective shadow maps. */
 #include "direct/vpl.h"
 
+#include "base/constants.h"
 #include "base/context.h"
+#include "base/luminance.k.h"
 #include "direct/shadow_map.h"
 #include "scene/scene.h"
 
@@ -52,7 +54,7 @@ static bool casts(const ty_light_view* light) {
 /* ---- texels that matter ---- */
 
 static float luminance(const ty_shadow_texel* texel) {
-    return 0.2126f * texel->flux[0] + 0.7152f * texel->flux[1] + 0.0722f * texel->flux[2];
+    return ty_luminance(texel->flux[0], texel->flux[1], texel->flux[2]);
 }
 
 static double distance2_of(const vpl_list* list, ty_vec off) {
@@ -176,7 +178,7 @@ static const vpl_texel* nearest_of(const vpl_share* share, const vpl_texel* texe
 /* Light of a share comes, for the medium, from as much of the sphere as its surfaces take of it: its mean cosine is
  * 1 - w / N as for environments, with w / N that part. */
 static float cosine_of(const vpl_list* list, double solid_angle) {
-    return (float)pow(1 - fmin(1, solid_angle / (4 * 3.14159265358979323846)), list->def->prefilter);
+    return (float)pow(1 - fmin(1, solid_angle / (4 * TY_PI_F64)), list->def->prefilter);
 }
 
 static void add_vpl(vpl_list* list, const vpl_texel* texels, size_t count) {

@@ -1,6 +1,7 @@
 /* The pinhole camera. */
 #include "scene/camera.h"
 
+#include "base/constants.h"
 #include "base/context.h"
 #include "scene/check.h"
 
@@ -51,7 +52,7 @@ ty_camera_view ty_camera_get_view(const ty_camera_def* def, int32_t width, int32
     cross(forward, def->up, right);
     normalize(right);
     cross(right, forward, up);
-    const double half = tan(def->fov_y * (3.14159265358979323846 / 360));
+    const double half = tan(def->fov_y * (TY_PI_F64 / 360));
     const double pixel = 2 * half / height;
     ty_camera_view view;
     double corner[3], dx[3], dy[3];

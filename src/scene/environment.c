@@ -1,12 +1,14 @@
 /* Environment tables. */
 #include "scene/environment.h"
 
+#include "base/constants.h"
 #include "base/context.h"
+#include "base/luminance.k.h"
 
 enum { TABLE_WIDTH_MAX = 512 };
 
 static float luminance(const float rgb[3]) {
-    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+    return ty_luminance(rgb[0], rgb[1], rgb[2]);
 }
 
 /* Brightness of the texels that lookups within texel (x, y) blend. */
@@ -24,8 +26,7 @@ static float bright_around(const ty_environment* env, int32_t x, int32_t y) {
 
 /* Solid angle of a row of a map with `height` rows, all columns together. */
 static double row_solid_angle(int32_t row, int32_t height) {
-    const double pi = 3.14159265358979323846;
-    return 2.0 * pi * (cos(pi * row / height) - cos(pi * (row + 1) / height));
+    return 2.0 * TY_PI_F64 * (cos(TY_PI_F64 * row / height) - cos(TY_PI_F64 * (row + 1) / height));
 }
 
 /* Turns weights into a cumulative table that ends at exactly 1; a uniform one if all weights are 0. Returns the sum. */
@@ -88,7 +89,7 @@ static ty_result copy_pixels(ty_context* context, ty_environment* env, const ty_
     double mean[3] = {0, 0, 0};
     size_t mended = 0;
     for (int32_t y = 0; y < env->height; ++y) {
-        const double weight = row_solid_angle(y, env->height) / (4 * 3.14159265358979323846 * env->width);
+        const double weight = row_solid_angle(y, env->height) / (4 * TY_PI_F64 * env->width);
         for (int32_t x = 0; x < env->width; ++x) {
             const size_t at = (size_t)env->width * (size_t)y + (size_t)x;
             for (int c = 0; c < 3; ++c) {

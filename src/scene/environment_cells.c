@@ -1,11 +1,11 @@
 /* What an environment's light is, cell by cell. */
 #include "scene/environment.h"
 
+#include "base/constants.h"
 #include "base/context.h"
+#include "base/luminance.k.h"
 
 enum { CELLS_WIDTH = 256, CELLS_HEIGHT = 128 };
-
-static const double pi = 3.14159265358979323846;
 
 /* Cosine and sine of the turn of a column's middle. */
 typedef struct column_turn {
@@ -19,14 +19,14 @@ typedef struct row_place {
 } row_place;
 
 static row_place place_of(int32_t row, int32_t columns, int32_t rows) {
-    const double down = pi * (row + 0.5) / rows;
-    const double share = cos(pi * row / rows) - cos(pi * (row + 1) / rows);
-    return (row_place){.across = sin(down), .height = cos(down), .solid_angle = 2 * pi * share / columns};
+    const double down = TY_PI_F64 * (row + 0.5) / rows;
+    const double share = cos(TY_PI_F64 * row / rows) - cos(TY_PI_F64 * (row + 1) / rows);
+    return (row_place){.across = sin(down), .height = cos(down), .solid_angle = 2 * TY_PI_F64 * share / columns};
 }
 
 static void fill_turns(const ty_environment* env, int32_t columns, column_turn* turns) {
     for (int32_t x = 0; x < columns; ++x) {
-        const double angle = 2 * pi * (0.5 - (x + 0.5) / columns + (double)env->rotation_turns);
+        const double angle = 2 * TY_PI_F64 * (0.5 - (x + 0.5) / columns + (double)env->rotation_turns);
         turns[x] = (column_turn){(float)cos(angle), (float)sin(angle)};
     }
 }
@@ -43,7 +43,7 @@ static void add_light(const row_place* place, const float color[3], const float 
 }
 
 static void add_radiance(const float radiance[3], column_turn turn, float color[3], float flow[3]) {
-    const float bright = 0.2126f * radiance[0] + 0.7152f * radiance[1] + 0.0722f * radiance[2];
+    const float bright = ty_luminance(radiance[0], radiance[1], radiance[2]);
     for (int c = 0; c < 3; ++c) color[c] += radiance[c];
     flow[0] += bright * turn.cosine;
     flow[1] += bright * turn.sine;

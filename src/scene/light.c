@@ -1,6 +1,7 @@
 /* Lights: checks, views, and how likely each is chosen. */
 #include "scene/light.h"
 
+#include "base/constants.h"
 #include "base/context.h"
 #include "scene/check.h"
 #include "scene/shape.h"
@@ -132,7 +133,7 @@ ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* e
     view.position = to_vec(def->position);
     if (def->kind == TY_LIGHT_DIRECTIONAL || def->kind == TY_LIGHT_SPOT) view.direction = unit(def->direction);
     if (def->kind == TY_LIGHT_SPOT) {
-        const double half = def->cone * (3.14159265358979323846 / 360);
+        const double half = def->cone * (TY_PI_F64 / 360);
         view.cos_outer = (float)cos(half);
         view.cos_inner = (float)cos(half * (1 - def->penumbra));
     }
@@ -147,14 +148,13 @@ ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* e
  * every direction alike, so sampling it would only add noise: it counts as 0. */
 static double typical_fluence(const ty_light_view* light, double d2) {
     const double color = ((double)light->color[0] + light->color[1] + light->color[2]) / 3;
-    const double pi = 3.14159265358979323846;
     switch (light->kind) {
-    case TY_KIND_ENVIRONMENT: return light->environment.pixels == NULL ? 0 : 4 * pi * color;
+    case TY_KIND_ENVIRONMENT: return light->environment.pixels == NULL ? 0 : 4 * TY_PI_F64 * color;
     case TY_KIND_POINT:
     case TY_KIND_SPOT: return color / d2;
     case TY_KIND_AREA: return color * light->area / d2;
     case TY_KIND_TRIANGLE: return color * light->area * (light->two_sided != 0 ? 2 : 1) / d2;
-    case TY_KIND_SPHERE: return color * pi * light->radius * light->radius / d2;
+    case TY_KIND_SPHERE: return color * TY_PI_F64 * light->radius * light->radius / d2;
     default: return color;
     }
 }

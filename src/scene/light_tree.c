@@ -6,7 +6,6 @@
 
 enum { BINS = 12 };
 
-static const float pi = 3.14159265358979323846f;
 /* The least share of the power that a light counts with: products of such shares, distances and cosines stay normal. */
 static const double least_share = 1e-9;
 
@@ -43,7 +42,7 @@ bool ty_light_get_bounds(const ty_light_view* light, ty_light_bounds* out) {
     case TY_KIND_SPHERE:
         out->lower = ty_sub(light->position, radius);
         out->upper = ty_add(light->position, radius);
-        out->power *= pi * light->radius * light->radius;
+        out->power *= TY_PI * light->radius * light->radius;
         break;
     case TY_KIND_AREA:
     case TY_KIND_TRIANGLE:
@@ -88,20 +87,20 @@ static cone cone_union(cone a, cone b) {
         a = wider;
     }
     a.e = ty_maxf(a.e, b.e);
-    if (a.o >= pi) return a;
+    if (a.o >= TY_PI) return a;
     const float between = angle_between(a.axis, b.axis);
     if (between + b.o <= a.o) return a;
     const float o = 0.5f * (a.o + between + b.o);
-    a.axis = o < pi ? turn(a.axis, b.axis, o - a.o) : a.axis;
-    a.o = ty_minf(o, pi);
+    a.axis = o < TY_PI ? turn(a.axis, b.axis, o - a.o) : a.axis;
+    a.o = ty_minf(o, TY_PI);
     return a;
 }
 
 /* The integral of the cosine falloff over all directions the lights of a cone may send to, steradians. */
 static float cone_measure(cone c) {
-    if (c.o >= pi) return 4 * pi;
-    const float w = ty_minf(c.o + c.e, pi), sine = sinf(c.o), cosine = cosf(c.o);
-    return 2 * pi * (1 - cosine) + 0.5f * pi * (2 * (w - c.o) * sine - cosf(c.o - 2 * w) + cosine);
+    if (c.o >= TY_PI) return 4 * TY_PI;
+    const float w = ty_minf(c.o + c.e, TY_PI), sine = sinf(c.o), cosine = cosf(c.o);
+    return 2 * TY_PI * (1 - cosine) + 0.5f * TY_PI * (2 * (w - c.o) * sine - cosf(c.o - 2 * w) + cosine);
 }
 
 /* ---- clusters ---- */
@@ -204,14 +203,14 @@ static void fill_bins(const builder* b, int32_t begin, int32_t end, const binnin
         if (length2 > 1e-6f)
             out[i].cone.axis = ty_scale(out[i].cone.axis, 1 / sqrtf(length2));
         else
-            widest[i] = pi;
+            widest[i] = TY_PI;
     }
     for (int32_t i = begin; i < end; ++i) {
         const cluster* light = &b->lights[b->order[i]];
         const int bin = bin_of(bins, light);
         facing[bin] = ty_minf(facing[bin], ty_dot(out[bin].cone.axis, light->cone.axis));
     }
-    for (int i = 0; i < BINS; ++i) out[i].cone.o = ty_minf(acosf(ty_maxf(facing[i], -1)) + widest[i], pi);
+    for (int i = 0; i < BINS; ++i) out[i].cone.o = ty_minf(acosf(ty_maxf(facing[i], -1)) + widest[i], TY_PI);
 }
 
 /* The cheapest cut along an axis: the first bins of how many. */
@@ -291,8 +290,8 @@ static ty_light_node node_of(const cluster* c, int32_t next) {
     ty_light_node node = {.center = ty_add(ty_scale(c->lower, 0.5f), ty_scale(c->upper, 0.5f)),
                           .half = ty_sub(ty_scale(c->upper, 0.5f), ty_scale(c->lower, 0.5f)),
                           .axis = c->cone.axis,
-                          .cos_o = c->cone.o < pi ? cosf(c->cone.o) : -1,
-                          .sin_o = c->cone.o < pi ? sinf(c->cone.o) : 0,
+                          .cos_o = c->cone.o < TY_PI ? cosf(c->cone.o) : -1,
+                          .sin_o = c->cone.o < TY_PI ? sinf(c->cone.o) : 0,
                           .cos_e = ty_maxf(cosf(c->cone.e), 0),
                           .power = c->power,
                           .lamp_power = c->lamp_power,
@@ -328,7 +327,7 @@ static cluster light_cluster(const ty_light_bounds* bounds, double power) {
     const float share = (float)fmax((double)bounds->power / power, least_share);
     return (cluster){.lower = bounds->lower,
                      .upper = bounds->upper,
-                     .cone = {bounds->axis, bounds->cos_o > -1 ? acosf(ty_minf(bounds->cos_o, 1)) : pi,
+                     .cone = {bounds->axis, bounds->cos_o > -1 ? acosf(ty_minf(bounds->cos_o, 1)) : TY_PI,
                               acosf(ty_clampf(bounds->cos_e, -1, 1))},
                      .power = share,
                      .lamp_power = bounds->lamp != 0 ? share : 0,

@@ -2,6 +2,7 @@
 #ifndef TY_SCENE_PHASE_K_H
 #define TY_SCENE_PHASE_K_H
 
+#include "base/constants.h"
 #include "base/vector.k.h"
 
 #define TY_INV_4PI 0.0795774715459476679f
@@ -11,6 +12,21 @@ TY_FN float ty_hg(float mu, float g) {
     /* 1 + g^2 - 2 g mu, in the form that keeps its digits where g and mu near 1. */
     const float base = (1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - mu);
     return TY_INV_4PI * (1.0f - g * g) / (base * sqrtf(base));
+}
+
+/* 1 / sqrt(x) to 5e-6 for normal x > 0: two steps of Newton's iteration in place of a root and a division. */
+TY_FN float ty_inverse_sqrt(float x) {
+    const float half = 0.5f * x;
+    float y = ty_float_from_bits(0x5f375a86u - (ty_bits_from_float(x) >> 1));
+    y *= 1.5f - half * y * y;
+    return y * (1.5f - half * y * y);
+}
+
+/* p(mu, g) as ty_hg, to 2e-5, for loops over many lobes; tilt: 2 (1 - mu). */
+TY_FN float ty_hg_approximate(float tilt, float g) {
+    const float less = 1.0f - g;
+    const float y = ty_inverse_sqrt(less * less + g * tilt);
+    return TY_INV_4PI * (1.0f + g) * less * y * y * y;
 }
 
 /* The cosine whose cumulative probability is u in [0, 1). */
@@ -23,5 +39,21 @@ TY_FN float ty_hg_sample_cosine(float g, float u) {
 TY_FN ty_vec ty_hg_sample(ty_vec axis, float g, float u, float v) {
     return ty_direction_about(axis, ty_hg_sample_cosine(g, u), v);
 }
+
+/* ---- in double precision, for tables ---- */
+
+#if !defined(__OPENCL_C_VERSION__)
+/* p(mu, g) for tables that differences of integrals of it go into. */
+TY_FN double ty_hg_f64(double mu, double g) {
+    const double base = 1 + g * g - 2 * g * mu;
+    return (1 - g * g) / (4 * TY_PI_F64 * base * sqrt(base));
+}
+
+/* The integral of p over the hemisphere mu > 0. */
+TY_FN double ty_hg_forward_share(double g) {
+    if (fabs(g) < 1e-4) return 0.5 + 0.75 * g;
+    return (1 - g * g) / (2 * g) * (1 / (1 - g) - 1 / sqrt(1 + g * g));
+}
+#endif
 
 #endif

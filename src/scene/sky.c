@@ -5,6 +5,7 @@
  * function of height alone, an endless series summed as in Hillaire 2020: without it a clear sky is too dark by a
  * quarter (red) to a half (blue) and its horizon yellow. Lengths in metres, coefficients in 1/m; red, green, blue stand
  * for 680, 550 and 440 nm. */
+#include "base/constants.h"
 #include "base/context.h"
 
 #include <math.h>
@@ -24,7 +25,6 @@ enum {
     VIEW_STEPS = 48
 };
 
-static const double pi = 3.14159265358979323846;
 static const double ground_radius = 6360e3, top_radius = 6460e3, observer_height = 2;
 static const double air_scattering[3] = {5.8e-6, 13.5e-6, 33.1e-6}; /* at sea level */
 static const double air_scale = 8000;
@@ -217,13 +217,13 @@ static void march(const sky_job* job, ray from, double length, int steps, double
 static void series_point(void* user, int64_t index, int32_t worker) {
     (void)worker;
     sky_job* job = user;
-    const double x = (double)index / (SERIES_HEIGHTS - 1), isotropic = 1 / (4 * pi);
+    const double x = (double)index / (SERIES_HEIGHTS - 1), isotropic = 1 / (4 * TY_PI_F64);
     const double radius = fmin(top_radius - 1, ground_radius + observer_height + x * x * (top_radius - ground_radius));
     const double sun_up = job->sun[1], sun_out = sqrt(fmax(0, 1 - sun_up * sun_up));
     double second[3] = {0, 0, 0}, share[3] = {0, 0, 0};
     for (int ring = 0; ring < SERIES_RINGS; ++ring)
         for (int spoke = 0; spoke < SERIES_SPOKES; ++spoke) {
-            const double up = 1 - (2 * ring + 1.0) / SERIES_RINGS, angle = pi * (spoke + 0.5) / SERIES_SPOKES;
+            const double up = 1 - (2 * ring + 1.0) / SERIES_RINGS, angle = TY_PI_F64 * (spoke + 0.5) / SERIES_SPOKES;
             const double toward = up * sun_up + sqrt(1 - up * up) * sun_out * cos(angle);
             const ray from = {radius, up, sun_up, toward};
             const double ground = distance_to_ground(radius, up);
@@ -235,7 +235,7 @@ static void series_point(void* user, int64_t index, int32_t worker) {
                 double sun[3];
                 sunlight(job, ground_radius, hit.sun_up, sun);
                 for (int c = 0; c < 3; ++c)
-                    once[c] += through[c] * sun[c] * fmax(0, hit.sun_up) * (double)job->def.ground[c] / pi;
+                    once[c] += through[c] * sun[c] * fmax(0, hit.sun_up) * (double)job->def.ground[c] / TY_PI_F64;
             }
             for (int c = 0; c < 3; ++c) {
                 second[c] += once[c] / (SERIES_RINGS * SERIES_SPOKES);
@@ -250,17 +250,17 @@ static void sky_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sky_job* job = user;
     const int32_t width = job->def.width;
-    const double theta = pi * ((double)index + 0.5) / (width / 2);
+    const double theta = TY_PI_F64 * ((double)index + 0.5) / (width / 2);
     const double up = fmax(0, cos(theta)), out = sin(theta), g = haze_g;
     const double radius = ground_radius + observer_height, length = distance_to_top(radius, up);
     for (int32_t column = 0; column < width; ++column) {
-        const double phi = 2 * pi * ((column + 0.5) / width - 0.5);
+        const double phi = 2 * TY_PI_F64 * ((column + 0.5) / width - 0.5);
         const double toward = out * cos(phi) * job->sun[0] + up * job->sun[1] + out * sin(phi) * job->sun[2];
         const double mu = fmin(1, fmax(-1, toward));
-        const double rayleigh = 3 / (16 * pi) * (1 + mu * mu);
+        const double rayleigh = 3 / (16 * TY_PI_F64) * (1 + mu * mu);
         /* Cornette and Shanks 1992, eq. 6 */
         const double cornette =
-            3 / (8 * pi) * (1 - g * g) * (1 + mu * mu) / ((2 + g * g) * pow(1 + g * g - 2 * g * mu, 1.5));
+            3 / (8 * TY_PI_F64) * (1 - g * g) * (1 + mu * mu) / ((2 + g * g) * pow(1 + g * g - 2 * g * mu, 1.5));
         double radiance[3], transmittance[3];
         march(job, (ray){radius, up, job->sun[1], mu}, length, VIEW_STEPS, rayleigh, cornette, radiance, NULL,
               transmittance);
@@ -274,10 +274,11 @@ static double sky_irradiance(const sky_job* job, int channel) {
     const int32_t width = job->def.width, height = width / 2;
     double sum = 0;
     for (int32_t row = 0; 2 * row + 1 <= height; ++row) {
-        const double from = sin(pi * row / height), to = sin(fmin(pi / 2, pi * (row + 1) / height));
+        const double from = sin(TY_PI_F64 * row / height),
+                     to = sin(fmin(TY_PI_F64 / 2, TY_PI_F64 * (row + 1) / height));
         double line = 0;
         for (int32_t i = 0; i < width; ++i) line += job->planes[channel][(size_t)row * (size_t)width + (size_t)i];
-        sum += line * pi * (to * to - from * from) / width;
+        sum += line * TY_PI_F64 * (to * to - from * from) / width;
     }
     return sum;
 }
@@ -293,7 +294,7 @@ static void fill_image(ty_context* context, sky_job* job, float sun_irradiance[3
     for (int c = 0; c < 3; ++c) {
         const double sun = job->sun[1] > 0 ? (double)job->def.solar[c] * through[c] : 0;
         const double level = sun * fmax(0, job->sun[1]) + sky_irradiance(job, c);
-        const float ground = (float)((double)job->def.ground[c] / pi * level);
+        const float ground = (float)((double)job->def.ground[c] / TY_PI_F64 * level);
         for (size_t i = (size_t)above * (size_t)width; i < (size_t)height * (size_t)width; ++i)
             job->planes[c][i] = ground;
         if (sun_irradiance != NULL) sun_irradiance[c] = (float)sun;

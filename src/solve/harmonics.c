@@ -1,5 +1,7 @@
 #include "solve/harmonics.h"
 
+#include "base/constants.h"
+
 #include <math.h>
 
 /* Functions of order m or -m: `about` (the real or imaginary part of (x + i y)^m) times normalised Legendre functions
@@ -18,7 +20,7 @@ static void fill_order(double z, int32_t m, int32_t order, int32_t bands, double
 }
 
 void ty_harmonics_at(const double w[3], int32_t bands, double* y) {
-    double real = 1, imaginary = 0, diagonal = 0.28209479177387814; /* 1 / (2 sqrt(pi)) */
+    double real = 1, imaginary = 0, diagonal = 1 / TY_SQRT_4PI_F64;
     for (int32_t m = 0; m < bands; ++m) {
         const double both = m == 0 ? 1 : 1.4142135623730951;
         fill_order(w[2], m, m, bands, diagonal, both * real, y);

@@ -9,6 +9,7 @@
  * direction lies in a plane of the axes, and an octant's are swept together.
  *
  * A set that is exact to order 2 L - 2 keeps L bands of harmonics apart: what scatters is neither lost nor turned. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "solve/ordinate_table.h"
 #include "solve/ordinates.h"
@@ -28,7 +29,7 @@ static int32_t fill_octant(const ty_octant* octant, ty_ordinate_set* out) {
         const int32_t size = orbit_size(orbit->direction);
         for (int32_t p = 0; p < size; ++p, ++at) {
             for (int a = 0; a < 3; ++a) out->direction[a][at] = (float)orbit->direction[orders[p][a]];
-            out->weight[at] = (float)(0.5 * 3.141592653589793 * orbit->weight);
+            out->weight[at] = (float)(0.5 * TY_PI_F64 * orbit->weight);
         }
     }
     return at;

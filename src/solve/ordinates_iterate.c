@@ -2,6 +2,7 @@
  * more than what went in (ordinates_correct.c). The mixture is that whose change would be the least if changes were
  * linear (Anderson acceleration): diffusion knows nothing of what light scattered forward does, and little of vacuum.
  */
+#include "base/constants.h"
 #include "base/context.h"
 #include "base/progress.h"
 #include "solve/ordinates_job.h"
@@ -19,8 +20,6 @@ static const double LEAST_PART = 1e-10;
 /* Sweeps in a row that find no smaller change before it is clear that there will be none: what rounding does, and
  * keeping radiance from falling below 0, are corrected as if they were changes. */
 enum { PATIENCE = 12 };
-
-#define SQRT_4PI 3.5449077018110318
 
 typedef double matrix[TY_ORDINATES_DEPTH][TY_ORDINATES_DEPTH];
 
@@ -90,7 +89,7 @@ static const float* correction(ty_ordinates_job* job, bool first) {
     if (job->correction == NULL) return NULL;
     const double squares = ty_ordinates_excess(job, first);
     ty_correction_solve(job->correction, squares, first ? FIRST_REDUCTION : 0, first ? FIRST_CYCLES : CYCLES);
-    job->leaving[job->latest] += SQRT_4PI * ty_correction_leaving(job->correction);
+    job->leaving[job->latest] += TY_SQRT_4PI_F64 * ty_correction_leaving(job->correction);
     return ty_correction_fluence(job->correction);
 }
 
@@ -130,7 +129,7 @@ static void make_room(const iteration* it) {
  * thousand times meets it as often. emitted, taken: sums over cells, W/m^3 / sqrt(4 pi); arrived: on walls, W. */
 static void account(ty_ordinates_job* job, double emitted, double arrived, double taken) {
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
-    const double left = (job->leaving[job->latest] + arrived) / (volume * SQRT_4PI);
+    const double left = (job->leaving[job->latest] + arrived) / (volume * TY_SQRT_4PI_F64);
     job->missing = taken > 0 ? (emitted - left) / taken - 1 : 0;
 }
 
@@ -173,7 +172,7 @@ static double rate_of(const iteration* it, double change) {
 /* Of the energy, what is amiss: in thick media little of the light leaves, and little of it is much of what does. */
 static double imbalance(const ty_ordinates_job* job, const ty_ordinates_sums* sums) {
     if (job->thick.count == 0 || !(job->emitted > 0)) return 0;
-    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
+    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * TY_SQRT_4PI_F64;
     return fabs((job->leaving[job->latest] + volume * sums->absorbed) / job->emitted - 1);
 }
 

@@ -1,4 +1,5 @@
 /* Loops over all cells that sweeps are told from, and corrected with. Sums are made plane by plane, in order. */
+#include "base/constants.h"
 #include "base/kernel.h"
 #include "base/parallel.h"
 #include "solve/ordinates_job.h"
@@ -6,8 +7,6 @@
 
 #include <math.h>
 #include <string.h>
-
-#define SQRT_4PI 3.5449077018110318
 
 /* Boxes with fewer cells are worked on by one thread: waking others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 12 };
@@ -186,7 +185,7 @@ static void emit_plane(void* user, int64_t z, int32_t worker) {
 double ty_ordinates_emit(ty_ordinates_job* job) {
     loop l = {.job = job};
     ty_ordinates_planes(job, emit_plane, &l);
-    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
+    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * TY_SQRT_4PI_F64;
     const double walls = ty_ordinates_walls_send(job), skins = ty_ordinates_thick_send(job);
     return ty_ordinates_total(job).emitted + (walls + skins + job->stats->entering) / volume;
 }
@@ -211,7 +210,7 @@ ty_ordinates_sums ty_ordinates_balance(ty_ordinates_job* job, const float* momen
     loop l = {.job = job, .from = moments, .terms = terms};
     ty_ordinates_planes(job, balance_plane, &l);
     ty_ordinates_sums sums = ty_ordinates_total(job);
-    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
+    const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * TY_SQRT_4PI_F64;
     sums.emitted *= volume;
     sums.absorbed *= volume;
     return sums;

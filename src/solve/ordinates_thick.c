@@ -2,6 +2,7 @@
  * of them; what arrives on skins is part of an iterate, as it is on walls. What of a thick cell's balance is amiss is
  * the correction's source there, as it is: nothing has to be told from differences of large numbers, and no wave passes
  * such cells. Light is in units of the first harmonic (over sqrt(4 pi)) but for what sweeps see. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "base/kernel.h"
 #include "solve/ordinates_job.h"
@@ -9,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PI 3.141592653589793
-#define SQRT_4PI 3.5449077018110318
 #define SQRT_3 1.7320508075688772f
 
 /* The term of band 1 along an axis. */
@@ -63,7 +62,7 @@ static float inflow_of(const ty_ordinates_def* def, int face) {
         const double along = (double)def->set->direction[face / 2][d] * ((face & 1) != 0 ? -1 : 1);
         sum += fmax(along, 0) * (double)def->set->weight[d] * (double)def->inflow[d];
     }
-    return (float)(sum / SQRT_4PI);
+    return (float)(sum / TY_SQRT_4PI_F64);
 }
 
 ty_result ty_ordinates_thick_find(ty_ordinates_job* job, float* reduced, const float* absorption) {
@@ -83,7 +82,7 @@ ty_result ty_ordinates_thick_find(ty_ordinates_job* job, float* reduced, const f
         if (!skin->outer) continue;
         const float in = inflow_of(job->def, skin->face);
         for (int32_t k = 0; k < job->depth; ++k) job->skin_arrived[k][i] = in;
-        job->skin_inflow += SQRT_4PI * (double)in * area_of(job->def, skin->face);
+        job->skin_inflow += TY_SQRT_4PI_F64 * (double)in * area_of(job->def, skin->face);
     }
     return TY_OK;
 }
@@ -111,7 +110,7 @@ void ty_ordinates_thick_begin(ty_ordinates_job* job) {
 static float onto_wall(const ty_ordinates_job* job, const ty_thick_cell* cell, int face, float phi) {
     const ty_ordinates_walls* walls = &job->def->walls;
     const int32_t side = TY_THICK_WALL - cell->link[face];
-    const float c = conductance(job, cell, face), e = (float)(PI / SQRT_4PI) * walls->emission[side];
+    const float c = conductance(job, cell, face), e = (float)(TY_PI_F64 / TY_SQRT_4PI_F64) * walls->emission[side];
     return ty_thick_out(c, phi, cell->push[face], e) / (1 - walls->albedo[side] * (1 - 2 * c) / (1 + 2 * c));
 }
 
@@ -122,7 +121,7 @@ static float flow_inside(const ty_ordinates_job* job, const ty_thick_cell* cell,
     const float c = conductance(job, cell, face);
     if (cell->link[face] != TY_THICK_NEXT) {
         const int32_t side = TY_THICK_WALL - cell->link[face];
-        const float e = (float)(PI / SQRT_4PI) * walls->emission[side];
+        const float e = (float)(TY_PI_F64 / TY_SQRT_4PI_F64) * walls->emission[side];
         return (1 - walls->albedo[side]) * onto_wall(job, cell, face, phi) - e;
     }
     const int64_t next = cell->index + step_of(job, face);
@@ -154,11 +153,11 @@ static float sent_by(const ty_ordinates_job* job, int32_t skin) {
 static void lean(const ty_ordinates_job* job, int32_t side, int32_t skin, float out) {
     const ty_thick* thick = &job->thick;
     const ty_thick_skin* s = &thick->skins[skin];
-    const float even = out / (float)PI, flow = out - job->skin_before[skin];
-    const float leaning = thick->cells[s->cell].lean * (float)(0.75 / PI) * flow;
+    const float even = out / (float)TY_PI_F64, flow = out - job->skin_before[skin];
+    const float leaning = thick->cells[s->cell].lean * (float)(0.75 / TY_PI_F64) * flow;
     const float along = ty_clampf(leaning, -3 * even, 1.5f * even);
-    thick->sent[side] = (float)SQRT_4PI * (even - along * (2 / 3.0f));
-    thick->tilt[side] = (float)(SQRT_4PI * job->def->cell[s->face / 2] / 2) * along;
+    thick->sent[side] = (float)TY_SQRT_4PI_F64 * (even - along * (2 / 3.0f));
+    thick->tilt[side] = (float)(TY_SQRT_4PI_F64 * job->def->cell[s->face / 2] / 2) * along;
 }
 
 double ty_ordinates_thick_send(ty_ordinates_job* job) {
@@ -176,7 +175,7 @@ double ty_ordinates_thick_send(ty_ordinates_job* job) {
         if (skin < 0 || source >= 0) continue;
         const float out = sent_by(job, skin);
         lean(job, side, skin, out);
-        sum += SQRT_4PI * (double)out * area_of(job->def, thick->skins[skin].face);
+        sum += TY_SQRT_4PI_F64 * (double)out * area_of(job->def, thick->skins[skin].face);
     }
     return sum;
 }
@@ -192,7 +191,7 @@ double ty_ordinates_thick_take(ty_ordinates_job* job) {
         if (source >= 0) walls[source] = arrived;
         if (source > TY_THICK_WALL) continue;
         const int32_t skin = TY_THICK_WALL - source;
-        skins[skin] = arrived / (float)(SQRT_4PI * area_of(job->def, thick->skins[skin].face));
+        skins[skin] = arrived / (float)(TY_SQRT_4PI_F64 * area_of(job->def, thick->skins[skin].face));
         sum += (double)arrived;
     }
     return sum;
@@ -202,7 +201,8 @@ double ty_ordinates_thick_leaving(const ty_ordinates_job* job) {
     const ty_thick* thick = &job->thick;
     double sum = 0;
     for (int32_t i = 0; i < thick->skin_count; ++i)
-        if (thick->skins[i].outer) sum += SQRT_4PI * (double)sent_by(job, i) * area_of(job->def, thick->skins[i].face);
+        if (thick->skins[i].outer)
+            sum += TY_SQRT_4PI_F64 * (double)sent_by(job, i) * area_of(job->def, thick->skins[i].face);
     return sum;
 }
 
@@ -286,7 +286,7 @@ void ty_ordinates_thick_reach_walls(ty_ordinates_job* job) {
         for (int face = 0; face < 6; ++face)
             if (cell->link[face] <= TY_THICK_WALL)
                 job->walls_arrived[job->latest][TY_THICK_WALL - cell->link[face]] =
-                    (float)SQRT_4PI * onto_wall(job, cell, face, phi);
+                    (float)TY_SQRT_4PI_F64 * onto_wall(job, cell, face, phi);
     }
 }
 

@@ -1,18 +1,17 @@
 /* Walls between and around the cells of discrete ordinates. What they send is that of the mixture, as the emission of
  * cells is, and what arrives on them is part of an iterate: irradiance, one number a side. */
+#include "base/constants.h"
 #include "base/kernel.h"
 #include "solve/ordinates_job.h"
 
 #include <math.h>
 #include <string.h>
 
-#define PI 3.141592653589793
-#define SQRT_4PI 3.5449077018110318
 #define SQRT_3 1.7320508075688772f
 
 /* In even light the irradiance is a quarter of the fluence, which is sqrt(4 pi) times the first harmonic: what makes a
  * side's number count as a cell's. */
-static const double to_harmonic = 4 / SQRT_4PI;
+static const double to_harmonic = 4 / TY_SQRT_4PI_F64;
 
 void ty_ordinates_walls_lay_out(ty_ordinates_job* job, ty_arena* arena) {
     const size_t bytes = sizeof(float) * (size_t)job->def->walls.count;
@@ -75,10 +74,10 @@ double ty_ordinates_walls_send(ty_ordinates_job* job) {
         row = row_of_side(walls, i, row);
         for (int32_t k = 0; k < job->count; ++k)
             if (job->shares[k] != 0) arrived += job->shares[k] * (double)job->walls_arrived[k][i];
-        const double sent = (double)walls->emission[i] + (double)walls->albedo[i] / PI * arrived;
+        const double sent = (double)walls->emission[i] + (double)walls->albedo[i] / TY_PI_F64 * arrived;
         job->walls_before[i] = (float)arrived;
         job->walls_sent[i] = sent > 0 ? (float)sent : 0;
-        if (!is_thick(job, i, row)) sum += PI * (double)job->walls_sent[i] * ty_ordinates_wall_area(job->def, i);
+        if (!is_thick(job, i, row)) sum += TY_PI_F64 * (double)job->walls_sent[i] * ty_ordinates_wall_area(job->def, i);
     }
     return sum;
 }
@@ -159,7 +158,8 @@ double ty_ordinates_walls_excess(ty_ordinates_job* job, bool first) {
             if (is_thick(job, (int32_t)side, row)) continue;
             const float albedo = walls->albedo[side], slope = ty_correction_slope(job->correction)[side];
             const float more = job->walls_arrived[job->latest][side] - job->walls_before[side];
-            const float sent = (first ? (float)PI * walls->emission[side] : albedo * more) / (float)SQRT_4PI;
+            const float sent =
+                (first ? (float)TY_PI_F64 * walls->emission[side] : albedo * more) / (float)TY_SQRT_4PI_F64;
             const float kappa = 0.5f * (1 - albedo) / (1 + albedo), half = c.edge / (2 * c.d);
             float rest = -2 * sent / ((1 + albedo) * (1 + kappa * half));
             if (c.flux >= 0) rest += slope * half * c.way * change[c.flux];
@@ -183,7 +183,7 @@ void ty_ordinates_walls_correct(ty_ordinates_job* job, const float* e) {
             const float flow =
                 ty_correction_slope(job->correction)[side] * here + ty_correction_rest(job->correction)[side];
             const float face = here + (c.way * flux - flow) * c.edge / (2 * c.d);
-            job->walls_arrived[job->latest][side] += (float)SQRT_4PI * (0.25f * face + 0.5f * flow);
+            job->walls_arrived[job->latest][side] += (float)TY_SQRT_4PI_F64 * (0.25f * face + 0.5f * flow);
             if (c.flux < 0) continue;
             const float behind = fabsf(diffusivity[c.box + c.step]), share = behind / (behind + c.d);
             const float without = c.way / c.edge * c.d * share * (here - e[c.box + c.step]);
@@ -199,7 +199,7 @@ void ty_ordinates_walls_compare(ty_ordinates_job* job, ty_ordinates_sums* sums) 
     const double square = to_harmonic * to_harmonic;
     double change = 0, light = 0, emitted, absorbed;
     ty_ordinates_walls_balance(job, arrived, &emitted, &absorbed);
-    sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI);
+    sums->absorbed += absorbed / (job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * TY_SQRT_4PI_F64);
     for (int32_t i = 0; i < walls->count; ++i) {
         changes[i] = arrived[i] - before[i];
         change += (double)changes[i] * (double)changes[i];
@@ -220,7 +220,7 @@ void ty_ordinates_walls_balance(ty_ordinates_job* job, const float* arrived, dou
     *emitted = *absorbed = 0;
     for (int32_t i = 0; i < walls->count; ++i) {
         const double area = ty_ordinates_wall_area(job->def, i);
-        *emitted += PI * area * (double)walls->emission[i];
+        *emitted += TY_PI_F64 * area * (double)walls->emission[i];
         *absorbed += area * (1 - (double)walls->albedo[i]) * (double)arrived[i];
     }
 }

@@ -1,4 +1,5 @@
 /* Fluence on a caller's cells, and radiance at a point. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "direct/cover.h"
 #include "method/dom/job.h"
@@ -6,8 +7,6 @@
 #include "solve/harmonics.h"
 
 #include <string.h>
-
-static const double sqrt_four_pi = 3.5449077018110318;
 
 typedef struct fluence_job {
     const ty_dom* light;
@@ -30,7 +29,7 @@ static double moments_in(const ty_dom* light, float* const moments[3], const ty_
     const float* plane = moments[light->shared ? 0 : c];
     double sum = 0;
     if (plane == NULL) return 0;
-    ty_cover_add(&light->box, axes, &plane, 1, sqrt_four_pi * (double)light->color[c], &sum);
+    ty_cover_add(&light->box, axes, &plane, 1, TY_SQRT_4PI_F64 * (double)light->color[c], &sum);
     return sum;
 }
 

@@ -2,6 +2,7 @@
  * them swings between many times too much and less than nothing at wide angles, where pictures from the side look. So
  * it is their shape outside of the peak that L bands are fitted to (delta-fit, Hu et al. 2000), and what these leave
  * out counts as light that goes straight on. */
+#include "base/legendre.k.h"
 #include "method/dom/job.h"
 #include "scene/phase.k.h"
 
@@ -56,7 +57,7 @@ static void relative_terms(double mu, double g, int32_t bands, double* terms) {
     double before = 0, now = 1;
     for (int32_t l = 0; l < bands; ++l) {
         terms[l] = (2 * l + 1) * now / phase;
-        const double next = ((2 * l + 1) * mu * now - l * before) / (l + 1);
+        const double next = ty_legendre_next_f64(l, mu, now, before);
         before = now;
         now = next;
     }

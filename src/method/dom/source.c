@@ -1,6 +1,7 @@
 /* Uncollided light: lights that can be met from one direction, or one point, on fields of their own, and all others
  * together, one beam or lamp after the other, because each has its own direction. */
 #include "base/context.h"
+#include "base/sh.k.h"
 #include "method/dom/job.h"
 
 #include <string.h>
@@ -190,7 +191,6 @@ static ty_result light_groups(direct_job* direct) {
 
 /* What media send by themselves. */
 static void add_emission(ty_dom_job* job) {
-    static const float to_harmonic = 0.28209479177f; /* 1 / sqrt(4 pi) */
     const ty_dom* light = job->light;
     const ty_grid_medium* medium = job->coarse;
     const float total = light->color[0] + light->color[1] + light->color[2];
@@ -199,7 +199,7 @@ static void add_emission(ty_dom_job* job) {
             float emission = medium->emission[c][i];
             if (light->shared)
                 emission = (medium->emission[0][i] + medium->emission[1][i] + medium->emission[2][i]) / total;
-            job->source[c][i] += to_harmonic * emission;
+            job->source[c][i] += TY_SH_0 * emission;
         }
 }
 

@@ -1,5 +1,6 @@
 /* Images: what cells send towards an eye. */
 #include "base/context.h"
+#include "base/sh.k.h"
 #include "image/march.h"
 #include "method/dom/job.h"
 #include "method/dom/sky.h"
@@ -10,8 +11,6 @@
 #include <string.h>
 
 enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
-
-static const double harmonic_0 = 0.28209479177387814, harmonic_1 = 0.4886025119029199;
 
 /* Fields that are made for one image. */
 typedef struct fields {
@@ -113,7 +112,7 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) {
             float* out = ty_alloc_array(light->context, light->cells, sizeof(float), false);
             const float* from = ty_dom_plane(light, light->moments[c], term_of[t]);
-            const float factor = (float)(t == 0 ? harmonic_0 : harmonic_1);
+            const float factor = (float)(t == 0 ? TY_SH_0 : TY_SH_1);
             f->incident[c][t] = out;
             if (out == NULL) return TY_ERROR_MEMORY;
             for (size_t i = 0; i < light->cells; ++i) out[i] = factor * from[i];

@@ -1,13 +1,12 @@
 /* Surfaces as walls between the cells of ordinates: what they send of light that has not scattered, which sweeps carry
  * from wall to wall until it does, and what they send of the rest. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "method/dom/job.h"
 #include "scene/scene.h"
 
 #include <math.h>
 #include <string.h>
-
-static const double sqrt_four_pi = 3.5449077018110318;
 
 /* Walls send light one way, of which phase functions make more than of what has scattered: so many bands are kept for
  * the eye that what is left of g^l is about this, but no more than directions tell apart; three at least, which is what
@@ -197,7 +196,7 @@ static double scatter_first(ty_dom_job* job, int32_t channel, float* const* mome
                 job->source[channel][light->cells * (size_t)t + i] += scattering[i] * (power - forward) * moments[t][i];
         sum += (double)(scattering[i] * (1 - forward) * moments[0][i]);
     }
-    return sum * sqrt_four_pi * job->coarse->cell[0] * job->coarse->cell[1] * job->coarse->cell[2];
+    return sum * TY_SQRT_4PI_F64 * job->coarse->cell[0] * job->coarse->cell[1] * job->coarse->cell[2];
 }
 
 static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, bare_planes* planes,

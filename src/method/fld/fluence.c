@@ -1,12 +1,11 @@
 /* Fluence and flux on a caller's cells. */
 #include "method/fld/job.h"
 
+#include "base/constants.h"
 #include "base/context.h"
 #include "direct/cover.h"
 
 #include <math.h>
-
-static const double four_pi = 12.566370614359172;
 
 typedef struct fluence_job {
     const ty_fld* light;
@@ -57,8 +56,8 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
         for (int c = 0; c < 3; ++c) {
             double beam = 0, diffuse = 0, flux[3] = {0, 0, 0};
             const float* const* terms = (const float* const*)light->diffuse->terms[c];
-            ty_cover_add(&light->diffuse->box, axes, terms, 1, four_pi, &diffuse);
-            ty_cover_add(&light->diffuse->box, axes, terms + 1, 3, four_pi / 3, flux);
+            ty_cover_add(&light->diffuse->box, axes, terms, 1, 4 * TY_PI_F64, &diffuse);
+            ty_cover_add(&light->diffuse->box, axes, terms + 1, 3, 4 * TY_PI_F64 / 3, flux);
             add_beams(job, cell, c, &beam, flux);
             job->fluence[3 * at + (size_t)c] = diffuse + beam;
             if (job->beam != NULL) job->beam[3 * at + (size_t)c] = beam;

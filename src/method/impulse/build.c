@@ -142,7 +142,7 @@ static void bounce(ty_impulse_work* work) {
             const double* sink = work->sink + (size_t)i * TY_IMPULSE_TERMS * (size_t)places;
             double sum = 0;
             for (int32_t j = 0; j < places; ++j) sum += sink[j] * ty_impulse_depth(work, b)[j];
-            ty_impulse_depth(work, b + 1)[i] = sqrt(4 * TY_IMPULSE_PI) * sum;
+            ty_impulse_depth(work, b + 1)[i] = sqrt(4 * TY_PI_F64) * sum;
             for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k, spread += places) {
                 const double* fluence = ty_impulse_fluence(work, b, k);
                 sum = 0;

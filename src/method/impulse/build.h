@@ -5,6 +5,7 @@
 #include "method/impulse/harmonics.h"
 #include "method/impulse/nodes.h"
 #include "method/impulse/tables.h"
+#include "scene/phase.k.h"
 
 /* Products of y_l^m at the receiver and y_k^m at the emitter, l, k >= m: sorted by m, l, k. */
 enum { TY_IMPULSE_PRODUCTS = 556 };
@@ -19,12 +20,6 @@ typedef struct ty_impulse_pairs {
 typedef struct ty_impulse_angles {
     ty_impulse_pairs angle[TY_IMPULSE_ANGLES];
 } ty_impulse_angles;
-
-/* Henyey and Greenstein's phase function. */
-static inline double ty_impulse_phase(double cosine, double g) {
-    const double across = 1 + g * g - 2 * g * cosine;
-    return (1 - g * g) / (4 * TY_IMPULSE_PI * across * sqrt(across));
-}
 
 typedef struct ty_impulse_work {
     ty_impulse* tables;

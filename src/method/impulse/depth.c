@@ -24,13 +24,13 @@ void ty_impulse_sink_once(void* user, int64_t place, int32_t worker) {
     ty_impulse_add_singular(&nodes, 0, 1, COSINES);
     for (int32_t i = 0; i < nodes.count; ++i) {
         const double mu = nodes.x[i];
-        const double light = 2 * TY_IMPULSE_PI * nodes.weight[i] * radiance_once(work->distances[place], mu);
+        const double light = 2 * TY_PI_F64 * nodes.weight[i] * radiance_once(work->distances[place], mu);
         ty_impulse_zonal(mu, zonal);
         for (int32_t g = 0; g < TY_IMPULSE_PHASES; ++g)
             for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l)
-                sums[g][l] += light * ty_impulse_phase(mu, TY_IMPULSE_PHASE_G * (g - 1)) * zonal[l];
+                sums[g][l] += light * ty_hg_f64(mu, TY_IMPULSE_PHASE_G * (g - 1)) * zonal[l];
     }
-    ty_impulse_depth(work, 1)[place] = sqrt(4 * TY_IMPULSE_PI) * sums[1][0];
+    ty_impulse_depth(work, 1)[place] = sqrt(4 * TY_PI_F64) * sums[1][0];
     if (place >= TY_IMPULSE_DISTANCES) return;
     for (int32_t g = 0; g < TY_IMPULSE_PHASES; ++g)
         ty_impulse_keep(work, TY_IMPULSE_DIRECTIONAL, 0, (int32_t)place, g, sums[g]);

@@ -14,7 +14,7 @@ static void project(const ty_impulse_recurrence* recurrence, const ty_impulse_pa
             const int32_t pair = ty_impulse_pair(l, m);
             sum += sqrt(2) * response->at[pair] * y[pair];
         }
-        zonal[l] = sqrt(4 * TY_IMPULSE_PI / (2 * l + 1)) * sum;
+        zonal[l] = sqrt(4 * TY_PI_F64 / (2 * l + 1)) * sum;
     }
 }
 
@@ -69,7 +69,7 @@ static double minimize(const fitted* fit, double low, double middle, double high
 
 double ty_impulse_fit(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response) {
     const fitted fit = {recurrence, response};
-    const double step = 0.5 * TY_IMPULSE_PI / SCAN;
+    const double step = 0.5 * TY_PI_F64 / SCAN;
     int32_t best = 0;
     double least = error_at(&fit, 0);
     for (int32_t i = 1; i <= SCAN; ++i) {

@@ -2,6 +2,8 @@
 #ifndef TY_METHOD_IMPULSE_HARMONICS_H
 #define TY_METHOD_IMPULSE_HARMONICS_H
 
+#include "base/constants.h"
+
 #include <math.h>
 #include <tyndall/impulse.h>
 
@@ -14,8 +16,6 @@ enum {
     TY_IMPULSE_SENT = 82 /* pairs of an order and an m up to 10 that it has */
 };
 extern const int32_t ty_impulse_orders[TY_IMPULSE_ORDERS];
-
-#define TY_IMPULSE_PI 3.14159265358979323846
 
 /* Pairs are sorted by m, then l. */
 static inline int32_t ty_impulse_pair(int32_t l, int32_t m) {

@@ -1,4 +1,5 @@
 /* Looking tables up. */
+#include "base/legendre.k.h"
 #include "method/impulse/harmonics.h"
 #include "method/impulse/look.h"
 #include "method/impulse/tables.h"
@@ -202,7 +203,7 @@ float ty_impulse_irradiance(const float zonal[TY_IMPULSE_TERMS], float cosine) {
     float before = 1, last = cosine,
           sum = ty_impulse_cosine_lobe[0] * zonal[0] + ty_impulse_cosine_lobe[1] * zonal[1] * cosine;
     for (int32_t l = 2; l < TY_IMPULSE_TERMS; ++l) {
-        const float next = ((float)(2 * l - 1) * cosine * last - (float)(l - 1) * before) / (float)l;
+        const float next = ty_legendre_next(l - 1, cosine, last, before);
         before = last;
         last = next;
         sum += ty_impulse_cosine_lobe[l] * zonal[l] * next;

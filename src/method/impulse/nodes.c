@@ -1,6 +1,8 @@
 /* Where integrands are looked at. */
 #include "method/impulse/nodes.h"
 
+#include "base/constants.h"
+
 #include <math.h>
 
 /* The upper half of Gauss-Legendre's nodes of 12 points, and their weights. */
@@ -39,7 +41,7 @@ void ty_impulse_add_logarithmic(ty_impulse_nodes* nodes, double a, double b) {
 
 /* x - a and b - x are computed from the nearer end, so that nodes there do not fall together. */
 void ty_impulse_add_singular(ty_impulse_nodes* nodes, double a, double b, int32_t count) {
-    const double half_pi = 1.57079632679489661923, reach = 3, step = 2 * reach / (count - 1);
+    const double half_pi = 0.5 * TY_PI_F64, reach = 3, step = 2 * reach / (count - 1);
     for (int32_t i = 0; i < count; ++i) {
         const double t = -reach + step * i, u = half_pi * sinh(t);
         const double near = 1 / (exp(2 * fabs(u)) + 1); /* of the way, from the nearer end */

@@ -40,7 +40,7 @@ static void clamped_cosine(double level, double swing, double out[TY_IMPULSE_TER
         out[1] = swing;
         return;
     }
-    const double end = acos(-level / swing), over_pi = 1 / TY_IMPULSE_PI;
+    const double end = acos(-level / swing), over_pi = 1 / TY_PI_F64;
     out[0] = over_pi * (level * end + swing * sin(end));
     out[1] = over_pi * (2 * level * sin(end) + swing * (end + 0.5 * sin(2 * end)));
     for (int32_t m = 2; m < TY_IMPULSE_TERMS; ++m)
@@ -50,14 +50,14 @@ static void clamped_cosine(double level, double swing, double out[TY_IMPULSE_TER
 
 static void make_point(const ty_impulse_recurrence* recurrence, double psi, double theta, double weight,
                        lattice_point* out) {
-    const double alpha = psi - theta, turn = 2 * TY_IMPULSE_PI * weight, side = sqrt(2) * TY_IMPULSE_PI * weight;
+    const double alpha = psi - theta, turn = 2 * TY_PI_F64 * weight, side = sqrt(2) * TY_PI_F64 * weight;
     double pairs[TY_IMPULSE_PAIRS], fourier[TY_IMPULSE_TERMS], sent[TY_IMPULSE_SENT];
     out->way = cos(theta - 0.5 * psi) / cos(0.5 * psi);
     ty_impulse_legendre(recurrence, cos(theta), sin(theta), pairs);
     for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out->zonal[l] = turn * pairs[l];
     ty_impulse_legendre_sent(recurrence, cos(alpha), sin(alpha), sent);
     for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k)
-        out->emitted[k] = turn * sqrt(4 * TY_IMPULSE_PI / (2 * ty_impulse_orders[k] + 1)) * sent[k];
+        out->emitted[k] = turn * sqrt(4 * TY_PI_F64 / (2 * ty_impulse_orders[k] + 1)) * sent[k];
     for (int32_t angle = 0; angle < TY_IMPULSE_ANGLES; ++angle) {
         const double cosine = (double)ty_impulse_cosines[angle], sine = sqrt(1 - cosine * cosine);
         clamped_cosine(cosine * cos(alpha), sine * sin(alpha), fourier);
@@ -73,10 +73,10 @@ ty_result ty_impulse_make_lattice(ty_impulse_work* work) {
     work->lattice = ty_alloc_array(work->tables->context, 1, sizeof *work->lattice, true);
     if (work->lattice == NULL) return TY_ERROR_MEMORY;
     ty_impulse_nodes psi = {0};
-    ty_impulse_add_singular(&psi, 0, TY_IMPULSE_PI, PSIS);
+    ty_impulse_add_singular(&psi, 0, TY_PI_F64, PSIS);
     for (int32_t i = 0; i < PSIS; ++i) {
         for (int32_t g = 0; g < TY_IMPULSE_PHASES; ++g)
-            work->lattice->phase[i][g] = psi.weight[i] * ty_impulse_phase(cos(psi.x[i]), TY_IMPULSE_PHASE_G * (g - 1));
+            work->lattice->phase[i][g] = psi.weight[i] * ty_hg_f64(cos(psi.x[i]), TY_IMPULSE_PHASE_G * (g - 1));
         ty_impulse_nodes theta = {0};
         ty_impulse_add_singular(&theta, 0, psi.x[i], THETAS);
         for (int32_t j = 0; j < THETAS; ++j)

@@ -50,7 +50,7 @@ void ty_impulse_make_spread(void* user, int64_t place, int32_t worker) {
             for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k) kernel[k] += share * there[k];
         }
         for (int32_t k = 0; k < TY_IMPULSE_ORDERS; ++k) {
-            const double polynomial = sqrt(4 * TY_IMPULSE_PI / (2 * ty_impulse_orders[k] + 1)) * kernel[k];
+            const double polynomial = sqrt(4 * TY_PI_F64 / (2 * ty_impulse_orders[k] + 1)) * kernel[k];
             for (int32_t j = 0; j < 4; ++j)
                 rows[k * work->places + first + j] += 0.5 * radii.weight[i] * weight[j] * polynomial;
         }
@@ -63,7 +63,7 @@ static void add_products(const ty_impulse_recurrence* recurrence, double d, doub
     double here[TY_IMPULSE_PAIRS], there[TY_IMPULSE_SENT];
     memset(out, 0, TY_IMPULSE_PRODUCTS * sizeof *out);
     for (int32_t j = 0; j < ways->count; ++j) {
-        const double t = ways->x[j], share = ways->weight[j] * exp(-t) / (4 * TY_IMPULSE_PI * t);
+        const double t = ways->x[j], share = ways->weight[j] * exp(-t) / (4 * TY_PI_F64 * t);
         const double theta = angle_between(d, t, r), alpha = angle_between(d, r, t);
         ty_impulse_legendre(recurrence, theta, sqrt(1 - theta * theta), here);
         ty_impulse_legendre_sent(recurrence, alpha, sqrt(1 - alpha * alpha), there);
@@ -106,10 +106,10 @@ static void gather(const double angle[TY_IMPULSE_SENT], const double* products, 
     for (int32_t m = 0; m < TY_IMPULSE_TERMS; ++m) {
         const int32_t count = ty_impulse_sent(m);
         const int32_t* orders = ty_impulse_orders + TY_IMPULSE_ORDERS - count;
-        const double side = m == 0 ? 2 * TY_IMPULSE_PI : 2 * sqrt(2) * TY_IMPULSE_PI;
+        const double side = m == 0 ? 2 * TY_PI_F64 : 2 * sqrt(2) * TY_PI_F64;
         for (int32_t l = m; l < TY_IMPULSE_TERMS; ++l, products += count) {
             double sum = 0;
-            for (int32_t k = 0; k < count; ++k) sum += products[k] * angle[k] * 4 * TY_IMPULSE_PI / (2 * orders[k] + 1);
+            for (int32_t k = 0; k < count; ++k) sum += products[k] * angle[k] * 4 * TY_PI_F64 / (2 * orders[k] + 1);
             *to++ = side * sum;
         }
         angle += count;
@@ -118,7 +118,7 @@ static void gather(const double angle[TY_IMPULSE_SENT], const double* products, 
 
 static void keep_points(const ty_impulse_work* work, int32_t bin, const double* products) {
     /* Order 0 of an area is a quarter of its point. */
-    const double factor = 4 * 2 * TY_IMPULSE_PI * sqrt(4 * TY_IMPULSE_PI);
+    const double factor = 4 * 2 * TY_PI_F64 * sqrt(4 * TY_PI_F64);
     for (int32_t bounce = 2; bounce <= work->tables->bounces; ++bounce, products += TY_IMPULSE_PRODUCTS) {
         double zonal[TY_IMPULSE_TERMS];
         for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) zonal[l] = factor * products[l * TY_IMPULSE_ORDERS];

@@ -1,11 +1,12 @@
 /* From what is injected to the light of a lattice. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "base/progress.h"
 #include "method/lpv/march.h"
 
 enum { ITERATIONS_MAX = 4096, ITERATIONS_PUBLISHED = 8 };
 
-static const double power_of_term = 3.5449077018110321; /* sqrt(4 pi) */
+static const double power_of_term = TY_SQRT_4PI_F64;
 
 /* What entered, and what of it media take before the first step. */
 static void enter(const ty_lpv_sums* sums, double scale, ty_lattice_power* power, double size[3], double absorbed[3]) {

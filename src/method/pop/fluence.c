@@ -1,11 +1,10 @@
 /* Fluence on a caller's cells, and radiance at a point. */
+#include "base/constants.h"
 #include "base/context.h"
 #include "direct/cover.h"
 #include "method/pop/job.h"
 
 #include <string.h>
-
-static const double four_pi = 12.566370614359172;
 
 /* Points along each axis of a caller's cell at which uncollided light of ordinates is taken. */
 enum { POINTS = 2 };
@@ -55,7 +54,7 @@ static void add_merged(const ty_pop* light, const ty_cover axes[3], int c, doubl
     if (light->diffuse == NULL) return;
     const bool shared = light->diffuse->shared;
     const float* diffuse = light->diffuse->terms[shared ? 0 : c][0];
-    ty_cover_add(&light->merged.box, axes, &diffuse, 1, four_pi * (shared ? (double)light->diffuse->color[c] : 1),
+    ty_cover_add(&light->merged.box, axes, &diffuse, 1, 4 * TY_PI_F64 * (shared ? (double)light->diffuse->color[c] : 1),
                  fluence);
 }
 

@@ -1,6 +1,7 @@
 /* How much the camera sees of light from each direction (Sec. 5.2). */
 #include "scene/environment_map.k.h"
 
+#include "base/constants.h"
 #include "base/context.h"
 #include "base/parallel.h"
 #include "image/options.h"
@@ -51,14 +52,12 @@ typedef struct gaze_job {
 } gaze_job;
 
 static float row_solid_angle(int32_t row) {
-    const double pi = 3.14159265358979323846;
-    return (float)(2 * pi / WIDTH * (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT)));
+    return (float)(2 * TY_PI_F64 / WIDTH * (cos(TY_PI_F64 * row / HEIGHT) - cos(TY_PI_F64 * (row + 1) / HEIGHT)));
 }
 
 /* Where one looks at the middle of a texel of a map, as in an environment that is not turned. */
 static ty_vec look_at(ty_axis up, int32_t column, int32_t row, int32_t width, int32_t height) {
-    const double pi = 3.14159265358979323846;
-    const double angle = 2 * pi * (0.5 - (column + 0.5) / width), down = pi * (row + 0.5) / height;
+    const double angle = 2 * TY_PI_F64 * (0.5 - (column + 0.5) / width), down = TY_PI_F64 * (row + 0.5) / height;
     const float across = (float)(sin(down) * cos(angle)), along = (float)(sin(down) * sin(angle));
     return up == TY_AXIS_Z ? ty_vec_make(across, along, (float)cos(down))
                            : ty_vec_make(across, (float)cos(down), -along);

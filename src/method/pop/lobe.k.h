@@ -5,14 +5,6 @@
 #include "direct/beam.k.h"
 #include "direct/forward.k.h"
 
-/* 1 / sqrt(x) to 5e-6 for normal x > 0, without what takes processors long: two of Newton's steps. */
-TY_FN float ty_pop_root_inverse(float x) {
-    const float half = 0.5f * x;
-    float y = ty_float_from_bits(0x5f375a86u - (ty_bits_from_float(x) >> 1));
-    y *= 1.5f - half * y * y;
-    return y * (1.5f - half * y * y);
-}
-
 /* Lines are seen as lobes of +-0.9999. Floats of one sign are in the order of their bits, and of whole numbers
  * compilers have minima where of floats they make choices and masks. */
 TY_FN float ty_pop_seen_cosine(float cosine) {
@@ -21,11 +13,9 @@ TY_FN float ty_pop_seen_cosine(float cosine) {
     return ty_float_from_bits(below < least ? below : least);
 }
 
-/* The phase function as ty_hg, to 2e-5. tilt: 2 (1 - mu). */
+/* The phase function of mean cosine `cosine`, at most 0.9999 of it; tilt: 2 (1 - mu). */
 TY_FN float ty_pop_hg_tilted(float tilt, float cosine) {
-    const float g = ty_pop_seen_cosine(cosine), less = 1.0f - g;
-    const float y = ty_pop_root_inverse(less * less + g * tilt);
-    return TY_INV_4PI * (1.0f + g) * less * y * y * y;
+    return ty_hg_approximate(tilt, ty_pop_seen_cosine(cosine));
 }
 
 TY_FN float ty_pop_hg(float mu, float cosine) {
@@ -48,7 +38,7 @@ TY_FN float ty_pop_disc_share(float mu, float width) {
 
 TY_FN float ty_pop_disc_root(float x, float width) {
     const float square = (1.0f - x) * (1.0f - x) + 2.0f * x * width;
-    return square * ty_pop_root_inverse(square);
+    return square * ty_inverse_sqrt(square);
 }
 
 /* What HG(x) that is flattened has of its mean cosine, in parts: the first over the second. */

@@ -2,6 +2,7 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
+#include "scene/phase.k.h"
 #include "scene/check.h"
 
 #include <math.h>
@@ -38,18 +39,12 @@ void ty_screen_published_def(ty_screen_def* def) {
 }
 
 double ty_screen_focal(int32_t height, double fov_y) {
-    return 0.5 * height / tan(fov_y * (3.14159265358979323846 / 360));
-}
-
-/* The share of Henyey-Greenstein scattering with mu > 0. */
-static double forward_share(double g) {
-    if (fabs(g) < 1e-4) return 0.5 + 0.75 * g;
-    return (1 - g * g) / (2 * g) * (1 / (1 - g) - 1 / sqrt(1 + g * g));
+    return 0.5 * height / tan(fov_y * (TY_PI_F64 / 360));
 }
 
 void ty_screen_balance(ty_screen_def* def, const float radiance[3]) {
     for (int c = 0; c < 3; ++c) {
-        const double forward = forward_share((double)def->g[c]);
+        const double forward = ty_hg_forward_share((double)def->g[c]);
         def->forward[c] = (float)forward;
         def->environment[c] = (float)((1 - forward) * (double)radiance[c]);
     }

@@ -5,6 +5,8 @@
 
 #include "method/screen/split.k.h"
 
+#include "base/luminance.k.h"
+
 /* Keeps weights by luminance from vanishing where all is black. */
 #define TY_SCREEN_LEAST_LUMINANCE 1e-20f
 
@@ -22,7 +24,7 @@ TY_FN float ty_screen_mask_at(ty_screen_mask_params params, float spread) {
 }
 
 TY_FN float ty_screen_luminance(float r, float g, float b) {
-    return 0.2126f * r + 0.7152f * g + 0.0722f * b + TY_SCREEN_LEAST_LUMINANCE;
+    return ty_luminance(r, g, b) + TY_SCREEN_LEAST_LUMINANCE;
 }
 
 /* Eq. 10, from the variance W^2, pixels^2; scale: c. */

@@ -10,9 +10,9 @@
  * variance above v is erf(c / sqrt(2 v)). That is what a pyramid of Gaussians wants to know. */
 #include "method/screen/spread.h"
 
-#include <math.h>
+#include "base/constants.h"
 
-static const double pi = 3.14159265358979323846;
+#include <math.h>
 
 /* Beyond this thickness T is as good as normal; at less, too much of the normal is below 0. */
 static const double thick = 16;
@@ -32,7 +32,7 @@ static double normal_mean(double x, double mean, double variance) {
 /* The same for T = t_1, uniform; and for more, which normals are near to. */
 static double mean_of_terms(double x, int terms) {
     if (terms > 1) return normal_mean(x, 0.5 * terms, terms / 12.0);
-    return x < 1e-4 ? x / sqrt(pi) : erf(x) - (1 - exp(-x * x)) / (x * sqrt(pi));
+    return x < 1e-4 ? x / sqrt(TY_PI_F64) : erf(x) - (1 - exp(-x * x)) / (x * sqrt(TY_PI_F64));
 }
 
 double ty_screen_tail(double width, double tau, double variance) {
@@ -75,7 +75,7 @@ static void interpolate(const double values[NODES], float coefficients[NODES]) {
     double sums[NODES] = {0}, previous[NODES] = {1}, current[NODES] = {0, 1};
     for (int j = 0; j < NODES; ++j) {
         double c = 0;
-        for (int i = 0; i < NODES; ++i) c += values[i] * cos(j * (i + 0.5) * pi / NODES);
+        for (int i = 0; i < NODES; ++i) c += values[i] * cos(j * (i + 0.5) * TY_PI_F64 / NODES);
         c *= (j == 0 ? 1.0 : 2.0) / NODES;
         for (int power = 0; power < NODES; ++power) sums[power] += c * previous[power];
         double next[NODES] = {0}; /* T_(j+2) = 2 z T_(j+1) - T_j */
@@ -97,7 +97,7 @@ void ty_screen_gaussian_shares(const float* levels, int32_t count, ty_screen_sha
 void ty_screen_small_angle_shares(double width, const float* levels, int32_t count, ty_screen_share* shares) {
     double values[TY_SCREEN_LEVELS_MAX + 1][NODES];
     for (int i = 0; i < NODES; ++i) {
-        const double z = cos((i + 0.5) * pi / NODES);
+        const double z = cos((i + 0.5) * TY_PI_F64 / NODES);
         const double t = 0.5 * (double)TY_SCREEN_SHARE_TOP * (1 + z);
         const double tau = (double)TY_SCREEN_SHARE_SCALE * t / (1 - t);
         double whole = 1;
