@@ -1,7 +1,7 @@
 /* Contexts: errors, logging, memory, clocks. */
 #define _GNU_SOURCE
 #include "base/context.h"
-#include "base/parallel.h"
+#include "base/thread_pool.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -28,8 +28,8 @@ struct ty_context {
     char message[MESSAGE_SIZE];
     double machine_memory; /* bytes */
     _Atomic size_t taken;  /* bytes of arrays that were not given back yet */
-    ty_team team;          /* all threads but the caller's */
-    ty_team_member members[];
+    ty_thread_pool pool;   /* all threads but the caller's */
+    ty_pool_thread pool_threads[];
 };
 
 const char* ty_result_name(ty_result result) {
@@ -98,7 +98,7 @@ ty_context_def ty_default_context_def(void) {
 }
 
 static size_t context_size(int32_t threads) {
-    return sizeof(ty_context) + (size_t)(threads - 1) * sizeof(ty_team_member);
+    return sizeof(ty_context) + (size_t)(threads - 1) * sizeof(ty_pool_thread);
 }
 
 ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
@@ -116,7 +116,7 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
     memset(context, 0, context_size(threads));
     context->def = copy;
     context->threads = threads;
-    ty_team_create(&context->team, context->members, threads - 1, threads <= processors);
+    ty_thread_pool_create(&context->pool, context->pool_threads, threads - 1, threads <= processors);
     context->machine_memory = physical_memory();
     atomic_init(&context->taken, 0);
     pthread_mutex_init(&context->lock, NULL);
@@ -126,7 +126,7 @@ ty_result ty_context_create(const ty_context_def* def, ty_context** out) {
 
 void ty_context_destroy(ty_context* context) {
     if (context == NULL) return;
-    ty_team_destroy(&context->team);
+    ty_thread_pool_destroy(&context->pool);
     pthread_mutex_destroy(&context->lock);
     const ty_context_def def = context->def;
     def.free(def.alloc_user, context, context_size(context->threads));
@@ -147,10 +147,8 @@ int32_t ty_context_threads(const ty_context* context) {
     return context->threads;
 }
 
-void ty_parallel_for(ty_context* context, int64_t count, ty_parallel_fn body, void* user) {
-    ty_loop loop = {.body = body, .user = user, .count = count};
-    atomic_init(&loop.next, 0);
-    ty_team_run(&context->team, &loop);
+ty_thread_pool* ty_context_pool(ty_context* context) {
+    return &context->pool;
 }
 
 ty_result ty_fail(ty_context* context, ty_result result, const char* format, ...) {
@@ -214,7 +212,7 @@ static void clear_part(void* user, int64_t index, int32_t worker) {
 /* By all threads: the system makes pages when they are written to. */
 static void clear(ty_context* context, void* begin, size_t size) {
     clearing all = {begin, size};
-    ty_parallel_for(context, (int64_t)((size + CLEARED_AT_ONCE - 1) / CLEARED_AT_ONCE), clear_part, &all);
+    ty_thread_pool_run(&context->pool, (int64_t)((size + CLEARED_AT_ONCE - 1) / CLEARED_AT_ONCE), clear_part, &all);
 }
 
 void* ty_alloc_array(ty_context* context, size_t count, size_t element_size, bool zero) {

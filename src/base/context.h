@@ -33,6 +33,9 @@ void ty_free_text(ty_context* context, char* text);
 /* Grows *items to hold count + 1 elements (capacity doubles); false, with a message, when memory is short. */
 bool ty_grow_array(ty_context* context, void** items, size_t* capacity, size_t count, size_t element_size);
 
+/* The context's threads, for ty_parallel_for. */
+struct ty_thread_pool* ty_context_pool(ty_context* context);
+
 /* Seconds of a monotonic clock, and processor seconds of the whole process. */
 double ty_wall_seconds(void);
 double ty_cpu_seconds(void);

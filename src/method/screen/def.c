@@ -2,8 +2,8 @@
 #include "method/screen/job.h"
 
 #include "base/context.h"
-#include "scene/phase.k.h"
 #include "scene/check.h"
+#include "scene/phase.k.h"
 
 #include <math.h>
 
