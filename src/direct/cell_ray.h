@@ -2,14 +2,12 @@
 #ifndef TY_DIRECT_CELL_RAY_H
 #define TY_DIRECT_CELL_RAY_H
 
+#include "base/voxel_dda.h"
 #include "direct/grid_medium.h"
 
-#include <math.h>
-
 typedef struct ty_cell_ray {
-    double at, end;              /* m along the ray */
-    double next[3], per_cell[3]; /* where it leaves its cell along each axis, and how far it is through one, m */
-    int32_t cell[3], step[3];
+    double at, end; /* m along the ray */
+    ty_voxel_dda dda;
 } ty_cell_ray;
 
 /* fmin and fmax where nothing is NaN; those are calls. */
@@ -42,32 +40,29 @@ static inline void ty_cell_ray_begin(const ty_grid_medium* medium, const double 
     for (int a = 0; a < 3; ++a) {
         const double side = medium->cell[a], from = (origin[a] + ray->at * way[a] - medium->box.lower[a]) / side;
         const int32_t last = medium->box.size[a] - 1, cell = (int32_t)floor(from);
-        ray->cell[a] = cell < 0 ? 0 : cell > last ? last : cell;
-        ray->step[a] = way[a] > 0 ? 1 : -1;
-        const double edge = medium->box.lower[a] + side * (ray->cell[a] + (way[a] > 0 ? 1 : 0));
-        ray->next[a] = way[a] != 0 ? (edge - origin[a]) / way[a] : INFINITY;
-        ray->per_cell[a] = way[a] != 0 ? side / fabs(way[a]) : INFINITY;
+        const int32_t inside = cell < 0 ? 0 : cell > last ? last : cell;
+        const double low = medium->box.lower[a] + side * inside, high = medium->box.lower[a] + side * (inside + 1);
+        ty_voxel_dda_set(&ray->dda, a, inside, way[a], low - origin[a], high - origin[a], side);
     }
 }
 
 /* Where the ray leaves its cell or ends. */
 static inline double ty_cell_ray_leave(const ty_cell_ray* ray) {
-    return ty_cell_min(ray->end, ty_cell_min(ray->next[0], ty_cell_min(ray->next[1], ray->next[2])));
+    return ty_cell_min(ray->end, ray->dda.next[ty_voxel_dda_axis(&ray->dda)]);
 }
 
 static inline size_t ty_cell_ray_index(const ty_grid_medium* medium, const ty_cell_ray* ray) {
-    const size_t row = (size_t)ray->cell[1] + (size_t)medium->box.size[1] * (size_t)ray->cell[2];
-    return (size_t)ray->cell[0] + (size_t)medium->box.size[0] * row;
+    const int32_t* cell = ray->dda.voxel;
+    const size_t row = (size_t)cell[1] + (size_t)medium->box.size[1] * (size_t)cell[2];
+    return (size_t)cell[0] + (size_t)medium->box.size[0] * row;
 }
 
 /* Moves on to the next cell; false past the box or the end. */
 static inline bool ty_cell_ray_advance(const ty_grid_medium* medium, ty_cell_ray* ray) {
-    const int xy = ray->next[0] < ray->next[1] ? 0 : 1;
-    const int a = ray->next[xy] < ray->next[2] ? xy : 2;
-    ray->at = ty_cell_max(ray->at, ray->next[a]);
-    ray->next[a] += ray->per_cell[a];
-    ray->cell[a] += ray->step[a];
-    return ray->at < ray->end && ray->cell[a] >= 0 && ray->cell[a] < medium->box.size[a];
+    const int a = ty_voxel_dda_axis(&ray->dda);
+    ray->at = ty_cell_max(ray->at, ray->dda.next[a]);
+    ty_voxel_dda_advance(&ray->dda, a);
+    return ray->at < ray->end && ray->dda.voxel[a] >= 0 && ray->dda.voxel[a] < medium->box.size[a];
 }
 
 #endif

@@ -54,3 +54,10 @@ ty_result ty_cover_check(ty_context* context, const ty_cover_box* box) {
                              box->lower[a], box->upper[a], a);
     return result;
 }
+
+ty_cell_point ty_cover_locate(const ty_grid_box* box, const double point[3]) {
+    float cells[3];
+    for (int a = 0; a < 3; ++a)
+        cells[a] = (float)((point[a] - box->lower[a]) * box->size[a] / (box->upper[a] - box->lower[a]));
+    return ty_cell_locate(box->size, ty_vec_load(cells));
+}

@@ -3,6 +3,7 @@
 #define TY_DIRECT_COVER_H
 
 #include "direct/grid_medium.h"
+#include "direct/single.k.h"
 
 /* A caller's box, m, cut into cells. One without extent along an axis is a plane, line or point. */
 typedef struct ty_cover_box {
@@ -22,6 +23,8 @@ ty_result ty_cover_check(ty_context* context, const ty_cover_box* box);
 void ty_cover_cell(const ty_grid_box* box, const ty_cover_box* callers, const int32_t cell[3], ty_cover axes[3]);
 /* How much of what a cover spans one of its cells is. */
 double ty_cover_share(const ty_cover* cover, int32_t cell);
+/* A point, m, between the middles of a box's cells. */
+ty_cell_point ty_cover_locate(const ty_grid_box* box, const double point[3]);
 /* Adds the mean over what three covers span, of planes of a box's cells, times scale, to out[]. */
 void ty_cover_add(const ty_grid_box* box, const ty_cover axes[3], const float* const* planes, int32_t plane_count,
                   double scale, double* out);

@@ -3,6 +3,7 @@
 
 #include "base/context.h"
 #include "base/float_mode.h"
+#include "base/voxel_dda.h"
 #include "direct/lamp.k.h"
 
 /* Cells within NEAR of the lamp's own, by NEAR_RAYS^2 rays for each of the six ways. */
@@ -33,59 +34,49 @@ typedef struct near_sums {
     double light[NEAR_CELLS][3][4]; /* per channel: fluence and flux, times the cell's volume over intensity */
 } near_sums;
 
-/* A ray from cell to cell, in the lamp's own and those around it. */
-typedef struct near_ray {
-    int32_t cell[3], step[3]; /* from home */
-    double next[3], per_cell[3];
-    double at; /* m */
-} near_ray;
-
-static void begin_near_ray(const ty_lamp_job* lamp, const double way[3], near_ray* ray) {
-    ray->at = 0;
+/* A ray from the lamp's own cell, which is voxel 0, to those around it. */
+static ty_voxel_dda begin_near_ray(const ty_lamp_job* lamp, const double way[3]) {
+    ty_voxel_dda ray;
     for (int a = 0; a < 3; ++a) {
         const double cell = lamp->medium->cell[a], low = lamp->lower[a] + cell * lamp->home[a];
-        ray->cell[a] = 0;
-        ray->step[a] = way[a] > 0 ? 1 : -1;
-        ray->next[a] = way[a] > 0 ? (low + cell) / way[a] : way[a] < 0 ? low / way[a] : INFINITY;
-        ray->per_cell[a] = way[a] != 0 ? cell / fabs(way[a]) : INFINITY;
+        ty_voxel_dda_set(&ray, a, 0, way[a], low, low + cell, cell);
+    }
+    return ray;
+}
+
+/* Adds a ray's light over `length` m of a cell, by its place from home, and the cell's optical depth to the ray's. */
+static void add_near_cell(const ty_lamp_job* lamp, const int32_t from_home[3], const double way[3], double weight,
+                          double length, float depth[3], near_sums* sums) {
+    const int32_t* size = lamp->medium->box.size;
+    const int32_t x = lamp->home[0] + from_home[0], y = lamp->home[1] + from_home[1], z = lamp->home[2] + from_home[2];
+    if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) return;
+    const size_t at = (size_t)x + (size_t)size[0] * ((size_t)y + (size_t)size[1] * (size_t)z);
+    const int32_t slot = from_home[0] + NEAR + NEAR_SIDE * (from_home[1] + NEAR + NEAR_SIDE * (from_home[2] + NEAR));
+    for (int32_t c = 0; c < lamp->medium->planes; ++c) {
+        const float through = lamp->extinction[c][at] * (float)length, decay = ty_decay(through);
+        const double light = weight * length * (double)(ty_decay(depth[c]) * ty_mean_decay(through, decay));
+        depth[c] += through;
+        sums->light[slot][c][0] += light;
+        for (int a = 0; a < 3; ++a) sums->light[slot][c][1 + a] += light * way[a];
     }
 }
 
-/* Moves to the next cell; false past the last of interest. */
-static bool step_near_ray(near_ray* ray) {
-    const int xy = ray->next[0] < ray->next[1] ? 0 : 1;
-    const int a = ray->next[xy] < ray->next[2] ? xy : 2;
-    ray->at = ray->next[a];
-    ray->next[a] += ray->per_cell[a];
-    ray->cell[a] += ray->step[a];
-    return abs(ray->cell[a]) <= NEAR;
-}
-
 static void follow_near_ray(const ty_lamp_job* lamp, const double way[3], double weight, near_sums* sums) {
-    const int32_t* size = lamp->medium->box.size;
     float depth[3] = {0, 0, 0};
-    near_ray ray;
     const ty_vec direction = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
     const double end = (double)ty_lamp_reach(lamp, direction, TY_FLOAT_MAX);
     weight *= (double)ty_source_profile(lamp->light, ty_dot(direction, lamp->source->direction));
     if (!(weight > 0)) return;
-    begin_near_ray(lamp, way, &ray);
-    do {
-        const double leave = fmin(end, fmin(ray.next[0], fmin(ray.next[1], ray.next[2])));
-        const int32_t x = lamp->home[0] + ray.cell[0], y = lamp->home[1] + ray.cell[1], z = lamp->home[2] + ray.cell[2];
-        if (x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2]) continue;
-        if (!(leave > ray.at)) continue;
-        const size_t at = (size_t)x + (size_t)size[0] * ((size_t)y + (size_t)size[1] * (size_t)z);
-        const int32_t slot = ray.cell[0] + NEAR + NEAR_SIDE * (ray.cell[1] + NEAR + NEAR_SIDE * (ray.cell[2] + NEAR));
-        for (int32_t c = 0; c < lamp->medium->planes; ++c) {
-            const float through = lamp->extinction[c][at] * (float)(leave - ray.at), decay = ty_decay(through);
-            const double light =
-                weight * (leave - ray.at) * (double)(ty_decay(depth[c]) * ty_mean_decay(through, decay));
-            depth[c] += through;
-            sums->light[slot][c][0] += light;
-            for (int a = 0; a < 3; ++a) sums->light[slot][c][1 + a] += light * way[a];
-        }
-    } while (ray.at < end && step_near_ray(&ray));
+    ty_voxel_dda ray = begin_near_ray(lamp, way);
+    bool near = true;
+    for (double enter = 0; near && enter < end;) {
+        const int axis = ty_voxel_dda_axis(&ray);
+        const double face = ray.next[axis], leave = fmin(end, face);
+        if (leave > enter) add_near_cell(lamp, ray.voxel, way, weight, leave - enter, depth, sums);
+        enter = face;
+        ty_voxel_dda_advance(&ray, axis);
+        near = abs(ray.voxel[axis]) <= NEAR;
+    }
 }
 
 /* Rays at equal steps of the tangents, each for its share of the sphere. */

@@ -70,13 +70,6 @@ static bool is_outside(const ty_grid_box* box, const double point[3]) {
     return false;
 }
 
-static ty_cell_point locate(const ty_grid_box* box, const double point[3]) {
-    float cells[3];
-    for (int a = 0; a < 3; ++a)
-        cells[a] = (float)((point[a] - box->lower[a]) * box->size[a] / (box->upper[a] - box->lower[a]));
-    return ty_cell_locate(box->size, ty_vec_load(cells));
-}
-
 ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const float* directions, int32_t count,
                           float* radiance) {
     const ty_result result = ty_check_point(light->context, "dom: point", point);
@@ -85,7 +78,7 @@ ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const floa
     if (result != TY_OK) return result;
     memset(radiance, 0, 3 * sizeof *radiance * (size_t)count);
     if (is_outside(&light->box, point)) return TY_OK;
-    const ty_cell_point place = locate(&light->box, point);
+    const ty_cell_point place = ty_cover_locate(&light->box, point);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
         for (int32_t t = 0; t < terms; ++t)
             moments[c][t] = ty_cell_value(ty_dom_plane(light, light->moments[c], t), &place);

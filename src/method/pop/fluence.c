@@ -97,11 +97,8 @@ ty_result ty_pop_fluence(const ty_pop* light, const double lower[3], const doubl
 /* ---- radiance ---- */
 
 static ty_cell_point locate(const ty_grid_box* box, ty_vec point) {
-    const float at[3] = {point.x, point.y, point.z};
-    float cells[3];
-    for (int a = 0; a < 3; ++a)
-        cells[a] = (float)(((double)at[a] - box->lower[a]) * box->size[a] / (box->upper[a] - box->lower[a]));
-    return ty_cell_locate(box->size, ty_vec_load(cells));
+    const double at[3] = {(double)point.x, (double)point.y, (double)point.z};
+    return ty_cover_locate(box, at);
 }
 
 /* What sharp lights bring that has scattered and kept its direction. */
