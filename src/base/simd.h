@@ -156,12 +156,12 @@ TY_INLINE bool ty_any16(const ty_int16* mask) {
 #endif
 }
 
-/* table[index[i]] for indices of 0 to 15. */
+/* table[index[i]] for indices of 0 to 15. Clang has no __builtin_shuffle of variable indices. */
 TY_INLINE void ty_permute16(const ty_int16* table, const ty_int16* index, ty_int16* out) {
-#if defined(__AVX512F__)
-    *out = (ty_int16)_mm512_permutexvar_epi32((__m512i)*index, (__m512i)*table);
-#else
+#if defined(__clang__)
     for (int32_t i = 0; i < 16; ++i) (*out)[i] = (*table)[(*index)[i] & 15];
+#else
+    *out = __builtin_shuffle(*table, *index);
 #endif
 }
 
