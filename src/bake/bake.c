@@ -1,4 +1,4 @@
-/* Entry points: light on surfaces and at probes. */
+/* Entry points: light on surfaces, at probes and in the media. */
 #include "bake/gather.h"
 
 #include "base/context.h"
@@ -55,5 +55,14 @@ ty_result ty_bake_probes(const ty_scene* scene, const ty_bake_def* def, const fl
     }
     ty_bake_run_end(&run);
     ty_free_array(context, receivers, (size_t)count, sizeof *receivers);
+    return result;
+}
+
+ty_result ty_bake_cache_create(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache** out) {
+    ty_bake_run run;
+    *out = NULL;
+    ty_result result = ty_bake_run_prepare(&run, scene, def);
+    if (result == TY_OK) result = ty_bake_cache_make(&run, scene, out);
+    ty_bake_run_end(&run);
     return result;
 }

@@ -50,6 +50,15 @@ static bool turns(const ty_scene_view* view) {
     return false;
 }
 
+static bool same(const float v[3]) {
+    return v[0] == v[1] && v[0] == v[2];
+}
+
+bool ty_bake_is_gray(const ty_medium_view* medium) {
+    return medium->gray != 0 && medium->gray_g != 0 && same(medium->sigma_s) && medium->albedo_fields < 3 &&
+           medium->transfer_albedo == 0;
+}
+
 static bool is_colored(const ty_scene_view* view) {
     for (int32_t m = 0; m < view->medium_count; ++m)
         if (!ty_bake_is_gray(&view->media[m])) return true;
@@ -297,15 +306,6 @@ ty_result ty_bake_cache_estimate(const ty_scene* scene, const ty_bake_def* def, 
     if (media == NULL) return TY_ERROR_ARGUMENT;
     const ty_result result = ty_bake_check(ty_scene_context(scene), def);
     if (result == TY_OK && media->medium_count > 0) place(scene, def, media, &view, out);
-    return result;
-}
-
-ty_result ty_bake_cache_create(const ty_scene* scene, const ty_bake_def* def, ty_bake_cache** out) {
-    ty_bake_run run;
-    *out = NULL;
-    ty_result result = ty_bake_run_prepare(&run, scene, def);
-    if (result == TY_OK) result = ty_bake_cache_make(&run, scene, out);
-    ty_bake_run_end(&run);
     return result;
 }
 

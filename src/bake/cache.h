@@ -52,6 +52,16 @@ struct ty_bake_cache {
     ty_bake_cache_info info;
 };
 
+struct ty_bake_run;
+
+/* Whether a medium does the same to all channels. */
+bool ty_bake_is_gray(const ty_medium_view* medium);
+/* The light in the media of a prepared run. */
+ty_result ty_bake_cache_make(const struct ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out);
+/* Once all cells are filled: which of them see each other, and what is known where nothing was found. Errors:
+ * TY_ERROR_MEMORY. */
+ty_result ty_cache_part(ty_bake_cache* cache, const ty_mesh* mesh);
+
 typedef struct ty_cache_request {
     ty_path_request path; /* scene and random numbers */
     ty_cache_view view;

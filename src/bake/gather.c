@@ -28,15 +28,6 @@ static bool has_matter(const ty_medium_view* medium) {
     return false;
 }
 
-static bool same(const float v[3]) {
-    return v[0] == v[1] && v[0] == v[2];
-}
-
-bool ty_bake_is_gray(const ty_medium_view* medium) {
-    return medium->gray != 0 && medium->gray_g != 0 && same(medium->sigma_s) && medium->albedo_fields < 3 &&
-           medium->transfer_albedo == 0;
-}
-
 /* Media without matter must change nothing, not even what light is looked at: they are left out. */
 static ty_result take_media(ty_bake_run* run, const ty_scene_view* scene) {
     if (run->def->method == TY_BAKE_SURFACES || scene->medium_count == 0) return TY_OK;
@@ -52,23 +43,6 @@ static ty_result take_media(ty_bake_run* run, const ty_scene_view* scene) {
     }
     run->path.view.media = run->media;
     run->path.view.medium_count = count;
-    return TY_OK;
-}
-
-static ty_result take_tables(ty_bake_run* run) {
-    const ty_bake_def* def = run->def;
-    if (def->method != TY_BAKE_IMPULSE || run->path.view.medium_count == 0) return TY_OK;
-    run->request.tables = def->tables;
-    if (def->tables != NULL) return TY_OK;
-    ty_impulse_def impulse = ty_default_impulse_def();
-    ty_impulse_stats stats;
-    if (def->scatterings > impulse.bounces) impulse.bounces = def->scatterings;
-    impulse.progress = def->progress;
-    impulse.progress_user = def->progress_user;
-    const ty_result result = ty_impulse_create(run->context, &impulse, &run->tables, &stats);
-    if (result != TY_OK) return result;
-    run->request.tables = run->tables;
-    run->stats.table_seconds = stats.seconds;
     return TY_OK;
 }
 
@@ -135,7 +109,7 @@ ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_ba
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms) {
     ty_result result = ty_bake_run_prepare(run, scene, def);
     if (result == TY_OK) result = check_receivers(run, receivers, count);
-    if (result == TY_OK) result = take_tables(run);
+    if (result == TY_OK) result = ty_bake_impulse_take_tables(run);
     if (result == TY_OK) result = take_cache(run, scene);
     if (result != TY_OK) return result;
     run->count = count;
@@ -157,8 +131,7 @@ void ty_bake_run_end(ty_bake_run* run) {
     if (run->light != NULL) ty_free_array(run->context, run->light, (size_t)run->count, size * sizeof *run->light);
     if (run->sums != NULL) ty_free_array(run->context, run->sums, (size_t)run->count, sizeof *run->sums);
     if (run->media != NULL) ty_free_array(run->context, run->media, run->media_size, sizeof *run->media);
-    ty_bake_senders_free(run);
-    ty_impulse_destroy(run->tables);
+    ty_bake_impulse_end(run);
     ty_bake_cache_destroy(run->cache);
     if (run->path.items != NULL) ty_path_run_end(&run->path);
 }
@@ -257,7 +230,7 @@ ty_result ty_bake_sample(ty_bake_run* run) {
     const double begun = ty_wall_seconds();
     const uint32_t spp = (uint32_t)run->def->spp;
     const bool fog = run->def->method == TY_BAKE_IMPULSE && run->path.view.medium_count > 0;
-    ty_result result = fog ? ty_bake_senders_make(run) : TY_OK;
+    ty_result result = fog ? ty_bake_impulse_begin(run) : TY_OK;
     for (uint32_t done = 0; done < spp && result == TY_OK;) {
         const uint32_t most = done > 0 ? done : PASS_FIRST, count = spp - done < most ? spp - done : most;
         result = sample_pass(run, done, count, begun);

@@ -2,15 +2,13 @@
 #include "bake/cached.k.h"
 
 #include "base/float_mode.h"
+#include "bake/sample.k.h"
 
 static void begin_receiver(ty_gather* g, const ty_bake_receiver* receiver, ty_bake_sums* sums, float* chances) {
     ty_gather_stand(g, receiver);
     g->rays = 0;
     g->sums = sums;
-    if (!ty_gather_scatters(g)) return;
-    g->off = ty_gather_off(g);
-    ty_gather_weigh_senders(g, chances);
-    g->chances = chances;
+    ty_impulse_begin(g, chances);
 }
 
 TY_BAKE_KERNEL(TY_KERNEL_NAME(ty_bake_kernel)) {

@@ -4,8 +4,7 @@
 
 #include "base/dispatch.h"
 #include "bake/cache.h"
-#include "bake/senders.h"
-#include "method/impulse/look.h"
+#include "bake/impulse/impulse.h"
 
 enum {
     TY_BAKE_SURFACE_TERMS = 4, /* irradiance, and the vector irradiance's x, y, z */
@@ -21,19 +20,14 @@ typedef struct ty_bake_request {
     int32_t method;       /* ty_bake_method */
     int32_t scatterings;
     int32_t back_scattering;
-    int32_t gray; /* whether media do the same to all channels */
-    const ty_impulse* tables;
+    int32_t gray;        /* whether media do the same to all channels */
     ty_cache_view cache; /* TY_BAKE_CACHE; light NULL: no media */
     int32_t glows;       /* TY_BAKE_CACHE: whether media send light of their own, which paths look for */
     const ty_bake_receiver* receivers;
-    int32_t terms; /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
-    /* TY_BAKE_IMPULSE */
-    ty_impulse_merged merged[3]; /* per channel, of media that have one albedo and g; rows NULL: they have not */
-    float most[3];               /* times as bright as a bounce is the next at most, in the tables' unlimited medium */
-    const ty_senders* senders;
-    uint32_t fog_every; /* one in so many samples asks what media make of emitters: a power of two; of TY_BAKE_CACHE,
-                           paths per ray that gathers what media scattered */
-    int32_t fog_alone;  /* whether only light counts that media scattered */
+    int32_t terms;      /* TY_BAKE_SURFACE_TERMS, or TY_BAKE_SH_TERMS: receivers are probes */
+    uint32_t fog_every; /* TY_BAKE_IMPULSE: one in so many samples asks the tables: a power of two; TY_BAKE_CACHE: paths
+                           per ray that gathers what media scattered */
+    ty_bake_impulse impulse;
 } ty_bake_request;
 
 /* Sums over a receiver's samples. */

@@ -4,7 +4,7 @@
  * anchors together could have found each, which tells the area that it stands for (the balance heuristic). Senders then
  * gather light like any receiver: first what surfaces and lights send, then, in rounds, what media make of that. */
 #include "bake/gather.h"
-#include "bake/gather.k.h"
+#include "bake/impulse/answer.k.h"
 
 #include "base/context.h"
 #include "base/parallel.h"
@@ -74,7 +74,7 @@ static void find_most(search* s) {
     s->free = (float)(length / fmax(1e-12, fmax(depth[0], fmax(depth[1], depth[2]))));
     for (int c = 0; c < 3; ++c) {
         const double p = depth[c] > 0 ? 1 - stopped[c] / depth[c] : 1;
-        request->most[c] = p < 1 ? (float)(p / (1 - p * p)) : TY_FLOAT_MAX;
+        request->impulse.most[c] = p < 1 ? (float)(p / (1 - p * p)) : TY_FLOAT_MAX;
     }
 }
 
@@ -95,14 +95,14 @@ static bool are_alike(const ty_scene_view* scene, int channel, float* albedo, fl
 static ty_result merge_tables(ty_bake_run* run) {
     ty_bake_request* request = &run->request;
     const size_t rows = ty_impulse_merged_rows();
-    run->merged_size = 3 * rows;
-    run->merged = ty_alloc_array(run->context, run->merged_size, sizeof *run->merged, false);
-    if (run->merged == NULL) return TY_ERROR_MEMORY;
+    run->impulse.merged_size = 3 * rows;
+    run->impulse.merged = ty_alloc_array(run->context, run->impulse.merged_size, sizeof *run->impulse.merged, false);
+    if (run->impulse.merged == NULL) return TY_ERROR_MEMORY;
     for (int c = 0; c < (request->gray != 0 ? 1 : 3); ++c) {
         float albedo = 0, g = 0;
         if (are_alike(request->path.scene, c, &albedo, &g))
-            ty_impulse_merge(request->tables, albedo, g, request->scatterings, request->most[c],
-                             run->merged + (size_t)c * rows, &request->merged[c]);
+            ty_impulse_merge(request->impulse.tables, albedo, g, request->scatterings, request->impulse.most[c],
+                             run->impulse.merged + (size_t)c * rows, &request->impulse.merged[c]);
     }
     return TY_OK;
 }
@@ -396,7 +396,8 @@ static void light_senders(search* s, uint32_t samples, float* clear, float* fog)
         for (int c = 0; c < 3; ++c) clear[3 * i + c] = (float)gathered(s, i, c);
     set_light(s, clear, fog);
     s->request.method = TY_BAKE_IMPULSE;
-    s->request.fog_alone = s->request.fog_every = 1;
+    s->request.impulse.alone = 1;
+    s->request.fog_every = 1;
     for (int round = 0; round < ROUNDS; ++round) {
         gather(s, samples / 4 > FOG_SAMPLES_MIN ? samples / 4 : FOG_SAMPLES_MIN);
         for (int32_t i = 0; i < senders->surfaces; ++i)
@@ -404,6 +405,25 @@ static void light_senders(search* s, uint32_t samples, float* clear, float* fog)
         set_light(s, clear, fog);
         ty_parallel_flushed(s->run->context, (int64_t)senders->side * senders->side * senders->side, fill_cell, &job);
     }
+}
+
+/* ---- tables ---- */
+
+ty_result ty_bake_impulse_take_tables(ty_bake_run* run) {
+    const ty_bake_def* def = run->def;
+    if (def->method != TY_BAKE_IMPULSE || run->path.view.medium_count == 0) return TY_OK;
+    run->request.impulse.tables = def->tables;
+    if (def->tables != NULL) return TY_OK;
+    ty_impulse_def impulse = ty_default_impulse_def();
+    ty_impulse_stats stats;
+    if (def->scatterings > impulse.bounces) impulse.bounces = def->scatterings;
+    impulse.progress = def->progress;
+    impulse.progress_user = def->progress_user;
+    const ty_result result = ty_impulse_create(run->context, &impulse, &run->impulse.tables, &stats);
+    if (result != TY_OK) return result;
+    run->request.impulse.tables = run->impulse.tables;
+    run->stats.table_seconds = stats.seconds;
+    return TY_OK;
 }
 
 /* ---- memory ---- */
@@ -416,35 +436,36 @@ static size_t cells_of(const ty_senders* senders) {
 }
 
 static ty_result take_senders(ty_bake_run* run, int32_t most) {
-    ty_senders* senders = &run->senders;
-    run->sender_size = (size_t)most;
+    ty_senders* senders = &run->impulse.senders;
+    run->impulse.sender_size = (size_t)most;
     senders->side = (int32_t)fmin(TY_FOG_SIDE_MAX, ceil(cbrt(most)));
-    senders->at = ty_alloc_array(run->context, run->sender_size, sizeof *senders->at, true);
-    senders->x = ty_alloc_array(run->context, run->sender_size * NUMBERS, sizeof *senders->x, true);
+    senders->at = ty_alloc_array(run->context, run->impulse.sender_size, sizeof *senders->at, true);
+    senders->x = ty_alloc_array(run->context, run->impulse.sender_size * NUMBERS, sizeof *senders->x, true);
     senders->cells = ty_alloc_array(run->context, cells_of(senders), sizeof *senders->cells, true);
     if (senders->at == NULL || senders->x == NULL || senders->cells == NULL) return TY_ERROR_MEMORY;
     float** numbers[NUMBERS] = {&senders->x,  &senders->y,  &senders->z,     &senders->nx,
                                 &senders->ny, &senders->nz, &senders->power, &senders->area};
-    for (int i = 1; i < NUMBERS; ++i) *numbers[i] = senders->x + (size_t)i * run->sender_size;
+    for (int i = 1; i < NUMBERS; ++i) *numbers[i] = senders->x + (size_t)i * run->impulse.sender_size;
     return TY_OK;
 }
 
-void ty_bake_senders_free(ty_bake_run* run) {
-    ty_senders* senders = &run->senders;
-    ty_free_array(run->context, senders->at, run->sender_size, sizeof *senders->at);
-    ty_free_array(run->context, senders->x, run->sender_size * NUMBERS, sizeof *senders->x);
+void ty_bake_impulse_end(ty_bake_run* run) {
+    ty_senders* senders = &run->impulse.senders;
+    ty_free_array(run->context, senders->at, run->impulse.sender_size, sizeof *senders->at);
+    ty_free_array(run->context, senders->x, run->impulse.sender_size * NUMBERS, sizeof *senders->x);
     ty_free_array(run->context, senders->cells, cells_of(senders), sizeof *senders->cells);
     *senders = (ty_senders){.count = 0};
-    ty_free_array(run->context, run->merged, run->merged_size, sizeof *run->merged);
+    ty_free_array(run->context, run->impulse.merged, run->impulse.merged_size, sizeof *run->impulse.merged);
+    ty_impulse_destroy(run->impulse.tables);
 }
 
 /* Paths of senders are a small part of all, and as many per sender as there are senders. */
-ty_result ty_bake_senders_make(ty_bake_run* run) {
+ty_result ty_bake_impulse_begin(ty_bake_run* run) {
     ty_context* context = run->context;
     const double paths = (double)run->count * run->def->spp;
-    run->request.senders = &run->senders;
+    run->request.impulse.senders = &run->impulse.senders;
     run->request.fog_every = FOG_EVERY;
-    search s = {.run = run, .senders = &run->senders};
+    search s = {.run = run, .senders = &run->impulse.senders};
     s.anchor_count = run->count < ANCHORS_MAX ? (int32_t)run->count : ANCHORS_MAX;
     const double wanted = fmin(TY_SENDERS_MAX - LAMP_POINTS_MAX - LIT_RAYS, fmax(SENDERS_MIN, sqrt(paths / 8)));
     s.each = s.anchor_count > 0 ? (int32_t)(wanted / s.anchor_count) : 0;
@@ -465,7 +486,7 @@ ty_result ty_bake_senders_make(ty_bake_run* run) {
     }
     if (result == TY_OK) {
         place_senders(&s);
-        place_cells(&run->senders);
+        place_cells(&run->impulse.senders);
         s.request = run->request;
         s.request.path.seed = ~run->def->seed;
         s.request.receivers = s.receivers;

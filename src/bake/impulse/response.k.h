@@ -1,6 +1,6 @@
 /* What a medium makes of an emitter that a ray leads to. */
-#ifndef TY_BAKE_RESPONSE_K_H
-#define TY_BAKE_RESPONSE_K_H
+#ifndef TY_BAKE_IMPULSE_RESPONSE_K_H
+#define TY_BAKE_IMPULSE_RESPONSE_K_H
 
 #include "bake/kernel.h"
 #include "bake/segment.k.h"
@@ -54,12 +54,13 @@ TY_FN bool ty_response_find(const ty_bake_request* request, const ty_segment* se
         *medium = (ty_impulse_medium){.sigma_t = segment->depth[c] * per_metre,
                                       .sigma_s = s * per_metre,
                                       .g = s > 0.0f ? segment->turned[c] / s : 0.0f};
-        if (request->merged[c].rows != NULL)
-            ty_impulse_look_merged(&request->merged[c], emitter->kind, medium->sigma_t, emitter->distance,
+        if (request->impulse.merged[c].rows != NULL)
+            ty_impulse_look_merged(&request->impulse.merged[c], emitter->kind, medium->sigma_t, emitter->distance,
                                    emitter->cosine, &out->channel[c]);
         else
-            ty_impulse_look_within(request->tables, (ty_impulse_emitter)emitter->kind, medium, emitter->distance,
-                                   emitter->cosine, request->scatterings, request->most[c], &out->channel[c]);
+            ty_impulse_look_within(request->impulse.tables, (ty_impulse_emitter)emitter->kind, medium,
+                                   emitter->distance, emitter->cosine, request->scatterings, request->impulse.most[c],
+                                   &out->channel[c]);
         out->axis[c] = ty_response_axis(emitter, out->channel[c].shift);
     }
     return true;

@@ -1,7 +1,7 @@
 /* Points that stand for all surfaces and lamps when media answer to their light: found once per bake, shared by all
  * receivers. */
-#ifndef TY_BAKE_SENDERS_H
-#define TY_BAKE_SENDERS_H
+#ifndef TY_BAKE_IMPULSE_SENDERS_H
+#define TY_BAKE_IMPULSE_SENDERS_H
 
 #include "base/vector.k.h"
 
