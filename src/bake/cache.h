@@ -54,7 +54,7 @@ struct ty_bake_cache {
 
 struct ty_bake_run;
 
-/* Whether a medium does the same to all channels. */
+/* True where a medium is the same in all channels. */
 bool ty_bake_is_gray(const ty_medium_view* medium);
 /* The light in the media of a prepared run. */
 ty_result ty_bake_cache_make(const struct ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out);

@@ -14,7 +14,7 @@ TY_FN bool ty_gather_light(ty_gather* g, ty_seen_light* seen) {
     return true;
 }
 
-/* What the path's first ray met, and all that follows. */
+/* Adds the light that the path's first ray met, and of the path from there on. */
 TY_FN void ty_gather_ahead(ty_gather* g, const ty_encounter* end, const ty_segment* segment) {
     const ty_vec direction = g->path.direction;
     const float weight = 1.0f / g->path.pdf;

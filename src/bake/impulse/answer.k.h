@@ -68,7 +68,7 @@ TY_FN void ty_gather_keep_response(ty_gather* g, const ty_emitter* emitter, cons
 
 /* ---- emitters ---- */
 
-/* What an emitter with a place is to a point. */
+/* Sets the direction, distance and cosine of an emitter with a place, as seen from a point. */
 TY_FN void ty_emitter_look_from(ty_emitter* emitter, ty_vec from) {
     const ty_vec to = ty_sub(emitter->position, from);
     const float distance = sqrtf(ty_dot(to, to));
@@ -92,7 +92,7 @@ TY_FN ty_vec ty_gather_off(const ty_gather* g) {
 
 /* ---- one emitter ---- */
 
-/* What the sky sends that is never sampled as a light, from where the sample's ray leaves all. */
+/* Adds the response to environments that are never sampled as lights, where the sample's ray leaves the scene. */
 TY_FN void ty_gather_sky_response(ty_gather* g, float weight, const ty_segment* segment) {
     const ty_emitter emitter = {.kind = TY_IMPULSE_DIRECTIONAL, .look = g->way, .distance = segment->leave};
     ty_response response;
@@ -107,7 +107,7 @@ TY_FN bool ty_light_is_far(const ty_light_view* light) {
     return light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT;
 }
 
-/* What media make of light from afar. weight: of the sample. */
+/* Adds the response to a light at infinity. weight: of the sample. */
 TY_FN void ty_gather_far_response(ty_gather* g, const ty_light_sample* sample, const ty_segment* segment,
                                   float weight) {
     const ty_emitter emitter = {
@@ -119,7 +119,7 @@ TY_FN void ty_gather_far_response(ty_gather* g, const ty_light_sample* sample, c
         ty_gather_keep_response(g, &emitter, &response, strength, TY_BAKE_SINGLE);
 }
 
-/* And of what comes from behind the receiver: what is off the surface looks for it. */
+/* Adds the response to a light at infinity behind the receiver, which the point off the surface looks for. */
 TY_FN void ty_gather_far_behind(ty_gather* g, float weight) {
     ty_path* path = &g->path;
     ty_segment segment;
@@ -136,8 +136,8 @@ TY_FN void ty_gather_far_behind(ty_gather* g, float weight) {
     ty_gather_far_response(g, &sample, &segment, weight / chosen);
 }
 
-/* What a sender is to the receiver; false where they see nothing of each other. What is before both looks straight;
- * else, on surfaces, what is off the receiver looks. */
+/* Sets up a sender as an emitter; false where it and the receiver are hidden from each other. A sender in front of the
+ * receiver is seen from the receiver; any other, where the receiver lies on a surface, from the point off it. */
 TY_FN bool ty_gather_see_sender(ty_gather* g, const ty_sender* sender, ty_emitter* emitter) {
     const ty_mesh* mesh = g->request->path.scene->mesh;
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
@@ -172,14 +172,14 @@ TY_FN void ty_gather_weigh_senders(const ty_gather* g, float* chances) {
     for (int32_t i = 1; i < senders->count; ++i) chances[i] += chances[i - 1];
 }
 
-/* How much of a lamp's intensity goes to where it is seen along look. */
+/* Share of a lamp's intensity towards a point that sees it along look. */
 TY_FN float ty_sender_falloff(const ty_gather* g, const ty_sender* sender, ty_vec look) {
     if (sender->light < 0) return 1.0f;
     const ty_light_view* light = &g->request->path.scene->lights.lights[sender->light];
     return light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(look, light->direction)) : 1.0f;
 }
 
-/* Whether light from afar comes straight to the receiver, or to what is off it where that comes from behind. */
+/* True where light from infinity reaches the receiver or, if it comes from behind, the point off its surface. */
 TY_FN bool ty_gather_sees_far(ty_gather* g, ty_vec toward) {
     const ty_mesh* mesh = g->request->path.scene->mesh;
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
@@ -188,7 +188,7 @@ TY_FN bool ty_gather_sees_far(ty_gather* g, ty_vec toward) {
     return mesh == NULL || !ty_mesh_occluded(mesh, ahead ? g->from : g->off, toward, TY_FLOAT_MAX);
 }
 
-/* A part of a medium: what it sends straight has scattered once; what media make of that, more often. Where the
+/* A part of a medium: the light that it sends straight has scattered once; the response to that, more often. Where the
  * receiver sees the light itself, the light's own response has all of this. */
 TY_FN void ty_gather_lit_response(ty_gather* g, const ty_sender* sender, const ty_emitter* emitter, float amount,
                                   const ty_segment* segment) {
@@ -258,15 +258,15 @@ TY_FN void ty_impulse_on_surface(const ty_gather* g, const ty_encounter* at, flo
     ty_senders_fog(g->request->impulse.senders, at->hit.position, at->point.normal, irradiance);
 }
 
-/* Whether a sample is the one of its group that asks what media make of emitters: any, since samples that are a fixed
- * number apart have the same strata. */
+/* True for one sample in each group of fog_every, chosen at random, since samples that are a fixed number apart have
+ * the same strata. */
 TY_FN bool ty_impulse_asks(const ty_bake_request* request, uint64_t item, uint32_t number) {
     const uint32_t every = request->fog_every;
     const uint64_t bits = ty_mix64(ty_mix64(item) + number / every);
     return number % every == (uint32_t)(bits >> 32) % every;
 }
 
-/* What media make of emitters. seen: the light that the sample saw, or NULL; hit: whether its ray met a surface. */
+/* Adds the responses to emitters. seen: the light that the sample saw, or NULL; hit: its ray met a surface. */
 TY_FN void ty_impulse_ask(ty_gather* g, uint64_t item, uint32_t number, const ty_seen_light* seen, bool hit,
                           float weight, const ty_segment* segment) {
     const ty_bake_request* request = g->request;
