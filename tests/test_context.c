@@ -1,7 +1,9 @@
-/* Contexts: errors, logging, memory, parallel loops. */
+/* Contexts: errors, logging, memory, parallel loops; the choice of instruction sets; reports of progress. */
 #include "checks.h"
 
 #include "base/context.h"
+#include "base/dispatch.h"
+#include "base/progress.h"
 #include "ledger.h"
 
 #include <pthread.h>
@@ -336,6 +338,69 @@ static void clocks_run_forward(void** state) {
     assert_true(ty_wall_seconds() > wall);
 }
 
+/* ---- instruction sets ---- */
+
+#define BUILD_OF_KERNEL(name) int name(void)
+BUILD_OF_KERNEL(build_v1);
+BUILD_OF_KERNEL(build_v3);
+BUILD_OF_KERNEL(build_v4);
+
+int build_v1(void) {
+    return TY_ISA_V1;
+}
+
+int build_v3(void) {
+    return TY_ISA_V3;
+}
+
+int build_v4(void) {
+    return TY_ISA_V4;
+}
+
+static void instruction_sets_can_be_forced(void** state) {
+    (void)state;
+    const ty_isa best = ty_best_isa();
+    for (int isa = 0; isa <= TY_ISA_COUNT; ++isa) {
+        const ty_isa expected = isa < (int)best ? (ty_isa)isa : best;
+        ty_force_isa((ty_isa)isa);
+        assert_int_equal(ty_best_isa(), expected);
+        assert_int_equal(TY_BEST_KERNELS(build)(), expected);
+        assert_true(strlen(ty_isa_name(ty_best_isa())) > 0);
+    }
+    assert_int_equal(ty_best_isa(), best);
+}
+
+/* ---- progress ---- */
+
+typedef struct reports {
+    int count, most; /* most: false is returned once count is this */
+    double fraction;
+} reports;
+
+static bool take_report(void* user, const ty_progress* progress) {
+    reports* r = user;
+    r->fraction = progress->fraction;
+    return ++r->count != r->most;
+}
+
+static void progress_is_of_the_whole_and_throttled(void** state) {
+    (void)state;
+    reports r = {0};
+    ty_part_progress progress = ty_part_begin(take_report, &r, 0.5, 0);
+    assert_int_equal(ty_part_next(&progress, "first", 0.75), TY_OK);
+    assert_true(r.count == 1 && r.fraction == 0.5);
+    for (int i = 0; i < 100; ++i) assert_int_equal(ty_part_show(&progress, "first", 0.5), TY_OK);
+    assert_true(r.count < 100); /* 100 calls take less than 10 s */
+    progress.reported -= 1;
+    assert_int_equal(ty_part_show(&progress, "first", 0.5), TY_OK);
+    assert_true(r.fraction == 0.625);
+    r.most = r.count + 1;
+    assert_int_equal(ty_part_next(&progress, "second", 1), TY_CANCELLED);
+    assert_true(r.fraction == 0.75);
+    const ty_progress early = ty_progress_at("a", 0.001, 1), half = ty_progress_at("a", 0.5, 3);
+    assert_true(early.remaining == -1 && half.remaining == 3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(results_have_names),
@@ -352,6 +417,8 @@ int main(void) {
         cmocka_unit_test(loops_in_loops_run_alone),
         cmocka_unit_test(loops_of_several_threads_do_not_wait_for_each_other),
         cmocka_unit_test(clocks_run_forward),
+        cmocka_unit_test(instruction_sets_can_be_forced),
+        cmocka_unit_test(progress_is_of_the_whole_and_throttled),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }
