@@ -1,4 +1,4 @@
-/* Sampling receivers: what surfaces and probes share. */
+/* Sampling of receivers: state shared by surfaces and probes. */
 #ifndef TY_BAKE_GATHER_H
 #define TY_BAKE_GATHER_H
 
@@ -8,10 +8,10 @@
 typedef struct ty_bake_run {
     ty_context* context;
     const ty_bake_def* def;
-    ty_path_run path;      /* the scene as surfaces alone see it, lights and all; then with its media */
-    ty_medium_view* media; /* those with any matter; media_size of them */
+    ty_path_run path;      /* the scene without media, including its lights; then with its media */
+    ty_medium_view* media; /* media of non-zero density; media_size of them allocated */
     size_t media_size;
-    ty_bake_cache* cache; /* made here; NULL: the caller's */
+    ty_bake_cache* cache; /* created by the run; NULL: the caller's */
     ty_bake_impulse_run impulse;
     ty_bake_request request;
     ty_bake_kernel kernel;
@@ -22,18 +22,18 @@ typedef struct ty_bake_run {
 } ty_bake_run;
 
 ty_result ty_bake_check(ty_context* context, const ty_bake_def* def);
-/* Checks def and looks at the scene: what comes before a cache. Whatever it returns, ty_bake_run_end is to follow. */
+/* Checks def and prepares the scene, as needed for a cache. Call ty_bake_run_end whatever it returns. */
 ty_result ty_bake_run_prepare(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def);
-/* Checks def and receivers and takes memory. Whatever it returns, ty_bake_run_end is to follow. */
+/* Checks def and receivers and allocates memory. Call ty_bake_run_end whatever it returns. */
 ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms);
-/* Samples all receivers until they are done. TY_OK or TY_CANCELLED; sums and light are valid either way. */
+/* Samples all receivers until they are done. Returns TY_OK or TY_CANCELLED; sums and light are valid either way. */
 ty_result ty_bake_sample(ty_bake_run* run);
 void ty_bake_run_end(ty_bake_run* run);
 
-/* The mean of a receiver's samples. */
+/* Mean of a receiver's samples. */
 double ty_bake_mean(const ty_bake_run* run, int64_t receiver, int layer, int channel, int term);
-/* Of that, all layers' first term; 0 from fewer than two. */
+/* Variance of that mean, for the first term summed over layers; 0 with fewer than two samples. */
 double ty_bake_variance(const ty_bake_sums* sums, int channel);
 
 #endif
