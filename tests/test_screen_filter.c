@@ -242,7 +242,7 @@ static void masks_and_levels_are_the_papers(void** state) {
     }
     for (int i = 0; i < 70; ++i) {
         const double spread = 0.1 * pow(1.2, i), level = fmin(fmax(log2(spread / 0.8), 0), 6);
-        assert_close((double)ty_screen_level_of((float)(spread * spread), 0.8f, 6), level, 1e-5);
+        assert_close((double)ty_screen_level_at((float)(spread * spread), 0.8f, 6), level, 1e-5);
     }
 }
 

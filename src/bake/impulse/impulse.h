@@ -3,7 +3,7 @@
 #define TY_BAKE_IMPULSE_IMPULSE_H
 
 #include "bake/impulse/virtual_emitters.h"
-#include "method/impulse/look.h"
+#include "method/impulse/lookup.h"
 
 /* State in a request. */
 typedef struct ty_bake_impulse {

@@ -4,7 +4,7 @@
 
 #include "bake/kernel.h"
 #include "bake/segment.k.h"
-#include "method/impulse/look.h"
+#include "method/impulse/lookup.h"
 #include "scene/phase.k.h"
 
 /* An emitter relative to a receiver. */
@@ -55,10 +55,10 @@ TY_FN bool ty_response_find(const ty_bake_request* request, const ty_segment* se
                                       .sigma_s = s * per_metre,
                                       .g = s > 0.0f ? segment->g_scattering_depth[c] / s : 0.0f};
         if (request->impulse.merged[c].rows != NULL)
-            ty_impulse_look_merged(&request->impulse.merged[c], emitter->kind, medium->sigma_t, emitter->distance,
+            ty_impulse_lookup_merged(&request->impulse.merged[c], emitter->kind, medium->sigma_t, emitter->distance,
                                    emitter->cosine, &out->channel[c]);
         else
-            ty_impulse_look_within(request->impulse.tables, (ty_impulse_emitter)emitter->kind, medium,
+            ty_impulse_lookup_bounded(request->impulse.tables, (ty_impulse_emitter)emitter->kind, medium,
                                    emitter->distance, emitter->cosine, request->scatterings,
                                    request->impulse.max_bounce_ratio[c], &out->channel[c]);
         out->axis[c] = ty_response_axis(emitter, out->channel[c].shift);

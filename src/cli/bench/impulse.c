@@ -3,7 +3,7 @@
  * do. One thread looks up. */
 #define _GNU_SOURCE
 #include "cli/bench/bench.h"
-#include "method/impulse/look.h"
+#include "method/impulse/lookup.h"
 
 #include <errno.h>
 #include <float.h>
@@ -60,7 +60,7 @@ static double time_lookups(const bench_session* bench, const ty_impulse* tables,
             const float distance = 20 * 0x1p-24f * (float)(random >> 8), cosine = 0x1p-12f * (float)(random & 4095);
             ty_impulse_response response;
             if (cases[which].merged)
-                ty_impulse_look_merged(merged, (int32_t)cases[which].emitter, medium.sigma_t, distance, cosine,
+                ty_impulse_lookup_merged(merged, (int32_t)cases[which].emitter, medium.sigma_t, distance, cosine,
                                        &response);
             else
                 ty_impulse_look(tables, cases[which].emitter, &medium, distance, cosine, cases[which].bounces,

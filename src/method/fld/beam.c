@@ -11,7 +11,7 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
                               int32_t count) {
     ty_fld* light = job->light;
     const double from = job->progress.from, share = job->progress.share;
-    ty_light_field** many = &light->beam[TY_FLD_OWN_MAX];
+    ty_light_field** many = &light->beam[TY_FLD_DEDICATED_FIELDS_MAX];
     ty_result result = TY_OK;
     job->progress.share = share / ty_maxf(1, (float)count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
@@ -35,12 +35,12 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
     return result;
 }
 
-/* Sources by light; at most TY_FLD_OWN_MAX keep fields of their own. */
+/* Sources by light; at most TY_FLD_DEDICATED_FIELDS_MAX keep fields of their own. */
 static ty_result light_all(ty_fld_job* job, float* const extinction[3]) {
     ty_source_group* groups = ty_alloc_array(job->context, (size_t)job->source_count, sizeof *groups, false);
     if (groups == NULL) return TY_ERROR_MEMORY;
     const int32_t count =
-        ty_source_groups_find(job->scene, &job->fine->box, job->sources, job->source_count, TY_FLD_OWN_MAX, groups);
+        ty_source_groups_find(job->scene, &job->fine->box, job->sources, job->source_count, TY_FLD_DEDICATED_FIELDS_MAX, groups);
     const ty_result result = light_groups(job, extinction, groups, count);
     ty_free_array(job->context, groups, (size_t)job->source_count, sizeof *groups);
     return result;
@@ -66,7 +66,7 @@ ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, flo
     return result;
 }
 
-ty_result ty_fld_light_directly(ty_fld_job* job) {
+ty_result ty_fld_direct_light(ty_fld_job* job) {
     const ty_source_def def = {
         .environment = job->def->environment_beams, .surface = job->def->surface_points, .seed = job->def->seed};
     const ty_grid_medium* fine = job->fine;

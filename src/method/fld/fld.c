@@ -32,7 +32,7 @@ static ty_result run_parts(ty_fld_job* job, double share) {
     ty_fld_stats* stats = &job->stats;
     ty_result result = run_part(job, "media", share * medium_until, ty_fld_sample_media, &stats->medium_seconds);
     if (result == TY_OK)
-        result = run_part(job, "direct light", share * direct_until, ty_fld_light_directly, &stats->direct_seconds);
+        result = run_part(job, "direct light", share * direct_until, ty_fld_direct_light, &stats->direct_seconds);
     if (result == TY_OK)
         result = run_part(job, "fluence", share * diffuse_until, ty_fld_diffuse, &stats->solve_seconds);
     double seconds = 0;
@@ -72,7 +72,7 @@ ty_result ty_fld_solve(const ty_scene* scene, const ty_fld_def* def, ty_fld** ou
 
 void ty_fld_destroy(ty_fld* light) {
     if (light == NULL) return;
-    for (int i = 0; i <= TY_FLD_OWN_MAX; ++i) ty_light_field_destroy(light->beam[i]);
+    for (int i = 0; i <= TY_FLD_DEDICATED_FIELDS_MAX; ++i) ty_light_field_destroy(light->beam[i]);
     ty_diffuse_light_destroy(light->diffuse);
     ty_free_array(light->context, light, 1, sizeof *light);
 }

@@ -10,14 +10,14 @@
 #include <tyndall/fld.h>
 
 /* Lights that keep a field of their own, so that their phase function stays sharp, beside all others together. */
-enum { TY_FLD_OWN_MAX = 8 };
+enum { TY_FLD_DEDICATED_FIELDS_MAX = 8 };
 
 struct ty_fld {
     ty_context* context;
     bool reduced;                             /* beams are TY_FLD_BEAM_REDUCED */
     ty_grid_box direct_box;                   /* cells of direct light */
-    ty_light_field* beam[TY_FLD_OWN_MAX + 1]; /* the last is of many sources, with flux */
-    ty_single_light lights[TY_FLD_OWN_MAX + 1];
+    ty_light_field* beam[TY_FLD_DEDICATED_FIELDS_MAX + 1]; /* the last is of many sources, with flux */
+    ty_single_light lights[TY_FLD_DEDICATED_FIELDS_MAX + 1];
     int32_t light_count;
     ty_diffuse_light* diffuse;
 };
@@ -43,7 +43,7 @@ ty_image_options ty_fld_image_options(const ty_fld_def* def);
 /* Fine and coarse cells, and the media on them. */
 ty_result ty_fld_sample_media(ty_fld_job* job);
 /* Uncollided light of all sources on fine cells, and what of it scatters, on coarse ones. */
-ty_result ty_fld_light_directly(ty_fld_job* job);
+ty_result ty_fld_direct_light(ty_fld_job* job);
 /* What of it scatters on a medium's cells, W m^-3, to arrays that are the caller's to free, also after an error. */
 ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, float* source[3]);
 /* How diffusion is solved. */

@@ -1,4 +1,4 @@
-/* Options and tables' lives. */
+/* Options, creation and destruction of tables. */
 #include "method/impulse/tables.h"
 #include "scene/check.h"
 
@@ -22,7 +22,7 @@ ty_result ty_impulse_allocate(ty_context* context, const ty_impulse_def* def, ty
     tables->bounces = def->bounces;
     tables->range = def->range;
     tables->density = 1;
-    tables->density = (TY_IMPULSE_DISTANCES - 1) / ty_impulse_place(tables, def->range);
+    tables->density = (TY_IMPULSE_DISTANCES - 1) / ty_impulse_bin_position(tables, def->range);
     tables->row = (TY_IMPULSE_PHASES + def->bounces - 1) * TY_IMPULSE_VECTOR;
     tables->count = (size_t)TY_IMPULSE_ROWS * (size_t)tables->row;
     tables->values = ty_alloc_array(context, tables->count, sizeof *tables->values, true);

@@ -36,7 +36,8 @@ void ty_impulse_legendre(const ty_impulse_recurrence* r, double cosine, double s
     }
 }
 
-void ty_impulse_legendre_sent(const ty_impulse_recurrence* r, double cosine, double sine, double out[TY_IMPULSE_SENT]) {
+void ty_impulse_legendre_emitted(const ty_impulse_recurrence* r, double cosine, double sine,
+                                 double out[TY_IMPULSE_EMITTED_PAIRS]) {
     double diagonal = sqrt(0.25 / TY_PI_F64);
     for (int32_t m = 0, at = 0; m < TY_IMPULSE_TERMS; ++m) {
         if (m > 0) diagonal *= r->side[m] * sine;
@@ -52,7 +53,7 @@ void ty_impulse_legendre_sent(const ty_impulse_recurrence* r, double cosine, dou
 }
 
 /* (2 l + 1) / 2 times the integral of x P_l over 0..1. */
-double ty_impulse_cosine_share(int32_t l) {
+double ty_impulse_cosine_coefficient(int32_t l) {
     if (l < 2) return l == 0 ? 0.25 : 0.5;
     if (l % 2 == 1) return 0;
     double central = 1; /* l! / (2^l (l/2)!^2) */

@@ -68,7 +68,7 @@ static void split(void* user, int64_t index, int32_t worker) {
     const float limit[3] = {g->limit, g->limit, g->limit};
     ty_screen_counts counts = {0};
     for (int32_t y = begin; y < end; ++y) {
-        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        const ty_screen_row row = ty_screen_image_row(job->image, y);
         float* out[3];
         for (int c = 0; c < 3; ++c) out[c] = job->image->out.data[c] + y * job->image->out.row;
         job->kernels->gather_split(&job->params, &g->params, &row, limit, out, job->image->out.step,

@@ -8,7 +8,7 @@
 #include "base/luminance.k.h"
 
 /* Keeps weights by luminance from vanishing where all is black. */
-#define TY_SCREEN_LEAST_LUMINANCE 1e-20f
+#define TY_SCREEN_MIN_LUMINANCE 1e-20f
 
 typedef struct ty_screen_mask_params {
     int32_t kind;    /* ty_screen_mask */
@@ -24,11 +24,11 @@ TY_FN float ty_screen_mask_at(ty_screen_mask_params params, float spread) {
 }
 
 TY_FN float ty_screen_luminance(float r, float g, float b) {
-    return ty_luminance(r, g, b) + TY_SCREEN_LEAST_LUMINANCE;
+    return ty_luminance(r, g, b) + TY_SCREEN_MIN_LUMINANCE;
 }
 
 /* Eq. 10, from the variance W^2, pixels^2; scale: c. */
-TY_FN float ty_screen_level_of(float variance, float scale, float levels) {
+TY_FN float ty_screen_level_at(float variance, float scale, float levels) {
     const float ratio = ty_maxf(variance / (scale * scale), 1.0f);
     return ty_minf(0.5f * 1.44269504f * ty_logf(ratio), levels);
 }

@@ -7,7 +7,7 @@
 
 #include <tyndall/screen.h>
 
-enum { TY_SCREEN_SIDE_MAX = 65536, TY_SCREEN_LEVELS_USUAL = 6 };
+enum { TY_SCREEN_SIDE_MAX = 65536, TY_SCREEN_LEVELS_DEFAULT = 6 };
 
 ty_result ty_screen_check(ty_context* context, const ty_screen_def* def);
 /* Whether a def's filter and levels are such as exist. */
@@ -32,14 +32,14 @@ typedef struct ty_screen_job {
 extern const float ty_screen_no_limit[3];
 
 /* Row y of the caller's picture. */
-ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y);
+ty_screen_row ty_screen_image_row(const ty_screen_image* image, int32_t y);
 
 /* How many levels a picture and a def allow, at least 1. */
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height);
 
 /* ty_parallel_for with denormals off: what hardly any light is left of is 0. The other runs in this thread alone. */
 void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, void* user);
-void ty_screen_here(int64_t count, ty_parallel_fn body, void* user);
+void ty_screen_serial(int64_t count, ty_parallel_fn body, void* user);
 
 /* Adds up what the bands of a picture noticed, and finds the largest spread. */
 void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, int32_t band_count);

@@ -48,7 +48,7 @@ static void find_distances(const ty_screen_params* params, const ty_screen_row* 
     if (params->planar) {
         const ty_screen_params p = *params;
 #pragma omp simd
-        for (int32_t i = 0; i < count; ++i) distance[i] *= ty_screen_slant(p, x0 + i, row->y);
+        for (int32_t i = 0; i < count; ++i) distance[i] *= ty_screen_distance_per_depth(p, x0 + i, row->y);
     }
     const float replacement = params->unknown;
     int32_t unknown = 0;
@@ -75,9 +75,9 @@ static void mend(const ty_screen_row* row, int32_t x0, int32_t count, chunk* c, 
 #pragma omp simd reduction(+ : mended)
     for (int32_t i = 0; i < count; ++i) {
         int32_t changed = 0;
-        r[i] = ty_screen_mend(red[i], TY_SCREEN_RADIANCE_MAX, &changed);
-        g[i] = ty_screen_mend(green[i], TY_SCREEN_RADIANCE_MAX, &changed);
-        b[i] = ty_screen_mend(blue[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        r[i] = ty_screen_sanitize(red[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        g[i] = ty_screen_sanitize(green[i], TY_SCREEN_RADIANCE_MAX, &changed);
+        b[i] = ty_screen_sanitize(blue[i], TY_SCREEN_RADIANCE_MAX, &changed);
         mended += changed;
     }
     counts->mended += mended;
@@ -102,7 +102,7 @@ static void split_light(const ty_screen_params* params, int channel, int32_t cou
     float *attenuated = c->attenuated[channel], *scattered = c->scattered[channel];
 #pragma omp simd
     for (int32_t i = 0; i < count; ++i) {
-        const ty_screen_parts parts =
+        const ty_screen_light_split parts =
             ty_screen_split_light(sigma_s, sigma_a, airlight, forward, radiance[i], distance[i]);
         attenuated[i] = parts.attenuated + parts.airlight;
         scattered[i] = parts.scattered;
@@ -168,15 +168,15 @@ typedef struct fates {
     float on[CHUNK], stays[CHUNK], airlight[CHUNK];
 } fates;
 
-static void find_fates(const ty_screen_params* params, ty_screen_share share, int channel, int32_t count,
+static void find_fates(const ty_screen_params* params, ty_screen_down_fraction share, int channel, int32_t count,
                        const chunk* c, fates* f) {
     const float sigma_s = params->sigma_s[channel], sigma_a = params->sigma_a[channel];
     const float airlight = params->airlight[channel], forward = params->forward[channel];
     const float *distance = c->distance, *measure = c->measure[channel];
 #pragma omp simd
     for (int32_t i = 0; i < count; ++i) {
-        const ty_screen_parts parts = ty_screen_split_light(sigma_s, sigma_a, airlight, forward, 1.0f, distance[i]);
-        const float on = ty_screen_onward(share, measure[i]) * parts.scattered;
+        const ty_screen_light_split parts = ty_screen_split_light(sigma_s, sigma_a, airlight, forward, 1.0f, distance[i]);
+        const float on = ty_screen_down_fraction_at(share, measure[i]) * parts.scattered;
         f->on[i] = on;
         f->stays[i] = parts.attenuated + (parts.scattered - on);
         f->airlight[i] = parts.airlight;
@@ -206,7 +206,7 @@ static bool same_fate(const ty_screen_params* params, int channel) {
            params->bend[channel] == params->bend[before] && params->angle[channel] == params->angle[before];
 }
 
-static void scatter(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_share shares[3],
+static void scatter(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_down_fraction shares[3],
                     const float limit[3], float* const out[3], ptrdiff_t out_step, float* const onward[6],
                     ty_screen_counts* counts) {
     chunk c;
@@ -228,13 +228,13 @@ static void scatter(const ty_screen_params* params, const ty_screen_row* row, co
 
 static void onward(const ty_screen_level* level, int32_t y, float* const out[6]) {
     for (int channel = 0; channel < 3; ++channel) {
-        const ty_screen_share share = level->share[channel];
+        const ty_screen_down_fraction share = level->share[channel];
         const float* light = level->plane[channel] + y * level->stride;
         const float* moment = level->plane[3 + channel] + y * level->stride;
         float *light_on = out[channel], *moment_on = out[3 + channel];
 #pragma omp simd
         for (int32_t i = 0; i < level->width; ++i) {
-            const float part = ty_screen_onward(share, ty_screen_mean_measure(light[i], moment[i]));
+            const float part = ty_screen_down_fraction_at(share, ty_screen_mean_measure(light[i], moment[i]));
             light_on[i] = part * light[i];
             moment_on[i] = part * moment[i];
         }
@@ -357,12 +357,12 @@ static void add_up(const ty_screen_taps* taps, const float* row, int32_t next_wi
 static void up(const ty_screen_taps* taps, const ty_screen_level* level, const ty_screen_level* next, int32_t y,
                float* scratch) {
     for (int channel = 0; channel < 3; ++channel) {
-        const ty_screen_share share = level->share[channel];
+        const ty_screen_down_fraction share = level->share[channel];
         float* light = level->plane[channel] + y * level->stride;
         const float* moment = level->plane[3 + channel] + y * level->stride;
 #pragma omp simd
         for (int32_t i = 0; i < level->width; ++i) {
-            light[i] -= ty_screen_onward(share, ty_screen_mean_measure(light[i], moment[i])) * light[i];
+            light[i] -= ty_screen_down_fraction_at(share, ty_screen_mean_measure(light[i], moment[i])) * light[i];
         }
         mix_rows(taps, next, channel, y, scratch);
         add_up(taps, scratch, next->width, level->width, light, 1);
@@ -456,7 +456,7 @@ static void gather_add(const ty_screen_params* params, const ty_screen_gather_pa
             }
 #pragma omp simd
             for (int32_t i = 0; i < count; ++i)
-                level[i] = ty_screen_level_of(ty_screen_variance(slope, bend, distance[i]), scale, top);
+                level[i] = ty_screen_level_at(ty_screen_variance(slope, bend, distance[i]), scale, top);
         }
         for (int32_t i = 0; i < count; ++i) {
             ty_screen_fetch(levels, gather->level_count, level[i], x0 + i, y, light);
@@ -472,7 +472,7 @@ static void reference_prepare(const ty_screen_sources* sources, int32_t y) {
         float* light = sources->light[channel] + (ptrdiff_t)y * sources->width;
         float* sharpness = sources->sharpness[channel] + (ptrdiff_t)y * sources->width;
         for (int32_t x = 0; x < sources->width; ++x) {
-            sharpness[x] = 0.5f / ty_maxf(sharpness[x], TY_SCREEN_LEAST_VARIANCE);
+            sharpness[x] = 0.5f / ty_maxf(sharpness[x], TY_SCREEN_MIN_VARIANCE);
             const float sum = ty_screen_gaussian_sum(sharpness[x], sources->before, sources->after);
             light[x] /= sum * sum;
         }

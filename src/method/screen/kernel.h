@@ -41,7 +41,7 @@ typedef struct ty_screen_level {
     float* plane[6];
     float* area[2]; /* of its texels along x and y: less than 1 where they reach beyond the picture */
     float edges[TY_SCREEN_EDGES * TY_SCREEN_DOWN_WEIGHTS]; /* along x, to the next level */
-    ty_screen_share share[3];                              /* what goes on to the next, per channel */
+    ty_screen_down_fraction share[3];                              /* what goes on to the next, per channel */
 } ty_screen_level;
 
 /* Rows on the way from one level of the paper's pyramid to the next. */
@@ -78,7 +78,7 @@ typedef struct ty_screen_kernels {
                   const ty_screen_split_out* out, ty_screen_counts* counts);
     /* Splits one row of level 0; what goes on to level 1 into onward[6], all else into out (step as given), which may
      * be NULL: then nothing is counted either. */
-    void (*scatter)(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_share share[3],
+    void (*scatter)(const ty_screen_params* params, const ty_screen_row* row, const ty_screen_down_fraction share[3],
                     const float limit[3], float* const out[3], ptrdiff_t out_step, float* const onward[6],
                     ty_screen_counts* counts);
     /* What goes on from row y of a level, into onward[6]. */

@@ -68,7 +68,7 @@ static void prepare(void* user, int64_t index, int32_t worker) {
             out.scattered[c] = r->sources.light[c] + (ptrdiff_t)y * width;
             out.measure[c] = r->sources.sharpness[c] + (ptrdiff_t)y * width;
         }
-        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        const ty_screen_row row = ty_screen_image_row(job->image, y);
         job->kernels->split(&job->params, &row, ty_screen_no_limit, &out, &counts);
         for (int c = 0; c < 3; ++c)
             for (int32_t x = 0; x < width; ++x) {

@@ -5,7 +5,7 @@
 #include "base/kernel.h"
 
 /* Below this variance, pixels^2, light stays in its pixel to single precision. */
-#define TY_SCREEN_LEAST_VARIANCE 1e-3f
+#define TY_SCREEN_MIN_VARIANCE 1e-3f
 /* Standard deviations to where a Gaussian reaches in single precision: exp(-18) = 1.5e-8. */
 #define TY_SCREEN_REACH 6.0f
 

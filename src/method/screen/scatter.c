@@ -108,7 +108,7 @@ static void save_edges(void* user, int64_t index, int32_t worker) {
     for (int32_t i = 0; i < 2 * (s->taps.reach - 1); ++i) {
         const int32_t y = edge_y(s, (int32_t)index, i);
         if (y < 0 || y >= image->height) continue;
-        const ty_screen_row row = ty_screen_picture_row(s->job->image, y);
+        const ty_screen_row row = ty_screen_image_row(s->job->image, y);
         for (int c = 0; c < 3; ++c) {
             float* copy = edge_row(s, (int32_t)index, i, c);
             for (int32_t x = 0; x < image->width; ++x) copy[x] = row.color[c][x * row.color_step];
@@ -117,7 +117,7 @@ static void save_edges(void* user, int64_t index, int32_t worker) {
 }
 
 static ty_screen_row band_row(const scatter* s, int32_t band, int32_t y) {
-    ty_screen_row row = ty_screen_picture_row(s->job->image, y);
+    ty_screen_row row = ty_screen_image_row(s->job->image, y);
     const int32_t first = 2 * BAND * band, above = s->taps.reach - 1;
     if (!s->in_place || (y >= first && y < first + 2 * BAND)) return row;
     const int32_t index = y < first ? y - first + above : y - first - 2 * BAND + above;
@@ -213,7 +213,7 @@ static void run(const scatter* s, int32_t level, int64_t count, ty_parallel_fn b
     if (texels >= TEXELS_FOR_THREADS)
         ty_screen_parallel(s->job, count, body, (void*)(uintptr_t)s);
     else
-        ty_screen_here(count, body, (void*)(uintptr_t)s);
+        ty_screen_serial(count, body, (void*)(uintptr_t)s);
 }
 
 /* ---- the whole ---- */
@@ -227,7 +227,7 @@ static float thickness_limit(double width, double variance) {
     double low = 0, high = 1e6;
     for (int i = 0; i < 40; ++i) {
         const double middle = i < 20 ? sqrt((low + 1e-6) * high) : 0.5 * (low + high);
-        if (ty_screen_tail(width, middle, variance) > cut_share)
+        if (ty_screen_wider_fraction(width, middle, variance) > cut_share)
             high = middle;
         else
             low = middle;
@@ -277,15 +277,15 @@ static void set_levels(scatter* s) {
     s->variance[0] = 0;
     for (int32_t k = 0; k <= s->built; ++k) s->variance[k + 1] = s->variance[k] + step * exp2f(2.0f * (float)k);
     for (int c = 0; c < 3; ++c) {
-        ty_screen_share shares[TY_SCREEN_LEVELS_MAX + 1];
+        ty_screen_down_fraction shares[TY_SCREEN_LEVELS_MAX + 1];
         const bool known = c > 0 && job->width[c] == job->width[c - 1];
         if (known) {
             s->limit[c] = s->limit[c - 1];
         } else if (job->small_angle) {
-            ty_screen_small_angle_shares(job->width[c], s->variance, s->built, shares);
+            ty_screen_small_angle_fractions(job->width[c], s->variance, s->built, shares);
             s->limit[c] = thickness_limit(job->width[c], (double)s->variance[s->built]);
         } else {
-            ty_screen_gaussian_shares(s->variance, s->built, shares);
+            ty_screen_gaussian_fractions(s->variance, s->built, shares);
             s->limit[c] = s->variance[s->built];
         }
         for (int32_t k = 0; k < s->built; ++k) s->levels[k].share[c] = known ? s->levels[k].share[c - 1] : shares[k];
@@ -299,7 +299,7 @@ static int32_t choose_levels(const scatter* s) {
     for (int32_t band = 0; band < s->band_count; ++band)
         for (int c = 0; c < 3; ++c) {
             const double most = (double)s->counts[band].largest[c];
-            while (levels < s->built && (s->job->small_angle ? ty_screen_tail(s->job->width[c], most,
+            while (levels < s->built && (s->job->small_angle ? ty_screen_wider_fraction(s->job->width[c], most,
                                                                               (double)s->variance[levels]) > rest_share
                                                              : (double)s->variance[levels] < most))
                 ++levels;

@@ -11,23 +11,23 @@
 #include "base/kernel.h"
 
 /* Polynomial shares: terms in z = 2 t / TOP - 1, t = tau / (tau + SCALE), cut at TOP (tau = 76). */
-#define TY_SCREEN_SHARE_TERMS 8
-#define TY_SCREEN_SHARE_SCALE 4.0f
-#define TY_SCREEN_SHARE_TOP 0.95f
+#define TY_SCREEN_FRACTION_TERMS 8
+#define TY_SCREEN_FRACTION_SCALE 4.0f
+#define TY_SCREEN_FRACTION_T_MAX 0.95f
 
 /* The share of a level's light that goes on to the next, as a function of its measure. */
-typedef struct ty_screen_share {
+typedef struct ty_screen_down_fraction {
     int32_t small_angle;
     float low, inverse_range;           /* variance: of the level, and 1 / (what the next holds more) */
-    float terms[TY_SCREEN_SHARE_TERMS]; /* small angle: from the constant on */
-} ty_screen_share;
+    float terms[TY_SCREEN_FRACTION_TERMS]; /* small angle: from the constant on */
+} ty_screen_down_fraction;
 
-TY_FN float ty_screen_onward(ty_screen_share share, float measure) {
+TY_FN float ty_screen_down_fraction_at(ty_screen_down_fraction share, float measure) {
     if (!share.small_angle) return ty_clampf((measure - share.low) * share.inverse_range, 0.0f, 1.0f);
-    const float t = ty_minf(measure / (measure + TY_SCREEN_SHARE_SCALE), TY_SCREEN_SHARE_TOP);
-    const float z = t * (2.0f / TY_SCREEN_SHARE_TOP) - 1.0f;
-    float sum = share.terms[TY_SCREEN_SHARE_TERMS - 1];
-    for (int32_t i = TY_SCREEN_SHARE_TERMS - 2; i >= 0; --i) sum = sum * z + share.terms[i];
+    const float t = ty_minf(measure / (measure + TY_SCREEN_FRACTION_SCALE), TY_SCREEN_FRACTION_T_MAX);
+    const float z = t * (2.0f / TY_SCREEN_FRACTION_T_MAX) - 1.0f;
+    float sum = share.terms[TY_SCREEN_FRACTION_TERMS - 1];
+    for (int32_t i = TY_SCREEN_FRACTION_TERMS - 2; i >= 0; --i) sum = sum * z + share.terms[i];
     return ty_clampf(sum, 0.0f, 1.0f);
 }
 

@@ -61,7 +61,7 @@ static void make_params(ty_screen_job* job) {
     job->params = params;
 }
 
-ty_screen_row ty_screen_picture_row(const ty_screen_image* image, int32_t y) {
+ty_screen_row ty_screen_image_row(const ty_screen_image* image, int32_t y) {
     ty_screen_row row = {.color_step = image->color.step,
                          .distance = image->distance + y * image->distance_row,
                          .distance_step = image->distance_step,
@@ -91,7 +91,7 @@ void ty_screen_sum_counts(ty_screen_job* job, const ty_screen_counts* counts, in
 int32_t ty_screen_level_limit(const ty_screen_def* def, int32_t width, int32_t height) {
     const bool gaussian = def->variant != TY_SCREEN_SCATTER || def->spread == TY_SCREEN_SPREAD_GAUSSIAN;
     const int32_t most =
-        gaussian && def->levels == TY_SCREEN_LEVELS_AUTO ? TY_SCREEN_LEVELS_USUAL : TY_SCREEN_LEVELS_MAX;
+        gaussian && def->levels == TY_SCREEN_LEVELS_AUTO ? TY_SCREEN_LEVELS_DEFAULT : TY_SCREEN_LEVELS_MAX;
     const int32_t asked = def->levels > 0 ? def->levels : most;
     int32_t possible = 1;
     while (possible < asked && (width > 2 || height > 2)) {
@@ -106,7 +106,7 @@ void ty_screen_parallel(ty_screen_job* job, int64_t count, ty_parallel_fn body, 
     ty_parallel_flushed(job->context, count, body, user);
 }
 
-void ty_screen_here(int64_t count, ty_parallel_fn body, void* user) {
+void ty_screen_serial(int64_t count, ty_parallel_fn body, void* user) {
     ty_parallel_flushed(NULL, count, body, user);
 }
 
@@ -134,7 +134,7 @@ static void copy_rows(void* user, int64_t index, int32_t worker) {
             int32_t changed = 0;
             float radiance[3]; /* all read before any is written: out may be the same planes in another order */
             for (int c = 0; c < 3; ++c)
-                radiance[c] = ty_screen_mend(image->color.data[c][y * image->color.row + x * image->color.step],
+                radiance[c] = ty_screen_sanitize(image->color.data[c][y * image->color.row + x * image->color.step],
                                              TY_FLOAT_MAX, &changed);
             for (int c = 0; c < 3; ++c) image->out.data[c][y * image->out.row + x * image->out.step] = radiance[c];
             const float distance = image->distance[y * image->distance_row + x * image->distance_step];
@@ -183,7 +183,7 @@ static void split_rows(void* user, int64_t index, int32_t worker) {
         out.measure[c] = rows + (ptrdiff_t)(6 + c) * width;
     }
     for (int32_t y = begin; y < end; ++y) {
-        const ty_screen_row row = ty_screen_picture_row(job->image, y);
+        const ty_screen_row row = ty_screen_image_row(job->image, y);
         ty_screen_counts counts = {0};
         job->kernels->split(&job->params, &row, ty_screen_no_limit, &out, &counts);
         for (int c = 0; c < 3; ++c)

@@ -6,7 +6,7 @@
 #include "base/kernel.h"
 
 /* The largest radiance that +Inf stands for: the largest half. */
-#define TY_SCREEN_BRIGHTEST 65504.0f
+#define TY_SCREEN_HALF_MAX 65504.0f
 /* Beyond these, sums and products of single precision overflow on the way: radiance, and variance in pixels^2. */
 #define TY_SCREEN_RADIANCE_MAX 1e29f
 #define TY_SCREEN_VARIANCE_MAX 1e9f
@@ -31,7 +31,7 @@ typedef struct ty_screen_params {
 } ty_screen_params;
 
 /* How much longer the way to pixel (x, y) is than its depth along the camera's axis. */
-TY_FN float ty_screen_slant(ty_screen_params params, int32_t x, int32_t y) {
+TY_FN float ty_screen_distance_per_depth(ty_screen_params params, int32_t x, int32_t y) {
     const float dx = ((float)x + 0.5f - params.center_x) * params.inverse_focal_x;
     const float dy = ((float)y + 0.5f - params.center_y) * params.inverse_focal_y;
     return sqrtf(1.0f + dx * dx + dy * dy);
@@ -46,10 +46,10 @@ TY_FN float ty_screen_distance(float distance, float unknown, int32_t* missing) 
 
 /* A radiance that can be worked with: 0 for what is negative or not a number, the largest half for what is beyond
  * `highest`. *mended becomes 1 where the given one was not such. */
-TY_FN float ty_screen_mend(float radiance, float highest, int32_t* mended) {
+TY_FN float ty_screen_sanitize(float radiance, float highest, int32_t* mended) {
     const int32_t low = radiance >= 0.0f, high = radiance <= highest;
     *mended |= low && high ? 0 : 1;
-    return low ? (high ? radiance : TY_SCREEN_BRIGHTEST) : 0.0f;
+    return low ? (high ? radiance : TY_SCREEN_HALF_MAX) : 0.0f;
 }
 
 /* Eq. 2 and 5, squared and in pixels: W^2 (focal / D)^2. D in m. */
@@ -57,18 +57,18 @@ TY_FN float ty_screen_variance(float slope, float bend, float distance) {
     return ty_minf(slope * distance / (1.0f + bend * distance * distance), TY_SCREEN_VARIANCE_MAX);
 }
 
-typedef struct ty_screen_parts {
+typedef struct ty_screen_light_split {
     float attenuated; /* I', Eq. 3 */
     float scattered;  /* I0, Eq. 4 */
     float airlight;   /* what the environment adds */
-} ty_screen_parts;
+} ty_screen_light_split;
 
 /* One channel of a pixel. */
-TY_FN ty_screen_parts ty_screen_split_light(float sigma_s, float sigma_a, float airlight, float forward, float radiance,
+TY_FN ty_screen_light_split ty_screen_split_light(float sigma_s, float sigma_a, float airlight, float forward, float radiance,
                                             float distance) {
     const float absorbed = ty_exp_minus(ty_minf(sigma_a * distance, TY_SCREEN_OPAQUE));
     const float kept = ty_exp_minus(ty_minf(sigma_s * distance, TY_SCREEN_OPAQUE));
-    ty_screen_parts parts;
+    ty_screen_light_split parts;
     parts.attenuated = radiance * (absorbed * kept);
     parts.scattered = forward * (radiance * (absorbed * (1.0f - kept)));
     parts.airlight = airlight * (1.0f - absorbed * kept);

@@ -16,7 +16,7 @@
 
 /* Beyond this thickness T is as good as normal; at less, too much of the normal is below 0. */
 static const double thick = 16;
-enum { TERMS_MAX = 64, NODES = TY_SCREEN_SHARE_TERMS };
+enum { TERMS_MAX = 64, NODES = TY_SCREEN_FRACTION_TERMS };
 
 double ty_screen_angle(double g) {
     const double widest = 2; /* at g = 0.17: below it light goes all ways, and no picture is wider */
@@ -35,7 +35,7 @@ static double mean_of_terms(double x, int terms) {
     return x < 1e-4 ? x / sqrt(TY_PI_F64) : erf(x) - (1 - exp(-x * x)) / (x * sqrt(TY_PI_F64));
 }
 
-double ty_screen_tail(double width, double tau, double variance) {
+double ty_screen_wider_fraction(double width, double tau, double variance) {
     if (variance <= 0) return 1;
     const double x = width / sqrt(2 * variance);
     if (tau > thick) return normal_mean(x, 0.5 * tau, tau / 3);
@@ -65,7 +65,7 @@ static double mean_tail(double width, double tau, double low, double high) {
     double sum = 0;
     for (int i = 0; i < 3; ++i) {
         const double variance = low > 0 ? low * pow(high / low, points[i]) : points[i] * high;
-        sum += weights[i] * ty_screen_tail(width, tau, variance);
+        sum += weights[i] * ty_screen_wider_fraction(width, tau, variance);
     }
     return sum;
 }
@@ -89,17 +89,17 @@ static void interpolate(const double values[NODES], float coefficients[NODES]) {
     for (int power = 0; power < NODES; ++power) coefficients[power] = (float)sums[power];
 }
 
-void ty_screen_gaussian_shares(const float* levels, int32_t count, ty_screen_share* shares) {
+void ty_screen_gaussian_fractions(const float* levels, int32_t count, ty_screen_down_fraction* shares) {
     for (int32_t k = 0; k < count; ++k)
-        shares[k] = (ty_screen_share){.low = levels[k], .inverse_range = 1 / (levels[k + 1] - levels[k])};
+        shares[k] = (ty_screen_down_fraction){.low = levels[k], .inverse_range = 1 / (levels[k + 1] - levels[k])};
 }
 
-void ty_screen_small_angle_shares(double width, const float* levels, int32_t count, ty_screen_share* shares) {
+void ty_screen_small_angle_fractions(double width, const float* levels, int32_t count, ty_screen_down_fraction* shares) {
     double values[TY_SCREEN_LEVELS_MAX + 1][NODES];
     for (int i = 0; i < NODES; ++i) {
         const double z = cos((i + 0.5) * TY_PI_F64 / NODES);
-        const double t = 0.5 * (double)TY_SCREEN_SHARE_TOP * (1 + z);
-        const double tau = (double)TY_SCREEN_SHARE_SCALE * t / (1 - t);
+        const double t = 0.5 * (double)TY_SCREEN_FRACTION_T_MAX * (1 + z);
+        const double tau = (double)TY_SCREEN_FRACTION_SCALE * t / (1 - t);
         double whole = 1;
         for (int32_t k = 0; k < count; ++k) {
             const double onward = mean_tail(width, tau, (double)levels[k], (double)levels[k + 1]);
@@ -108,7 +108,7 @@ void ty_screen_small_angle_shares(double width, const float* levels, int32_t cou
         }
     }
     for (int32_t k = 0; k < count; ++k) {
-        shares[k] = (ty_screen_share){.small_angle = 1};
+        shares[k] = (ty_screen_down_fraction){.small_angle = 1};
         interpolate(values[k], shares[k].terms);
     }
 }

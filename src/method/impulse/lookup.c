@@ -1,30 +1,30 @@
-/* Looking tables up. */
+/* Table lookups. */
 #include "base/legendre.k.h"
 #include "method/impulse/harmonics.h"
-#include "method/impulse/look.h"
+#include "method/impulse/lookup.h"
 #include "method/impulse/tables.h"
 
 #include <float.h>
 #include <string.h>
 
-/* What is nearer counts as this far away (optical): what comes from there grows without bound. */
-static const float closest = 1e-6f;
+/* Minimum optical distance of a lookup: the response diverges at 0. */
+static const float min_optical_distance = 1e-6f;
 
 const float ty_impulse_cosines[TY_IMPULSE_ANGLES] = {0,     0.02f, 0.05f, 0.09f, 0.14f, 0.2f,  0.27f, 0.35f,
                                                      0.44f, 0.53f, 0.62f, 0.71f, 0.79f, 0.87f, 0.94f, 1};
 
-double ty_impulse_place(const ty_impulse* tables, double distance) {
+double ty_impulse_bin_position(const ty_impulse* tables, double distance) {
     const double near = TY_IMPULSE_NEAREST;
-    return tables->density * (log(fmax(distance, 1e-300) / near) + TY_IMPULSE_EVEN * (distance - near));
+    return tables->density * (log(fmax(distance, 1e-300) / near) + TY_IMPULSE_LINEAR_RATE * (distance - near));
 }
 
-double ty_impulse_distance(const ty_impulse* tables, double place) {
+double ty_impulse_distance(const ty_impulse* tables, double lookup_nodes) {
     const double near = TY_IMPULSE_NEAREST;
-    double low = near, high = near + place / (tables->density * TY_IMPULSE_EVEN);
+    double low = near, high = near + lookup_nodes / (tables->density * TY_IMPULSE_LINEAR_RATE);
     for (int i = 0; i < 200 && low < high; ++i) {
-        const double middle = 0.5 * (low + high);
-        if (middle <= low || middle >= high) break;
-        *(ty_impulse_place(tables, middle) < place ? &low : &high) = middle;
+        const double center = 0.5 * (low + high);
+        if (center <= low || center >= high) break;
+        *(ty_impulse_bin_position(tables, center) < lookup_nodes ? &low : &high) = center;
     }
     return low;
 }
@@ -34,37 +34,37 @@ double ty_impulse_scale(ty_impulse_emitter emitter, bool single, double distance
     return (emitter == TY_IMPULSE_DIRECTIONAL ? 1 : distance) * exp(distance);
 }
 
-/* Where a lookup goes: rows of one or two angles, two bins each, with their weights. */
-typedef struct place {
+/* Interpolation nodes of a lookup: rows of one or two angles, two bins each, with their weights. */
+typedef struct lookup_nodes {
     const float* rows[4];
     float weight[4];
     int32_t count;
-    float optical; /* distance */
-} place;
+    float optical; /* optical distance */
+} lookup_nodes;
 
-static place find(const ty_impulse* tables, ty_impulse_emitter emitter, float optical, float cosine) {
+static lookup_nodes find_nodes(const ty_impulse* tables, ty_impulse_emitter emitter, float optical, float cosine) {
     const float near = (float)TY_IMPULSE_NEAREST, last = TY_IMPULSE_DISTANCES - 1;
-    place out = {.optical = fmaxf(optical, closest)};
+    lookup_nodes out = {.optical = fmaxf(optical, min_optical_distance)};
     const float length =
-        (float)tables->density * (logf(out.optical / near) + (float)TY_IMPULSE_EVEN * (out.optical - near));
+        (float)tables->density * (logf(out.optical / near) + (float)TY_IMPULSE_LINEAR_RATE * (out.optical - near));
     const float bin = fminf(last, fmaxf(0, length));
     const int32_t low = bin < last ? (int32_t)bin : TY_IMPULSE_DISTANCES - 2;
-    const float onward = bin - (float)low;
+    const float fraction = bin - (float)low;
     int32_t left = 0;
     while (left < TY_IMPULSE_ANGLES - 2 && cosine >= ty_impulse_cosines[left + 1]) ++left;
     const float right = (cosine - ty_impulse_cosines[left]) / (ty_impulse_cosines[left + 1] - ty_impulse_cosines[left]);
     const bool area = emitter == TY_IMPULSE_AREA;
     for (int32_t a = 0; a < (area ? 2 : 1); ++a) {
-        const float share = !area ? 1 : a == 0 ? 1 - right : right;
+        const float angle_weight = !area ? 1 : a == 0 ? 1 - right : right;
         out.rows[out.count] = ty_impulse_row(tables, emitter, area ? left + a : 0, low);
         out.rows[out.count + 1] = out.rows[out.count] + tables->row;
-        out.weight[out.count++] = share * (1 - onward);
-        out.weight[out.count++] = share * onward;
+        out.weight[out.count++] = angle_weight * (1 - fraction);
+        out.weight[out.count++] = angle_weight * fraction;
     }
     return out;
 }
 
-/* Sums of vectors' harmonics; each loop is three or six vector instructions. */
+/* Weighted sums of harmonics; each loop is three or six vector instructions. */
 typedef struct harmonics {
     float at[TY_IMPULSE_VECTOR];
 } harmonics;
@@ -73,7 +73,7 @@ static inline void add(harmonics* out, const float* restrict vector, float weigh
     for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out->at[l] += weight * vector[l];
 }
 
-static harmonics look_single(const place* p, float g, float factor) {
+static harmonics lookup_single(const lookup_nodes* p, float g, float factor) {
     const float phase = fminf(1, fmaxf(-1, g / (float)TY_IMPULSE_PHASE_G));
     const int32_t other = phase < 0 ? 0 : 2 * TY_IMPULSE_VECTOR;
     harmonics out = {{0}};
@@ -85,59 +85,62 @@ static harmonics look_single(const place* p, float g, float factor) {
     return out;
 }
 
-static float look_shift(const place* p, float cosine) {
+static float lookup_axis_tilt(const lookup_nodes* p, float cosine) {
     const float sine = sqrtf(fmaxf(0, 1 - cosine * cosine));
     float shift = 0;
     for (int32_t i = 0; i < p->count; ++i) shift += p->weight[i] * p->rows[i][TY_IMPULSE_SHIFT];
     return sine * shift;
 }
 
-/* Bounces 2.., each weighed by the albedo once more than the one before, and none brighter than `most` times the one
- * before, of which the first is `once` (constant terms). */
-static harmonics look_multiple(const place* p, float albedo, int32_t bounces, float factor, float once, float most) {
+/* Sum of bounces 2.., each weighted by one more power of the albedo, and each limited to max_ratio times the previous
+ * one, starting from `single_dc` (constant terms). */
+static harmonics lookup_multiple(const lookup_nodes* p, float albedo, int32_t bounces, float factor, float single_scale,
+                                 float max_ratio) {
     harmonics out = {{0}};
-    float scale = factor * albedo, before = once, kept = 1;
+    float scale = factor * albedo, before = single_scale, limit = 1;
     for (int32_t bounce = 2; bounce <= bounces; ++bounce) {
         const int32_t at = (TY_IMPULSE_PHASES + bounce - 2) * TY_IMPULSE_VECTOR;
         harmonics one = {{0}};
         scale *= albedo;
         for (int32_t i = 0; i < p->count; ++i) add(&one, p->rows[i] + at, scale * p->weight[i]);
-        if (one.at[0] > most * before) kept *= most * before / one.at[0];
+        if (one.at[0] > max_ratio * before) limit *= max_ratio * before / one.at[0];
         before = one.at[0];
-        add(&out, one.at, kept);
+        add(&out, one.at, limit);
     }
     return out;
 }
 
-/* exp(-optical), and over the optical distance for what an emitter's nearness makes brighter. */
+/* Transmittance exp(-optical), divided by the optical distance for emitters at a finite distance. */
 static float single_factor(ty_impulse_emitter emitter, float optical) {
     return expf(-optical) / (emitter == TY_IMPULSE_DIRECTIONAL ? 1 : optical);
 }
 
 void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
                      float distance, float cosine, int32_t bounces, ty_impulse_response* out) {
-    ty_impulse_look_within(tables, emitter, medium, distance, cosine, bounces, FLT_MAX, out);
+    ty_impulse_lookup_bounded(tables, emitter, medium, distance, cosine, bounces, FLT_MAX, out);
 }
 
-void ty_impulse_look_within(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
-                            float distance, float cosine, int32_t bounces, float most, ty_impulse_response* out) {
+void ty_impulse_lookup_bounded(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
+                               float distance, float cosine, int32_t bounces, float max_ratio,
+                               ty_impulse_response* out) {
     *out = (ty_impulse_response){0};
     if (!(medium->sigma_t > 0) || !(medium->sigma_s > 0) || bounces < 1) return;
     const bool near = emitter != TY_IMPULSE_DIRECTIONAL;
     const float albedo = fminf(1, medium->sigma_s / medium->sigma_t), g = fminf(0.99f, fmaxf(-0.99f, medium->g));
     cosine = fminf(1, fmaxf(0, cosine));
-    place p = find(tables, emitter, medium->sigma_t * distance, cosine);
+    lookup_nodes p = find_nodes(tables, emitter, medium->sigma_t * distance, cosine);
     const float ratio = near ? medium->sigma_t * medium->sigma_t : 1;
-    if (emitter == TY_IMPULSE_AREA) out->shift = look_shift(&p, cosine);
-    const harmonics single = look_single(&p, g, albedo * ratio * single_factor(emitter, p.optical));
+    if (emitter == TY_IMPULSE_AREA) out->shift = lookup_axis_tilt(&p, cosine);
+    const harmonics single = lookup_single(&p, g, albedo * ratio * single_factor(emitter, p.optical));
     memcpy(out->single, single.at, sizeof out->single);
     if (bounces < 2) return;
-    /* Similarity: light that hardly turns has as good as not scattered. */
-    const float scattered = (1 - g) * medium->sigma_s, met = medium->sigma_t - medium->sigma_s + scattered;
-    if (g != 0) p = find(tables, emitter, met * distance, cosine);
-    const harmonics multiple =
-        look_multiple(&p, fminf(1, scattered / met), bounces < tables->bounces ? bounces : tables->bounces,
-                      expf(-0.5f * p.optical) * (near ? met * met : 1), out->single[0], most);
+    /* Similarity relation: forward scattering is treated as no scattering. */
+    const float reduced_scattering = (1 - g) * medium->sigma_s,
+                reduced_extinction = medium->sigma_t - medium->sigma_s + reduced_scattering;
+    if (g != 0) p = find_nodes(tables, emitter, reduced_extinction * distance, cosine);
+    const harmonics multiple = lookup_multiple(
+        &p, fminf(1, reduced_scattering / reduced_extinction), bounces < tables->bounces ? bounces : tables->bounces,
+        expf(-0.5f * p.optical) * (near ? reduced_extinction * reduced_extinction : 1), out->single[0], max_ratio);
     memcpy(out->multiple, multiple.at, sizeof out->multiple);
 }
 
@@ -145,39 +148,39 @@ size_t ty_impulse_merged_rows(void) {
     return TY_IMPULSE_ROWS;
 }
 
-/* A bin's response of the canonical medium with this albedo, as tabled: without what an emitter's nearness and
- * transmittance make of it. */
+/* Response of one bin for the canonical medium with this albedo, in tabulated form: without transmittance and inverse
+ * distance. */
 static void merge_row(const ty_impulse* tables, int32_t angle, int32_t bin, double distance,
-                      const ty_impulse_medium* medium, int32_t bounces, float most, ty_impulse_sum* out) {
+                      const ty_impulse_medium* medium, int32_t bounces, float max_ratio, ty_impulse_sum* out) {
     const ty_impulse_emitter emitter = angle < 2 ? (ty_impulse_emitter)angle : TY_IMPULSE_AREA;
     const float cosine = angle < 2 ? 1 : ty_impulse_cosines[angle - 2];
     ty_impulse_response response;
-    ty_impulse_look_within(tables, emitter, medium, (float)distance, cosine, bounces, most, &response);
-    const float once = (float)ty_impulse_scale(emitter, true, distance),
-                more = (float)ty_impulse_scale(emitter, false, distance);
+    ty_impulse_lookup_bounded(tables, emitter, medium, (float)distance, cosine, bounces, max_ratio, &response);
+    const float single_scale = (float)ty_impulse_scale(emitter, true, distance),
+                multiple_scale = (float)ty_impulse_scale(emitter, false, distance);
     for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) {
-        out->once[l] = once * response.single[l];
-        out->more[l] = more * response.multiple[l];
+        out->single[l] = single_scale * response.single[l];
+        out->multiple[l] = multiple_scale * response.multiple[l];
     }
-    if (angle >= 2) out->once[TY_IMPULSE_SHIFT] = ty_impulse_row(tables, emitter, angle - 2, bin)[TY_IMPULSE_SHIFT];
+    if (angle >= 2) out->single[TY_IMPULSE_SHIFT] = ty_impulse_row(tables, emitter, angle - 2, bin)[TY_IMPULSE_SHIFT];
 }
 
-void ty_impulse_merge(const ty_impulse* tables, float albedo, float g, int32_t bounces, float most,
+void ty_impulse_merge(const ty_impulse* tables, float albedo, float g, int32_t bounces, float max_ratio,
                       ty_impulse_sum* rows, ty_impulse_merged* out) {
     const ty_impulse_medium medium = {1, albedo, g};
     for (int32_t bin = 0; bin < TY_IMPULSE_DISTANCES; ++bin) {
         const double distance = ty_impulse_distance(tables, bin);
         for (int32_t angle = 0; angle < 2 + TY_IMPULSE_ANGLES; ++angle) {
             ty_impulse_sum* row = &rows[angle * TY_IMPULSE_DISTANCES + bin];
-            *row = (ty_impulse_sum){.once = {0}};
-            merge_row(tables, angle, bin, distance, &medium, bounces, most, row);
+            *row = (ty_impulse_sum){.single = {0}};
+            merge_row(tables, angle, bin, distance, &medium, bounces, max_ratio, row);
         }
     }
     *out = (ty_impulse_merged){.rows = rows,
                                .cosines = ty_impulse_cosines,
                                .near = (float)TY_IMPULSE_NEAREST,
                                .density = (float)tables->density,
-                               .even = (float)TY_IMPULSE_EVEN};
+                               .linear_rate = (float)TY_IMPULSE_LINEAR_RATE};
 }
 
 ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, int32_t bounce, int32_t g, int32_t angle,
@@ -197,8 +200,8 @@ ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, i
     return TY_OK;
 }
 
-/* sum of sqrt(4 pi / (2 l + 1)) lobe_l zonal_l y_l^0, y_l^0 being sqrt((2 l + 1) / (4 pi)) P_l: only even orders and
- * the first have a share (Appendix A). */
+/* Appendix A (Dubouchet 2019): sum of sqrt(4 pi / (2 l + 1)) lobe_l zonal_l y_l^0 with y_l^0 = sqrt((2 l + 1) / (4 pi))
+ * P_l; only even orders and the first are nonzero. */
 float ty_impulse_irradiance(const float zonal[TY_IMPULSE_TERMS], float cosine) {
     float before = 1, last = cosine,
           sum = ty_impulse_cosine_lobe[0] * zonal[0] + ty_impulse_cosine_lobe[1] * zonal[1] * cosine;
