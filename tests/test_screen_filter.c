@@ -263,8 +263,8 @@ static void spread_is_weighted_by_luminance(void** state) {
         for (int kind = 0; kind < TY_GATHER_ROWS; ++kind) {
             const float weights[6] = {0, 0, 0.5f, 0.5f, 0, 0};
             const float* const both[6] = {narrowed, narrowed, narrowed, narrowed, narrowed, narrowed};
-            ty_screen_kernels_v1.narrow(&box, rows[kind], 4, NULL, narrowed);
-            ty_screen_kernels_v1.join(weights, both, 2, filtered[kind]);
+            ty_screen_kernels_v1.downsample(&box, rows[kind], 4, NULL, narrowed);
+            ty_screen_kernels_v1.combine_rows(weights, both, 2, filtered[kind]);
             from[kind] = filtered[kind];
         }
         ty_screen_kernels_v1.gather_store(&params, from, 2, coarse, coarse_spread);

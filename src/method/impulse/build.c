@@ -7,7 +7,7 @@
 /* Distance beyond the last bin from which light still returns. */
 static const double return_distance = 20; /* mean free paths */
 
-enum { STEPS = 16 }; /* parts of a step; cancellation is checked after each */
+enum { STEPS = 16 }; /* progress steps per loop; cancellation is checked after each */
 
 bool ty_impulse_cubic_weights(const ty_impulse_work* work, double distance, int32_t* first, double weight[4]) {
     const double position = fmax(0, ty_impulse_bin_position(work->tables, distance));
@@ -85,7 +85,8 @@ static void finish(ty_impulse_work* work) {
 }
 
 static ty_result prepare(ty_impulse_work* work) {
-    work->distance_count = (int32_t)ceil(ty_impulse_bin_position(work->tables, work->tables->range + return_distance)) + 1;
+    work->distance_count =
+        (int32_t)ceil(ty_impulse_bin_position(work->tables, work->tables->range + return_distance)) + 1;
     const sizes s = sizes_of(work);
     work->distances = allocate(work, (size_t)work->distance_count);
     work->fluence_operator = allocate(work, s.fluence_operator);
