@@ -341,9 +341,9 @@ static void guides_choose_cells(void** state) {
     even.field.guide = guide;
     ty_march_def def = march_def(1, 1);
     def.field = &even.field;
-    def.guided = 0;
+    def.bilateral_sigma = 0;
     assert_close(march_once(scene, &def, "R"), 3 * -expm1(-1), 1e-4);
-    def.guided = 0.25;
+    def.bilateral_sigma = 0.25;
     assert_close(march_once(scene, &def, "R"), 1 * -expm1(-1), 0.05);
     guide[1] = 0.5f;
     assert_close(march_once(scene, &def, "R"), 3 * -expm1(-1), 1e-4);

@@ -232,7 +232,7 @@ static void refusals(void** state) {
         {offsetof(ty_march_def, spp), FIELD_INT, 65, "spp"},
         {offsetof(ty_march_def, step), FIELD_DOUBLE, 0.01, "step"},
         {offsetof(ty_march_def, step), FIELD_DOUBLE, 9, "step"},
-        {offsetof(ty_march_def, guided), FIELD_DOUBLE, -1, "guided"},
+        {offsetof(ty_march_def, bilateral_sigma), FIELD_DOUBLE, -1, "bilateral_sigma"},
         {offsetof(ty_march_def, aovs), FIELD_INT, TY_AOV_VARIANCE, "aovs"},
         {offsetof(ty_march_def, light_count), FIELD_INT, 1, "light_box"},
     };

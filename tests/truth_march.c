@@ -140,7 +140,7 @@ static void multiple_scattering(void** state) {
         march.spp = 16;
         march.field = &traced.field;
         march.aovs = TY_AOV_MULTIPLE;
-        if (guided == 0) march.guided = 0;
+        if (guided == 0) march.bilateral_sigma = 0;
         ty_image* image = march_image(made.scene, &march, NULL);
         multiple[guided] = layer_difference(*state, image, truth, "multiple", BLOCK);
         ty_image_destroy(image);

@@ -1,4 +1,4 @@
-/* Layers: groups of channels whose names begin alike, "layer.NAME". */
+/* Layers: groups of channels with a common name prefix, "layer.NAME". */
 #include "image/image.h"
 
 #include "base/context.h"
@@ -9,7 +9,7 @@
 
 enum { LIST_SIZE = 256 };
 
-/* The name that a channel has within a layer, NULL when it is not in it. */
+/* The name of a channel within a layer; NULL: it is not in the layer. */
 static const char* name_within(const char* channel, const char* layer) {
     const size_t length = strlen(layer);
     if (length == 0) return strchr(channel, '.') == NULL ? channel : NULL;
@@ -17,7 +17,7 @@ static const char* name_within(const char* channel, const char* layer) {
     return within ? channel + length + 1 : NULL;
 }
 
-/* The length of a channel's layer, "" or all before the last dot. */
+/* The length of a channel's layer name: everything before the last dot, or "". */
 static size_t layer_length(const char* channel) {
     const char* dot = strrchr(channel, '.');
     return dot == NULL ? 0 : (size_t)(dot - channel);
@@ -30,7 +30,7 @@ static bool named_before(const ty_image* image, int32_t channel, size_t length) 
     return false;
 }
 
-/* Every layer once, in quotes, as far as the text holds them. */
+/* Lists every layer once, in quotes, as far as the text has space. */
 static void list_layers(const ty_image* image, char list[LIST_SIZE]) {
     size_t used = 0;
     for (int32_t i = 0; i < image->channel_count; ++i) {

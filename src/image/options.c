@@ -29,7 +29,7 @@ static void list_aovs(uint32_t aovs, char list[LIST_MAX]) {
     list[0] = '\0';
     for (int g = 0; g < TY_AOV_GROUPS && length < LIST_MAX; ++g) {
         const ty_aov_group* group = &ty_aov_groups[g];
-        if (group->aov == TY_AOV_COLOR || !ty_aov_asked(group, aovs)) continue;
+        if (group->aov == TY_AOV_COLOR || !ty_aov_is_requested(group, aovs)) continue;
         const bool last = aovs < 2 * group->aov;
         const char* between = length == 0 ? "" : last ? " and " : ", ";
         length += (size_t)snprintf(list + length, LIST_MAX - length, "%s%.*s", between,

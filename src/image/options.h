@@ -1,4 +1,4 @@
-/* What methods are asked of images: one check for all. */
+/* Image options common to the methods, with one validation. */
 #ifndef TY_IMAGE_OPTIONS_H
 #define TY_IMAGE_OPTIONS_H
 
@@ -12,12 +12,12 @@ typedef struct ty_image_options {
     uint32_t aovs; /* TY_AOV_... */
 } ty_image_options;
 
-/* method: what fields' names begin with in messages; known: all TY_AOV_... that the method has. Errors:
- * TY_ERROR_ARGUMENT. */
+/* method: prefix of field names in messages; known: all TY_AOV_... supported by the method. Errors: TY_ERROR_ARGUMENT.
+ */
 ty_result ty_check_image(ty_context* context, const char* method, const ty_image_options* options, uint32_t known);
-/* Its width and height alone. */
+/* Validates width and height only. */
 ty_result ty_check_resolution(ty_context* context, const char* method, int32_t width, int32_t height);
-/* Pixels of the image, the camera's where the options leave that to it. */
+/* Resolution of the image: that of the camera where the options leave it unset. */
 void ty_image_resolution(const ty_scene* scene, int32_t width, int32_t height, int32_t size[2]);
 
 #endif

@@ -1,12 +1,12 @@
-/* The display transform, and the sRGB curve back. */
+/* The display transform, and the inverse sRGB curve. */
 #include "image/image.h"
 
 #include "base/context.h"
 
 #include <math.h>
 
-/* Identity up to the knee k = 0.5, then the shoulder k + (1 - k) y / (1 + y) with y = (x - k) / (1 - k): it meets the
- * line with slope 1 and tends to 1. */
+/* Identity up to the knee k = 0.5, then the shoulder k + (1 - k) y / (1 + y) with y = (x - k) / (1 - k): continuous
+ * with slope 1 at the knee, and tending to 1. */
 static float filmic(float x) {
     const float knee = 0.5f;
     if (x <= knee) return x;

@@ -160,8 +160,8 @@ static ty_result march(figure_run* run, const classical_job* job, const int32_t 
     def.width = size[0];
     def.height = size[1];
     def.field = &field;
-    def.guided = 0;
-    def.keeps_means = true;
+    def.bilateral_sigma = 0;
+    def.preserve_means = true;
     def.progress = cli_progress_report;
     def.progress_user = &run->session->progress;
     return ty_march(job->scene, &def, out, NULL);

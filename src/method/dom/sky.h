@@ -9,7 +9,7 @@
 /* Mean cosines, from 0 to 1, that lobes are tabulated for; texels of the map of ways. */
 enum {
     TY_DOM_SKY_LOBES = 5,
-    TY_DOM_SKY_SIDE = TY_MARCH_BLURRED,
+    TY_DOM_SKY_SIDE = TY_MARCH_BLUR_CELLS,
     TY_DOM_SKY_TEXELS = TY_DOM_SKY_SIDE * TY_DOM_SKY_SIDE
 };
 

@@ -243,8 +243,8 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     march.fit = light->fit.bands > 0 ? &light->fit : NULL;
     march.field = &f.seen;
     march.surface_field = surfaces ? &f.surfaces : NULL;
-    march.guided = 0;
-    march.keeps_means = true;
+    march.bilateral_sigma = 0;
+    march.preserve_means = true;
     march.unscattered = def->unscattered;
     march.progress = ty_part_report;
     march.progress_user = &progress;

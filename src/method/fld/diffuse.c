@@ -1,16 +1,17 @@
-/* The diffuse light: what fld's options say of its solves. */
+/* Diffuse light: solver settings from the options. */
 #include "direct/inside.h"
 #include "method/fld/job.h"
 
 #include <string.h>
 
-/* Where a lamp's own cells outshine all others, the first residual is small whatever the rest is like. */
-enum { LEAST_ITERATIONS = 2 };
+/* Minimum iterations: where the cells of a point light outshine all others, the first residual is small regardless of
+ * the rest. */
+enum { MIN_ITERATIONS = 2 };
 
-/* Of light that comes from outside. */
-static const double streaming_outside = 0.55;
+/* Maximum flux fraction for light from outside. */
+static const double max_flux_fraction_outside = 0.55;
 
-static double own_streaming(const ty_fld_job* job) {
+static double flux_fraction_of_sources(const ty_fld_job* job) {
     ty_inside sum = {0, 0};
     for (int32_t i = 0; i < job->source_count; ++i) {
         const ty_source* source = &job->sources[i];
@@ -19,7 +20,7 @@ static double own_streaming(const ty_fld_job* job) {
         else
             ty_inside_add_lamp(&sum, &job->fine->box, source->position, source->color);
     }
-    return ty_inside_streaming(&sum, streaming_outside);
+    return ty_inside_streaming(&sum, max_flux_fraction_outside);
 }
 
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
@@ -32,13 +33,13 @@ ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
     def.least_extinction = fld->sigma_eps;
     def.limiter = limiters[fld->limiter];
     def.larsen_power = fld->larsen_power;
-    def.streaming = fld->streaming > 0 ? fld->streaming : own_streaming(job);
+    def.streaming = fld->streaming > 0 ? fld->streaming : flux_fraction_of_sources(job);
     for (int side = 0; side < 6; ++side) def.boundary[side].kind = boundaries[fld->boundary];
     def.solver = solvers[fld->solver];
     def.relaxation = fld->relaxation;
     def.tolerance = fld->tolerance;
     def.iterations = fld->iterations;
-    def.least_iterations = fld->limiter != TY_FLD_LIMITER_NONE ? LEAST_ITERATIONS : 0;
+    def.least_iterations = fld->limiter != TY_FLD_LIMITER_NONE ? MIN_ITERATIONS : 0;
     return def;
 }
 

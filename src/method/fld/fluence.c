@@ -13,7 +13,7 @@ typedef struct fluence_job {
     double *fluence, *beam, *flux;
 } fluence_job;
 
-/* What beams bring: fluence, and flux where lights know it. */
+/* Fluence of uncollided light, and its flux where the direction is known. */
 static void add_beams(const fluence_job* job, const int32_t cell[3], int c, double* fluence, double flux[3]) {
     const ty_fld* light = job->light;
     ty_cover axes[3];
@@ -22,10 +22,10 @@ static void add_beams(const fluence_job* job, const int32_t cell[3], int c, doub
         const ty_single_light* single = &light->lights[l];
         float factor;
         const float* plane = ty_single_plane(single, c, &factor);
-        double own = 0;
-        ty_cover_add(&light->direct_box, axes, &plane, 1, (double)factor, &own);
-        *fluence += own;
-        double along[3] = {(double)single->toward.x, (double)single->toward.y, (double)single->toward.z};
+        double source_fluence = 0;
+        ty_cover_add(&light->direct_box, axes, &plane, 1, (double)factor, &source_fluence);
+        *fluence += source_fluence;
+        double direction[3] = {(double)single->toward.x, (double)single->toward.y, (double)single->toward.z};
         if (single->kind == TY_SINGLE_MANY) {
             ty_cover_add(&light->direct_box, axes, single->flux[single->shared != 0 ? 0 : c], 3, (double)factor, flux);
             continue;
@@ -33,14 +33,14 @@ static void add_beams(const fluence_job* job, const int32_t cell[3], int c, doub
         if (single->kind == TY_SINGLE_LAMP) {
             double length = 0;
             for (int a = 0; a < 3; ++a) {
-                along[a] = job->cells.lower[a] +
-                           (job->cells.upper[a] - job->cells.lower[a]) * (cell[a] + 0.5) / job->cells.size[a] -
-                           along[a];
-                length += along[a] * along[a];
+                direction[a] = job->cells.lower[a] +
+                               (job->cells.upper[a] - job->cells.lower[a]) * (cell[a] + 0.5) / job->cells.size[a] -
+                               direction[a];
+                length += direction[a] * direction[a];
             }
-            for (int a = 0; a < 3; ++a) along[a] = length > 0 ? along[a] / sqrt(length) : 0;
+            for (int a = 0; a < 3; ++a) direction[a] = length > 0 ? direction[a] / sqrt(length) : 0;
         }
-        for (int a = 0; a < 3; ++a) flux[a] += own * along[a];
+        for (int a = 0; a < 3; ++a) flux[a] += source_fluence * direction[a];
     }
 }
 

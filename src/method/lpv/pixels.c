@@ -166,7 +166,7 @@ static ty_result create_image(ty_lpv_frame* frame) {
         planes->albedo, planes->single, planes->multiple,      NULL};
     int32_t channel = 0;
     for (int g = 0; g < TY_AOV_GROUPS; ++g)
-        for (int c = 0; ty_aov_asked(&ty_aov_groups[g], asked) && c < ty_aov_groups[g].count; ++c) {
+        for (int c = 0; ty_aov_is_requested(&ty_aov_groups[g], asked) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(frame->image, channel++);
             if (of[g] != NULL) of[g][c] = plane;
         }

@@ -58,7 +58,7 @@ static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_
 void ty_path_image_fill(const ty_path_run* run, ty_image* image) {
     int32_t channel = 0;
     for (int g = 0; g < TY_AOV_GROUPS; ++g)
-        for (int c = 0; ty_aov_asked(&ty_aov_groups[g], run->def->aovs) && c < ty_aov_groups[g].count; ++c) {
+        for (int c = 0; ty_aov_is_requested(&ty_aov_groups[g], run->def->aovs) && c < ty_aov_groups[g].count; ++c) {
             float* plane = ty_image_plane(image, channel++);
             for (int64_t i = 0; i < run->item_count; ++i)
                 plane[i] = (float)pixel_value(ty_aov_groups[g].aov, &run->items[i],

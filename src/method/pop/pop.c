@@ -175,8 +175,8 @@ static ty_result march(const ty_pop* light, const ty_scene* scene, const ty_pop_
     march.lights = light->lights;
     march.light_count = light->light_count;
     march.reduced = true;
-    march.guided = light->def.mode == TY_POP_MODE_SPLIT ? 0 : march.guided; /* else Sec. 4.4 */
-    march.keeps_means = light->def.mode == TY_POP_MODE_SPLIT;
+    march.bilateral_sigma = light->def.mode == TY_POP_MODE_SPLIT ? 0 : march.bilateral_sigma; /* else Sec. 4.4 */
+    march.preserve_means = light->def.mode == TY_POP_MODE_SPLIT;
     march.unscattered = def->unscattered;
     march.progress = ty_part_report;
     march.progress_user = &progress;
