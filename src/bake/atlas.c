@@ -45,7 +45,7 @@ static ty_result check_atlas_def(ty_context* context, const ty_atlas_def* def) {
     return result;
 }
 
-/* ---- before the map is drawn ---- */
+/* ---- mesh survey ---- */
 
 static void survey_triangle(mesh_survey* survey, size_t triangle) {
     const ty_mesh_def* mesh = &survey->mesh;
@@ -145,7 +145,7 @@ ty_result ty_atlas_estimate(const ty_scene* scene, int32_t mesh, const char* nam
     return result;
 }
 
-/* ---- the map ---- */
+/* ---- rasterisation ---- */
 
 static ty_result check_overlaps(const ty_atlas* atlas, const mesh_survey* survey, const ty_raster* raster) {
     if (raster->overlaps == 0) return TY_OK;

@@ -5,7 +5,7 @@
  *   inpaint   texels inside walls take the light of their neighbours
  *   padding   the nearest valid texel for each texel around a chart
  *   seams     lookups along an edge shared by two charts are made equal
- *  */
+ */
 #ifndef TY_BAKE_ATLAS_H
 #define TY_BAKE_ATLAS_H
 

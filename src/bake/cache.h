@@ -41,7 +41,7 @@ typedef struct ty_cache_view {
     float* second_light;         /* of the second side */
     float* anchor;               /* per cell the anchor positions of both sides, 3 floats each */
     const uint8_t* flags;        /* per cell */
-    const uint8_t* surfel_axes;  /* per cell, bits of the ways that surfaces in it face; NULL: not known yet */
+    const uint8_t* surfel_axes;  /* per cell, bits of the normal axes of its surfels; NULL: not known yet */
     const int32_t* first_surfel; /* per cell, the index of the first of its surfels, one per bit */
     float* surfels;              /* TY_SURFEL_FLOATS each */
 } ty_cache_view;

@@ -70,7 +70,7 @@ TY_FN void ty_cache_mark_surface(const ty_cache_request* request, const ty_hit* 
                              (uint8_t)(1u << ty_surfel_axis(ng)), memory_order_relaxed);
 }
 
-/* One path from a random point of the cell, the first scattering vertex of its path. Returns the number of rays. */
+/* One path from a random point of the cell, which counts as its first scattering vertex. Returns the number of rays. */
 TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, uint32_t number,
                                ty_cache_cell_sums* sums) {
     const float factor[3] = {TY_INV_4PI, TY_INV_4PI, TY_INV_4PI};

@@ -44,14 +44,14 @@ TY_FN ty_vec ty_cache_jitter(const ty_cache_view* view, ty_random* random) {
  * from the point counts. */
 TY_FN const float* ty_cache_lookup(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_random* random) {
     int32_t cell = ty_cache_cell(view, ty_add(at, ty_cache_jitter(view, random))), side = 0;
-    const int32_t own = ty_cache_cell(view, at);
+    const int32_t own_cell = ty_cache_cell(view, at);
     const size_t each = (size_t)(TY_CACHE_KINDS * view->floats);
-    const bool single = (view->flags[own] & ~TY_CACHE_TEST_VISIBILITY) == 1; /* only the first side exists */
-    if ((view->flags[own] & TY_CACHE_TEST_VISIBILITY) != 0 && !(cell == own && single)) {
+    const bool single = (view->flags[own_cell] & ~TY_CACHE_TEST_VISIBILITY) == 1; /* only the first side exists */
+    if ((view->flags[own_cell] & TY_CACHE_TEST_VISIBILITY) != 0 && !(cell == own_cell && single)) {
         side = ty_cache_side(view, mesh, cell, at);
         if (side < 0) {
-            side = cell != own && !single ? ty_cache_side(view, mesh, own, at) : 0;
-            cell = own;
+            side = cell != own_cell && !single ? ty_cache_side(view, mesh, own_cell, at) : 0;
+            cell = own_cell;
         }
     }
     return (side == 1 ? view->second_light : view->light) + (size_t)cell * each;
@@ -95,18 +95,18 @@ TY_FN bool ty_surfel_is_coplanar(const ty_cache_view* view, ty_vec position, ty_
     return fabsf(ty_dot(ty_sub(at, position), normal)) * view->per_metre < TY_SURFEL_FLATNESS;
 }
 
-/* Weight of a surfel at a surface point, 0..1. open: no surface separates the neighbouring cells. */
+/* Weight of a surfel at a surface point, 0..1. unoccluded: no surface separates the neighbouring cells. */
 TY_FN float ty_surfel_weight(const ty_cache_view* view, const ty_mesh* mesh, const float* surfel, ty_vec at,
-                             ty_vec normal, bool open) {
+                             ty_vec normal, bool unoccluded) {
     if (surfel == NULL || !(surfel[TY_SURFEL_PATHS] > 0.0f)) return 0.0f;
-    const ty_vec own = ty_vec_load(surfel + TY_SURFEL_NORMAL);
+    const ty_vec own_cell = ty_vec_load(surfel + TY_SURFEL_NORMAL);
     const ty_vec position = ty_vec_load(surfel + TY_SURFEL_POSITION);
-    const float cosine = ty_dot(own, normal);
-    if (!(cosine > TY_SURFEL_MIN_COSINE) || !ty_surfel_is_coplanar(view, position, own, at)) return 0.0f;
-    if (!open) {
+    const float cosine = ty_dot(own_cell, normal);
+    if (!(cosine > TY_SURFEL_MIN_COSINE) || !ty_surfel_is_coplanar(view, position, own_cell, at)) return 0.0f;
+    if (!unoccluded) {
         /* Visibility is tested off the surfaces, which may be curved. */
         const float off = 0.1f / view->per_metre;
-        if (!ty_cache_visible(mesh, ty_mad(at, normal, off), ty_mad(position, own, off))) return 0.0f;
+        if (!ty_cache_visible(mesh, ty_mad(at, normal, off), ty_mad(position, own_cell, off))) return 0.0f;
     }
     return ty_minf(1.0f, (cosine - TY_SURFEL_MIN_COSINE) / (TY_SURFEL_FULL_COSINE - TY_SURFEL_MIN_COSINE));
 }
@@ -119,14 +119,14 @@ TY_FN bool ty_cache_is_unoccluded(const ty_cache_view* view, ty_vec at) {
 TY_FN const float* ty_cache_lookup_surfel(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_vec normal,
                                           ty_random* random) {
     if (view->surfel_axes == NULL || !ty_cache_contains(view, at)) return NULL;
-    const int32_t axis = ty_surfel_axis(normal), own = ty_cache_cell(view, at);
-    const bool open = ty_cache_is_unoccluded(view, at);
-    const ty_vec aside = ty_cache_jitter(view, random);
-    const int32_t cell = ty_cache_cell(view, ty_mad(ty_add(at, aside), normal, -ty_dot(normal, aside)));
+    const int32_t axis = ty_surfel_axis(normal), own_cell = ty_cache_cell(view, at);
+    const bool unoccluded = ty_cache_is_unoccluded(view, at);
+    const ty_vec jitter = ty_cache_jitter(view, random);
+    const int32_t cell = ty_cache_cell(view, ty_mad(ty_add(at, jitter), normal, -ty_dot(normal, jitter)));
     const float* surfel = ty_surfel_of_cell(view, cell, axis);
-    if (ty_surfel_weight(view, mesh, surfel, at, normal, open) > 0.0f) return surfel;
-    surfel = cell != own ? ty_surfel_of_cell(view, own, axis) : NULL;
-    return ty_surfel_weight(view, mesh, surfel, at, normal, open) > 0.0f ? surfel : NULL;
+    if (ty_surfel_weight(view, mesh, surfel, at, normal, unoccluded) > 0.0f) return surfel;
+    surfel = cell != own_cell ? ty_surfel_of_cell(view, own_cell, axis) : NULL;
+    return ty_surfel_weight(view, mesh, surfel, at, normal, unoccluded) > 0.0f ? surfel : NULL;
 }
 
 /* Trilinear interpolation of the surfels around a surface point: light[kind][channel][term] and its variance. Returns
@@ -142,7 +142,7 @@ TY_FN float ty_cache_mean_surfel(const ty_cache_view* view, const ty_mesh* mesh,
         base[a] = (int32_t)floorf(ty_clampf(p, 0.0f, last));
         fraction[a] = ty_clampf(p - (float)base[a], 0.0f, (float)(view->size[a] - 1 - base[a]));
     }
-    const bool open = ty_cache_is_unoccluded(view, at);
+    const bool unoccluded = ty_cache_is_unoccluded(view, at);
     const int32_t axis = ty_surfel_axis(normal);
     for (int t = 0; t < TY_SURFEL_IRRADIANCE_FLOATS; ++t) light[t] = 0.0f;
     for (int c = 0; c < 3; ++c) variance[c] = 0.0f;
@@ -155,7 +155,7 @@ TY_FN float ty_cache_mean_surfel(const ty_cache_view* view, const ty_mesh* mesh,
             cell = cell * view->size[a] + base[a] + up;
         }
         const float* surfel = weight > 0.0f ? ty_surfel_of_cell(view, cell, axis) : NULL;
-        weight *= ty_surfel_weight(view, mesh, surfel, at, normal, open);
+        weight *= ty_surfel_weight(view, mesh, surfel, at, normal, unoccluded);
         if (!(weight > 0.0f)) continue;
         weights += weight;
         squares += weight * weight / surfel[TY_SURFEL_PATHS];

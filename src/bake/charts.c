@@ -45,10 +45,12 @@ static void merge_vertices(chart_job* job) {
         size_t bucket = bucket_of(job, ty_bits_from_float(at[0]), ty_bits_from_float(at[1]), ty_bits_from_float(at[2]));
         for (;; bucket = (bucket + 1) & (job->table_size - 1)) {
             const int32_t other = job->table[bucket];
-            const float* there = other < 0 ? NULL : job->mesh->positions + 3 * (size_t)other;
-            if (there != NULL && (there[0] != at[0] || there[1] != at[1] || there[2] != at[2])) continue;
-            job->first_vertex[vertex] = there == NULL ? (int32_t)vertex : other;
-            if (there == NULL) job->table[bucket] = (int32_t)vertex;
+            const float* other_position = other < 0 ? NULL : job->mesh->positions + 3 * (size_t)other;
+            if (other_position != NULL &&
+                (other_position[0] != at[0] || other_position[1] != at[1] || other_position[2] != at[2]))
+                continue;
+            job->first_vertex[vertex] = other_position == NULL ? (int32_t)vertex : other;
+            if (other_position == NULL) job->table[bucket] = (int32_t)vertex;
             break;
         }
     }

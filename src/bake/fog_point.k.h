@@ -4,8 +4,8 @@
 
 #include "method/path/flight.k.h"
 
-/* Reservoir sampling over the pieces of a ray in order, each weighted by the light from its far end that it absorbs or
- * scatters. */
+/* Reservoir sampling over the pieces of a ray in order, each weighted by the probability that the ray collides in it.
+ */
 typedef struct ty_fog_point {
     float u;                                /* uniform in [0, 1): position in the piece */
     ty_random* random;                      /* selects the piece */

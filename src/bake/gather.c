@@ -62,7 +62,7 @@ static ty_result attach_cache(ty_bake_run* run, const ty_scene* scene) {
     return TY_OK;
 }
 
-/* ---- a run ---- */
+/* ---- setup and results of a run ---- */
 
 static ty_result check_receivers(const ty_bake_run* run, const ty_bake_receiver* receivers, int64_t count) {
     if (count < 0 || (count > 0 && receivers == NULL))

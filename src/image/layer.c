@@ -47,19 +47,19 @@ static void list_layers(const ty_image* image, char list[LIST_SIZE]) {
 
 static ty_result create_layer(ty_context* context, const ty_image* image, const char* const* names, int32_t count,
                               const char* layer, ty_image** out) {
-    ty_image* made = NULL;
-    ty_result result = ty_image_create(context, image->width, image->height, count, names, &made);
-    if (result == TY_OK) result = ty_image_copy_metadata(image, made);
+    ty_image* created = NULL;
+    ty_result result = ty_image_create(context, image->width, image->height, count, names, &created);
+    if (result == TY_OK) result = ty_image_copy_metadata(image, created);
     if (result != TY_OK) {
-        ty_image_destroy(made);
+        ty_image_destroy(created);
         return result;
     }
-    memcpy(made->frame, image->frame, sizeof made->frame);
+    memcpy(created->frame, image->frame, sizeof created->frame);
     for (int32_t i = 0, to = 0; i < image->channel_count; ++i)
         if (name_within(image->names[i], layer) != NULL)
-            memcpy(ty_image_plane(made, to++), ty_image_plane_const(image, i),
+            memcpy(ty_image_plane(created, to++), ty_image_plane_const(image, i),
                    (size_t)image->width * (size_t)image->height * sizeof(float));
-    *out = made;
+    *out = created;
     return TY_OK;
 }
 

@@ -130,21 +130,21 @@ ty_result ty_image_compare(ty_context* context, const ty_image* a, const ty_imag
                        width, height);
 
     ty_difference difference = {0};
-    tally sums[3], all = {0};
+    tally sums[3], total = {0};
     for (int c = 0; c < 3; ++c) {
         if (c == 0 || !grey) count_values(&matches[c], &difference);
         sums[c] = c > 0 && grey ? sums[0] : sum_channel(&matches[c], side);
-        all.a += sums[c].a;
-        all.b += sums[c].b;
-        all.square += sums[c].square;
-        all.count += sums[c].count;
+        total.a += sums[c].a;
+        total.b += sums[c].b;
+        total.square += sums[c].square;
+        total.count += sums[c].count;
     }
-    double all_relative = 0;
+    double total_relative = 0;
     for (int c = 0; c < 3; ++c) {
         fill(&difference, c, &sums[c], relative_square(&matches[c], side, softening(&sums[c])));
-        all_relative += relative_square(&matches[c], side, softening(&all));
+        total_relative += relative_square(&matches[c], side, softening(&total));
     }
-    fill(&difference, 3, &all, all_relative);
+    fill(&difference, 3, &total, total_relative);
     *out = difference;
     return TY_OK;
 }

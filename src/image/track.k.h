@@ -21,10 +21,10 @@ typedef struct ty_track {
     TY_GLOBAL const ty_medium_view* medium;
     ty_bricks bricks;   /* also the ray in the grid's index space */
     float enter, leave; /* current or next interval of non-zero density, m along the ray */
-    float ahead_enter, ahead_leave;
-    int32_t ahead;   /* 1: another interval follows */
-    int32_t cell[3]; /* lowest of the eight voxels around the ray */
-    float next[3];   /* exit distances along each axis */
+    float next_enter, next_leave;
+    int32_t has_next; /* 1: another interval follows */
+    int32_t cell[3];  /* lowest of the eight voxels around the ray */
+    float next[3];    /* exit distances along each axis */
     float inverse[3];
     float cell_leave;
     float corner[8];
@@ -43,14 +43,14 @@ typedef struct ty_track {
 
 /* Merges consecutive bricks into the next interval. */
 TY_FN void ty_track_next_run(ty_track* track) {
-    track->enter = track->ahead != 0 ? track->ahead_enter : TY_FLOAT_MAX;
-    track->leave = track->ahead != 0 ? track->ahead_leave : TY_FLOAT_MAX;
-    while (track->ahead != 0) {
-        track->ahead = ty_bricks_next(&track->bricks) ? 1 : 0;
-        track->ahead_enter = track->bricks.enter;
-        track->ahead_leave = track->bricks.leave;
-        if (track->ahead == 0 || track->ahead_enter > track->leave) break;
-        track->leave = track->ahead_leave;
+    track->enter = track->has_next != 0 ? track->next_enter : TY_FLOAT_MAX;
+    track->leave = track->has_next != 0 ? track->next_leave : TY_FLOAT_MAX;
+    while (track->has_next != 0) {
+        track->has_next = ty_bricks_next(&track->bricks) ? 1 : 0;
+        track->next_enter = track->bricks.enter;
+        track->next_leave = track->bricks.leave;
+        if (track->has_next == 0 || track->next_enter > track->leave) break;
+        track->leave = track->next_leave;
     }
 }
 
@@ -100,9 +100,9 @@ TY_FN void ty_track_begin(ty_track* track, TY_GLOBAL const ty_medium_view* mediu
     track->mean = (medium->sigma_t[0] + medium->sigma_t[1] + medium->sigma_t[2]) * (1.0f / 3.0f);
     track->column = track->moment = 0.0f;
     ty_bricks_begin(&track->bricks, medium, origin, direction, enter, leave);
-    track->ahead = ty_bricks_next(&track->bricks) ? 1 : 0;
-    track->ahead_enter = track->bricks.enter;
-    track->ahead_leave = track->bricks.leave;
+    track->has_next = ty_bricks_next(&track->bricks) ? 1 : 0;
+    track->next_enter = track->bricks.enter;
+    track->next_leave = track->bricks.leave;
     ty_track_next_run(track);
 }
 

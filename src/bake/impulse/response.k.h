@@ -56,11 +56,11 @@ TY_FN bool ty_response_find(const ty_bake_request* request, const ty_segment* se
                                       .g = s > 0.0f ? segment->g_scattering_depth[c] / s : 0.0f};
         if (request->impulse.merged[c].rows != NULL)
             ty_impulse_lookup_merged(&request->impulse.merged[c], emitter->kind, medium->sigma_t, emitter->distance,
-                                   emitter->cosine, &out->channel[c]);
+                                     emitter->cosine, &out->channel[c]);
         else
             ty_impulse_lookup_bounded(request->impulse.tables, (ty_impulse_emitter)emitter->kind, medium,
-                                   emitter->distance, emitter->cosine, request->scatterings,
-                                   request->impulse.max_bounce_ratio[c], &out->channel[c]);
+                                      emitter->distance, emitter->cosine, request->scatterings,
+                                      request->impulse.max_bounce_ratio[c], &out->channel[c]);
         out->axis[c] = ty_response_axis(emitter, out->channel[c].shift);
     }
     return true;

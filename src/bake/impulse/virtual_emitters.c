@@ -43,7 +43,7 @@ enum { LIGHT_SIZE = TY_BAKE_LAYERS * 3 * TY_BAKE_SURFACE_TERMS };
 
 /* ---- anchors ---- */
 
-static void place_anchors(emitter_search* s) {
+static void choose_anchors(emitter_search* s) {
     const ty_bake_request* request = &s->run->request;
     ty_gather g = {.request = request};
     for (int32_t i = 0; i < s->anchor_count; ++i) {
@@ -62,7 +62,7 @@ static void find_max_bounce_ratio(emitter_search* s) {
     ty_bake_request* request = &s->run->request;
     const ty_mesh* mesh = request->path.scene->mesh;
     const ty_gather g = {.request = request};
-    double depth[3] = {0}, stopped[3] = {0}, length = 0;
+    double depth[3] = {0}, collision[3] = {0}, length = 0;
     ty_path path;
     ty_hit hit;
     ty_segment segment;
@@ -75,13 +75,13 @@ static void find_max_bounce_ratio(emitter_search* s) {
         length += hit_surface ? (double)ty_minf(hit.distance, segment.leave) : (double)ty_minf(segment.leave, 1e6f);
         for (int c = 0; c < 3; ++c) {
             depth[c] += (double)ty_minf(segment.depth[c], 1e6f);
-            stopped[c] += (double)ty_stopped(segment.depth[c]);
+            collision[c] += (double)ty_stopped(segment.depth[c]);
         }
     }
     s->distance_scale = s->anchor_count > 0 ? (float)fmax(1e-6, 3 * length / (RAYS * s->anchor_count)) : 1;
     s->mean_free_path = (float)(length / fmax(1e-12, fmax(depth[0], fmax(depth[1], depth[2]))));
     for (int c = 0; c < 3; ++c) {
-        const double p = depth[c] > 0 ? 1 - stopped[c] / depth[c] : 1;
+        const double p = depth[c] > 0 ? 1 - collision[c] / depth[c] : 1;
         request->impulse.max_bounce_ratio[c] = p < 1 ? (float)(p / (1 - p * p)) : TY_FLOAT_MAX;
     }
 }
@@ -90,11 +90,11 @@ static void find_max_bounce_ratio(emitter_search* s) {
 static bool are_uniform(const ty_scene_view* scene, int channel, float* albedo, float* g) {
     for (int32_t i = 0; i < scene->medium_count; ++i) {
         const ty_medium_view* medium = &scene->media[i];
-        const float albedo_here = medium->sigma_s[channel] / medium->sigma_t[channel];
+        const float medium_albedo = medium->sigma_s[channel] / medium->sigma_t[channel];
         if (medium->albedo_fields != 0 || medium->transfer_albedo != 0 || medium->has_g_field != 0) return false;
         if (!(medium->sigma_t[channel] > 0)) return false;
-        if (i > 0 && (albedo_here != *albedo || medium->g[channel] != *g)) return false;
-        *albedo = albedo_here;
+        if (i > 0 && (medium_albedo != *albedo || medium->g[channel] != *g)) return false;
+        *albedo = medium_albedo;
         *g = medium->g[channel];
     }
     return true;
@@ -139,9 +139,9 @@ static bool find_surface_emitter(const emitter_search* s, int32_t ray, ty_virtua
         const ty_vec from = ty_mad(out->position, out->face, out->margin), to = ty_sub(s->anchors[i], from);
         const float d2 = ty_dot(to, to), inverse_distance = 1.0f / sqrtf(d2),
                     cosine = ty_dot(out->face, to) * inverse_distance;
-        const bool albedo_here = i == anchor;
+        const bool medium_albedo = i == anchor;
         if (!(d2 > 0.0f) || !(cosine > 0.0f)) continue;
-        if (albedo_here ||
+        if (medium_albedo ||
             !ty_mesh_occluded(request->scene->mesh, from, ty_scale(to, inverse_distance), 0.9999f / inverse_distance))
             density += (double)(cosine / d2) * s->rays_per_anchor * (double)TY_INV_4PI;
     }
@@ -284,7 +284,7 @@ static void sample_media(emitter_search* s) {
         if (emitters->items[first + i].measure > 0) emitters->items[emitters->count++] = emitters->items[first + i];
 }
 
-static void place_emitters(emitter_search* s) {
+static void find_emitters(emitter_search* s) {
     ty_virtual_emitters* emitters = s->emitters;
     const int64_t rays = (int64_t)s->anchor_count * s->rays_per_anchor;
     if (s->run->request.path.scene->mesh != NULL) ty_parallel_flushed(s->run->context, rays, find_surface_emitters, s);
@@ -312,7 +312,7 @@ static void place_emitters(emitter_search* s) {
 }
 
 /* Lays out the lattice over all surface emitters. */
-static void place_cells(ty_virtual_emitters* emitters) {
+static void lay_out_cells(ty_virtual_emitters* emitters) {
     for (int a = 0; a < 3; ++a) {
         const float* at = a == 0 ? emitters->x : a == 1 ? emitters->y : emitters->z;
         float lower = 0, upper = 0;
@@ -499,13 +499,13 @@ ty_result ty_bake_impulse_begin(ty_bake_run* run) {
     float* light = ty_alloc_array(context, 6 * capacity, sizeof *light, true);
     if (s.receivers == NULL || s.sums == NULL || s.light == NULL || light == NULL) result = TY_ERROR_MEMORY;
     if (result == TY_OK) {
-        place_anchors(&s);
+        choose_anchors(&s);
         find_max_bounce_ratio(&s);
         result = merge_tables(run);
     }
     if (result == TY_OK) {
-        place_emitters(&s);
-        place_cells(&run->impulse.emitters);
+        find_emitters(&s);
+        lay_out_cells(&run->impulse.emitters);
         s.request = run->request;
         s.request.path.seed = ~run->def->seed;
         s.request.receivers = s.receivers;

@@ -10,10 +10,10 @@
 static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const ty_source_group* groups,
                               int32_t count) {
     ty_fld* light = job->light;
-    const double from = job->progress.from, share = job->progress.share;
+    const double from = job->progress.from, fraction = job->progress.share;
     ty_light_field** aggregate = &light->beam[TY_FLD_DEDICATED_FIELDS_MAX];
     ty_result result = TY_OK;
-    job->progress.share = share / ty_maxf(1, (float)count);
+    job->progress.share = fraction / ty_maxf(1, (float)count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         const ty_source_group* group = &groups[i];
         ty_light_field** field = group->own ? &light->beam[light->light_count] : aggregate;
@@ -29,7 +29,7 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
             light->lights[light->light_count++] = ty_source_group_light(job->sources, group, *field);
     }
     job->progress.from = from;
-    job->progress.share = share;
+    job->progress.share = fraction;
     if (result == TY_OK && *aggregate != NULL)
         light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, *aggregate);
     return result;

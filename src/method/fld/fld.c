@@ -117,14 +117,14 @@ ty_result ty_fld_view(const ty_fld* light, const ty_scene* scene, const ty_fld_d
 ty_result ty_fld_render(const ty_scene* scene, const ty_fld_def* def, ty_image** out, ty_fld_stats* stats) {
     *out = NULL;
     ty_fld* light = NULL;
-    ty_fld_stats own = {0};
+    ty_fld_stats local_stats = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_fraction, &light, &own);
+    ty_result result = solve(scene, def, solve_fraction, &light, &local_stats);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_fraction, 1 - solve_fraction);
     progress.begun = begun;
-    result = view(light, scene, def, progress, out, &own);
+    result = view(light, scene, def, progress, out, &local_stats);
     ty_fld_destroy(light);
-    if (stats != NULL) *stats = own;
+    if (stats != NULL) *stats = local_stats;
     return result;
 }

@@ -14,7 +14,7 @@ enum { TY_FLD_DEDICATED_FIELDS_MAX = 8 };
 
 struct ty_fld {
     ty_context* context;
-    bool reduced;           /* beams are TY_FLD_BEAM_REDUCED */
+    bool reduced;           /* uncollided light is TY_FLD_BEAM_REDUCED */
     ty_grid_box direct_box; /* cells of direct light */
     ty_light_field*
         beam[TY_FLD_DEDICATED_FIELDS_MAX + 1]; /* the last is the aggregate field of many sources, with flux */

@@ -142,17 +142,17 @@ bool ty_impulse_save(const ty_impulse* tables, const char* path) {
     uint8_t* bytes = ty_alloc_array(tables->context, size, 1, false);
     if (bytes == NULL) return false;
     /* Errors go to a separate context, so that a failed save does not mark this one as failed. */
-    ty_context* apart = NULL;
+    ty_context* error_context = NULL;
     const ty_context_def def = ty_default_context_def();
     bool written = false;
-    if (ty_context_create(&def, &apart) == TY_OK) {
+    if (ty_context_create(&def, &error_context) == TY_OK) {
         ty_impulse_pack(tables, bytes);
         make_folders(path);
-        written = ty_write_file(apart, path, bytes, size) == TY_OK;
+        written = ty_write_file(error_context, path, bytes, size) == TY_OK;
         if (!written)
-            ty_log(tables->context, TY_LOG_WARNING, "impulse responses are not kept: %s", ty_last_error(apart));
+            ty_log(tables->context, TY_LOG_WARNING, "impulse responses are not kept: %s", ty_last_error(error_context));
     }
-    ty_context_destroy(apart);
+    ty_context_destroy(error_context);
     ty_free_array(tables->context, bytes, size, 1);
     return written;
 }

@@ -1,10 +1,12 @@
 /* Response of a half space to collimated light from above. Everything depends on depth alone. With mu the cosine
- * between the direction of incidence at the receiver and the direction to the emitter,
+ * between the direction of incidence at the receiver and the direction to the emitter, single scattering gives
  *
- *     single scattering    L(z, mu) = p(mu) exp(-z) (1 - exp(-z (1 - mu) / mu)) / (1 - mu),  for mu < 0 without the
- * exp, multiple scattering  1/2 integral over z' of fluence(z') integral over mu of exp(-|z - z'| / |mu|) y_l(mu) /
- * |mu|.
- *  */
+ *     L(z, mu) = p(mu) exp(-z) (1 - exp(-z (1 - mu) / mu)) / (1 - mu),  for mu < 0 without the second exp,
+ *
+ * and multiple scattering the harmonics
+ *
+ *     1/2 integral over z' of fluence(z') integral over mu of exp(-|z - z'| / |mu|) y_l(mu) / |mu|.
+ */
 #include "method/impulse/build.h"
 
 enum { COSINES = 64 };
@@ -45,9 +47,9 @@ static void layer_response(double distance, bool above, double out[TY_IMPULSE_TE
     for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out[l] = 0;
     if (distance > 0) ty_impulse_add_logarithmic(&path_lengths, distance, distance + reach);
     for (int32_t i = 0; i < path_lengths.count; ++i) {
-        const double t = path_lengths.x[i], weight_here = 0.5 * path_lengths.weight[i] * exp(-t) / t;
+        const double t = path_lengths.x[i], direction_weight = 0.5 * path_lengths.weight[i] * exp(-t) / t;
         ty_impulse_zonal(above ? distance / t : -distance / t, zonal);
-        for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out[l] += weight_here * zonal[l];
+        for (int32_t l = 0; l < TY_IMPULSE_TERMS; ++l) out[l] += direction_weight * zonal[l];
     }
 }
 

@@ -94,10 +94,10 @@ static float lookup_axis_tilt(const lookup_nodes* p, float cosine) {
 
 /* Sum of bounces 2.., each weighted by one more power of the albedo, and each limited to max_ratio times the previous
  * one, starting from `single_dc` (constant terms). */
-static harmonics lookup_multiple(const lookup_nodes* p, float albedo, int32_t bounces, float factor, float single_scale,
+static harmonics lookup_multiple(const lookup_nodes* p, float albedo, int32_t bounces, float factor, float single_dc,
                                  float max_ratio) {
     harmonics out = {{0}};
-    float scale = factor * albedo, before = single_scale, limit = 1;
+    float scale = factor * albedo, before = single_dc, limit = 1;
     for (int32_t bounce = 2; bounce <= bounces; ++bounce) {
         const int32_t at = (TY_IMPULSE_PHASES + bounce - 2) * TY_IMPULSE_VECTOR;
         harmonics one = {{0}};

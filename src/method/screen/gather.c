@@ -141,7 +141,7 @@ static void descend(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* ---- Eq. 10-12 ---- */
+/* ---- Eq. 10-12 (Elek 2013) ---- */
 
 static void compose(void* user, int64_t index, int32_t worker) {
     (void)worker;

@@ -346,15 +346,15 @@ static void add_upsampled_row(const ty_screen_taps* taps, const float* row, int3
     if (step == 1) {
 #pragma omp simd
         for (int32_t i = begin; i < end; ++i) {
-            const float here = nearest_weight * row[i];
-            out[2 * i] += here + second_weight * row[i - 1] + third_weight * row[i + 1];
-            out[2 * i + 1] += here + second_weight * row[i + 1] + third_weight * row[i - 1];
+            const float nearest_term = nearest_weight * row[i];
+            out[2 * i] += nearest_term + second_weight * row[i - 1] + third_weight * row[i + 1];
+            out[2 * i + 1] += nearest_term + second_weight * row[i + 1] + third_weight * row[i - 1];
         }
     } else {
         for (int32_t i = begin; i < end; ++i) {
-            const float here = nearest_weight * row[i];
-            out[2 * i * step] += here + second_weight * row[i - 1] + third_weight * row[i + 1];
-            out[(2 * i + 1) * step] += here + second_weight * row[i + 1] + third_weight * row[i - 1];
+            const float nearest_term = nearest_weight * row[i];
+            out[2 * i * step] += nearest_term + second_weight * row[i - 1] + third_weight * row[i + 1];
+            out[(2 * i + 1) * step] += nearest_term + second_weight * row[i + 1] + third_weight * row[i - 1];
         }
     }
     for (int32_t x = 2 * end; x < width; ++x) out[x * step] += upsample_texel(taps, row, next_width, x);

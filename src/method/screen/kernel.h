@@ -13,9 +13,9 @@
 
 /* Counts over the pixels of a row or band. */
 typedef struct ty_screen_counts {
-    int64_t nonfinite_fixed, missing_depth; /* pixels */ /* pixels */
-    int64_t oversized; /* pixels with a measure of spread above the limit in some channel */
-    float largest[3];  /* maximum measure of spread per channel: pixels^2, or an optical thickness */
+    int64_t nonfinite_fixed, missing_depth; /* pixels */
+    int64_t oversized;                      /* pixels with a measure of spread above the limit in some channel */
+    float largest[3]; /* maximum measure of spread per channel: pixels^2, or an optical thickness */
 } ty_screen_counts;
 
 /* A row of the caller's image. */
