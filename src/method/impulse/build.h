@@ -76,8 +76,8 @@ void ty_impulse_make_half_space_operator(void* user, int64_t index, int32_t work
 void ty_impulse_multiple_scattering(void* user, int64_t bin, int32_t worker);
 void ty_impulse_half_space_multiple(void* user, int64_t bin, int32_t worker);
 
-/* Sine of the angle between the fitted axis of the best zonal function and the axis to the emitter (Sec. 4.2, Dubouchet
- * 2019). */
+/* Sine of the angle between the fitted axis of the best zonal function and the axis to the emitter: d_fit, Eq. 16
+ * (Dubouchet 2019). */
 double ty_impulse_fit_axis(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response);
 /* Zonal harmonics about the fitted axis. */
 void ty_impulse_project(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response, double axis_tilt,

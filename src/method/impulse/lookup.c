@@ -92,8 +92,8 @@ static float lookup_axis_tilt(const lookup_nodes* p, float cosine) {
     return sine * shift;
 }
 
-/* Sum of bounces 2.., each weighted by one more power of the albedo, and each limited to max_ratio times the previous
- * one, starting from `single_dc` (constant terms). */
+/* Sum of bounces 2.., each weighted by one more power of the albedo (Sec. 5.1, Dubouchet 2019), and each limited to
+ * max_ratio times the previous one, starting from `single_dc` (constant terms). */
 static harmonics lookup_multiple(const lookup_nodes* p, float albedo, int32_t bounces, float factor, float single_dc,
                                  float max_ratio) {
     harmonics out = {{0}};

@@ -16,7 +16,8 @@ enum {
     TY_IMPULSE_ROWS = (2 + TY_IMPULSE_ANGLES) * TY_IMPULSE_DISTANCES
 };
 
-#define TY_IMPULSE_PHASE_G 0.5  /* magnitude of g in the outer single scattering tables */
+#define TY_IMPULSE_PHASE_G                                                                                             \
+    0.5 /* magnitude of g in the outer single scattering tables: g_range, Sec. 4.5 (Dubouchet 2019) */
 #define TY_IMPULSE_NEAREST 1e-3 /* optical distance of the first bin */
 
 /* Distances of bins: uniform in ln(d / nearest) + TY_IMPULSE_LINEAR_RATE (d - nearest), so spacing is proportional to

@@ -102,13 +102,13 @@ typedef struct ty_screen_kernels {
     void (*gather_split)(const ty_screen_params* params, const ty_screen_gather_params* gather,
                          const ty_screen_row* row, const float limit[3], float* const out[3], ptrdiff_t out_step,
                          float* texels, float* spread, ty_screen_counts* counts);
-    /* Filter input rows from one row of a level. */
+    /* Filter input rows from one row of a level: Eq. 8 and 9 (Elek 2013). */
     void (*gather_rows)(const ty_screen_gather_params* gather, const float* texels, const float* spread, int32_t width,
                         float* const rows[TY_GATHER_ROWS]);
-    /* A row of the next level from filtered rows. */
+    /* A row of the next level from filtered rows: Eq. 8 and 9 (Elek 2013). */
     void (*gather_store)(const ty_screen_gather_params* gather, const float* const rows[TY_GATHER_ROWS], int32_t width,
                          float* texels, float* spread);
-    /* Adds the interpolated levels to row y of the image. */
+    /* Adds the interpolated levels to row y of the image: Eq. 10 and 11 (Elek 2013). */
     void (*gather_add)(const ty_screen_params* params, const ty_screen_gather_params* gather,
                        const ty_screen_texels* levels, int32_t y, float* const out[3], ptrdiff_t out_step);
 
