@@ -3,7 +3,7 @@
 #define TY_TESTS_DIRECT_MAKER_H
 
 #include "checks.h"
-#include "direct/uncollided.h"
+#include "direct/uncollided/uncollided.h"
 
 typedef struct direct_case {
     ty_scene* scene;

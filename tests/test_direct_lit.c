@@ -1,5 +1,5 @@
 /* Which stretches of rays lights reach, against points on them one by one. */
-#include "direct/lit.h"
+#include "direct/shadow/lit.h"
 #include "light_map_maker.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* Light on cells that scatters once. */
-#include "direct/single.k.h"
+#include "direct/single/single.k.h"
 #include "direct_maker.h"
 
 enum { CELLS = 16 };

@@ -1,6 +1,6 @@
 /* Surfaces as walls between cells: which faces they close, what they are made of, and the light on them. */
 #include "direct_maker.h"
-#include "direct/walls.h"
+#include "direct/surfaces/boundary_faces.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* Maps of lights whose texels are on straight lines: where texels are, what they meet, what callers may hand in. */
-#include "direct/light_map.h"
+#include "direct/shadow/light_map.h"
 #include "direct_maker.h"
 #include "files.h"
 

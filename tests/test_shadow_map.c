@@ -1,6 +1,6 @@
 /* Reflective shadow maps, and virtual point lights chosen from them. */
-#include "direct/grid_depth.h"
-#include "direct/shadow_map.h"
+#include "direct/shadow/grid_depth.h"
+#include "direct/shadow/shadow_map.h"
 #include "files.h"
 #include "method/pop/ordinate.h"
 #include "pop_maker.h"

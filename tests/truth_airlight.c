@@ -1,6 +1,6 @@
 /* Airlight against path tracing's light that media scatter once: fog with blocks in it, under each kind of light. */
 #include "base/context.h"
-#include "direct/airlight.h"
+#include "direct/single/airlight.h"
 #include "scene/camera.h"
 #include "truth.h"
 

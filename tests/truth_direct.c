@@ -1,6 +1,6 @@
 /* Uncollided light on a grid against path tracing: every kind of light in an uneven medium with things that cast
  * shadows. */
-#include "direct/uncollided.h"
+#include "direct/uncollided/uncollided.h"
 #include "truth.h"
 #include "triangle_maker.h"
 

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "base/float_mode.h"
-#include "direct/grid_medium.h"
+#include "direct/media/grid_medium.h"
 #include "scene/camera.h"
 #include "scene/scene.h"
 #include "scene/spans.k.h"

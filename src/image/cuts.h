@@ -3,7 +3,7 @@
 #ifndef TY_IMAGE_CUTS_H
 #define TY_IMAGE_CUTS_H
 
-#include "direct/walls.h"
+#include "direct/surfaces/boundary_faces.h"
 #include "image/cuts.k.h"
 
 typedef struct ty_cuts {

@@ -2,7 +2,7 @@
 #ifndef TY_IMAGE_KERNEL_H
 #define TY_IMAGE_KERNEL_H
 
-#include "direct/single.k.h"
+#include "direct/single/single.k.h"
 #include "image/march.h"
 #include "image/upsample.k.h"
 #include "scene/camera.h"

@@ -4,8 +4,8 @@
 #ifndef TY_IMAGE_MARCH_H
 #define TY_IMAGE_MARCH_H
 
-#include "direct/single.k.h"
-#include "direct/field.h"
+#include "direct/single/single.k.h"
+#include "direct/single/source_field.h"
 #include "image/cuts.h"
 #include "image/options.h"
 

@@ -3,7 +3,7 @@
 #define TY_IMAGE_UPSAMPLE_K_H
 
 #include "base/vector.k.h"
-#include "direct/single.k.h"
+#include "direct/single/single.k.h"
 #include "image/cuts.k.h"
 
 /* Floats of a cell, terms of all channels and the guide and room to spare: three channels of one term (or one of one),

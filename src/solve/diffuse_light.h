@@ -3,7 +3,7 @@
 #define TY_SOLVE_DIFFUSE_LIGHT_H
 
 #include "base/progress.h"
-#include "direct/field.h"
+#include "direct/single/source_field.h"
 #include "solve/diffusion.h"
 
 typedef struct ty_diffuse_light {

@@ -4,7 +4,7 @@
 #include "cli/bench/bench.h"
 
 #include "base/context.h"
-#include "direct/uncollided.h"
+#include "direct/uncollided/uncollided.h"
 
 #include <string.h>
 

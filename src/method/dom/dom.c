@@ -1,6 +1,6 @@
 /* Entry points. */
 #include "base/context.h"
-#include "method/dom/view.h"
+#include "method/dom/view/view.h"
 #include "scene/scene.h"
 
 /* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */

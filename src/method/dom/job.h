@@ -3,8 +3,8 @@
 #define TY_METHOD_DOM_JOB_H
 
 #include "base/progress.h"
-#include "direct/group.h"
-#include "direct/walls.h"
+#include "direct/uncollided/light_groups.h"
+#include "direct/surfaces/boundary_faces.h"
 #include "image/options.h"
 #include "solve/ordinates.h"
 

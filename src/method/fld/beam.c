@@ -3,8 +3,8 @@
 #include "method/fld/job.h"
 
 #include "base/context.h"
-#include "direct/group.h"
-#include "direct/turned.h"
+#include "direct/uncollided/light_groups.h"
+#include "direct/uncollided/first_collision_source.h"
 
 /* The groups that have fields of their own, then all others together. */
 static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const ty_source_group* groups,

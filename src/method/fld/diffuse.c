@@ -1,5 +1,5 @@
 /* The diffuse light: what fld's options say of its solves. */
-#include "direct/inside.h"
+#include "direct/lights/interior_light.h"
 #include "method/fld/job.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "method/fld/job.h"
 
 #include "base/context.h"
-#include "direct/cover.h"
+#include "direct/media/coverage.h"
 
 #include <math.h>
 

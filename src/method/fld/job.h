@@ -2,8 +2,8 @@
 #ifndef TY_METHOD_FLD_JOB_H
 #define TY_METHOD_FLD_JOB_H
 
-#include "direct/single.k.h"
-#include "direct/uncollided.h"
+#include "direct/single/single.k.h"
+#include "direct/uncollided/uncollided.h"
 #include "image/options.h"
 #include "solve/diffuse_light.h"
 

@@ -4,8 +4,8 @@
 #ifndef TY_METHOD_LPV_FOG_K_H
 #define TY_METHOD_LPV_FOG_K_H
 
-#include "direct/beam.k.h"
-#include "direct/grid_medium.h"
+#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/grid_medium.h"
 #include "method/lpv/look.k.h"
 #include "scene/scene.h"
 #include "scene/spans.k.h"

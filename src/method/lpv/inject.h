@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_LPV_INJECT_H
 #define TY_METHOD_LPV_INJECT_H
 
-#include "direct/light_map.h"
+#include "direct/shadow/light_map.h"
 #include "method/lpv/lattice.h"
 
 /* Points of surfaces, each for some area: from depth maps that see through all layers along three axes, or from what

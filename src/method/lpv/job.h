@@ -3,7 +3,7 @@
 #define TY_METHOD_LPV_JOB_H
 
 #include "base/progress.h"
-#include "direct/lit.h"
+#include "direct/shadow/lit.h"
 #include "method/lpv/inject.h"
 #include "method/lpv/pixels.h"
 

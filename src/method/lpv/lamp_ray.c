@@ -1,7 +1,7 @@
 /* Rays from lights. */
 #include "method/lpv/lamp_ray.h"
 
-#include "direct/grid_depth.h"
+#include "direct/shadow/grid_depth.h"
 
 const ty_lamp_kernels* ty_lamp_kernels_best(void) {
 #if TY_ISA_X86

@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_LPV_LAMP_RAY_H
 #define TY_METHOD_LPV_LAMP_RAY_H
 
-#include "direct/cell_ray.h"
+#include "direct/media/cell_ray.h"
 #include "method/lpv/inject.h"
 #include "method/lpv/lamp_kernel.h"
 

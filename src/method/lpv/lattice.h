@@ -7,7 +7,7 @@
 #define TY_METHOD_LPV_LATTICE_H
 
 #include "base/sh.k.h"
-#include "direct/grid_medium.h"
+#include "direct/media/grid_medium.h"
 #include "scene/light.k.h"
 
 #include <tyndall/lpv.h>

@@ -1,7 +1,7 @@
 /* Entry points. */
 #include "base/context.h"
 #include "base/isa.h"
-#include "direct/cover.h"
+#include "direct/media/coverage.h"
 #include "method/lpv/job.h"
 #include "scene/scene.h"
 

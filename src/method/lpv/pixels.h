@@ -5,7 +5,7 @@
 #ifndef TY_METHOD_LPV_PIXELS_H
 #define TY_METHOD_LPV_PIXELS_H
 
-#include "direct/airlight.h"
+#include "direct/single/airlight.h"
 #include "method/lpv/lattice.h"
 
 /* The lattices' light, for lookups: finest first. */

@@ -6,7 +6,7 @@
 #ifndef TY_PATH_FLIGHT_K_H
 #define TY_PATH_FLIGHT_K_H
 
-#include "direct/transmittance.k.h"
+#include "direct/uncollided/transmittance.k.h"
 
 typedef struct ty_collision {
     float t;

@@ -13,8 +13,8 @@
 #ifndef TY_METHOD_POP_CARRIED_H
 #define TY_METHOD_POP_CARRIED_H
 
-#include "direct/grid_medium.h"
-#include "direct/single.k.h"
+#include "direct/media/grid_medium.h"
+#include "direct/single/single.k.h"
 #include "solve/diffuse_light.h"
 
 /* On merged cells: what is emitted, W m^-3; what is to be added to the diffusion's fluence, and to its flux along x, y

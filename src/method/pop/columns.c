@@ -1,7 +1,7 @@
 /* Where columns of a grid go, and what they meet. */
 #include "method/pop/columns.h"
 
-#include "direct/source.h"
+#include "direct/lights/discretize.h"
 #include "scene/scene.h"
 
 typedef struct column_ray {

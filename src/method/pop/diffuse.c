@@ -1,7 +1,7 @@
 /* Split mode: what turns aside of all light, and its diffusion. */
 #include "base/context.h"
-#include "direct/inside.h"
-#include "direct/turned.h"
+#include "direct/lights/interior_light.h"
+#include "direct/uncollided/first_collision_source.h"
 #include "method/pop/job.h"
 
 /* Adds what turns aside of the ordinates' light and of sharp beams. */

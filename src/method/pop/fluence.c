@@ -1,6 +1,6 @@
 /* Fluence on a caller's cells, and radiance at a point. */
 #include "base/context.h"
-#include "direct/cover.h"
+#include "direct/media/coverage.h"
 #include "method/pop/job.h"
 
 #include <string.h>

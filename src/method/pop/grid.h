@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_POP_GRID_H
 #define TY_METHOD_POP_GRID_H
 
-#include "direct/grid_medium.h"
+#include "direct/media/grid_medium.h"
 #include "method/pop/frame.k.h"
 
 /* Floats of a cell of `seen`. */

@@ -1,7 +1,7 @@
 /* Loops over columns and cells of ordinates' grids; built once per instruction set, with TY_ISA naming it. */
 #include "method/pop/grid_kernel.h"
 
-#include "direct/turned.h"
+#include "direct/uncollided/first_collision_source.h"
 #include "method/pop/lobe.k.h"
 
 #define TY_JOIN_(a, b) a##b

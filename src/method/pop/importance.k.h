@@ -3,8 +3,8 @@
 #ifndef TY_METHOD_POP_IMPORTANCE_K_H
 #define TY_METHOD_POP_IMPORTANCE_K_H
 
-#include "direct/beam.k.h"
-#include "direct/single.k.h"
+#include "direct/uncollided/attenuation.k.h"
+#include "direct/single/single.k.h"
 #include "scene/phase.k.h"
 
 /* The medium where importance goes, means of the channels. */

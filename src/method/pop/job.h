@@ -3,8 +3,8 @@
 #define TY_METHOD_POP_JOB_H
 
 #include "base/progress.h"
-#include "direct/single.k.h"
-#include "direct/uncollided.h"
+#include "direct/single/single.k.h"
+#include "direct/uncollided/uncollided.h"
 #include "image/options.h"
 #include "method/pop/carried.h"
 #include "method/pop/merge.h"

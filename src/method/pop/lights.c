@@ -1,7 +1,7 @@
 /* All ordinates of a scene, each on its own grid, and all of them on merged cells. */
 #include "base/context.h"
 #include "base/parallel.h"
-#include "direct/turned.h"
+#include "direct/uncollided/first_collision_source.h"
 #include "method/pop/job.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #ifndef TY_METHOD_POP_LOBE_K_H
 #define TY_METHOD_POP_LOBE_K_H
 
-#include "direct/beam.k.h"
-#include "direct/forward.k.h"
+#include "direct/uncollided/attenuation.k.h"
+#include "direct/single/forward.k.h"
 
 /* 1 / sqrt(x) to 5e-6 for normal x > 0, without what takes processors long: two of Newton's steps. */
 TY_FN float ty_pop_root_inverse(float x) {

@@ -2,8 +2,8 @@
 #include "method/pop/ordinate.h"
 
 #include "base/context.h"
-#include "direct/environment_parts.h"
-#include "direct/source.h"
+#include "direct/lights/environment_clusters.h"
+#include "direct/lights/discretize.h"
 #include "scene/scene.h"
 
 typedef struct ordinate_list {

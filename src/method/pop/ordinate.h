@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_POP_ORDINATE_H
 #define TY_METHOD_POP_ORDINATE_H
 
-#include "direct/vpl.h"
+#include "direct/lights/vpl.h"
 
 #include <tyndall/pop.h>
 

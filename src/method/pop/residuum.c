@@ -1,7 +1,7 @@
 /* Light that has lost its direction, passed on from cell to cell in one grid for all ordinates. */
 #include "base/context.h"
 #include "base/parallel.h"
-#include "direct/single.k.h"
+#include "direct/single/single.k.h"
 #include "method/pop/merge.h"
 #include "method/pop/merge_kernel.h"
 #include "method/pop/slab.h"

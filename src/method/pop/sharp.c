@@ -1,7 +1,7 @@
 /* Directional, point and spot lights on cells as fine as the medium's: what goes straight through, and what scatters
  * and keeps its direction. */
 #include "base/context.h"
-#include "direct/turned.h"
+#include "direct/uncollided/first_collision_source.h"
 #include "method/pop/job.h"
 
 #include <math.h>

@@ -1,0 +1,247 @@
+/* Beams in tubes, slab by slab. */
+#include "base/context.h"
+#include "base/float_mode.h"
+#include "direct/uncollided/collimated.h"
+
+/* Rows whose cells stay in the cache while beam after beam adds to them. */
+enum { BLOCK_ROWS = 16 };
+
+/* Slabs of fewer cells, times beams, are gone through by one thread: handing them to others takes longer. */
+enum { CELLS_FOR_THREADS = 1 << 12 };
+
+typedef struct pass_job {
+    const ty_beams* of;
+    const float* extinction;        /* turned over where u and w change places */
+    float* out[TY_BEAM_PLANES_MAX]; /* the same for planes: turned over, they are only of TY_TURN_SIDE slabs */
+    int32_t slab;                   /* in the beams' order */
+    float* scratch;                 /* of the workers */
+    size_t scratch_size;            /* of each */
+    ty_beam_room* room;
+    float* turned; /* the room's; NULL: nothing needs turning */
+} pass_job;
+
+/* ---- one slab ---- */
+
+static size_t slab_offset(const ty_beam* beam, int32_t slab) {
+    return beam->stride[2] * (size_t)(beam->backwards ? beam->size[2] - 1 - slab : slab);
+}
+
+/* Where a slab's cells are in job->out. */
+static size_t out_offset(const pass_job* job) {
+    const ty_beam* beam = job->of->beams;
+    return job->turned != NULL ? beam->stride[2] * (size_t)(job->slab % TY_TURN_SIDE) : slab_offset(beam, job->slab);
+}
+
+/* Extinction of row v of a slab; that of a row outside is `empty`. */
+static const float* cell_row(const ty_beam* beam, const float* slab, int32_t v, const float* empty) {
+    return v >= 0 && v < beam->size[1] ? slab + beam->stride[1] * (size_t)v : empty;
+}
+
+/* The row of tubes that has rows v, v + 1 and v + 2 of cells, v from -2 on. kept: whether its transmittance goes on,
+ * which only one block of rows may see to. */
+static void pass_tubes(const pass_job* job, const ty_beam* beam, int32_t v, bool kept, float* scratch, float* mean) {
+    const int32_t slab = job->slab, width = beam->size[0] + 4;
+    const float* cells = job->extinction + slab_offset(beam, slab);
+    const int32_t row = v - beam->shift[1][slab] - beam->first[1];
+    const int32_t column = -2 - beam->shift[0][slab] - beam->first[0];
+    const size_t at = (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
+    ty_beam_row tubes = {
+        .count = beam->size[0],
+        .length = beam->length,
+        .start = beam->length * (float)slab,
+        .in = beam->along[slab % 2] + at,
+        .out = kept ? beam->along[(slab + 1) % 2] + at : scratch + 6 * width,
+        .mean = mean,
+        .blend = scratch + width,
+    };
+    for (int32_t i = 0; i < 3; ++i) tubes.cells[i] = cell_row(beam, cells, v + i, scratch);
+    for (int32_t i = 0; i < 2; ++i) memcpy(tubes.weight[i], beam->weight[i][slab], sizeof tubes.weight[i]);
+    for (int32_t i = 0; i < TY_BEAM_RAYS && beam->hit != NULL; ++i)
+        tubes.hit[i] = beam->hit + ty_beam_tubes(beam) * (size_t)i + at;
+    beam->kernels->tubes(&tubes);
+}
+
+/* Rows [begin, end) of a slab under one beam. scratch: a row without matter, one of means of rows, three rows of tubes,
+ * one of cells, and one of tubes for what goes nowhere. */
+static void pass_rows(const pass_job* job, int32_t index, int32_t begin, int32_t end, float* scratch) {
+    const ty_beams* of = job->of;
+    const ty_beam* beam = &of->beams[index];
+    const int32_t width = beam->size[0] + 4;
+    for (int32_t v = begin - 2; v < end; ++v) {
+        float* mean[3];
+        for (int32_t i = 0; i < 3; ++i) mean[i] = scratch + (2 + (v + 6 - i) % 3) * width;
+        pass_tubes(job, beam, v, v >= begin || begin == 0, scratch, mean[0]);
+        if (v < begin) continue;
+        ty_beam_cells cells = {
+            .count = beam->size[0],
+            .mean = {mean[0], mean[1], mean[2]},
+            .lit = scratch + 5 * width,
+            .plane_count = of->plane_count,
+            .factor = of->factor[index],
+        };
+        const size_t at = out_offset(job) + beam->stride[1] * (size_t)v;
+        for (int32_t p = 0; p < of->plane_count; ++p) cells.planes[p] = job->out[p] + at;
+        for (int32_t i = 0; i < 2; ++i) memcpy(cells.weight[i], beam->weight[i][job->slab], sizeof cells.weight[i]);
+        beam->kernels->cells(&cells);
+    }
+}
+
+static void pass_block(void* user, int64_t block, int32_t worker) {
+    const pass_job* job = user;
+    const int32_t begin = (int32_t)block * BLOCK_ROWS, rows = job->of->beams->size[1];
+    const int32_t end = rows - begin < BLOCK_ROWS ? rows : begin + BLOCK_ROWS;
+    const unsigned state = ty_flush_denormals();
+    for (int32_t i = 0; i < job->of->count; ++i)
+        pass_rows(job, i, begin, end, job->scratch + job->scratch_size * (size_t)worker);
+    ty_restore_denormals(state);
+}
+
+/* ---- cells turned over ---- */
+
+typedef struct turn_job {
+    const float* from;
+    float* to;
+    int32_t size[3]; /* of the medium */
+} turn_job;
+
+/* One y: (x, z) to (z, x), in blocks that stay in the cache. */
+static void turn_layer(void* user, int64_t y, int32_t worker) {
+    (void)worker;
+    const turn_job* job = user;
+    const size_t nx = (size_t)job->size[0], ny = (size_t)job->size[1], nz = (size_t)job->size[2];
+    for (size_t z0 = 0; z0 < nz; z0 += TY_TURN_SIDE)
+        for (size_t x0 = 0; x0 < nx; x0 += TY_TURN_SIDE)
+            for (size_t z = z0; z < nz && z < z0 + TY_TURN_SIDE; ++z)
+                for (size_t x = x0; x < nx && x < x0 + TY_TURN_SIDE; ++x)
+                    job->to[z + nz * ((size_t)y + ny * x)] = job->from[x + nx * ((size_t)y + ny * z)];
+}
+
+/* One y: adds the block of slabs that ends with the job's to the planes, and empties it. */
+static void turn_back(void* user, int64_t y, int32_t worker) {
+    (void)worker;
+    const pass_job* job = user;
+    const ty_beam* beam = job->of->beams;
+    const size_t nz = (size_t)beam->size[0], ny = (size_t)beam->size[1], nx = (size_t)beam->size[2];
+    const size_t first = (size_t)(job->slab / TY_TURN_SIDE * TY_TURN_SIDE), count = (size_t)job->slab + 1 - first;
+    const size_t low = beam->backwards ? nx - first - count : first;
+    ty_turn_block block = {.rows = (int32_t)count, .stride = nz * ny, .to_stride = nx * ny};
+    block.backwards = beam->backwards;
+    for (int32_t p = 0; p < job->of->plane_count; ++p)
+        for (size_t z = 0; z < nz; z += TY_TURN_SIDE) {
+            block.columns = (int32_t)(nz - z < TY_TURN_SIDE ? nz - z : TY_TURN_SIDE);
+            block.from = job->out[p] + z + nz * (size_t)y;
+            block.to = job->of->planes[p] + low + nx * ((size_t)y + ny * z);
+            beam->kernels->turn(&block);
+        }
+}
+
+/* ---- all slabs ---- */
+
+static void pass_slab(pass_job* job) {
+    const ty_beam* beam = job->of->beams;
+    const int64_t blocks = (beam->size[1] + BLOCK_ROWS - 1) / BLOCK_ROWS;
+    if ((int64_t)beam->size[0] * beam->size[1] * job->of->count >= CELLS_FOR_THREADS) {
+        ty_parallel_for(beam->context, blocks, pass_block, job);
+        return;
+    }
+    for (int64_t block = 0; block < blocks; ++block) pass_block(job, block, 0);
+}
+
+static ty_result pass_slabs(pass_job* job) {
+    const ty_beam* beam = job->of->beams;
+    ty_result result = TY_OK;
+    for (job->slab = 0; job->slab < beam->size[2] && result == TY_OK; ++job->slab) {
+        pass_slab(job);
+        if (job->turned != NULL && (job->slab % TY_TURN_SIDE == TY_TURN_SIDE - 1 || job->slab + 1 == beam->size[2]))
+            ty_parallel_for(beam->context, beam->size[1], turn_back, job);
+        if (job->of->watch != NULL)
+            result = ty_watch_report(job->of->watch, job->of->done + job->of->work * job->slab / beam->size[2]);
+    }
+    return result;
+}
+
+void ty_beam_room_free(ty_context* context, ty_beam_room* room) {
+    ty_free_array(context, room->floats, room->count, sizeof *room->floats);
+    *room = (ty_beam_room){.floats = NULL};
+}
+
+static ty_result fill_room(const pass_job* job, const ty_grid_medium* medium, size_t count) {
+    ty_context* context = job->of->beams->context;
+    ty_beam_room* room = job->room;
+    ty_beam_room_free(context, room);
+    room->floats = ty_alloc_array(context, count, sizeof *room->floats, true);
+    if (room->floats == NULL) return TY_ERROR_MEMORY;
+    room->count = count;
+    turn_job turn = {.from = job->of->extinction, .to = room->floats};
+    memcpy(turn.size, medium->box.size, sizeof turn.size);
+    ty_parallel_for(context, medium->box.size[1], turn_layer, &turn);
+    return TY_OK;
+}
+
+/* Where rows are along w, cells change places first. */
+static ty_result turn_over(pass_job* job, const ty_grid_medium* medium) {
+    const ty_beam* beam = job->of->beams;
+    const size_t block = TY_TURN_SIDE * (size_t)beam->size[0] * (size_t)beam->size[1];
+    const size_t count = medium->cells + block * (size_t)job->of->plane_count;
+    const ty_result result = job->room->count < count ? fill_room(job, medium, count) : TY_OK;
+    if (result != TY_OK) return result;
+    job->turned = job->room->floats;
+    for (int32_t p = 0; p < job->of->plane_count; ++p) job->out[p] = job->turned + medium->cells + block * (size_t)p;
+    job->extinction = job->turned;
+    return TY_OK;
+}
+
+ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium) {
+    const ty_beam* beam = beams->beams;
+    ty_context* context = beam->context;
+    ty_beam_room own = {.floats = NULL};
+    pass_job job = {.of = beams, .extinction = beams->extinction, .room = beams->room != NULL ? beams->room : &own};
+    memcpy(job.out, beams->planes, sizeof job.out);
+    int32_t widest = 0;
+    for (int32_t i = 0; i < beams->count; ++i) {
+        const size_t tubes = ty_beam_tubes(&beams->beams[i]);
+        for (int side = 0; side < 2; ++side)
+            for (size_t t = 0; t < tubes; ++t) beams->beams[i].along[side][t] = 1;
+        if (beams->beams[i].tubes[0] > widest) widest = beams->beams[i].tubes[0];
+    }
+    job.scratch_size = 6 * ((size_t)beam->size[0] + 4) + (size_t)widest;
+    const size_t scratch_count = job.scratch_size * (size_t)ty_context_threads(context);
+    job.scratch = ty_alloc_array(context, scratch_count, sizeof *job.scratch, true);
+    ty_result result = job.scratch != NULL ? TY_OK : TY_ERROR_MEMORY;
+    if (result == TY_OK && beam->axis[2] == 0) result = turn_over(&job, medium);
+    if (result == TY_OK) result = pass_slabs(&job);
+    ty_beam_room_free(context, &own);
+    ty_free_array(context, job.scratch, scratch_count, sizeof *job.scratch);
+    return result;
+}
+
+/* ---- power ---- */
+
+/* The slab after which a tube's column (or row) overlaps no cells any more; -1: it never did. */
+static int32_t last_slab(const ty_beam* beam, int32_t i, int32_t tube) {
+    int32_t last = -1;
+    for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
+        const int32_t cell = tube + beam->first[i] + beam->shift[i][slab];
+        if (cell >= -2 && cell < beam->size[i]) last = slab;
+    }
+    return last;
+}
+
+/* Tubes begin with 1 and keep what they had in the last slab that they were in; surfaces do not count. */
+ty_result ty_beam_power_of(const ty_beam* beam, double power[2]) {
+    int32_t* last = ty_alloc_array(beam->context, (size_t)beam->tubes[0], sizeof *last, false);
+    if (last == NULL) return TY_ERROR_MEMORY;
+    for (int32_t column = 0; column < beam->tubes[0]; ++column) last[column] = last_slab(beam, 0, column);
+    double sum = 0;
+    for (int32_t row = 0; row < beam->tubes[1]; ++row) {
+        const int32_t of_row = last_slab(beam, 1, row);
+        for (int32_t column = 0; column < beam->tubes[0]; ++column) {
+            const int32_t slab = last[column] < of_row ? last[column] : of_row;
+            sum += (double)beam->along[(slab + 1) % 2][(size_t)row * (size_t)beam->tubes[0] + (size_t)column];
+        }
+    }
+    ty_free_array(beam->context, last, (size_t)beam->tubes[0], sizeof *last);
+    power[0] = beam->section * (double)ty_beam_tubes(beam);
+    power[1] = beam->section * sum;
+    return TY_OK;
+}

@@ -1,0 +1,100 @@
+/* Sources by light. */
+#include "direct/uncollided/light_groups.h"
+
+#include "scene/scene.h"
+
+#include <math.h>
+
+/* Relative difference up to which colors are multiples of each other. */
+static const float alike = 1e-6f;
+
+/* A light is as good as a point from where it looks at most this large: its radius over the distance. */
+static const float point_like = 0.5f;
+
+static float distance_to_box(const ty_grid_box* box, ty_vec p) {
+    const float at[3] = {p.x, p.y, p.z};
+    float square = 0;
+    for (int a = 0; a < 3; ++a) {
+        const float off = at[a] - ty_clampf(at[a], (float)box->lower[a], (float)box->upper[a]);
+        square += off * off;
+    }
+    return sqrtf(square);
+}
+
+/* The next group from source `first` on, as if there were room for all. */
+static ty_source_group next_group(const ty_scene* scene, const ty_grid_box* box, const ty_source* sources,
+                                  int32_t count, int32_t first) {
+    const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
+    ty_source_group g = {.first = first, .own = true};
+    const int32_t light = sources[first].light;
+    ty_vec sum = ty_vec_make(0, 0, 0);
+    /* What surfaces send of a light is not where that is. */
+    for (int32_t i = first; i < count && sources[i].light == light && sources[i].stand_in == sources[first].stand_in;
+         ++i) {
+        ++g.count;
+        sum = ty_add(sum, sources[i].position);
+    }
+    g.middle = ty_scale(sum, 1.0f / (float)g.count);
+    if (sources[first].kind == TY_SOURCE_BEAM) {
+        g.own = g.count == 1 && lights->lights[light].kind == TY_KIND_DIRECTIONAL;
+        return g;
+    }
+    if (sources[first].stand_in != NULL) g.own = false;
+    if (sources[first].alone != 0 || !g.own) return g;
+    float radius = 0;
+    for (int32_t i = first; i < first + g.count; ++i) {
+        const ty_vec off = ty_sub(sources[i].position, g.middle);
+        radius = ty_maxf(radius, sqrtf(ty_dot(off, off)));
+    }
+    g.own = lights->lights[light].kind != TY_KIND_TRIANGLE && radius <= point_like * distance_to_box(box, g.middle);
+    return g;
+}
+
+int32_t ty_source_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_source* sources, int32_t count,
+                              int32_t most, ty_source_group* groups) {
+    int32_t found = 0, own = 0;
+    for (int32_t i = 0; i < count; i += groups[found++].count) {
+        groups[found] = next_group(scene, box, sources, count, i);
+        groups[found].own = groups[found].own && own < most;
+        if (groups[found].own) ++own;
+    }
+    return found;
+}
+
+bool ty_sources_share(const ty_source* sources, int32_t count, const float color[3]) {
+    for (int32_t i = 0; i < count; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const float* own = sources[i].color;
+            const int d = (c + 1) % 3;
+            if (fabsf(own[c] * color[d] - own[d] * color[c]) > alike * ty_maxf(own[c] * color[d], own[d] * color[c]))
+                return false;
+        }
+    return true;
+}
+
+ty_result ty_source_groups_field(const ty_source* sources, const ty_source_group* groups, int32_t count, bool own,
+                                 const ty_grid_medium* medium, bool with_flux, ty_light_field** out) {
+    const float* color = sources[groups[0].first].color;
+    bool shared = medium->planes == 1 && color[0] + color[1] + color[2] > 0;
+    for (int32_t i = 0; i < count; ++i)
+        shared =
+            shared && (groups[i].own != own || ty_sources_share(&sources[groups[i].first], groups[i].count, color));
+    return shared ? ty_light_field_create_shared(medium, with_flux, color, out)
+                  : ty_light_field_create(medium, with_flux, out);
+}
+
+ty_single_light ty_source_group_light(const ty_source* sources, const ty_source_group* group,
+                                      const ty_light_field* field) {
+    ty_single_light light = {.kind = TY_SINGLE_MANY, .shared = field->planes == 1};
+    if (group != NULL) {
+        const ty_source* source = &sources[group->first];
+        light.kind = source->kind == TY_SOURCE_BEAM ? TY_SINGLE_BEAM : TY_SINGLE_LAMP;
+        light.toward = source->kind == TY_SOURCE_BEAM ? source->direction : group->middle;
+    }
+    for (int c = 0; c < 3; ++c) {
+        light.color[c] = field->planes == 1 ? field->color[c] : 1;
+        light.fluence[c] = field->fluence[c];
+        for (int a = 0; a < 3; ++a) light.flux[c][a] = field->flux[c][a];
+    }
+    return light;
+}

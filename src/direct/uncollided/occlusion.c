@@ -1,0 +1,39 @@
+/* Rays beside a box. */
+#include "direct/uncollided/occlusion.h"
+
+#include <string.h>
+
+/* Of a cell's sides. */
+static const double rim = 1e-3;
+
+ty_stop_room ty_stop_room_of(const ty_grid_medium* medium) {
+    ty_stop_room room;
+    for (int a = 0; a < 3; ++a) {
+        room.lower[a] = medium->box.lower[a] + rim * medium->cell[a];
+        room.upper[a] = medium->box.upper[a] - rim * medium->cell[a];
+    }
+    return room;
+}
+
+static bool is_none(float stop) {
+    return stop < 0;
+}
+
+static void fill_row(float* row, size_t count) {
+    for (size_t i = 1; i < count; ++i)
+        if (is_none(row[i])) row[i] = row[i - 1];
+    for (size_t i = count - 1; i-- > 0;)
+        if (is_none(row[i])) row[i] = row[i + 1];
+}
+
+/* A row that has been filled, if with nothing. */
+static void fill_from(float* row, const float* other, size_t count) {
+    if (is_none(row[0])) memcpy(row, other, count * sizeof *row);
+}
+
+void ty_stops_fill(float* stops, int32_t columns, int32_t rows) {
+    const size_t across = (size_t)columns, down = (size_t)rows;
+    for (size_t row = 0; row < down; ++row) fill_row(stops + row * across, across);
+    for (size_t row = 1; row < down; ++row) fill_from(stops + row * across, stops + (row - 1) * across, across);
+    for (size_t row = down - 1; row-- > 0;) fill_from(stops + row * across, stops + (row + 1) * across, across);
+}

@@ -1,0 +1,276 @@
+/* Lamps: six pyramids about the lamp, one for each way along an axis, each cut into lengths within which the distance
+ * doubles. Within such a length a lattice of rays says how far cells are dimmed. */
+#include "direct/uncollided/point_light.h"
+
+#include "base/context.h"
+#include "base/float_mode.h"
+#include "direct/uncollided/ray_lattice.h"
+#include "direct/uncollided/near_cells.h"
+
+/* ---- rows of cells ---- */
+
+/* A row of cells along u, as far as a pyramid has it. */
+typedef struct cell_row {
+    const ty_lamp_lattice* l;
+    int32_t slab;
+    int32_t cell[3]; /* along u, v, w; of u: 0 */
+    size_t first;    /* where the row begins, and how far cells are apart, in planes */
+    size_t stride;
+    double v, w; /* m from the lamp to the cells' middles; w > 0 */
+    float *mean, *open, *lit[3], *falloff, *way[3];
+} cell_row;
+
+/* A cell's middle along an axis, m from the lamp. */
+static double middle_of(const ty_lamp_job* lamp, int32_t axis, int32_t cell) {
+    return lamp->lower[axis] + lamp->medium->cell[axis] * (cell + 0.5);
+}
+
+/* Floats of scratch for a row of cells of this lamp: rays, then cells. */
+static size_t cell_scratch(const ty_lamp_job* lamp) {
+    int32_t most = 0;
+    for (int a = 0; a < 3; ++a) most = lamp->medium->box.size[a] > most ? lamp->medium->box.size[a] : most;
+    return ty_lamp_lattice_scratch(lamp) + 7 * (size_t)most;
+}
+
+static void place_row(const ty_lamp_lattice* l, int32_t slab, int32_t v, float* scratch, cell_row* row) {
+    const ty_lamp_job* lamp = l->of;
+    const int32_t* size = lamp->medium->box.size;
+    const size_t stride[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
+    const size_t rays = (size_t)l->count[0], cells = (size_t)size[l->axis[0]];
+    *row = (cell_row){.l = l, .slab = slab, .cell = {0, v, ty_lamp_lattice_cell(l, slab)}};
+    row->stride = stride[l->axis[0]];
+    row->first = stride[l->axis[1]] * (size_t)row->cell[1] + stride[l->axis[2]] * (size_t)row->cell[2];
+    row->v = middle_of(lamp, l->axis[1], row->cell[1]);
+    row->w = fabs(middle_of(lamp, l->axis[2], row->cell[2]));
+    row->mean = scratch;
+    row->open = scratch + rays;
+    float* const next = scratch + 2 * rays;
+    for (int i = 0; i < 3; ++i) {
+        row->lit[i] = next + (size_t)i * cells;
+        row->way[i] = next + (size_t)(3 + i) * cells;
+    }
+    row->falloff = next + 6 * cells;
+}
+
+/* Whether the way to a cell's middle is along this lattice's pyramid: exactly one of the six has it. */
+static bool is_owned(const cell_row* row, int32_t u) {
+    const ty_lamp_lattice* l = row->l;
+    double off[3];
+    off[l->axis[0]] = fabs(middle_of(l->of, l->axis[0], u));
+    off[l->axis[1]] = fabs(row->v);
+    off[l->axis[2]] = row->w;
+    const int32_t w = off[0] >= off[1] && off[0] >= off[2] ? 0 : off[1] >= off[2] ? 1 : 2;
+    return w == l->axis[2];
+}
+
+/* The cells of the row that the pyramid has. */
+static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
+    const ty_lamp_job* lamp = row->l->of;
+    const int32_t u = row->l->axis[0], size = lamp->medium->box.size[u];
+    const double low = lamp->lower[u], per_cell = 1 / lamp->medium->cell[u];
+    *begin = (int32_t)fmax(0, fmin(size, floor((-row->w - low) * per_cell) - 1));
+    *end = (int32_t)fmax(0, fmin(size, ceil((row->w - low) * per_cell) + 1));
+    while (*begin < *end && !is_owned(row, *begin)) ++*begin;
+    while (*begin < *end && !is_owned(row, *end - 1)) --*end;
+}
+
+/* Mean extinction along the rays about the cells [begin, end), and how many of them get there. */
+static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_t end) {
+    const ty_lamp_lattice* l = row->l;
+    const double near = ty_lamp_lattice_plane(l, row->slab),
+                 far = fmin(l->far, ty_lamp_lattice_plane(l, row->slab + 1));
+    const size_t count = (size_t)l->count[0], rays = ty_lamp_lattice_rays(l);
+    int32_t at, first, last;
+    const float row_share = ty_lamp_lattice_locate(l, 1, row->v / row->w, &at);
+    ty_lamp_lattice_locate(l, 0, middle_of(l->of, l->axis[0], begin) / row->w, &first);
+    ty_lamp_lattice_locate(l, 0, middle_of(l->of, l->axis[0], end - 1) / row->w, &last);
+    ty_lamp_blend blend = {
+        .begin = first > 0 ? first - 1 : 0,
+        .end = last + 3 < l->count[0] ? last + 3 : l->count[0],
+        .row_share = row_share,
+        .far_share = (float)fmin(fmax((row->w - near) / (far - near), 0), 1),
+        .along = (float)row->w,
+        .out = row->mean,
+        .open = row->open,
+    };
+    for (size_t i = 0; i < 4; ++i)
+        blend.mean[i] = l->mean[plane] + rays * ((size_t)row->slab + i / 2) + count * ((size_t)at + i % 2);
+    for (size_t i = 0; i < 2 && l->hit != NULL; ++i) blend.hit[i] = l->hit + count * ((size_t)at + i);
+    l->of->kernels->lamp_blend(&blend);
+}
+
+/* How far cells are along w from where rays enter the box through its end, or across v. */
+static double inside_of(const cell_row* row, bool* across_v) {
+    const ty_lamp_lattice* l = row->l;
+    const int32_t v = l->axis[1], w = l->axis[2];
+    const ty_grid_medium* medium = l->of->medium;
+    const double lower = l->of->lower[v], upper = l->of->upper[v], cell = row->cell[1] + 0.5;
+    const double by_w = l->entry > 0 ? medium->cell[w] * (l->begin + row->slab + 0.5) : row->w;
+    double by_v = INFINITY;
+    if (lower > 0) by_v = row->w * medium->cell[v] * cell / row->v;
+    if (upper < 0) by_v = row->w * medium->cell[v] * (cell - medium->box.size[v]) / row->v;
+    *across_v = by_v < by_w;
+    return fmin(by_v, by_w);
+}
+
+/* Means of cells [begin, end) of the row. */
+static void find_means(const cell_row* row, int32_t begin, int32_t end) {
+    const ty_lamp_lattice* l = row->l;
+    const ty_lamp_job* lamp = l->of;
+    const ty_grid_medium* medium = lamp->medium;
+    const int32_t u = l->axis[0];
+    const double size = medium->cell[u], middle = middle_of(lamp, u, 0);
+    bool across_v;
+    ty_lamp_cells cells = {
+        .begin = begin,
+        .end = end,
+        .rays = l->count[0],
+        .column = {(float)((middle / row->w - l->low[0]) / l->step[0]), (float)(size / row->w / l->step[0])},
+        .off = {(float)middle, (float)size},
+        .v = (float)row->v,
+        .w = (float)row->w,
+        .side = {(float)(size * (lamp->lower[u] > 0 ? 0.5 : 0.5 - medium->box.size[u])), (float)size},
+        .beside = lamp->lower[u] > 0 || lamp->upper[u] < 0,
+        .inside = (float)inside_of(row, &across_v),
+        .stride = row->stride,
+        .mean = row->mean,
+        .open = l->hit != NULL ? row->open : NULL,
+        .spread = lamp->out.transmittance == NULL,
+    };
+    cells.across_v = across_v;
+    for (int i = 0; i < 3; ++i) cells.cell[i] = (float)medium->cell[l->axis[i]];
+    for (int32_t c = 0; c < medium->planes; ++c) {
+        blend_rays(row, c, begin, end);
+        cells.extinction = lamp->extinction[c] + row->first;
+        cells.lit = row->lit[c];
+        lamp->kernels->lamp_cells(&cells);
+    }
+}
+
+static void add_light(const cell_row* row, int32_t begin, int32_t end) {
+    const ty_lamp_lattice* l = row->l;
+    const ty_lamp_job* lamp = l->of;
+    const ty_lamp_out* out = &lamp->out;
+    const ty_vec direction = lamp->source->direction;
+    const float facing[3] = {direction.x, direction.y, direction.z};
+    const float middle = (float)middle_of(lamp, l->axis[0], 0), size = (float)lamp->medium->cell[l->axis[0]];
+    ty_lamp_ways ways = {.begin = begin, .end = end, .off = {middle, size}, .v = (float)row->v};
+    ways.w = (float)(l->backwards ? -row->w : row->w);
+    ways.light = lamp->light;
+    ways.falloff = row->falloff;
+    for (int i = 0; i < 3; ++i) {
+        ways.facing[i] = facing[l->axis[i]];
+        ways.way[i] = row->way[i];
+    }
+    lamp->kernels->lamp_ways(&ways);
+    for (int32_t c = 0; c < out->planes; ++c) {
+        ty_lamp_sum sum = {.begin = begin, .end = end, .stride = row->stride, .falloff = row->falloff};
+        sum.color = out->color[c];
+        sum.lit = row->lit[c < lamp->medium->planes ? c : 0];
+        sum.fluence = out->fluence[c] + row->first;
+        for (int i = 0; i < 3 && out->flux != NULL; ++i) {
+            sum.way[i] = row->way[i];
+            sum.flux[i] = out->flux[c][l->axis[i]] + row->first;
+        }
+        lamp->kernels->lamp_sum(&sum);
+    }
+}
+
+static void light_cells(const cell_row* row, int32_t begin, int32_t end) {
+    if (begin >= end) return;
+    float* const* transmittance = row->l->of->out.transmittance;
+    find_means(row, begin, end);
+    if (transmittance == NULL) {
+        add_light(row, begin, end);
+        return;
+    }
+    for (int32_t c = 0; c < row->l->of->medium->planes; ++c)
+        for (int32_t u = begin; u < end; ++u) transmittance[c][row->first + row->stride * (size_t)u] = row->lit[c][u];
+}
+
+/* All but what rays from cell to cell find better. */
+static void light_row(const cell_row* row) {
+    const ty_lamp_job* lamp = row->l->of;
+    const int32_t* axis = row->l->axis;
+    int32_t begin, end, near[2], cell[3];
+    find_owned(row, &begin, &end);
+    cell[axis[0]] = lamp->home[axis[0]];
+    cell[axis[1]] = row->cell[1];
+    cell[axis[2]] = row->cell[2];
+    if (lamp->out.transmittance != NULL || !ty_lamp_is_near(lamp, cell)) {
+        light_cells(row, begin, end);
+        return;
+    }
+    ty_lamp_near_range(lamp, axis[0], near);
+    light_cells(row, begin, near[0] < end ? near[0] : end);
+    light_cells(row, near[1] > begin ? near[1] : begin, end);
+}
+
+/* One v: rows of all slabs. */
+static void light_rows(void* user, int64_t v, int32_t worker) {
+    const ty_lamp_lattice* l = user;
+    float* scratch = l->of->scratch + l->of->scratch_size * (size_t)worker;
+    const unsigned state = ty_flush_denormals();
+    for (int32_t slab = 0; slab < l->slabs; ++slab) {
+        cell_row row;
+        place_row(l, slab, (int32_t)v, scratch, &row);
+        if (fabs(row.v) <= row.w) light_row(&row);
+    }
+    ty_restore_denormals(state);
+}
+
+/* ---- pyramids ---- */
+
+static ty_result light_pyramid(ty_lamp_job* lamp, int32_t w, bool backwards) {
+    const ty_grid_medium* medium = lamp->medium;
+    const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
+    ty_lamp_lattice before = {.of = lamp},
+                    l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+    l.entry = fmax(0, from);
+    ty_result result = TY_OK;
+    int32_t begin = (int32_t)fmin(medium->box.size[w], fmax(0, floor(-from / medium->cell[w])));
+    for (; begin < medium->box.size[w] && result == TY_OK; begin += l.slabs) {
+        if (!ty_lamp_lattice_place(&l, begin)) continue;
+        result = ty_lamp_lattice_trace(&l, &before);
+        if (result == TY_OK) ty_parallel_for(medium->context, medium->box.size[l.axis[1]], light_rows, &l);
+        ty_lamp_lattice_end(&before);
+        before = l;
+        l.hit = l.mean[0] = l.mean[1] = l.mean[2] = NULL;
+        lamp->passed += 1.0 / 6 * before.slabs / medium->box.size[w];
+        if (result == TY_OK) result = ty_watch_report(lamp->watch, fmin(lamp->passed, 1));
+    }
+    ty_lamp_lattice_end(&before);
+    return result;
+}
+
+static void place_lamp(ty_lamp_job* lamp) {
+    const ty_source* source = lamp->source;
+    const ty_grid_medium* medium = lamp->medium;
+    const double position[3] = {(double)source->position.x, (double)source->position.y, (double)source->position.z};
+    double least = INFINITY;
+    for (int a = 0; a < 3; ++a) {
+        lamp->lower[a] = medium->box.lower[a] - position[a];
+        lamp->upper[a] = medium->box.upper[a] - position[a];
+        lamp->home[a] = (int32_t)fmin(fmax(floor(-lamp->lower[a] / medium->cell[a]), -1e6), 1e6);
+        least = fmin(least, medium->cell[a]);
+    }
+    if (source->alone == 0) lamp->lift = (float)(1e-3 * least);
+}
+
+ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
+                      const ty_source* source, const ty_lamp_out* out, ty_watch* watch) {
+    ty_lamp_job lamp = {.scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
+    const size_t threads = (size_t)ty_context_threads(medium->context);
+    lamp.light = source->stand_in != NULL ? source->stand_in : &scene->lights.lights[source->light];
+    lamp.kernels = ty_direct_kernels_best();
+    lamp.watch = watch;
+    place_lamp(&lamp);
+    lamp.scratch_size = cell_scratch(&lamp);
+    lamp.scratch = ty_alloc_array(medium->context, lamp.scratch_size * threads, sizeof *lamp.scratch, false);
+    if (lamp.scratch == NULL) return TY_ERROR_MEMORY;
+    ty_result result = TY_OK;
+    for (int32_t way = 0; way < 6 && result == TY_OK; ++way) result = light_pyramid(&lamp, way / 2, way % 2 != 0);
+    if (result == TY_OK && out->transmittance == NULL) result = ty_lamp_add_near(&lamp);
+    ty_free_array(medium->context, lamp.scratch, lamp.scratch_size * threads, sizeof *lamp.scratch);
+    return result;
+}

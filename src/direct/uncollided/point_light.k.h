@@ -1,0 +1,40 @@
+/* Light from a point on cells: what a cell gets on the mean, and how far a lamp's light is dimmed on a lattice of rays.
+ */
+#ifndef TY_DIRECT_UNCOLLIDED_POINT_LIGHT_K_H
+#define TY_DIRECT_UNCOLLIDED_POINT_LIGHT_K_H
+
+#include "direct/uncollided/attenuation.k.h"
+#include "scene/light.k.h"
+
+/* The optical depth around a cell's middle; u, v and w are axes. */
+typedef struct ty_lamp_depth {
+    float depth;      /* in the middle */
+    float extinction; /* of the cell, 1/m */
+    float slope[3];   /* gradient of the depth over extinction */
+} ty_lamp_depth;
+
+/* The mean of the transmittance over a cell with sides cell[3]: exact where the depth is linear. */
+TY_FN float ty_lamp_mean_transmittance(const ty_lamp_depth* d, const float cell[3]) {
+    float most = -d->depth, mean = 1.0f; /* the exponent in the lightest corner, and the mean relative to there */
+    for (int32_t a = 0; a < 3; ++a) {
+        const float across = d->extinction * fabsf(d->slope[a]) * cell[a];
+        most += 0.5f * across;
+        mean *= ty_mean_decay(across, ty_decay(across));
+    }
+    const float lightest = most > 0.0f ? ty_expf(most) : ty_decay(-most);
+    return ty_minf(1.0f, lightest * mean);
+}
+
+/* The mean of transmittance / r^2 over a cell, relative to 1 / r^2 in its middle, to second order in the cell's size
+ * over r; within bounds where a cell is so long that this does not hold. to: unit, from the lamp. */
+TY_FN float ty_lamp_mean(const ty_lamp_depth* d, const float to[3], float per_distance, const float cell[3]) {
+    float spread = 1.0f;
+    for (int32_t a = 0; a < 3; ++a) {
+        const float square = to[a] * to[a];
+        const float bent = d->extinction * (4.0f * to[a] * d->slope[a] - (1.0f - square));
+        spread += cell[a] * cell[a] * (1.0f / 24.0f) * per_distance * ((8.0f * square - 2.0f) * per_distance + bent);
+    }
+    return ty_lamp_mean_transmittance(d, cell) * ty_clampf(spread, 0.0f, 4.0f);
+}
+
+#endif

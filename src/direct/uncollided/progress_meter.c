@@ -1,0 +1,26 @@
+/* Progress, ten times a second. */
+#include "direct/uncollided/progress_meter.h"
+
+#include "base/context.h"
+
+static const double report_interval = 0.1;
+
+ty_watch ty_watch_begin(ty_progress_fn progress, void* user, int32_t count) {
+    const double now = ty_wall_seconds();
+    return (ty_watch){.progress = progress, .user = user, .count = count, .begun = now, .reported = now};
+}
+
+ty_result ty_watch_report(ty_watch* watch, double part) {
+    if (watch->progress == NULL) return TY_OK;
+    const double now = ty_wall_seconds(), seconds = now - watch->begun;
+    if (now - watch->reported < report_interval) return TY_OK;
+    watch->reported = now;
+    const double fraction = (watch->done + part) / watch->count;
+    const ty_progress progress = {
+        .stage = "direct light",
+        .fraction = fraction,
+        .seconds = seconds,
+        .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
+    };
+    return watch->progress(watch->user, &progress) ? TY_OK : TY_CANCELLED;
+}

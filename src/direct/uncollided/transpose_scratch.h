@@ -1,0 +1,16 @@
+/* Where cells are turned over for beams along rows. */
+#ifndef TY_DIRECT_UNCOLLIDED_TRANSPOSE_SCRATCH_H
+#define TY_DIRECT_UNCOLLIDED_TRANSPOSE_SCRATCH_H
+
+#include <tyndall/base.h>
+
+/* Extinction, then planes, which are zeros between passes. Kept from one pass through an extinction to the next through
+ * the same, it is not turned again. */
+typedef struct ty_beam_room {
+    float* floats; /* NULL: there is none yet */
+    size_t count;
+} ty_beam_room;
+
+void ty_beam_room_free(ty_context* context, ty_beam_room* room);
+
+#endif

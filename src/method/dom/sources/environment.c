@@ -1,0 +1,277 @@
+/* What of environments is seen. Their beams are so few that narrow lobes about them leave gaps; what cells hold of
+ * them, as much as media let through, varies little from one beam to the next. So the environment is cut into many more
+ * pieces, each as bright and as far off a way as it is, and media dim each as they dim the parts around it. For each of
+ * the ways to the eye that is a weight of each part; what lights' lobes make of it is known by a few mean cosines. */
+#include "method/dom/sources/environment.h"
+
+#include "base/context.h"
+#include "base/octahedral.k.h"
+#include "direct/lights/environment_clusters.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Pieces that an environment is cut into; texels along the side of an octahedral map of ways. */
+enum { PIECES = 1024, SIDE = TY_DOM_SKY_SIDE };
+/* Steps of a table of lobes over the sine of half the angle. */
+enum { STEPS = 256 };
+/* Places within a piece. */
+enum { RINGS = 4, PER_RING = 8 };
+/* What parts without extent count as, in 1 less the mean cosine. */
+static const float least_spread = 1e-4f;
+
+/* ---- pieces ---- */
+
+/* Adds a piece's brightness to the nearest parts', by a bell as wide as each of these. */
+static void share_out(const ty_dom* light, int32_t of, ty_dom_piece* piece) {
+    float best[TY_DOM_PIECE_PARTS] = {0}, sum = 0;
+    memset(piece->part, 0, sizeof piece->part);
+    for (int32_t i = 0; i < light->part_count; ++i) {
+        const ty_dom_part* part = &light->parts[i];
+        if (!part->sky || part->light != of) continue;
+        const float spread = ty_maxf(least_spread, 1 - part->cosine), off = 1 - ty_dot(part->toward, piece->way);
+        float weight = expf(-ty_minf(80, off / spread));
+        int32_t at = i;
+        for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k) {
+            if (!(weight > best[k])) continue;
+            const float other = best[k];
+            const int32_t other_at = piece->part[k];
+            best[k] = weight;
+            piece->part[k] = at;
+            weight = other;
+            at = other_at;
+        }
+    }
+    for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k) sum += best[k];
+    for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k) piece->share[k] = sum > 0 ? best[k] / sum : 0;
+}
+
+/* One environment's pieces. */
+static ty_result cut(const ty_dom_job* job, int32_t of, ty_light_part* parts, double* spread) {
+    const ty_environment_parts_def def = {.parts = PIECES, .prefilter = 1};
+    ty_dom* light = job->light;
+    int32_t count = 0;
+    const ty_result result = ty_environment_parts(job->scene, &def, of, parts, &count);
+    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
+        ty_dom_piece* piece = &light->pieces[light->piece_count++];
+        const float bright = parts[i].color[0] + parts[i].color[1] + parts[i].color[2];
+        piece->way = parts[i].direction;
+        memcpy(piece->color, parts[i].color, sizeof piece->color);
+        share_out(light, of, piece);
+        spread[0] += (double)bright;
+        spread[1] += (double)(bright * parts[i].cosine);
+    }
+    return result;
+}
+
+/* Mean cosine of all that scatters, per plane. */
+static void find_mean_g(const ty_grid_medium* medium, float g[3]) {
+    for (int32_t p = 0; p < medium->planes; ++p) {
+        double sums[2] = {0, 0};
+        for (size_t i = 0; i < medium->cells; ++i) {
+            sums[0] += (double)medium->scattering[p][i];
+            sums[1] += (double)(medium->scattering[p][i] * medium->g[p][i]);
+        }
+        g[p] = sums[0] > 0 ? (float)(sums[1] / sums[0]) : 0;
+    }
+}
+
+ty_result ty_dom_sky_find(ty_dom_job* job) {
+    const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
+    ty_dom* light = job->light;
+    double spread[2] = {0, 0};
+    for (int32_t i = 0; i < lights->count; ++i)
+        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) light->piece_capacity += PIECES;
+    if (light->piece_capacity == 0) return TY_OK;
+    light->pieces = ty_alloc_array(job->context, (size_t)light->piece_capacity, sizeof *light->pieces, false);
+    ty_light_part* parts = ty_alloc_array(job->context, PIECES, sizeof *parts, false);
+    ty_result result = light->pieces != NULL && parts != NULL ? TY_OK : TY_ERROR_MEMORY;
+    for (int32_t i = 0; i < lights->count && result == TY_OK; ++i)
+        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) result = cut(job, i, parts, spread);
+    ty_free_array(job->context, parts, PIECES, sizeof *parts);
+    find_mean_g(job->coarse, light->mean_g);
+    light->piece_cosine = spread[0] > 0 ? (float)(spread[1] / spread[0]) : 1;
+    return result;
+}
+
+void ty_dom_sky_destroy(ty_dom* light) {
+    ty_free_array(light->context, light->pieces, (size_t)light->piece_capacity, sizeof *light->pieces);
+}
+
+/* ---- ways ---- */
+
+static ty_vec way_of(const ty_dom* light, const double eye[3], const int32_t cell[3]) {
+    double way[3];
+    ty_dom_way(light, cell, eye, way);
+    return ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+}
+
+/* Numbers the texels that cells' ways to the eye are among. */
+static void number_texels(const ty_dom* light, const double eye[3], ty_dom_sky* sky) {
+    const int32_t* size = light->box.size;
+    int32_t cell[3];
+    for (int32_t i = 0; i < SIDE * SIDE; ++i) sky->number[i] = -1;
+    for (cell[2] = 0; cell[2] < size[2]; ++cell[2])
+        for (cell[1] = 0; cell[1] < size[1]; ++cell[1])
+            for (cell[0] = 0; cell[0] < size[0]; ++cell[0]) {
+                int32_t texel[4];
+                float share[4];
+                ty_octahedral_around(SIDE, way_of(light, eye, cell), texel, share);
+                for (int32_t k = 0; k < 4; ++k) {
+                    if (sky->number[texel[k]] >= 0) continue;
+                    sky->texel[sky->ways] = texel[k];
+                    sky->number[texel[k]] = sky->ways++;
+                }
+            }
+}
+
+/* ---- weights ---- */
+
+/* What a part of unit light becomes, times 4 pi, by the sine of half the angle, for the mean cosines of light about it:
+ * the last is that of a line, which scatters by the phase function itself. */
+typedef struct lobe_table {
+    float lobe[STEPS + 2][TY_DOM_SKY_LOBES];
+} lobe_table;
+
+static void fill_lobes(const ty_dom* light, float g, lobe_table* table) {
+    for (int32_t i = 0; i < STEPS + 2; ++i) {
+        const float sine = ty_minf(1, (float)i / STEPS), mu = 1 - 2 * sine * sine;
+        for (int32_t n = 0; n < TY_DOM_SKY_LOBES; ++n) {
+            float below = 0, tail = 4 * TY_PI * ty_hg(mu, g);
+            if (light->fit.bands > 0)
+                tail = 4 * TY_PI * ty_forward_aside(&light->fit, mu, g);
+            else if (n + 1 < TY_DOM_SKY_LOBES && light->lobes)
+                tail = ty_forward_tail((float)n / (TY_DOM_SKY_LOBES - 1), mu, g, light->bands, &below);
+            table->lobe[i][n] = below + tail;
+        }
+    }
+}
+
+typedef struct weigh_job {
+    const ty_dom* light;
+    ty_dom_sky* sky;
+    const lobe_table* lobes; /* of each plane */
+} weigh_job;
+
+static void weigh_way(void* user, int64_t number, int32_t worker) {
+    (void)worker;
+    const weigh_job* job = user;
+    const ty_dom* light = job->light;
+    const int32_t texel = job->sky->texel[number];
+    const ty_vec way = ty_octahedral_texel(SIDE, texel);
+    ty_dom_sky_weight* weights = job->sky->weights + (size_t)number * (size_t)light->part_count;
+    memset(weights, 0, sizeof *weights * (size_t)light->part_count);
+    for (int32_t i = 0; i < light->piece_count; ++i) {
+        const ty_dom_piece* piece = &light->pieces[i];
+        const float at = sqrtf(ty_maxf(0, 0.5f * (1 - ty_dot(piece->way, way)))) * STEPS;
+        const int32_t step = at < STEPS ? (int32_t)at : STEPS;
+        const float share = at - (float)step;
+        for (int32_t c = 0; c < 3; ++c) {
+            const lobe_table* table = &job->lobes[light->part_planes == 3 ? c : 0];
+            for (int32_t n = 0; n < TY_DOM_SKY_LOBES; ++n) {
+                const float lobe = piece->color[c] * ty_lerpf(table->lobe[step][n], table->lobe[step + 1][n], share);
+                for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k)
+                    weights[piece->part[k]].lobe[n][c] += piece->share[k] * lobe;
+            }
+        }
+    }
+}
+
+ty_result ty_dom_sky_see(const ty_dom* light, const double eye[3], ty_dom_sky* sky) {
+    *sky = (ty_dom_sky){.weights = NULL};
+    if (light->piece_count == 0) return TY_OK;
+    number_texels(light, eye, sky);
+    sky->count = (size_t)sky->ways * (size_t)light->part_count;
+    sky->weights = ty_alloc_array(light->context, sky->count, sizeof *sky->weights, false);
+    lobe_table* lobes = ty_alloc_array(light->context, 3, sizeof *lobes, false);
+    if (sky->weights != NULL && lobes != NULL) {
+        for (int32_t p = 0; p < light->part_planes; ++p)
+            fill_lobes(light, light->mean_g[p] * light->piece_cosine, &lobes[p]);
+        weigh_job job = {light, sky, lobes};
+        ty_parallel_for(light->context, sky->ways, weigh_way, &job);
+    }
+    const bool whole = sky->weights != NULL && lobes != NULL;
+    ty_free_array(light->context, lobes, 3, sizeof *lobes);
+    return whole ? TY_OK : TY_ERROR_MEMORY;
+}
+
+void ty_dom_sky_free(const ty_dom* light, ty_dom_sky* sky) {
+    ty_free_array(light->context, sky->weights, sky->count, sizeof *sky->weights);
+}
+
+/* ---- behind media ---- */
+
+typedef struct blur_job {
+    const ty_dom* light;
+    const float* kernel; /* STEPS + 2, over the sine of half the angle */
+    float* map;
+} blur_job;
+
+static void blur_texel(void* user, int64_t texel, int32_t worker) {
+    (void)worker;
+    const blur_job* job = user;
+    const ty_dom* light = job->light;
+    const ty_vec look = ty_octahedral_texel(TY_DOM_SKY_SIDE, (int32_t)texel);
+    float* out = job->map + 3 * texel;
+    for (int c = 0; c < 3; ++c) out[c] = 0;
+    for (int32_t i = 0; i < light->piece_count; ++i) {
+        const ty_dom_piece* piece = &light->pieces[i];
+        const float at = sqrtf(ty_maxf(0, 0.5f * (1 + ty_dot(piece->way, look)))) * STEPS;
+        const int32_t step = at < STEPS ? (int32_t)at : STEPS;
+        const float* kernel = job->kernel + step;
+        const float share = ty_lerpf(kernel[0], kernel[1], at - (float)step);
+        for (int c = 0; c < 3; ++c) out[c] += share * piece->color[c];
+    }
+}
+
+/* What scatters within the peak, about a piece as large as they are in the mean: points would show one by one. */
+static float within_peak(const ty_dom* light, float mu) {
+    const float sine = sqrtf(ty_maxf(0, 1 - mu * mu)), g = light->mean_g[0];
+    float sum = 0;
+    for (int32_t i = 0; i < RINGS * PER_RING; ++i) {
+        const float turned = 2 * TY_PI * ((float)(i % PER_RING) + 0.5f) / PER_RING;
+        const float up = 1 - 2 * (1 - light->piece_cosine) * ((float)(i / PER_RING) + 0.5f) / RINGS;
+        const float to = ty_clampf(mu * up + sine * sqrtf(ty_maxf(0, 1 - up * up)) * cosf(turned), -1, 1);
+        sum += ty_maxf(0, ty_hg(to, g) - ty_forward_aside(&light->fit, to, g));
+    }
+    return sum;
+}
+
+void ty_dom_sky_blur(const ty_dom* light, float* map) {
+    float kernel[STEPS + 2];
+    double sum = 0;
+    for (int32_t i = 0; i < STEPS + 2; ++i) {
+        const float sine = ty_minf(1, (float)i / STEPS);
+        kernel[i] = within_peak(light, 1 - 2 * sine * sine);
+        /* The sphere's share of a step of this sine: 4 pi times the change of its square. */
+        sum += 8 * (double)(TY_PI * kernel[i] * sine / STEPS);
+    }
+    for (int32_t i = 0; i < STEPS + 2; ++i) kernel[i] = (float)((double)kernel[i] / sum);
+    blur_job job = {light, kernel, map};
+    ty_parallel_for(light->context, TY_DOM_SKY_TEXELS, blur_texel, &job);
+}
+
+/* ---- looking ---- */
+
+void ty_dom_sky_look(const ty_dom* light, const ty_dom_sky* sky, ty_vec way, ty_dom_sky_view* view) {
+    int32_t texel[4];
+    view->lobes = light->lobes;
+    ty_octahedral_around(SIDE, way, texel, view->share);
+    for (int32_t k = 0; k < 4; ++k)
+        view->weights[k] = sky->weights + (size_t)sky->number[texel[k]] * (size_t)light->part_count;
+}
+
+float ty_dom_sky_sent(const ty_dom_sky_view* view, int32_t part, int32_t channel, const ty_forward* forward) {
+    const float lost = view->lobes ? ty_maxf(0, forward->kept - forward->straight) : 0;
+    const float b = ty_forward_cosine(forward->straight, forward->kept, forward->bent) * (TY_DOM_SKY_LOBES - 1);
+    const int32_t n = b < TY_DOM_SKY_LOBES - 1 ? (int32_t)b : TY_DOM_SKY_LOBES - 2;
+    float line = 0, first = 0, second = 0;
+    for (int32_t k = 0; k < 4; ++k) {
+        const ty_dom_sky_weight* weight = &view->weights[k][part];
+        line += view->share[k] * weight->lobe[TY_DOM_SKY_LOBES - 1][channel];
+        first += view->share[k] * weight->lobe[n][channel];
+        second += view->share[k] * weight->lobe[n + 1][channel];
+    }
+    return forward->straight * line + lost * ty_lerpf(first, second, b - (float)n);
+}
