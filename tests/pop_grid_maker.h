@@ -18,14 +18,14 @@ typedef struct pop_case {
     float eye[3];
 } pop_case;
 
-static inline ty_light_part parallel_light(double x, double y, double z) {
-    ty_light_part ordinate = {.kind = TY_LIGHT_PART_PARALLEL, .color = {1, 1, 1}, .cosine = 1};
+static inline ty_discrete_light parallel_light(double x, double y, double z) {
+    ty_discrete_light ordinate = {.kind = TY_DISCRETE_DIRECTIONAL, .color = {1, 1, 1}, .mean_cosine = 1};
     ordinate.direction = ty_normalize(ty_vec_make((float)x, (float)y, (float)z));
     return ordinate;
 }
 
-static inline ty_light_part point_light(double x, double y, double z) {
-    ty_light_part ordinate = {.kind = TY_LIGHT_PART_RADIAL, .color = {1, 1, 1}, .cosine = 1};
+static inline ty_discrete_light point_light(double x, double y, double z) {
+    ty_discrete_light ordinate = {.kind = TY_DISCRETE_POINT, .color = {1, 1, 1}, .mean_cosine = 1};
     ordinate.position = ty_vec_make((float)x, (float)y, (float)z);
     ordinate.direction = ty_vec_make(0, 0, 1);
     return ordinate;
@@ -40,8 +40,8 @@ static inline ty_medium_def pop_cube(double sigma_s, double sigma_a, double g) {
 }
 
 /* Takes over the scene, with all in it. */
-static inline pop_case pop_begin(ty_scene* scene, const ty_light_part* ordinate, ty_pop_mode mode, int32_t resolution,
-                                 int32_t iterations) {
+static inline pop_case pop_begin(ty_scene* scene, const ty_discrete_light* ordinate, ty_pop_mode mode,
+                                 int32_t resolution, int32_t iterations) {
     pop_case made = {.scene = scene, .iterations = iterations, .eye = {0.3f, 0.4f, 5}};
     ty_context* context = ty_scene_context(scene);
     ty_grid_box box;

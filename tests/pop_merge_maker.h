@@ -26,10 +26,10 @@ static inline ty_vec box_middle(const ty_grid_box* box) {
 
 /* Spans a box; i, j, k of different sizes. */
 static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec direction, int32_t floats) {
-    ty_pop_light light = {.ordinate = {.kind = TY_LIGHT_PART_PARALLEL, .direction = direction, .cosine = 1},
+    ty_pop_light light = {.ordinate = {.kind = TY_DISCRETE_DIRECTIONAL, .direction = direction, .mean_cosine = 1},
                           .floats = floats};
     ty_pop_frame* frame = &light.frame;
-    *frame = (ty_pop_frame){.kind = TY_LIGHT_PART_PARALLEL, .size = {9, 10, 11}};
+    *frame = (ty_pop_frame){.kind = TY_DISCRETE_DIRECTIONAL, .size = {9, 10, 11}};
     ty_frame(direction, &frame->axis[0], &frame->axis[1]);
     frame->axis[2] = direction;
     frame->origin = box_middle(box);
@@ -45,8 +45,8 @@ static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec directi
 
 static inline ty_pop_light radial_light(ty_vec position, int32_t side, int32_t shells, float inner, float outer,
                                         int32_t floats) {
-    ty_pop_light light = {.ordinate = {.kind = TY_LIGHT_PART_RADIAL, .position = position}, .floats = floats};
-    light.frame = (ty_pop_frame){.kind = TY_LIGHT_PART_RADIAL,
+    ty_pop_light light = {.ordinate = {.kind = TY_DISCRETE_POINT, .position = position}, .floats = floats};
+    light.frame = (ty_pop_frame){.kind = TY_DISCRETE_POINT,
                                  .size = {side, side, shells},
                                  .origin = position,
                                  .inner = inner,

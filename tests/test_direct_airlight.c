@@ -320,9 +320,9 @@ static void media_without_surfaces(void** state) {
             made[i] = direct_begin(scene, 24, 1, 1);
             for (int c = 0; c < 3; ++c) planes[i][c] = calloc(made[i].medium->cells, sizeof(float));
         }
-        check_result(
-            *state, ty_uncollided_transmittance(made[0].scene, made[0].medium, NULL, made[0].sources, planes[0], NULL));
-        check_result(*state, ty_uncollided_in_media(made[1].medium, made[1].sources, planes[1]));
+        check_result(*state, ty_uncollided_transmittance(made[0].scene, made[0].medium, NULL, made[0].sources.items,
+                                                         planes[0], NULL));
+        check_result(*state, ty_uncollided_in_media(made[1].medium, made[1].sources.items, planes[1]));
         for (int c = 0; c < 3; ++c)
             assert_memory_equal(planes[0][c], planes[1][c], made[0].medium->cells * sizeof(float));
         for (int i = 0; i < 2; ++i) {

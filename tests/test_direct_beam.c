@@ -79,9 +79,10 @@ static void no_light_is_lost(void** state) {
             direct_case made = direct_begin(scene, 17, 1, 1);
             float* planes[3];
             for (int c = 0; c < 3; ++c) planes[c] = calloc(made.medium->cells, sizeof(float));
-            ty_beam_power power;
+            ty_collimated_power power;
             assert_int_equal(made.medium->planes, gray ? 1 : 3);
-            check_result(*state, ty_uncollided_transmittance(scene, made.medium, NULL, made.sources, planes, &power));
+            check_result(*state,
+                         ty_uncollided_transmittance(scene, made.medium, NULL, made.sources.items, planes, &power));
             for (int c = 0; c < made.medium->planes; ++c) {
                 const double taken = absorbed(made.medium, planes[c], c);
                 assert_true(taken > 0.3 * power.entering[c] && power.leaving[c] > 1e-3 * power.entering[c]);

@@ -11,7 +11,7 @@ enum { FINE = 24 * 12 * 18, MERGED = 8 * 6 * 6 };
 /* A medium and a beam through it, one plane for all channels, and what it comes to. */
 typedef struct beam {
     ty_grid_medium fine, merged;
-    ty_single_light light;
+    ty_light_fluence light;
     ty_pop_carried carried;
     float extinction[FINE], scattering[FINE], g[FINE], kept[FINE], straight[FINE], bent[FINE];
 } beam;
@@ -30,8 +30,8 @@ static beam* new_beam(ty_context* context, ty_vec direction, float g) {
     b->fine.extinction[0] = b->extinction;
     b->fine.scattering[0] = b->scattering;
     b->fine.g[0] = b->g;
-    b->light.kind = TY_SINGLE_BEAM;
-    b->light.toward = direction;
+    b->light.kind = TY_FLUENCE_DIRECTIONAL;
+    b->light.sample.direction = direction;
     b->light.lobes = b->light.shared = 1;
     b->light.fluence[0] = b->kept;
     b->light.straight[0] = b->straight;

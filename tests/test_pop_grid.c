@@ -12,7 +12,7 @@ static void test_axis_frame(void** state) {
     const ty_grid_box box = {{0, 0, 0}, {1, 1, 1}, {16, 16, 16}};
     for (int a = 0; a < 6; ++a) {
         const double way[3] = {a / 2 == 0, a / 2 == 1, a / 2 == 2}, sign = a % 2 ? -1 : 1;
-        const ty_light_part light = parallel_light(sign * way[0], sign * way[1], sign * way[2]);
+        const ty_discrete_light light = parallel_light(sign * way[0], sign * way[1], sign * way[2]);
         ty_pop_frame frame;
         ty_pop_frame_fit(&box, &light, 16, &frame);
         assert_vec_close(frame.step, ty_vec_make(0.0625f, 0.0625f, 0.0625f), 1e-8);
@@ -30,7 +30,7 @@ static void test_slanted_frame(void** state) {
     uint64_t random = 1;
     for (int n = 0; n < 20; ++n) {
         const ty_vec way = random_unit(&random);
-        const ty_light_part light = parallel_light((double)way.x, (double)way.y, (double)way.z);
+        const ty_discrete_light light = parallel_light((double)way.x, (double)way.y, (double)way.z);
         ty_pop_frame frame;
         ty_pop_frame_fit(&box, &light, 10, &frame);
         assert_vec_close(frame.axis[2], way, 1e-6);
@@ -54,19 +54,19 @@ static void test_radial_frame(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, -1, -1}, {1, 1, 1}, {16, 16, 16}};
     ty_pop_frame frame;
-    ty_light_part light = point_light(0, 0, 0);
+    ty_discrete_light light = point_light(0, 0, 0);
     ty_pop_frame_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_LIGHT_PART_RADIAL);
+    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
     assert_close((double)ty_pop_radius(&frame, 20), sqrt(3), 1e-4);
     assert_true((double)frame.inner <= 0.0501);
     assert_close((double)frame.growth, sqrt(4 * 3.14159265) / 20, 2e-3);
     light = point_light(1.5, 0, 0);
     ty_pop_frame_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_LIGHT_PART_RADIAL);
+    assert_int_equal(frame.kind, TY_DISCRETE_POINT);
     assert_close((double)frame.inner, 0.5, 1e-6);
     light = point_light(60, 0, 0);
     ty_pop_frame_fit(&box, &light, 20, &frame);
-    assert_int_equal(frame.kind, TY_LIGHT_PART_PARALLEL);
+    assert_int_equal(frame.kind, TY_DISCRETE_DIRECTIONAL);
     assert_vec_close(frame.axis[2], ty_vec_make(-1, 0, 0), 1e-6);
 }
 
@@ -95,12 +95,12 @@ static void check_cell(const pop_case* c, const double sigma[3], int32_t i, int3
     const ty_pop_frame* frame = &c->light.frame;
     const ty_vec middle = ty_pop_middle(frame, i, j, k), way = ty_pop_way(frame, i, j);
     const double length = (double)ty_pop_length(frame, k);
-    const double below = frame->kind == TY_LIGHT_PART_RADIAL
+    const double below = frame->kind == TY_DISCRETE_POINT
                              ? (double)ty_pop_radius(frame, (float)k + 0.5f) - (double)ty_pop_radius(frame, (float)k)
                              : 0.5 * length;
     double range[2];
     cube_range(middle, way, range);
-    const double start = frame->kind == TY_LIGHT_PART_RADIAL ? -(double)ty_pop_radius(frame, (float)k + 0.5f) : -1e9;
+    const double start = frame->kind == TY_DISCRETE_POINT ? -(double)ty_pop_radius(frame, (float)k + 0.5f) : -1e9;
     const double enter = fmax(range[0], start), from = fmax(enter, -below), to = fmin(range[1], length - below);
     if (!(to > from)) return;
     const size_t cells = pop_cells(frame);
@@ -110,7 +110,7 @@ static void check_cell(const pop_case* c, const double sigma[3], int32_t i, int3
                      mean_decay(sigma[order], from - enter, to - enter), 2e-5);
 }
 
-static void check_homogeneous(ty_context* context, const ty_light_part* ordinate, double g, bool colored) {
+static void check_homogeneous(ty_context* context, const ty_discrete_light* ordinate, double g, bool colored) {
     static const float sigma_s[3] = {4, 2, 1}, sigma_a[3] = {0.5f, 0, 3};
     ty_scene* scene = make_scene(context);
     ty_medium_def medium = pop_cube(4, 0.5, g);
@@ -134,8 +134,8 @@ static void check_homogeneous(ty_context* context, const ty_light_part* ordinate
 }
 
 static void test_homogeneous(void** state) {
-    const ty_light_part lights[] = {parallel_light(0, -1, 0), parallel_light(0.4, -1, 0.3), point_light(0.5, 0.5, 0.5),
-                                    point_light(0.4, 1.6, 0.3)};
+    const ty_discrete_light lights[] = {parallel_light(0, -1, 0), parallel_light(0.4, -1, 0.3),
+                                        point_light(0.5, 0.5, 0.5), point_light(0.4, 1.6, 0.3)};
     for (int l = 0; l < 4; ++l)
         for (int g = 0; g < 4; ++g)
             for (int colored = 0; colored < 2; ++colored)
@@ -253,10 +253,10 @@ static ty_scene* scene_of(ty_context* context, const ty_medium_def* medium) {
 /* Single scattering of a thin medium towards the eye, and from kept lobes towards another one. */
 static void test_see(void** state) {
     const ty_medium_def medium = pop_cube(2, 0.3, 0.7);
-    const ty_light_part lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
+    const ty_discrete_light lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
     for (int l = 0; l < 2; ++l) {
-        ty_light_part light = lights[l];
-        light.cosine = 0.9f;
+        ty_discrete_light light = lights[l];
+        light.mean_cosine = 0.9f;
         light.color[1] = 2;
         pop_case first = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 9, 1);
         pop_case second = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 9, 1);
@@ -278,8 +278,8 @@ static void test_see(void** state) {
 static void test_seen_value(void** state) {
     const double g = 0.6, sigma_s = 3, sigma_a = 1;
     const ty_medium_def medium = pop_cube(sigma_s, sigma_a, g);
-    ty_light_part light = parallel_light(1, 0, 0);
-    light.cosine = 0.8f;
+    ty_discrete_light light = parallel_light(1, 0, 0);
+    light.mean_cosine = 0.8f;
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 32, 1);
     pop_run(&made);
     for (int32_t k = 0; k < 32; k += 5) {
@@ -300,10 +300,10 @@ static void test_seen_value(void** state) {
 /* Directions all around: a point's radiance adds up to what has scattered and keeps its direction. */
 static void test_radiance(void** state) {
     const ty_medium_def medium = pop_cube(2, 0.3, 0.5);
-    ty_light_part lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
+    ty_discrete_light lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
     const ty_vec point = ty_vec_make(0.7f, 0.31f, 0.4f);
     for (int l = 0; l < 2; ++l) {
-        lights[l].cosine = 0.9f;
+        lights[l].mean_cosine = 0.9f;
         pop_case made = pop_begin(scene_of(*state, &medium), &lights[l], TY_POP_MODE_SPLIT, 24, 1);
         pop_run(&made);
         ty_vec way = lights[l].direction;
@@ -353,7 +353,8 @@ static void test_shadows(void** state) {
         for (int inside = 0; inside < 2; ++inside) {
             ty_scene* scene = scene_of(*state, &medium);
             add_wall(scene, -9, heights[inside], 0.5);
-            ty_light_part light = kind == 0 ? parallel_light(0, -1, 0) : point_light(0.5, kind == 1 ? 1.4 : 40, 0.5);
+            ty_discrete_light light =
+                kind == 0 ? parallel_light(0, -1, 0) : point_light(0.5, kind == 1 ? 1.4 : 40, 0.5);
             light.shadowed = 1;
             pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 16, 1);
             pop_run(&made);
@@ -388,9 +389,9 @@ static void test_floor(void** state) {
         set3(floor.u, 0, 0, 100);
         set3(floor.v, 100, 0, 0);
         check_result(*state, ty_scene_add_shape(scene, &floor));
-        ty_light_part light = point_light(distance, -0.5, 0.3);
+        ty_discrete_light light = point_light(distance, -0.5, 0.3);
         light.direction = ty_vec_make(0, 1, 0);
-        light.profile = TY_LIGHT_PART_COSINE;
+        light.profile = TY_PROFILE_COSINE;
         light.shadowed = 1;
         pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 12, 1);
         pop_run(&made);
@@ -412,20 +413,20 @@ static void test_profiles(void** state) {
     set3(spot.direction, 0, -1, 0);
     spot.cone = 60;
     check_result(*state, ty_scene_add_light(scene, &spot));
-    ty_light_part light = point_light(0.5, 0.5, 0.5);
+    ty_discrete_light light = point_light(0.5, 0.5, 0.5);
     light.direction = ty_vec_make(0, -1, 0);
     pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 16, 1);
-    for (int profile = TY_LIGHT_PART_EVEN; profile <= TY_LIGHT_PART_COSINE; ++profile) {
+    for (int profile = TY_PROFILE_ISOTROPIC; profile <= TY_PROFILE_COSINE; ++profile) {
         made.light.ordinate.profile = profile;
         pop_run(&made);
         for (int32_t j = 0; j < 16; ++j)
             for (int32_t i = 0; i < 16; ++i) {
                 const double mu = -(double)ty_pop_way(&made.light.frame, i, j).y,
                              value = pop_value(&made.light, i, j, 0, 3);
-                if (profile == TY_LIGHT_PART_EVEN) assert_close(value, 1, 0.1);
-                if (profile == TY_LIGHT_PART_COSINE) assert_close(value, fmax(0, mu), 0.1 * fmax(0, mu));
-                if (profile == TY_LIGHT_PART_SPOT && mu > cos(0.43)) assert_close(value, 1, 0.1);
-                if (profile == TY_LIGHT_PART_SPOT && mu < cos(0.53)) assert_close(value, 0, 0);
+                if (profile == TY_PROFILE_ISOTROPIC) assert_close(value, 1, 0.1);
+                if (profile == TY_PROFILE_COSINE) assert_close(value, fmax(0, mu), 0.1 * fmax(0, mu));
+                if (profile == TY_PROFILE_SPOT && mu > cos(0.43)) assert_close(value, 1, 0.1);
+                if (profile == TY_PROFILE_SPOT && mu < cos(0.53)) assert_close(value, 0, 0);
             }
     }
     pop_end(&made);
@@ -434,9 +435,9 @@ static void test_profiles(void** state) {
 /* In a parallel grid the light of a lamp still falls with distance, and with the medium passed. */
 static void test_afar(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
-    const ty_light_part light = point_light(0.5, 0.5, -5);
+    const ty_discrete_light light = point_light(0.5, 0.5, -5);
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 16, 1);
-    assert_int_equal(made.light.frame.kind, TY_LIGHT_PART_PARALLEL);
+    assert_int_equal(made.light.frame.kind, TY_DISCRETE_DIRECTIONAL);
     pop_run(&made);
     for (int32_t k = 0; k < 16; ++k) {
         const ty_vec at = ty_pop_middle(&made.light.frame, 3, 12, k);
@@ -464,7 +465,7 @@ static void test_extremes(void** state) {
                     ty_medium_def medium = pop_cube(densities[d], 0, gs[g]);
                     medium.sigma_a[1] = (float)densities[d];
                     medium.density_grid = direct_noise(*state, 8, 8, 8, 3);
-                    ty_light_part light = radial ? point_light(0.5, 0.5, 0.5) : parallel_light(0, 0, 1);
+                    ty_discrete_light light = radial ? point_light(0.5, 0.5, 0.5) : parallel_light(0, 0, 1);
                     light.color[2] = 0;
                     pop_case made = pop_begin(scene_of(*state, &medium), &light, (ty_pop_mode)mode, 8, 5);
                     const ty_vec middle = ty_pop_middle(&made.light.frame, 3, 3, 3);
@@ -487,7 +488,7 @@ static void test_one_density(void** state) {
     ty_medium_def medium = pop_cube(4, 1, 0.5);
     medium.sigma_s[1] = 2;
     medium.density_grid = direct_noise(*state, 8, 8, 8, 5);
-    const ty_light_part light = parallel_light(0.3, -1, 0.1);
+    const ty_discrete_light light = parallel_light(0.3, -1, 0.1);
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 8, 1);
     pop_run(&made);
     const size_t floats = ty_pop_seen_floats(&made.light.frame, made.light.floats);

@@ -107,7 +107,7 @@ static void check_places(ty_context* context, const ty_pop_light* light) {
     fill_light(light, fill_noise);
     merge(context, light, &merged);
     for (size_t i = 0; i < box_cells(&slab); ++i) {
-        const ty_pop_place place = ty_pop_locate(&light->frame, light->ordinate.least, merged_middle(&slab, i));
+        const ty_pop_place place = ty_pop_locate(&light->frame, light->ordinate.min_distance, merged_middle(&slab, i));
         const double tolerance = 1e-4 * (double)ty_maxf(1, place.spread);
         for (int c = 0; c < 3; ++c) {
             assert_close(merged.seen[c][i], blend(light, &place, c), tolerance);
@@ -128,7 +128,7 @@ static void cells_lie_where_points_are(void** state) {
     for (int n = 0; n < 6; ++n) {
         const bool single = n == 5;
         ty_pop_light light = radial_light(positions[n % 3], 8, single ? 1 : 10, 0.05f, 5, n < 3 ? TY_POP_SEEN : 12);
-        light.ordinate.least = 0.5f;
+        light.ordinate.min_distance = 0.5f;
         check_places(*state, &light);
         free_light(&light);
     }
@@ -192,7 +192,7 @@ static void lamps_spread(void** state) {
     static const ty_vec lamp = {0.3f, -0.2f, 0.1f};
     ty_pop_light light = radial_light(lamp, 8, 12, 0.05f, 3, TY_POP_SEEN);
     ty_pop_merged merged = make_merged(&cube, false);
-    light.ordinate.least = 0.25f;
+    light.ordinate.min_distance = 0.25f;
     fill_light(&light, fill_intensity);
     merge(*state, &light, &merged);
     for (size_t i = 0; i < box_cells(&cube); ++i) {

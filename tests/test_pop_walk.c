@@ -46,11 +46,12 @@ static double leaving(const pop_case* made, const float* light, const float* tur
         for (int32_t j = 0; j < n; ++j)
             for (int32_t i = 0; i < n; ++i) {
                 const size_t at = cell_at(frame, i, j, k);
-                const float a = turned != NULL ? turned[at] / fmaxf(light[at], 1e-30f) : made->light.ordinate.cosine;
+                const float a =
+                    turned != NULL ? turned[at] / fmaxf(light[at], 1e-30f) : made->light.ordinate.mean_cosine;
                 float front, side, back;
                 ty_pop_patches(a, &front, &side, &back);
                 double share = (double)((k == n - 1 ? front : 0) + (k == 0 ? back : 0));
-                if (frame->kind == TY_LIGHT_PART_PARALLEL)
+                if (frame->kind == TY_DISCRETE_DIRECTIONAL)
                     share += (double)side * ((i == 0) + (i == n - 1) + (j == 0) + (j == n - 1));
                 sum += share * (double)light[at];
             }
@@ -60,11 +61,12 @@ static double leaving(const pop_case* made, const float* light, const float* tur
 /* Without absorption, what is in the grid and what leaves is what there was. */
 static void test_energy(void** state) {
     ty_grid* noise = direct_noise(*state, 12, 12, 12, 7);
-    const ty_light_part lights[] = {parallel_light(0, -1, 0), parallel_light(0.5, 1, -0.2), point_light(0.4, 0.5, 0.6)};
+    const ty_discrete_light lights[] = {parallel_light(0, -1, 0), parallel_light(0.5, 1, -0.2),
+                                        point_light(0.4, 0.5, 0.6)};
     for (int l = 0; l < 3; ++l)
         for (int g = 0; g < 3; ++g) {
-            ty_light_part light = lights[l];
-            light.cosine = 0.8f;
+            ty_discrete_light light = lights[l];
+            light.mean_cosine = 0.8f;
             const ty_pop_mode mode = TY_POP_MODE_PUBLISHED;
             pop_case made = pop_begin(cube_scene(*state, 4, 0, 0.45 * g, noise), &light, mode, 12, 2);
             const size_t cells = pop_cells(&made.light.frame);
@@ -85,7 +87,7 @@ static void test_energy(void** state) {
 
 /* Fluence times volume: of what enters the unit cube along an axis, 1 without a medium. */
 static void test_stats(void** state) {
-    const ty_light_part light = parallel_light(0, 0, -1);
+    const ty_discrete_light light = parallel_light(0, 0, -1);
     pop_case made = pop_begin(cube_scene(*state, 4, 0, 0, NULL), &light, TY_POP_MODE_PUBLISHED, 16, 3);
     pop_run(&made);
     assert_close(made.walked.entered, 3 * (1 - exp(-4)) / 4, 1e-5);
@@ -97,7 +99,7 @@ static void test_stats(void** state) {
 
 /* Light that is a line goes to the cell in front, less what is absorbed on the way (Eq. 2). */
 static void test_absorption(void** state) {
-    const ty_light_part light = parallel_light(1, 0, 0);
+    const ty_discrete_light light = parallel_light(1, 0, 0);
     pop_case made = pop_begin(cube_scene(*state, 3, 2, 0.5, NULL), &light, TY_POP_MODE_PUBLISHED, 16, 1);
     pop_run(&made);
     const float *before = lobe_array(&made, 0), *after = lobe_array(&made, 1);
@@ -117,8 +119,8 @@ static void test_cosines(void** state) {
             ty_medium_def medium = pop_cube(3, 0, gs[i]);
             medium.sigma_s[2] = 6;
             check_result(*state, ty_scene_add_medium(scene, &medium));
-            ty_light_part light = parallel_light(0, 1, 0);
-            light.cosine = 0.9f;
+            ty_discrete_light light = parallel_light(0, 1, 0);
+            light.mean_cosine = 0.9f;
             pop_case made = pop_begin(scene, &light, (ty_pop_mode)mode, 10, 1);
             pop_run(&made);
             assert_int_equal(made.light.planes, 3);
@@ -142,11 +144,11 @@ static void test_cosines(void** state) {
 
 /* Fluence and radiance towards the eye are sums over iterations; kept lobes give them for another eye. */
 static void test_sums(void** state) {
-    const ty_light_part lights[2] = {parallel_light(0.3, -1, 0.2), point_light(0.3, 0.4, 0.55)};
+    const ty_discrete_light lights[2] = {parallel_light(0.3, -1, 0.2), point_light(0.3, 0.4, 0.55)};
     for (int l = 0; l < 2; ++l)
         for (int mode = TY_POP_MODE_PUBLISHED; mode <= TY_POP_MODE_COLLIDED; ++mode) {
-            ty_light_part light = lights[l];
-            light.cosine = 0.9f;
+            ty_discrete_light light = lights[l];
+            light.mean_cosine = 0.9f;
             light.color[1] = 3;
             pop_case made = pop_begin(cube_scene(*state, 2, 0.5, 0.6, NULL), &light, (ty_pop_mode)mode, 8, 2);
             pop_case other = pop_begin(cube_scene(*state, 2, 0.5, 0.6, NULL), &light, (ty_pop_mode)mode, 8, 2);
@@ -177,8 +179,8 @@ static void test_sums(void** state) {
 
 /* Radiance at a point adds up, over directions, to the fluence of what has scattered. */
 static void test_radiance(void** state) {
-    ty_light_part light = parallel_light(0, -1, 0);
-    light.cosine = 0.9f;
+    ty_discrete_light light = parallel_light(0, -1, 0);
+    light.mean_cosine = 0.9f;
     pop_case made = pop_begin(cube_scene(*state, 2, 0, 0.6, NULL), &light, TY_POP_MODE_PUBLISHED, 8, 9);
     pop_run(&made);
     assert_int_equal(made.light.bands, 5);
@@ -201,7 +203,7 @@ static void test_radiance(void** state) {
 /* A lamp in the middle lights a shell alike all around, over the map's edges too. */
 static void test_symmetry(void** state) {
     for (int mode = 0; mode < 3; ++mode) {
-        const ty_light_part light = point_light(0.5, 0.5, 0.5);
+        const ty_discrete_light light = point_light(0.5, 0.5, 0.5);
         pop_case made = pop_begin(cube_scene(*state, 4, 0, 0.5, NULL), &light, (ty_pop_mode)mode, 16, 12);
         pop_run(&made);
         const ty_pop_frame* frame = &made.light.frame;
@@ -221,7 +223,7 @@ static void test_symmetry(void** state) {
 
 /* Eq. 10. */
 static void test_length(void** state) {
-    const ty_light_part light = parallel_light(0, -1, 0);
+    const ty_discrete_light light = parallel_light(0, -1, 0);
     pop_case made = pop_begin(cube_scene(*state, 1, 0, 0.95, NULL), &light, TY_POP_MODE_PUBLISHED, 16, 1);
     made.def.residuum = 0.1;
     assert_int_equal(ty_pop_walk_length(&made.def, made.medium, 1, 0.25f), (int)ceil(log(0.1) / log(0.95) / 0.25));

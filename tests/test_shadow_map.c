@@ -243,23 +243,22 @@ static ty_scene* lit_floor(ty_context* context) {
 
 typedef struct vpls {
     ty_grid_medium* medium;
-    ty_light_part* items;
-    int32_t count;
+    ty_discrete_light_set set;
 } vpls;
 
 static vpls find(ty_scene* scene, const ty_pop_def* def) {
     ty_context* context = ty_scene_context(scene);
-    vpls out = {.count = 0};
+    vpls out = {.medium = NULL};
     ty_grid_box box;
     check_result(context, ty_grid_box_fit(scene, 16, &box));
     check_result(context, ty_grid_medium_create(scene, &box, &out.medium));
     const ty_vpl_def vpl_def = ty_pop_vpl_def(def);
-    check_result(context, ty_vpls_create(scene, &vpl_def, out.medium, &out.items, &out.count));
+    check_result(context, ty_vpls_create(scene, &vpl_def, out.medium, &out.set));
     return out;
 }
 
 static void forget(ty_scene* scene, vpls* found) {
-    ty_light_parts_destroy(ty_scene_context(scene), found->items, found->count);
+    ty_discrete_light_set_destroy(ty_scene_context(scene), &found->set);
     ty_grid_medium_destroy(found->medium);
 }
 
@@ -272,16 +271,16 @@ static void vpls_carry_all_light(void** state) {
         def.vpls = counts[n];
         def.mode = TY_POP_MODE_COLLIDED; /* attenuates as media do */
         vpls found = find(scene, &def);
-        assert_true(found.count <= counts[n] && found.count > counts[n] * 0.9);
-        for (int32_t i = 0; i < found.count; ++i) {
-            const ty_light_part* vpl = &found.items[i];
-            assert_int_equal(vpl->kind, TY_LIGHT_PART_RADIAL);
-            assert_int_equal(vpl->profile, TY_LIGHT_PART_COSINE);
+        assert_true(found.set.count <= counts[n] && found.set.count > counts[n] * 0.9);
+        for (int32_t i = 0; i < found.set.count; ++i) {
+            const ty_discrete_light* vpl = &found.set.items[i];
+            assert_int_equal(vpl->kind, TY_DISCRETE_POINT);
+            assert_int_equal(vpl->profile, TY_PROFILE_COSINE);
             assert_vec_close(vpl->direction, ty_vec_make(0, 1, 0), 1e-6);
             assert_close((double)vpl->position.y, -1.2, 1e-3);
-            assert_close((double)vpl->least, 0.1, 1e-6);
+            assert_close((double)vpl->min_distance, 0.1, 1e-6);
             assert_int_equal(vpl->shadowed, 1);
-            assert_true(vpl->cosine > 0 && vpl->cosine <= 1);
+            assert_true(vpl->mean_cosine > 0 && vpl->mean_cosine <= 1);
             assert_true(vpl->light >= 0 && vpl->light < 3);
             for (int c = 0; c < 3; ++c) sum[c] += pi * (double)vpl->color[c];
         }
@@ -301,10 +300,11 @@ static void vpls_carry_all_light(void** state) {
 /* Irradiance of a plane above the floor: 64 VPLs against a thousand. */
 static double irradiance_above(const vpls* found, ty_vec point) {
     double sum = 0;
-    for (int32_t i = 0; i < found->count; ++i) {
-        const ty_vec off = ty_sub(point, found->items[i].position);
+    for (int32_t i = 0; i < found->set.count; ++i) {
+        const ty_vec off = ty_sub(point, found->set.items[i].position);
         const double distance2 = (double)ty_dot(off, off);
-        sum += (double)(found->items[i].color[1] * ty_dot(off, found->items[i].direction)) / pow(distance2, 1.5);
+        sum +=
+            (double)(found->set.items[i].color[1] * ty_dot(off, found->set.items[i].direction)) / pow(distance2, 1.5);
     }
     return sum;
 }
@@ -335,7 +335,7 @@ static void surfaces_that_face_away(void** state) {
     check_result(*state, ty_scene_commit(scene));
     const ty_pop_def def = pop_def(8);
     vpls found = find(scene, &def);
-    assert_int_equal(found.count, 0);
+    assert_int_equal(found.set.count, 0);
     forget(scene, &found);
     ty_scene_destroy(scene);
 }
@@ -351,8 +351,8 @@ static void prefiltering_of_vpls(void** state) {
         ty_pop_def def = pop_def(8);
         def.vpls = 1;
         vpls found = find(scene, &def);
-        assert_int_equal(found.count, 1);
-        cosine[i] = (double)found.items[0].cosine;
+        assert_int_equal(found.set.count, 1);
+        cosine[i] = (double)found.set.items[0].mean_cosine;
         forget(scene, &found);
         ty_scene_destroy(scene);
     }
@@ -371,8 +371,9 @@ static void threads_do_not_matter(void** state) {
         scenes[i] = lit_floor(contexts[i]);
         found[i] = find(scenes[i], &def);
     }
-    assert_int_equal(found[0].count, found[1].count);
-    assert_memory_equal(found[0].items, found[1].items, (size_t)found[0].count * sizeof *found[0].items);
+    assert_int_equal(found[0].set.count, found[1].set.count);
+    assert_memory_equal(found[0].set.items, found[1].set.items,
+                        (size_t)found[0].set.count * sizeof *found[0].set.items);
     for (int i = 0; i < 2; ++i) {
         forget(scenes[i], &found[i]);
         ty_scene_destroy(scenes[i]);
@@ -390,14 +391,13 @@ static void no_memory(void** state) {
         const ty_vpl_def def = ty_pop_vpl_def(&pop);
         ty_grid_box box;
         ty_grid_medium* medium = NULL;
-        ty_light_part* items = NULL;
-        int32_t count = 0;
+        ty_discrete_light_set set;
         check_result(context, ty_grid_box_fit(scene, 16, &box));
         check_result(context, ty_grid_medium_create(scene, &box, &medium));
         const size_t before = memory.used;
         memory.until_refusal = at;
-        const ty_result result = ty_vpls_create(scene, &def, medium, &items, &count);
-        if (result == TY_OK) ty_light_parts_destroy(context, items, count);
+        const ty_result result = ty_vpls_create(scene, &def, medium, &set);
+        ty_discrete_light_set_destroy(context, &set);
         assert_int_equal(memory.used, before);
         ty_grid_medium_destroy(medium);
         ty_scene_destroy(scene);

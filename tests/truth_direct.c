@@ -1,5 +1,6 @@
 /* Uncollided light on a grid against path tracing: every kind of light in an uneven medium with things that cast
  * shadows. */
+#include "direct/lights/discretize.h"
 #include "direct/uncollided/uncollided.h"
 #include "truth.h"
 #include "triangle_maker.h"
@@ -38,17 +39,16 @@ static void light_grid(const ty_scene* scene, int32_t longest, float* fluence[3]
     ty_grid_box box;
     ty_grid_medium* medium = NULL;
     ty_light_field* field = NULL;
-    ty_source* sources = NULL;
-    ty_source_def def = ty_default_source_def();
+    ty_discrete_light_set sources;
+    ty_discretize_def def = ty_default_discretize_def();
     def.environment = 128;
     def.surface = 256;
-    int32_t count = 0;
     must(context, ty_grid_box_fit(scene, longest, &box));
     for (int a = 0; a < 3; ++a) box.size[a] = longest; /* finer than voxels, even */
     must(context, ty_grid_medium_create(scene, &box, &medium));
     must(context, ty_light_field_create(medium, true, &field));
-    must(context, ty_sources_create(scene, &def, &sources, &count));
-    must(context, ty_uncollided_add(scene, medium, NULL, sources, count, field));
+    must(context, ty_discretize_lights(scene, &def, &sources));
+    must(context, ty_uncollided_add(scene, medium, NULL, sources.items, sources.count, field));
     for (int c = 0; c < 3; ++c) ty_grid_average(context, field->fluence[c], box.size, coarse, fluence[c]);
     for (int c = 0; c < 3; ++c)
         for (size_t i = 0; i < medium->cells; ++i) {
@@ -57,7 +57,7 @@ static void light_grid(const ty_scene* scene, int32_t longest, float* fluence[3]
             if (!(sqrt(x * x + y * y + z * z) <= (double)field->fluence[c][i] * (1 + 1e-4)))
                 fail_msg("cell %zu has more flux than fluence", i);
         }
-    ty_sources_destroy(context, sources, count);
+    ty_discrete_light_set_destroy(context, &sources);
     ty_light_field_destroy(field);
     ty_grid_medium_destroy(medium);
 }

@@ -49,10 +49,10 @@ static ty_difference layer_difference(ty_context* context, const ty_image* image
     return difference;
 }
 
-static ty_single_light light_on_cells(const direct_case* made, ty_light_field* field) {
-    const bool beam = made->sources[0].kind == TY_SOURCE_BEAM;
-    ty_single_light light = {.kind = beam ? TY_SINGLE_BEAM : TY_SINGLE_LAMP,
-                             .toward = beam ? made->sources[0].direction : made->sources[0].position};
+static ty_light_fluence light_on_cells(const direct_case* made, ty_light_field* field) {
+    const bool beam = made->sources.items[0].kind == TY_DISCRETE_DIRECTIONAL;
+    ty_light_fluence light = {.kind = beam ? TY_FLUENCE_DIRECTIONAL : TY_FLUENCE_POINT,
+                              .sample = made->sources.items[0]};
     for (int c = 0; c < 3; ++c) light.fluence[c] = field->fluence[c];
     return light;
 }
@@ -69,7 +69,7 @@ static void single_scattering(void** state) {
         }
         direct_case made = direct_begin(cloud(*state, sigma_s, 0.6f, &def), 2 * VOXELS, 1, 1);
         ty_light_field* field = direct_light(&made, false);
-        const ty_single_light light = light_on_cells(&made, field);
+        const ty_light_fluence light = light_on_cells(&made, field);
         ty_march_def march = march_def(SIDE, SIDE);
         march.spp = 16;
         march.light_box = made.medium->box;

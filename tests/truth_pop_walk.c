@@ -34,7 +34,7 @@ static double traced(ty_context* context, double g) {
 }
 
 static double walked(ty_context* context, double g, ty_pop_mode mode, int32_t iterations) {
-    const ty_light_part light = parallel_light(0, -1, 0);
+    const ty_discrete_light light = parallel_light(0, -1, 0);
     pop_case made = pop_begin(cube_in_light(context, g), &light, mode, SIDE, iterations);
     pop_run(&made);
     double sum = 0;

@@ -15,7 +15,7 @@ typedef struct ty_march_request {
     float first;         /* where in a step the first pixel's rays begin, of a step */
     float step;          /* voxels, or cells */
     ty_cell_place light; /* the cells that lights lie on */
-    const ty_single_light* lights;
+    const ty_light_fluence* lights;
     int32_t light_count;
     int32_t reduced;    /* as in ty_march_def */
     ty_forward_fit fit; /* no bands: none */

@@ -15,23 +15,23 @@ enum { TY_MARCH_LIGHTS_MAX = 16, TY_MARCH_BLURRED = 32 };
 enum { TY_MARCH_AOVS = TY_AOV_TRANSMITTANCE | TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_DEPTH };
 
 typedef struct ty_march_def {
-    int32_t width, height;         /* pixels; must be set */
-    int32_t spp;                   /* rays per pixel, stratified over it, 1..64; default 1: through its middle */
-    uint64_t seed;                 /* of where in each ray steps begin */
-    double step;                   /* how far apart light is looked up: in voxels of the medium, or in the light's
-                                      cells where those are larger and nothing but the density varies from voxel to
-                                      voxel; 0.05..8; default 1. Optical depth is exact whatever it is.
-                                      docs/marching.md: cost and bias */
-    double guided;                 /* how like a cell's extinction must be to that of a place which takes light from
-                                      it, see docs/marching.md; default 0.25; 0, or a field without a guide: plain
-                                      interpolation */
-    bool keeps_means;              /* whether the field's interpolant has, nearly, the means over cells that the field
-                                      has, so that coarse cells do not blur it, see docs/marching.md; meant for plain
-                                      interpolation; default false */
-    uint32_t aovs;                 /* of TY_MARCH_AOVS; default 0 */
-    ty_grid_box light_box;         /* the cells that lights lie on; looked at if there are any */
-    const ty_single_light* lights; /* uncollided light; default none */
-    int32_t light_count;           /* 0..TY_MARCH_LIGHTS_MAX */
+    int32_t width, height;          /* pixels; must be set */
+    int32_t spp;                    /* rays per pixel, stratified over it, 1..64; default 1: through its middle */
+    uint64_t seed;                  /* of where in each ray steps begin */
+    double step;                    /* how far apart light is looked up: in voxels of the medium, or in the light's
+                                       cells where those are larger and nothing but the density varies from voxel to
+                                       voxel; 0.05..8; default 1. Optical depth is exact whatever it is.
+                                       docs/marching.md: cost and bias */
+    double guided;                  /* how like a cell's extinction must be to that of a place which takes light from
+                                       it, see docs/marching.md; default 0.25; 0, or a field without a guide: plain
+                                       interpolation */
+    bool keeps_means;               /* whether the field's interpolant has, nearly, the means over cells that the field
+                                       has, so that coarse cells do not blur it, see docs/marching.md; meant for plain
+                                       interpolation; default false */
+    uint32_t aovs;                  /* of TY_MARCH_AOVS; default 0 */
+    ty_grid_box light_box;          /* the cells that lights lie on; looked at if there are any */
+    const ty_light_fluence* lights; /* uncollided light; default none */
+    int32_t light_count;            /* 0..TY_MARCH_LIGHTS_MAX */
     int32_t reduced; /* whether that light lost only what scatters aside on its way: L of sigma_t - g^L sigma_s, 1..12
                         (1, g above 0 alone: a reduced beam); default 0: sigma_t */
     const ty_forward_fit* fit; /* the phase function where all media have the same, too narrow for L bands: light goes

@@ -70,7 +70,7 @@ TY_FN void ty_march_shine(ty_march_ray* ray, const ty_track* track, ty_vec point
     }
     if (request->light_count == 0) return;
     const ty_vec way = ty_scale(ray->direction, -1.0f);
-    ty_single_sent sent;
+    ty_single_radiance sent;
     memset(&sent, 0, sizeof sent);
     for (int32_t i = 0; i < request->light_count; ++i)
         ty_single_scattered(&request->lights[i], point, &lights[i].at, way, lights[i].passing, g, &request->fit, &sent);

@@ -23,8 +23,8 @@ enum { TY_NEAR_PIECES = 8, TY_NEAR_SAMPLES_MIN = 3, TY_NEAR_SAMPLES_MAX = 8 };
 
 /* A light as it is seen from a point. */
 typedef struct ty_near_light {
-    ty_cell_point at;                     /* where its fluences are taken */
-    float passing[TY_SINGLE_FLUENCES][3]; /* what of each comes from there */
+    ty_cell_point at;                   /* where its fluences are taken */
+    float passing[TY_FLUENCE_COUNT][3]; /* what of each comes from there */
 } ty_near_light;
 
 /* The integral of a medium's density between two distances along a ray, m. extinction: about what it is there, 1/m. */
@@ -54,8 +54,7 @@ TY_FN float ty_near_kept(int32_t reduced, float g) {
 
 /* Adds the optical depths of a medium between two distances along a ray, as beams' fluences lose light. */
 TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_medium_view* medium, ty_vec from,
-                         ty_vec toward, float enter, float leave, float extinction,
-                         float depth[TY_SINGLE_FLUENCES][3]) {
+                         ty_vec toward, float enter, float leave, float extinction, float depth[TY_FLUENCE_COUNT][3]) {
     const float amount = ty_near_amount(medium, from, toward, enter, leave, extinction);
     const ty_vec middle = ty_mad(from, toward, 0.5f * (enter + leave));
     float sigma_s[3], g[3];
@@ -64,9 +63,9 @@ TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL co
     for (int32_t c = 0; c < 3; ++c) {
         const float sigma_t = medium->sigma_t[c], power = ty_near_kept(request->reduced, g[c]);
         const float kept = request->fit.bands > 0 ? request->fit.straight : power;
-        depth[TY_SINGLE_KEPT][c] += amount * ty_maxf(0.0f, sigma_t - kept * sigma_s[c]);
-        depth[TY_SINGLE_STRAIGHT][c] += amount * sigma_t;
-        depth[TY_SINGLE_BENT][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * power * sigma_s[c]);
+        depth[TY_FLUENCE_ORDER_L][c] += amount * ty_maxf(0.0f, sigma_t - kept * sigma_s[c]);
+        depth[TY_FLUENCE_UNSCATTERED][c] += amount * sigma_t;
+        depth[TY_FLUENCE_NEXT_ORDER][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * power * sigma_s[c]);
     }
 }
 
@@ -88,7 +87,7 @@ TY_FN bool ty_near_inside(TY_GLOBAL const ty_medium_view* medium, ty_vec point) 
 
 /* The optical depth of all media from a point up to some distance. */
 TY_FN void ty_near_depths(TY_GLOBAL const ty_march_request* request, ty_vec from, ty_vec toward, float far,
-                          float extinction, float depth[TY_SINGLE_FLUENCES][3]) {
+                          float extinction, float depth[TY_FLUENCE_COUNT][3]) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
     const ty_vec end = ty_mad(from, toward, far);
     for (int32_t m = 0; m < scene->medium_count; ++m) {
@@ -114,8 +113,8 @@ typedef struct ty_near_way {
  * hold there does for the rest. Where they have edges that cells do not resolve, that is not so. Returns how far it
  * went, m. extinction: where the way begins. */
 TY_FN float ty_near_pass(TY_GLOBAL const ty_march_request* request, const ty_near_way* way, float extinction,
-                         float depth[TY_SINGLE_FLUENCES][3]) {
-    const float* sums = depth[TY_SINGLE_STRAIGHT];
+                         float depth[TY_FLUENCE_COUNT][3]) {
+    const float* sums = depth[TY_FLUENCE_UNSCATTERED];
     float at = 0.0f, before = extinction, sum = 0.0f;
     for (int32_t i = 0; i < TY_NEAR_PIECES && at < way->far; ++i) {
         const float length = ty_minf(way->piece, way->far - at), expected = before * length;
@@ -131,13 +130,13 @@ TY_FN float ty_near_pass(TY_GLOBAL const ty_march_request* request, const ty_nea
 
 /* One light, through the media on the way to cells further on; false where there are none, beyond the middles of the
  * outer cells, or a surface is on the way. */
-TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_single_light* light,
+TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_light_fluence* light,
                           ty_vec point, float extinction, ty_near_light* out) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
-    ty_vec toward = ty_scale(light->toward, -1.0f);
+    ty_vec toward = ty_scale(light->sample.direction, -1.0f);
     float distance = TY_FLOAT_MAX;
-    if (light->kind == TY_SINGLE_LAMP) {
-        const ty_vec to = ty_sub(light->toward, point);
+    if (light->kind == TY_FLUENCE_POINT) {
+        const ty_vec to = ty_sub(light->sample.position, point);
         distance = sqrtf(ty_maxf(ty_dot(to, to), 1e-30f));
         toward = ty_scale(to, 1.0f / distance);
     }
@@ -151,13 +150,13 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     float near = 0.0f, far = ty_minf((float)TY_NEAR_PIECES * piece, 0.5f * distance);
     if (!ty_near_in_box(from, first, last)) return false;
     if (!ty_near_in_box(ty_mad(from, cells, far), first, last)) ty_clip_box(from, cells, first, last, &near, &far);
-    float depth[TY_SINGLE_FLUENCES][3];
+    float depth[TY_FLUENCE_COUNT][3];
     memset(depth, 0, sizeof depth);
     const ty_near_way way = {point, toward, piece, far};
     far = ty_near_pass(request, &way, extinction, depth);
     if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
-    for (int32_t f = 0; f < (light->lobes != 0 ? TY_SINGLE_FLUENCES : 1); ++f)
+    for (int32_t f = 0; f < (light->lobes != 0 ? TY_FLUENCE_COUNT : 1); ++f)
         for (int32_t c = 0; c < 3; ++c) out->passing[f][c] = spread * spread * ty_decay(depth[f][c]);
     out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, far));
     return true;
@@ -181,11 +180,11 @@ TY_FN void ty_near_look(TY_GLOBAL const ty_march_request* request, ty_vec point,
     if (request->light_count == 0) return;
     const bool thick = ty_near_thick(request, extinction);
     for (int32_t i = 0; i < request->light_count; ++i) {
-        TY_GLOBAL const ty_single_light* light = &request->lights[i];
-        if (thick && light->kind < TY_SINGLE_MANY && ty_near_follow(request, light, point, extinction, &lights[i]))
+        TY_GLOBAL const ty_light_fluence* light = &request->lights[i];
+        if (thick && light->kind < TY_FLUENCE_P1 && ty_near_follow(request, light, point, extinction, &lights[i]))
             continue;
         lights[i].at = ty_cell_locate(request->light.size, ty_cell_coordinates(&request->light, point));
-        for (int32_t f = 0; f < TY_SINGLE_FLUENCES; ++f)
+        for (int32_t f = 0; f < TY_FLUENCE_COUNT; ++f)
             for (int32_t c = 0; c < 3; ++c) lights[i].passing[f][c] = 1.0f;
     }
 }

@@ -4,6 +4,7 @@
 #include "cli/bench/bench.h"
 
 #include "base/context.h"
+#include "direct/lights/discretize.h"
 #include "direct/uncollided/uncollided.h"
 
 #include <string.h>
@@ -78,27 +79,26 @@ typedef struct problem {
     ty_scene* scene;
     ty_grid_medium* medium;
     ty_light_field* field;
-    ty_source* sources;
-    int32_t count;
+    ty_discrete_light_set sources;
 } problem;
 
 static ty_result open_problem(ty_context* context, const bench_case* c, ty_grid* noise, int32_t side, problem* p,
                               double* medium_seconds) {
     *p = (problem){0};
     const ty_grid_box box = {.lower = {-1, -1, -1}, .upper = {1, 1, 1}, .size = {side, side, side}};
-    const ty_source_def def = {.environment = BEAMS, .surface = POINTS};
+    const ty_discretize_def def = {.environment = BEAMS, .surface = POINTS};
     ty_result result = ty_scene_create(context, TY_AXIS_Y, &p->scene);
     if (result == TY_OK) result = fill_scene(c, noise, p->scene);
     const double begun = seconds_of(context);
     if (result == TY_OK) result = ty_grid_medium_create(p->scene, &box, &p->medium);
     *medium_seconds = seconds_of(context) - begun;
     if (result == TY_OK) result = ty_light_field_create(p->medium, c->flux, &p->field);
-    if (result == TY_OK) result = ty_sources_create(p->scene, &def, &p->sources, &p->count);
+    if (result == TY_OK) result = ty_discretize_lights(p->scene, &def, &p->sources);
     return result;
 }
 
 static void close_problem(ty_context* context, problem* p) {
-    ty_sources_destroy(context, p->sources, p->count);
+    ty_discrete_light_set_destroy(context, &p->sources);
     ty_light_field_destroy(p->field);
     ty_grid_medium_destroy(p->medium);
     ty_scene_destroy(p->scene);
@@ -115,11 +115,11 @@ static ty_result measure_case(const bench_session* bench, const bench_case* c, t
     ty_result result = open_problem(context, c, noise, side, &p, &out->medium);
     for (int run = -1; run < bench->options->runs && result == TY_OK; ++run) {
         const double begun = seconds_of(context);
-        result = ty_uncollided_add(p.scene, p.medium, NULL, p.sources, p.count, p.field);
+        result = ty_uncollided_add(p.scene, p.medium, NULL, p.sources.items, p.sources.count, p.field);
         light[run < 0 ? 0 : run] = seconds_of(context) - begun;
     }
     out->light = bench_median(light, bench->options->runs);
-    out->sources = p.count;
+    out->sources = p.sources.count;
     close_problem(context, &p);
     return result;
 }

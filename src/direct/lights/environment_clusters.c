@@ -28,7 +28,7 @@ typedef struct light_sum {
 
 typedef struct table_job {
     const ty_environment_view* environment;
-    const ty_environment_parts_def* def;
+    const ty_environment_clusters_def* def;
     double power;    /* of importance */
     int32_t size[2]; /* cells */
     light_sum* sums; /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
@@ -65,7 +65,7 @@ static double length_of(const double v[3]) {
 /* ---- the table ---- */
 
 static double weight_at(const table_job* job, float u, float v) {
-    const ty_environment_parts_def* def = job->def;
+    const ty_environment_clusters_def* def = job->def;
     if (def->importance == NULL) return 1;
     return pow((double)ty_environment_map_at(def->importance, def->width, def->height, u, v), job->power);
 }
@@ -171,12 +171,12 @@ static void find_scale(const table_job* job, const light_sum* all, double scale[
     }
 }
 
-static ty_light_part part_of(const ty_scene* scene, const ty_environment_parts_def* def, int32_t light,
-                             const light_sum* sum, const double scale[3]) {
-    ty_light_part out = {.kind = TY_LIGHT_PART_PARALLEL, .light = light, .shadowed = scene->view.mesh != NULL};
+static ty_discrete_light sample_of(const ty_scene* scene, const ty_environment_clusters_def* def, int32_t light,
+                                   const light_sum* sum, const double scale[3]) {
+    ty_discrete_light out = {.kind = TY_DISCRETE_DIRECTIONAL, .light = light, .shadowed = scene->view.mesh != NULL};
     const double bright = luminance(sum->color), length = length_of(sum->flow);
     const double even = fmax(0, 1 - sum->solid_angle / (4 * pi)), own = fmin(1, length / bright);
-    out.cosine = (float)pow(def->by_share ? even : own, def->prefilter);
+    out.mean_cosine = (float)pow(def->by_share ? even : own, def->prefilter);
     out.direction = scene->up == TY_AXIS_Z ? ty_vec_make(0, 0, -1) : ty_vec_make(0, -1, 0);
     for (int c = 0; c < 3; ++c) out.color[c] = (float)fmax(0, scale[c] * sum->color[c]);
     if (length > 1e-6 * bright)
@@ -185,37 +185,34 @@ static ty_light_part part_of(const ty_scene* scene, const ty_environment_parts_d
     return out;
 }
 
-static int32_t write_parts(const ty_scene* scene, int32_t light, table_job* job, part* parts, ty_light_part* out) {
+static void add_samples(const ty_scene* scene, int32_t light, table_job* job, part* parts, ty_discrete_light_set* out) {
     double scale[3];
-    int32_t written = 0;
     accumulate(job);
     const light_sum* all = &job->sums[(size_t)(job->size[0] + 1) * (size_t)(job->size[1] + 1) - 1];
     job->dark = 1e-9 * luminance(all->color);
-    const int32_t count = cut_up(job, parts, job->def->parts);
+    const int32_t count = cut_up(job, parts, job->def->count);
     find_scale(job, all, scale);
     for (int32_t i = 0; i < count; ++i)
         if (luminance(parts[i].sum.color) > job->dark)
-            out[written++] = part_of(scene, job->def, light, &parts[i].sum, scale);
-    return written;
+            out->items[out->count++] = sample_of(scene, job->def, light, &parts[i].sum, scale);
 }
 
-ty_result ty_environment_parts(const ty_scene* scene, const ty_environment_parts_def* def, int32_t light,
-                               ty_light_part* out, int32_t* count) {
+ty_result ty_environment_clusters_add(const ty_scene* scene, const ty_environment_clusters_def* def, int32_t light,
+                                      ty_discrete_light_set* out) {
     ty_context* context = scene->context;
     const ty_environment_view* environment = &scene->view.lights.lights[light].environment;
     table_job job = {.environment = environment,
                      .def = def,
-                     .power = def->parts / (def->parts + FEW),
+                     .power = def->count / (def->count + FEW),
                      .size = {environment->cells_width, environment->cells_height}};
-    const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->parts;
+    const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->count;
     job.shift = (int32_t)(ty_mix64(def->seed + ty_mix64((uint64_t)light + 1)) % (uint64_t)job.size[0]);
     job.sums = ty_alloc_array(context, corners, sizeof *job.sums, false);
     part* parts = ty_alloc_array(context, wanted, sizeof *parts, false);
     const bool enough = job.sums != NULL && parts != NULL;
-    *count = 0;
     if (enough) {
         ty_parallel_flushed(context, job.size[1], sum_row, &job);
-        *count = write_parts(scene, light, &job, parts, out);
+        add_samples(scene, light, &job, parts, out);
     }
     ty_free_array(context, job.sums, corners, sizeof *job.sums);
     ty_free_array(context, parts, wanted, sizeof *parts);

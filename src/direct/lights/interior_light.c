@@ -16,7 +16,8 @@ static double half_surface(const ty_grid_box* box) {
     return edge[0] * edge[1] + edge[1] * edge[2] + edge[2] * edge[0];
 }
 
-void ty_inside_add_beam(ty_inside* sum, const ty_grid_box* box, ty_vec direction, const float irradiance[3]) {
+void ty_interior_light_add_directional(ty_interior_light* sum, const ty_grid_box* box, ty_vec direction,
+                                       const float irradiance[3]) {
     const double way[3] = {(double)direction.x, (double)direction.y, (double)direction.z};
     double shown = 0;
     for (int a = 0; a < 3; ++a) {
@@ -26,7 +27,8 @@ void ty_inside_add_beam(ty_inside* sum, const ty_grid_box* box, ty_vec direction
     sum->from_outside += shown * brightness(irradiance);
 }
 
-void ty_inside_add_lamp(ty_inside* sum, const ty_grid_box* box, ty_vec position, const float intensity[3]) {
+void ty_interior_light_add_point(ty_interior_light* sum, const ty_grid_box* box, ty_vec position,
+                                 const float intensity[3]) {
     const double at[3] = {(double)position.x, (double)position.y, (double)position.z};
     double square = 0;
     for (int a = 0; a < 3; ++a) {
@@ -40,7 +42,7 @@ void ty_inside_add_lamp(ty_inside* sum, const ty_grid_box* box, ty_vec position,
         sum->from_inside += brightness(intensity) * sphere;
 }
 
-double ty_inside_streaming(const ty_inside* sum, double outside) {
+double ty_interior_light_max_flux(const ty_interior_light* sum, double outside) {
     const double all = sum->from_outside + sum->from_inside;
     return all > 0 ? outside + (streaming_inside - outside) * (sum->from_inside / all) : outside;
 }

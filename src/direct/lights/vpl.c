@@ -40,8 +40,7 @@ typedef struct vpl_list {
     float longest;       /* side of it, m */
     vpl_texel* texels;
     size_t texel_count;
-    ty_light_part* items;
-    int32_t count;
+    ty_discrete_light_set* out;
 } vpl_list;
 
 static bool casts(const ty_light_view* light) {
@@ -183,15 +182,18 @@ static void add_vpl(vpl_list* list, const vpl_texel* texels, size_t count) {
     vpl_share share = {.bright = 0};
     for (size_t i = 0; i < count; ++i) add_to_share(list, texels[i].texel, &share);
     const vpl_texel* nearest = nearest_of(&share, texels, count);
-    ty_light_part* vpl = &list->items[list->count++];
-    *vpl = (ty_light_part){.kind = TY_LIGHT_PART_RADIAL,
-                           .direction = nearest->texel->normal,
-                           .position = nearest->texel->position,
-                           .cosine = cosine_of(list, share.solid_angle),
-                           .least = (float)fmax(list->def->clamp, 1e-3) * list->longest,
-                           .profile = TY_LIGHT_PART_COSINE,
-                           .light = nearest->light,
-                           .shadowed = 1};
+    const float min_distance = (float)fmax(list->def->clamp, 1e-3) * list->longest;
+    ty_discrete_light* vpl = &list->out->items[list->out->count++];
+    *vpl = (ty_discrete_light){.kind = TY_DISCRETE_POINT,
+                               .direction = nearest->texel->normal,
+                               .position = nearest->texel->position,
+                               .mean_cosine = cosine_of(list, share.solid_angle),
+                               .min_distance = min_distance,
+                               .area = min_distance * min_distance,
+                               .profile = TY_PROFILE_COSINE,
+                               .light = nearest->light,
+                               .is_virtual = 1,
+                               .shadowed = 1};
     for (int c = 0; c < 3; ++c) vpl->color[c] = (float)share.flux[c] / TY_PI;
 }
 
@@ -295,17 +297,14 @@ static ty_result find_vpls(vpl_list* list, int32_t lights) {
 }
 
 ty_result ty_vpls_create(const ty_scene* scene, const ty_vpl_def* def, const ty_grid_medium* medium,
-                         ty_light_part** out, int32_t* count) {
+                         ty_discrete_light_set* out) {
     const ty_scene_view* view = ty_scene_get_view(scene);
+    *out = (ty_discrete_light_set){.items = NULL};
     if (view == NULL) return TY_ERROR_ARGUMENT;
-    vpl_list list = {.scene = scene, .def = def, .medium = medium};
+    vpl_list list = {.scene = scene, .def = def, .medium = medium, .out = out};
     int32_t lights = 0;
     for (int32_t i = 0; i < view->lights.count; ++i) lights += casts(&view->lights.lights[i]);
-    list.items = ty_alloc_array(scene->context, (size_t)def->count, sizeof *list.items, false);
-    if (list.items == NULL) return TY_ERROR_MEMORY;
-    ty_result result = TY_OK;
-    if (view->mesh != NULL && lights > 0 && def->count > 0) result = find_vpls(&list, lights);
-    if (result == TY_OK) return ty_light_parts_trim(scene->context, list.items, def->count, list.count, out, count);
-    ty_free_array(scene->context, list.items, (size_t)def->count, sizeof *list.items);
-    return result;
+    if (view->mesh == NULL || lights == 0 || def->count <= 0) return TY_OK;
+    const ty_result result = ty_discrete_light_set_create(scene->context, "vpls", def->count, out);
+    return result == TY_OK ? find_vpls(&list, lights) : result;
 }

@@ -24,8 +24,8 @@ static inline ty_vpl_def ty_default_vpl_def(void) {
  * longest sides) is shared out among them, neighbours together, in equal parts by luminance, cosine and distance; each
  * VPL stands where the surface is nearest to the middle of its part, and its mean cosine is (1 - w / N)^prefilter with
  * w / N the part of the sphere that its share of the surfaces takes, seen from the middle of the medium: bright or far,
- * it is small. *out is freed with ty_light_parts_destroy. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ * it is small. *out is freed with ty_discrete_light_set_destroy. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 ty_result ty_vpls_create(const ty_scene* scene, const ty_vpl_def* def, const ty_grid_medium* medium,
-                         ty_light_part** out, int32_t* count);
+                         ty_discrete_light_set* out);
 
 #endif

@@ -39,10 +39,11 @@ static bool is_within_all(const ty_airlight* airlight, ty_vec point) {
 
 static ty_result find_planes(const ty_airlight* airlight, ty_air_light* light) {
     const ty_grid_medium* medium = airlight->medium;
-    const ty_source source = {.kind = light->light->kind == TY_KIND_DIRECTIONAL ? TY_SOURCE_BEAM : TY_SOURCE_LAMP,
-                              .direction = light->light->direction,
-                              .position = light->light->position,
-                              .alone = 1};
+    const ty_discrete_light source = {.kind = light->light->kind == TY_KIND_DIRECTIONAL ? TY_DISCRETE_DIRECTIONAL
+                                                                                        : TY_DISCRETE_POINT,
+                                      .direction = light->light->direction,
+                                      .position = light->light->position,
+                                      .is_point = 1};
     for (int32_t c = 0; c < medium->planes; ++c) {
         light->planes[c] = ty_alloc_array(airlight->context, medium->cells, sizeof *light->planes[c], true);
         if (light->planes[c] == NULL) return TY_ERROR_MEMORY;

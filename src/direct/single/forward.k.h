@@ -27,11 +27,11 @@ typedef struct ty_forward_fit {
 } ty_forward_fit;
 
 /* Scatterings in the mean after which hardly any light goes about straight, and whose power floats still hold. */
-#define TY_FORWARD_MOST 80.0f
+#define TY_FORWARD_MAX_COLLISIONS 80.0f
 
 /* Cosines up to which there is nothing of a peak, and from which all of it is. */
-#define TY_FORWARD_BESIDE 0.7f
-#define TY_FORWARD_WITHIN 0.9f
+#define TY_FORWARD_PEAK_BEGIN 0.7f
+#define TY_FORWARD_PEAK_FULL 0.9f
 
 /* (4 pi HG(x) - 1) / x, which is 3 mu at x = 0. */
 TY_FN float ty_hg_slope(float mu, float x) {
@@ -41,7 +41,7 @@ TY_FN float ty_hg_slope(float mu, float x) {
 }
 
 /* The mean cosine of light that has scattered and kept its direction (above): u, r, s are U, R, S. */
-TY_FN float ty_forward_cosine(float u, float r, float s) {
+TY_FN float ty_forward_lobe_cosine(float u, float r, float s) {
     return ty_clampf((s - u) / ty_maxf(r - u, 1e-20f), 0.0f, 1.0f);
 }
 
@@ -49,7 +49,7 @@ TY_FN float ty_forward_cosine(float u, float r, float s) {
  * the light that comes in, or their product). Its moments are right; far from the direction it may be a little below 0,
  * which the diffusion's light makes up for. */
 TY_FN float ty_forward_lobe(float mu, float u, float r, float s, float spread) {
-    const float x = ty_forward_cosine(u, r, s) * spread;
+    const float x = ty_forward_lobe_cosine(u, r, s) * spread;
     return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * ty_hg_slope(mu, x));
 }
 
@@ -60,8 +60,8 @@ TY_FN float ty_forward_scattered(ty_forward light, float mu, float g) {
 }
 
 /* Terms of a series that falls off slowly at worst, and what b^L must be for its closed form to keep its digits. */
-enum { TY_FORWARD_TERMS = 16 };
-#define TY_FORWARD_CLOSED 1e-2f
+enum { TY_FORWARD_SERIES_TERMS = 16 };
+#define TY_FORWARD_MIN_POWER 1e-2f
 
 /* Moments of 1 up to l = L and b^(l - L) from there on, scattered once by a mean cosine g at cosine mu, times 4 pi;
  * below: the part of l < L. L = order >= 1. */
@@ -81,8 +81,8 @@ TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* be
         of_x *= x;
         of_b *= b;
     }
-    if (of_b > TY_FORWARD_CLOSED) return (4.0f * TY_PI * ty_hg(mu, x) - low) / of_b;
-    for (; l < order + TY_FORWARD_TERMS; ++l) {
+    if (of_b > TY_FORWARD_MIN_POWER) return (4.0f * TY_PI * ty_hg(mu, x) - low) / of_b;
+    for (; l < order + TY_FORWARD_SERIES_TERMS; ++l) {
         const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
         tail += (float)(2 * l + 1) * now * of_g;
         before = now;
@@ -96,15 +96,17 @@ TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* be
  * sigma_t - g^L sigma_s, is given in full (delta-M); S is that of L + 1. Light that has scattered and kept its
  * direction then has the moments R - U up to l = L and, as it has b = (S - U) / (R - U) of that at the next, (R - U)
  * b^(l - L) from there on. */
-TY_FN float ty_forward_beyond(ty_forward light, float mu, float g, int32_t order) {
+TY_FN float ty_forward_scattered_order(ty_forward light, float mu, float g, int32_t order) {
     float below;
-    const float tail = ty_forward_tail(ty_forward_cosine(light.straight, light.kept, light.bent), mu, g, order, &below);
+    const float tail =
+        ty_forward_tail(ty_forward_lobe_cosine(light.straight, light.kept, light.bent), mu, g, order, &below);
     return ty_maxf(0.0f, light.kept - light.straight) * TY_INV_4PI * (below + tail);
 }
 
 /* How much of what is at cosine mu belongs to the peak. */
-TY_FN float ty_forward_share(float mu) {
-    const float x = ty_clampf((mu - TY_FORWARD_BESIDE) * (1.0f / (TY_FORWARD_WITHIN - TY_FORWARD_BESIDE)), 0.0f, 1.0f);
+TY_FN float ty_forward_peak_weight(float mu) {
+    const float x =
+        ty_clampf((mu - TY_FORWARD_PEAK_BEGIN) * (1.0f / (TY_FORWARD_PEAK_FULL - TY_FORWARD_PEAK_BEGIN)), 0.0f, 1.0f);
     return x * x * (3.0f - 2.0f * x);
 }
 
@@ -121,18 +123,18 @@ TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
 }
 
 /* What is seen through what scatters nearly straight on: the phase function beside the peak, and in it the fit. */
-TY_FN float ty_forward_aside(TY_GLOBAL const ty_forward_fit* fit, float mu, float g) {
+TY_FN float ty_forward_blended_phase(TY_GLOBAL const ty_forward_fit* fit, float mu, float g) {
     const float phase = ty_hg(mu, g);
-    return phase + ty_forward_share(mu) * (ty_forward_fitted(fit, mu) - phase);
+    return phase + ty_forward_peak_weight(mu) * (ty_forward_fitted(fit, mu) - phase);
 }
 
 /* What light along a line scatters at cosine mu beyond what a fit says of it, per scattering coefficient. After n
  * scatterings in the mean, moments of what goes that way are U e^(g^l n), of the fit U e^(d_l n), d_l = c_l + straight,
  * of which the fit sees, along ways on which straight goes on, what R = U e^(straight n) does not stand for. From l = L
- * on, they are as in ty_forward_beyond. */
-TY_FN float ty_forward_lacking(ty_forward light, float mu, float g, TY_GLOBAL const ty_forward_fit* fit) {
+ * on, they are as in ty_forward_scattered_order. */
+TY_FN float ty_forward_fit_deficit(ty_forward light, float mu, float g, TY_GLOBAL const ty_forward_fit* fit) {
     const float most = light.kept / ty_maxf(light.straight, 1e-30f);
-    const float n = ty_minf(TY_FORWARD_MOST, logf(ty_maxf(1.0f, most)) / fit->straight);
+    const float n = ty_minf(TY_FORWARD_MAX_COLLISIONS, logf(ty_maxf(1.0f, most)) / fit->straight);
     float before = 0.0f, now = 1.0f, of_g = 1.0f, sum = 0.0f, below;
     for (int32_t l = 0; l < fit->bands; ++l) {
         const float d = fit->moments[l] + fit->straight, weight = (float)(2 * l + 1) * now;
@@ -148,7 +150,7 @@ TY_FN float ty_forward_lacking(ty_forward light, float mu, float g, TY_GLOBAL co
 }
 
 /* What of the light that has not scattered does so, the same. */
-TY_FN float ty_forward_straight(ty_forward light, float mu, float g) {
+TY_FN float ty_forward_unscattered(ty_forward light, float mu, float g) {
     return light.straight * ty_hg(mu, light.cosine * g);
 }
 

@@ -12,12 +12,12 @@ static const double aside[3] = {1e-3, 0.7e-3, 0.4e-3};
 typedef struct wall_job {
     const ty_scene* scene;
     const ty_grid_medium* medium;
-    ty_walls* walls;
+    ty_boundary_faces* walls;
     double lower[3], upper[3]; /* around all surfaces */
     int32_t axis;
 } wall_job;
 
-static size_t cell_at(const ty_walls* walls, const int32_t at[3]) {
+static size_t cell_at(const ty_boundary_faces* walls, const int32_t at[3]) {
     return ((size_t)at[2] * (size_t)walls->size[1] + (size_t)at[1]) * (size_t)walls->size[0] + (size_t)at[0];
 }
 
@@ -42,7 +42,7 @@ static bool is_near(const wall_job* job, const ty_ray* first, float length) {
 
 /* The faces along a line of cells: `packet` of them from the one below cell `begin` on. */
 static void close_some(const wall_job* job, const int32_t line[3], int32_t begin, int32_t count) {
-    ty_walls* walls = job->walls;
+    ty_boundary_faces* walls = job->walls;
     ty_ray rays[TY_PACKET];
     bool closed[TY_PACKET];
     int32_t at[3] = {line[0], line[1], line[2]};
@@ -81,7 +81,7 @@ static int32_t count_bits(uint8_t bits) {
     return count;
 }
 
-static void count_sides(ty_walls* walls) {
+static void count_sides(ty_boundary_faces* walls) {
     const size_t rows = (size_t)walls->size[1] * (size_t)walls->size[2], cells = (size_t)walls->size[0];
     for (size_t row = 0; row < rows; ++row) {
         walls->first[row] = walls->count;
@@ -91,7 +91,7 @@ static void count_sides(ty_walls* walls) {
 }
 
 /* The surface that a side is of; where the ray back from the next cell met it and this one does not, that. */
-static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty_wall* side) {
+static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty_boundary_side* side) {
     const ty_scene_view* view = &job->scene->view;
     const int axis = face / 2;
     const bool up = (face & 1) != 0;
@@ -104,7 +104,7 @@ static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty
         met = ty_mesh_intersect(view->mesh, ty_mad(origin, way, ray.far), ty_scale(way, -1), ray.far, &hit);
         depth = 1 - hit.distance / ray.far;
     }
-    *side = (ty_wall){.position = origin, .normal = ty_scale(way, -1), .depth = 0.5f, .stairs = 1};
+    *side = (ty_boundary_side){.position = origin, .normal = ty_scale(way, -1), .depth = 0.5f, .stairs = 1};
     if (!met) return;
     side->depth = depth;
     ty_surface_point point;
@@ -122,7 +122,7 @@ static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty
 static void take_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const wall_job* job = user;
-    ty_walls* walls = job->walls;
+    ty_boundary_faces* walls = job->walls;
     int32_t side = walls->first[row], at[3] = {0, (int32_t)(row % walls->size[1]), (int32_t)(row / walls->size[1])};
     if (side == walls->first[row + 1]) return;
     for (; at[0] < walls->size[0]; ++at[0]) {
@@ -139,7 +139,7 @@ static void take_row(void* user, int64_t row, int32_t worker) {
 /* ---- all ---- */
 
 static ty_result take_sides(wall_job* job) {
-    ty_walls* walls = job->walls;
+    ty_boundary_faces* walls = job->walls;
     count_sides(walls);
     const size_t count = (size_t)walls->count;
     walls->x = ty_alloc_array(walls->context, count, sizeof *walls->x, false);
@@ -150,15 +150,15 @@ static ty_result take_sides(wall_job* job) {
     return TY_OK;
 }
 
-static size_t row_count(const ty_walls* walls) {
+static size_t row_count(const ty_boundary_faces* walls) {
     return (size_t)walls->size[1] * (size_t)walls->size[2];
 }
 
-ty_result ty_walls_find(const ty_scene* scene, const ty_grid_medium* medium, ty_walls** out) {
+ty_result ty_boundary_faces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_boundary_faces** out) {
     ty_context* context = scene->context;
     *out = NULL;
     if (scene->view.mesh == NULL) return TY_OK;
-    ty_walls* walls = ty_alloc_array(context, 1, sizeof *walls, true);
+    ty_boundary_faces* walls = ty_alloc_array(context, 1, sizeof *walls, true);
     if (walls == NULL) return TY_ERROR_MEMORY;
     walls->context = context;
     memcpy(walls->size, medium->box.size, sizeof walls->size);
@@ -171,13 +171,13 @@ ty_result ty_walls_find(const ty_scene* scene, const ty_grid_medium* medium, ty_
         ty_parallel_flushed(context, walls->size[job.axis == 2 ? 1 : 2], close_lines, &job);
     if (result == TY_OK) result = take_sides(&job);
     if (result != TY_OK || walls->count == 0)
-        ty_walls_destroy(walls);
+        ty_boundary_faces_destroy(walls);
     else
         *out = walls;
     return result;
 }
 
-void ty_walls_destroy(ty_walls* walls) {
+void ty_boundary_faces_destroy(ty_boundary_faces* walls) {
     if (walls == NULL) return;
     ty_context* context = walls->context;
     const size_t count = (size_t)walls->count;
@@ -190,7 +190,7 @@ void ty_walls_destroy(ty_walls* walls) {
 }
 
 /* Of what a stair sends, the part 1 - 1 / stairs meets other stairs of its surface. */
-void ty_wall_of_stairs(const ty_wall* wall, float albedo, float* of_stairs, float* share) {
+void ty_staircase_albedo(const ty_boundary_side* wall, float albedo, float* of_stairs, float* share) {
     const float met = 1 - 1 / wall->stairs;
     *of_stairs = albedo / (1 - met * (1 - albedo));
     *share = 1 - *of_stairs * met;

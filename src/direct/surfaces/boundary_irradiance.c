@@ -11,29 +11,29 @@
 
 typedef struct light_job {
     const ty_scene* scene;
-    const ty_walls* walls;
+    const ty_boundary_faces* walls;
     const ty_grid_medium* medium;
     float* const* extinction;
-    const ty_source* sources;
+    const ty_discrete_light* sources;
     int32_t count;
     float lift; /* of points on surfaces, m */
     float *const *irradiance, *const *forward;
 } light_job;
 
 /* Irradiance that a source would bring to a wall if nothing were between them, per color; the ray to it. */
-static float bare_light(const light_job* job, const ty_source* source, const ty_wall* wall, ty_ray* ray) {
+static float bare_light(const light_job* job, const ty_discrete_light* source, const ty_boundary_side* wall,
+                        ty_ray* ray) {
     ty_vec toward = ty_scale(source->direction, -1);
     float bare = 1;
     ray->far = INFINITY;
-    if (source->kind == TY_SOURCE_LAMP) {
-        const ty_light_view* light =
-            source->stand_in != NULL ? source->stand_in : &job->scene->view.lights.lights[source->light];
+    if (source->kind == TY_DISCRETE_POINT) {
+        const ty_light_view* light = &job->scene->view.lights.lights[source->light];
         ty_vec off = ty_sub(source->position, wall->position);
         float square = ty_dot(off, off);
         if (!(square > 0)) return 0;
         const float mu = -ty_dot(source->direction, off) / sqrtf(square);
-        bare = ty_source_profile(light, mu) / (square + source->area / TY_PI);
-        if (source->alone == 0) off = ty_mad(off, source->direction, mu < 0 ? -job->lift : job->lift);
+        bare = ty_light_profile_at(source->profile, light, mu) / (square + source->area / TY_PI);
+        if (source->is_point == 0) off = ty_mad(off, source->direction, mu < 0 ? -job->lift : job->lift);
         square = ty_dot(off, off);
         ray->far = sqrtf(square);
         if (!(ray->far > 0)) return 0;
@@ -49,7 +49,7 @@ static float bare_light(const light_job* job, const ty_source* source, const ty_
 }
 
 /* One source's light on a few sides. */
-static void light_sides(const light_job* job, const ty_source* source, int32_t begin, int32_t end) {
+static void light_sides(const light_job* job, const ty_discrete_light* source, int32_t begin, int32_t end) {
     ty_ray rays[TY_PACKET];
     bool shadowed[TY_PACKET];
     int32_t sides[TY_PACKET], count = 0;
@@ -83,9 +83,9 @@ static void light_some(void* user, int64_t index, int32_t worker) {
         light_sides(job, &job->sources[i], begin, begin + (left < TY_PACKET ? left : TY_PACKET));
 }
 
-void ty_walls_light(const ty_scene* scene, const ty_walls* walls, const ty_grid_medium* medium,
-                    float* const extinction[3], const ty_source* sources, int32_t count, float* const irradiance[3],
-                    float* const forward[3]) {
+void ty_boundary_irradiance_add(const ty_scene* scene, const ty_boundary_faces* walls, const ty_grid_medium* medium,
+                                float* const extinction[3], const ty_discrete_light* sources, int32_t count,
+                                float* const irradiance[3], float* const forward[3]) {
     const double* cell = medium->cell;
     const light_job job = {.scene = scene,
                            .walls = walls,
@@ -102,7 +102,7 @@ void ty_walls_light(const ty_scene* scene, const ty_walls* walls, const ty_grid_
 /* ---- dark cells ---- */
 
 typedef struct flood {
-    const ty_walls* walls;
+    const ty_boundary_faces* walls;
     uint8_t* dark;
     int32_t* cells; /* that are to be looked at */
     int32_t count;
@@ -145,7 +145,7 @@ static void reach_open(flood* f, const ty_grid_medium* medium) {
 }
 
 /* The cells about a lamp whose middles it shines on. */
-static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* medium, const ty_source* source) {
+static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* medium, const ty_discrete_light* source) {
     const float place[3] = {source->position.x, source->position.y, source->position.z};
     const float normal[3] = {source->direction.x, source->direction.y, source->direction.z};
     int32_t home[3];
@@ -162,7 +162,7 @@ static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* me
         }
         if (!inside) continue;
         const ty_vec off = ty_sub(ty_vec_load(middle), source->position);
-        const float lift = source->alone != 0 ? 0 : ty_dot(off, source->direction) < 0 ? -1e-3f : 1e-3f;
+        const float lift = source->is_point != 0 ? 0 : ty_dot(off, source->direction) < 0 ? -1e-3f : 1e-3f;
         for (int a = 0; a < 3; ++a) start[a] = place[a] + lift * (float)medium->cell[a] * normal[a];
         const ty_vec way = ty_sub(ty_vec_load(middle), ty_vec_load(start));
         const float length = sqrtf(ty_dot(way, way));
@@ -173,15 +173,15 @@ static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* me
     }
 }
 
-ty_result ty_walls_find_dark(const ty_scene* scene, const ty_walls* walls, const ty_grid_medium* medium,
-                             const ty_source* sources, int32_t count, uint8_t* dark) {
+ty_result ty_unlit_cells_find(const ty_scene* scene, const ty_boundary_faces* walls, const ty_grid_medium* medium,
+                              const ty_discrete_light* sources, int32_t count, uint8_t* dark) {
     flood f = {.walls = walls, .dark = dark};
     f.cells = ty_alloc_array(walls->context, medium->cells, sizeof *f.cells, false);
     if (f.cells == NULL) return TY_ERROR_MEMORY;
     memset(dark, 1, medium->cells);
     reach_open(&f, medium);
     for (int32_t i = 0; i < count; ++i)
-        if (sources[i].kind == TY_SOURCE_LAMP && sources[i].stand_in == NULL)
+        if (sources[i].kind == TY_DISCRETE_POINT && sources[i].is_virtual == 0)
             reach_lamp(&f, scene, medium, &sources[i]);
     spread(&f);
     ty_free_array(walls->context, f.cells, medium->cells, sizeof *f.cells);

@@ -19,12 +19,12 @@ TY_FN float ty_mean_decay(float x, float decay) {
 }
 
 /* The mean of three neighbours by their weights. */
-TY_FN float ty_share_three(float a, float b, float c, const float weight[3]) {
+TY_FN float ty_weighted_sum3(float a, float b, float c, const float weight[3]) {
     return a * weight[0] + b * weight[1] + c * weight[2];
 }
 
 /* Between two neighbours. */
-TY_FN float ty_share_between(float first, float second, float share) {
+TY_FN float ty_lerp_exact(float first, float second, float share) {
     return first * (1.0f - share) + second * share;
 }
 

@@ -5,13 +5,13 @@
 #include "base/float_mode.h"
 #include "direct/uncollided/occlusion.h"
 
-size_t ty_beam_tubes(const ty_beam* beam) {
+size_t ty_collimated_tubes(const ty_collimated* beam) {
     return (size_t)beam->tubes[0] * (size_t)beam->tubes[1];
 }
 
 /* ---- geometry ---- */
 
-int32_t ty_beam_way(const ty_grid_medium* medium, ty_vec direction) {
+int32_t ty_collimated_sweep_axis(const ty_grid_medium* medium, ty_vec direction) {
     const double way[3] = {(double)direction.x, (double)direction.y, (double)direction.z};
     int32_t w = 0;
     for (int32_t a = 1; a < 3; ++a)
@@ -19,9 +19,9 @@ int32_t ty_beam_way(const ty_grid_medium* medium, ty_vec direction) {
     return 2 * w + (way[w] < 0);
 }
 
-/* Which axes are u, v and w. Where w is the axis of rows, the cells are turned over (ty_beams_pass) so that u and w
- * change places. */
-static void choose_axes(const ty_grid_medium* medium, int32_t w, ty_beam* beam) {
+/* Which axes are u, v and w. Where w is the axis of rows, the cells are turned over (ty_collimated_sweep) so that u and
+ * w change places. */
+static void choose_axes(const ty_grid_medium* medium, int32_t w, ty_collimated* beam) {
     beam->axis[0] = w == 0 ? 2 : 0;
     beam->axis[1] = w == 1 ? 2 : 1;
     beam->axis[2] = w;
@@ -46,7 +46,7 @@ static double mean_overlap(double at, double from, double to) {
 }
 
 /* Where tubes are in each slab along u (0) or v (1): slope is how many cells they move from one to the next. */
-static void place_tubes(ty_beam* beam, int32_t i, double slope) {
+static void place_tubes(ty_collimated* beam, int32_t i, double slope) {
     int32_t low = INT32_MAX, high = INT32_MIN;
     for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
         const double from = slope * slab, to = slope * (slab + 1), whole = floor(fmin(from, to));
@@ -66,15 +66,15 @@ static void place_tubes(ty_beam* beam, int32_t i, double slope) {
 typedef struct hit_job {
     const ty_mesh* mesh;
     const ty_grid_medium* medium;
-    ty_beam* beam;
+    ty_collimated* beam;
     double way[3], inverse[3];
     double back; /* m from where tubes begin to where rays do, before everything */
-    ty_stop_room room;
+    ty_occlusion_box room;
 } hit_job;
 
 /* Where one of a tube's rays, two by two, meets the first slab's near side. */
 static void ray_begin(const hit_job* job, int32_t column, int32_t row, int32_t ray, double at[3]) {
-    const ty_beam* beam = job->beam;
+    const ty_collimated* beam = job->beam;
     const double cells[3] = {column + beam->first[0] + 0.25 + 0.5 * (ray % 2),
                              row + beam->first[1] + 0.25 + 0.5 * (ray / 2), beam->backwards ? beam->size[2] : 0};
     for (int i = 0; i < 3; ++i) {
@@ -91,25 +91,26 @@ static float stop_of(const hit_job* job, const ty_hit* hit, const double begin[3
     return along > enter ? (float)along : 0;
 }
 
-static ty_stop_span cut_span(const hit_job* job, ty_stop_span span, int32_t axis, const double begin[3]) {
-    return ty_stop_cut(span, &job->room, axis, begin[axis], job->inverse[axis]);
+static ty_occlusion_span cut_span(const hit_job* job, ty_occlusion_span span, int32_t axis, const double begin[3]) {
+    return ty_occlusion_clip(span, &job->room, axis, begin[axis], job->inverse[axis]);
 }
 
 /* At most a packet of tubes' rays, one of each tube, which begin along u apart. */
 static void find_packet(const hit_job* job, int32_t column, int32_t count, int32_t row, int32_t ray) {
-    const ty_beam* beam = job->beam;
-    float* out = beam->hit + ty_beam_tubes(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
+    const ty_collimated* beam = job->beam;
+    float* out =
+        beam->hit + ty_collimated_tubes(beam) * (size_t)ray + (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
     double begin[TY_PACKET][3], enter[TY_PACKET];
     int32_t tube[TY_PACKET], traced = 0;
     ty_ray rays[TY_PACKET];
     ty_hit hits[TY_PACKET];
-    ty_stop_span across = {-INFINITY, INFINITY};
+    ty_occlusion_span across = {-INFINITY, INFINITY};
     ray_begin(job, column, row, ray, begin[0]);
     for (int i = 1; i < 3; ++i) across = cut_span(job, across, beam->axis[i], begin[0]);
     for (int32_t i = 0; i < count; ++i) {
         ray_begin(job, column + i, row, ray, begin[traced]);
-        const ty_stop_span span = cut_span(job, across, beam->axis[0], begin[traced]);
-        out[i] = TY_STOP_NONE;
+        const ty_occlusion_span span = cut_span(job, across, beam->axis[0], begin[traced]);
+        out[i] = TY_OCCLUSION_UNDEFINED;
         if (!(span.enter < span.leave)) continue;
         enter[traced] = span.enter;
         rays[traced].far = (float)(job->back + span.leave);
@@ -128,7 +129,7 @@ static void find_hits(void* user, int64_t row, int32_t worker) {
     const hit_job* job = user;
     const int32_t tubes = job->beam->tubes[0];
     const unsigned state = ty_flush_denormals();
-    for (int32_t ray = 0; ray < TY_BEAM_RAYS; ++ray)
+    for (int32_t ray = 0; ray < TY_TUBE_RAYS; ++ray)
         for (int32_t column = 0; column < tubes; column += TY_PACKET)
             find_packet(job, column, tubes - column < TY_PACKET ? tubes - column : TY_PACKET, (int32_t)row, ray);
     ty_restore_denormals(state);
@@ -137,8 +138,8 @@ static void find_hits(void* user, int64_t row, int32_t worker) {
 /* One of the tubes' rays. */
 static void fill_hits(void* user, int64_t ray, int32_t worker) {
     (void)worker;
-    const ty_beam* beam = ((const hit_job*)user)->beam;
-    ty_stops_fill(beam->hit + ty_beam_tubes(beam) * (size_t)ray, beam->tubes[0], beam->tubes[1]);
+    const ty_collimated* beam = ((const hit_job*)user)->beam;
+    ty_occlusion_fill(beam->hit + ty_collimated_tubes(beam) * (size_t)ray, beam->tubes[0], beam->tubes[1]);
 }
 
 /* How far the corner of a box farthest upstream of where tubes begin may be. */
@@ -153,7 +154,7 @@ static double reach_back(const ty_grid_medium* medium, const double outside[2][3
 
 /* ---- memory ---- */
 
-static ty_result take_tables(ty_beam* beam) {
+static ty_result take_tables(ty_collimated* beam) {
     const size_t slabs = (size_t)beam->size[2];
     for (int i = 0; i < 2; ++i) {
         beam->shift[i] = ty_alloc_array(beam->context, slabs, sizeof *beam->shift[i], false);
@@ -163,35 +164,35 @@ static ty_result take_tables(ty_beam* beam) {
     return TY_OK;
 }
 
-static ty_result take_tubes(ty_beam* beam, bool shadows) {
+static ty_result take_tubes(ty_collimated* beam, bool shadows) {
     for (int i = 0; i < 2; ++i) {
-        beam->along[i] = ty_alloc_array(beam->context, ty_beam_tubes(beam), sizeof *beam->along[i], false);
+        beam->along[i] = ty_alloc_array(beam->context, ty_collimated_tubes(beam), sizeof *beam->along[i], false);
         if (beam->along[i] == NULL) return TY_ERROR_MEMORY;
     }
     if (!shadows) return TY_OK;
-    beam->hit = ty_alloc_array(beam->context, TY_BEAM_RAYS * ty_beam_tubes(beam), sizeof *beam->hit, false);
+    beam->hit = ty_alloc_array(beam->context, TY_TUBE_RAYS * ty_collimated_tubes(beam), sizeof *beam->hit, false);
     return beam->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
-void ty_beam_end(ty_beam* beam) {
+void ty_collimated_end(ty_collimated* beam) {
     const size_t slabs = (size_t)beam->size[2];
     for (int i = 0; i < 2; ++i) {
         ty_free_array(beam->context, beam->shift[i], slabs, sizeof *beam->shift[i]);
         ty_free_array(beam->context, beam->weight[i], slabs, sizeof *beam->weight[i]);
-        ty_free_array(beam->context, beam->along[i], ty_beam_tubes(beam), sizeof *beam->along[i]);
+        ty_free_array(beam->context, beam->along[i], ty_collimated_tubes(beam), sizeof *beam->along[i]);
     }
-    ty_free_array(beam->context, beam->hit, TY_BEAM_RAYS * ty_beam_tubes(beam), sizeof *beam->hit);
+    ty_free_array(beam->context, beam->hit, TY_TUBE_RAYS * ty_collimated_tubes(beam), sizeof *beam->hit);
 }
 
-ty_result ty_beam_begin(const ty_scene_view* scene, const ty_grid_medium* medium, const double outside[2][3],
-                        ty_vec direction, ty_beam* beam) {
+ty_result ty_collimated_begin(const ty_scene_view* scene, const ty_grid_medium* medium, const double outside[2][3],
+                              ty_vec direction, ty_collimated* beam) {
     hit_job job = {.mesh = scene->mesh, .medium = medium, .beam = beam};
     const double length = sqrt((double)ty_dot(direction, direction));
     job.way[0] = (double)direction.x / length;
     job.way[1] = (double)direction.y / length;
     job.way[2] = (double)direction.z / length;
-    *beam = (ty_beam){.context = medium->context, .kernels = ty_direct_kernels_best()};
-    const int32_t way = ty_beam_way(medium, direction);
+    *beam = (ty_collimated){.context = medium->context, .kernels = ty_direct_kernels_best()};
+    const int32_t way = ty_collimated_sweep_axis(medium, direction);
     choose_axes(medium, way / 2, beam);
     ty_result result = take_tables(beam);
     if (result != TY_OK) return result;
@@ -205,9 +206,9 @@ ty_result ty_beam_begin(const ty_scene_view* scene, const ty_grid_medium* medium
     result = take_tubes(beam, scene->mesh != NULL);
     if (result != TY_OK || scene->mesh == NULL) return result;
     job.back = reach_back(medium, outside);
-    job.room = ty_stop_room_of(medium);
-    for (int a = 0; a < 3; ++a) job.inverse[a] = ty_stop_inverse(job.way[a]);
+    job.room = ty_occlusion_box_of(medium);
+    for (int a = 0; a < 3; ++a) job.inverse[a] = ty_occlusion_inverse(job.way[a]);
     ty_parallel_for(beam->context, beam->tubes[1], find_hits, &job);
-    ty_parallel_for(beam->context, TY_BEAM_RAYS, fill_hits, &job);
+    ty_parallel_for(beam->context, TY_TUBE_RAYS, fill_hits, &job);
     return TY_OK;
 }

@@ -11,7 +11,7 @@
 /* Tubes and the slabs they pass, in the order in which the beam does. Axes 0, 1, 2 here are u, v, w: w is the world's
  * axis along which the beam passes the most cells, so that from one slab to the next it moves by a cell at most along u
  * and v; u is the axis of a row in memory. */
-typedef struct ty_beam {
+typedef struct ty_collimated {
     ty_context* context;
     const ty_direct_kernels* kernels;
     int32_t axis[3];       /* of the world */
@@ -24,37 +24,37 @@ typedef struct ty_beam {
     float (*weight[2])[3]; /* of the three, on the mean over the slab */
     int32_t first[2];      /* number of the tubes' first column and row */
     int32_t tubes[2];      /* columns and rows of tubes */
-    float* hit;            /* TY_BEAM_RAYS times per tube: how far a surface is, m; NULL: there are none */
+    float* hit;            /* TY_TUBE_RAYS times per tube: how far a surface is, m; NULL: there are none */
     float* along[2];       /* per tube: transmittance so far, by turns */
-} ty_beam;
+} ty_collimated;
 
-/* Whatever becomes of it, ty_beam_end may follow. Errors: TY_ERROR_MEMORY. */
-ty_result ty_beam_begin(const ty_scene_view* scene, const ty_grid_medium* medium, const double outside[2][3],
-                        ty_vec direction, ty_beam* beam);
-void ty_beam_end(ty_beam* beam);
-size_t ty_beam_tubes(const ty_beam* beam);
+/* Whatever becomes of it, ty_collimated_end may follow. Errors: TY_ERROR_MEMORY. */
+ty_result ty_collimated_begin(const ty_scene_view* scene, const ty_grid_medium* medium, const double outside[2][3],
+                              ty_vec direction, ty_collimated* beam);
+void ty_collimated_end(ty_collimated* beam);
+size_t ty_collimated_tubes(const ty_collimated* beam);
 /* 2 w, and one more for a beam that goes backwards along w: beams with the same one can pass together. */
-int32_t ty_beam_way(const ty_grid_medium* medium, ty_vec direction);
+int32_t ty_collimated_sweep_axis(const ty_grid_medium* medium, ty_vec direction);
 
 /* Beams that pass together, and planes of one value a cell to which mean transmittances are added, each beam's times a
  * factor. Planes are in the medium's order of cells. */
-enum { TY_BEAMS_MAX = 16 };
+enum { TY_COLLIMATED_MAX = 16 };
 
-typedef struct ty_beams {
-    ty_beam* beams; /* of one way */
+typedef struct ty_collimated_batch {
+    ty_collimated* beams; /* of one way */
     int32_t count;
     const float* extinction;
     int32_t plane_count;
-    float* planes[TY_BEAM_PLANES_MAX];
-    float factor[TY_BEAMS_MAX][TY_BEAM_PLANES_MAX];
-    ty_beam_room* room; /* NULL: of this pass alone */
-    ty_watch* watch;    /* NULL: none */
-    double done, work;  /* for it: sources' worth before this, and of this */
-} ty_beams;
+    float* planes[TY_TUBE_PLANES_MAX];
+    float factor[TY_COLLIMATED_MAX][TY_TUBE_PLANES_MAX];
+    ty_transpose_scratch* room; /* NULL: of this pass alone */
+    ty_progress_meter* watch;   /* NULL: none */
+    double done, work;          /* for it: sources' worth before this, and of this */
+} ty_collimated_batch;
 
 /* Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
-ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium);
+ty_result ty_collimated_sweep(const ty_collimated_batch* beams, const ty_grid_medium* medium);
 /* Of a beam that has passed: power per irradiance entering and leaving, m^2. Errors: TY_ERROR_MEMORY. */
-ty_result ty_beam_power_of(const ty_beam* beam, double power[2]);
+ty_result ty_collimated_power_of(const ty_collimated* beam, double power[2]);
 
 #endif

@@ -10,42 +10,44 @@ enum { BLOCK_ROWS = 16 };
 enum { CELLS_FOR_THREADS = 1 << 12 };
 
 typedef struct pass_job {
-    const ty_beams* of;
+    const ty_collimated_batch* of;
     const float* extinction;        /* turned over where u and w change places */
-    float* out[TY_BEAM_PLANES_MAX]; /* the same for planes: turned over, they are only of TY_TURN_SIDE slabs */
+    float* out[TY_TUBE_PLANES_MAX]; /* the same for planes: turned over, they are only of TY_TRANSPOSE_SIDE slabs */
     int32_t slab;                   /* in the beams' order */
     float* scratch;                 /* of the workers */
     size_t scratch_size;            /* of each */
-    ty_beam_room* room;
+    ty_transpose_scratch* room;
     float* turned; /* the room's; NULL: nothing needs turning */
 } pass_job;
 
 /* ---- one slab ---- */
 
-static size_t slab_offset(const ty_beam* beam, int32_t slab) {
+static size_t slab_offset(const ty_collimated* beam, int32_t slab) {
     return beam->stride[2] * (size_t)(beam->backwards ? beam->size[2] - 1 - slab : slab);
 }
 
 /* Where a slab's cells are in job->out. */
 static size_t out_offset(const pass_job* job) {
-    const ty_beam* beam = job->of->beams;
-    return job->turned != NULL ? beam->stride[2] * (size_t)(job->slab % TY_TURN_SIDE) : slab_offset(beam, job->slab);
+    const ty_collimated* beam = job->of->beams;
+    return job->turned != NULL ? beam->stride[2] * (size_t)(job->slab % TY_TRANSPOSE_SIDE)
+                               : slab_offset(beam, job->slab);
 }
 
 /* Extinction of row v of a slab; that of a row outside is `empty`. */
-static const float* cell_row(const ty_beam* beam, const float* slab, int32_t v, const float* empty) {
+static const float* cell_row(const ty_collimated* beam, const float* slab, int32_t v, const float* empty) {
     return v >= 0 && v < beam->size[1] ? slab + beam->stride[1] * (size_t)v : empty;
 }
 
 /* The row of tubes that has rows v, v + 1 and v + 2 of cells, v from -2 on. kept: whether its transmittance goes on,
  * which only one block of rows may see to. */
-static void pass_tubes(const pass_job* job, const ty_beam* beam, int32_t v, bool kept, float* scratch, float* mean) {
+static void pass_tubes(const pass_job* job, const ty_collimated* beam, int32_t v, bool kept, float* scratch,
+                       float* mean) {
     const int32_t slab = job->slab, width = beam->size[0] + 4;
     const float* cells = job->extinction + slab_offset(beam, slab);
     const int32_t row = v - beam->shift[1][slab] - beam->first[1];
     const int32_t column = -2 - beam->shift[0][slab] - beam->first[0];
     const size_t at = (size_t)row * (size_t)beam->tubes[0] + (size_t)column;
-    ty_beam_row tubes = {
+    ty_tube_row tubes = {
         .count = beam->size[0],
         .length = beam->length,
         .start = beam->length * (float)slab,
@@ -56,23 +58,23 @@ static void pass_tubes(const pass_job* job, const ty_beam* beam, int32_t v, bool
     };
     for (int32_t i = 0; i < 3; ++i) tubes.cells[i] = cell_row(beam, cells, v + i, scratch);
     for (int32_t i = 0; i < 2; ++i) memcpy(tubes.weight[i], beam->weight[i][slab], sizeof tubes.weight[i]);
-    for (int32_t i = 0; i < TY_BEAM_RAYS && beam->hit != NULL; ++i)
-        tubes.hit[i] = beam->hit + ty_beam_tubes(beam) * (size_t)i + at;
+    for (int32_t i = 0; i < TY_TUBE_RAYS && beam->hit != NULL; ++i)
+        tubes.hit[i] = beam->hit + ty_collimated_tubes(beam) * (size_t)i + at;
     beam->kernels->tubes(&tubes);
 }
 
 /* Rows [begin, end) of a slab under one beam. scratch: a row without matter, one of means of rows, three rows of tubes,
  * one of cells, and one of tubes for what goes nowhere. */
 static void pass_rows(const pass_job* job, int32_t index, int32_t begin, int32_t end, float* scratch) {
-    const ty_beams* of = job->of;
-    const ty_beam* beam = &of->beams[index];
+    const ty_collimated_batch* of = job->of;
+    const ty_collimated* beam = &of->beams[index];
     const int32_t width = beam->size[0] + 4;
     for (int32_t v = begin - 2; v < end; ++v) {
         float* mean[3];
         for (int32_t i = 0; i < 3; ++i) mean[i] = scratch + (2 + (v + 6 - i) % 3) * width;
         pass_tubes(job, beam, v, v >= begin || begin == 0, scratch, mean[0]);
         if (v < begin) continue;
-        ty_beam_cells cells = {
+        ty_tube_cells cells = {
             .count = beam->size[0],
             .mean = {mean[0], mean[1], mean[2]},
             .lit = scratch + 5 * width,
@@ -109,10 +111,10 @@ static void turn_layer(void* user, int64_t y, int32_t worker) {
     (void)worker;
     const turn_job* job = user;
     const size_t nx = (size_t)job->size[0], ny = (size_t)job->size[1], nz = (size_t)job->size[2];
-    for (size_t z0 = 0; z0 < nz; z0 += TY_TURN_SIDE)
-        for (size_t x0 = 0; x0 < nx; x0 += TY_TURN_SIDE)
-            for (size_t z = z0; z < nz && z < z0 + TY_TURN_SIDE; ++z)
-                for (size_t x = x0; x < nx && x < x0 + TY_TURN_SIDE; ++x)
+    for (size_t z0 = 0; z0 < nz; z0 += TY_TRANSPOSE_SIDE)
+        for (size_t x0 = 0; x0 < nx; x0 += TY_TRANSPOSE_SIDE)
+            for (size_t z = z0; z < nz && z < z0 + TY_TRANSPOSE_SIDE; ++z)
+                for (size_t x = x0; x < nx && x < x0 + TY_TRANSPOSE_SIDE; ++x)
                     job->to[z + nz * ((size_t)y + ny * x)] = job->from[x + nx * ((size_t)y + ny * z)];
 }
 
@@ -120,15 +122,16 @@ static void turn_layer(void* user, int64_t y, int32_t worker) {
 static void turn_back(void* user, int64_t y, int32_t worker) {
     (void)worker;
     const pass_job* job = user;
-    const ty_beam* beam = job->of->beams;
+    const ty_collimated* beam = job->of->beams;
     const size_t nz = (size_t)beam->size[0], ny = (size_t)beam->size[1], nx = (size_t)beam->size[2];
-    const size_t first = (size_t)(job->slab / TY_TURN_SIDE * TY_TURN_SIDE), count = (size_t)job->slab + 1 - first;
+    const size_t first = (size_t)(job->slab / TY_TRANSPOSE_SIDE * TY_TRANSPOSE_SIDE),
+                 count = (size_t)job->slab + 1 - first;
     const size_t low = beam->backwards ? nx - first - count : first;
-    ty_turn_block block = {.rows = (int32_t)count, .stride = nz * ny, .to_stride = nx * ny};
+    ty_transpose_block block = {.rows = (int32_t)count, .stride = nz * ny, .to_stride = nx * ny};
     block.backwards = beam->backwards;
     for (int32_t p = 0; p < job->of->plane_count; ++p)
-        for (size_t z = 0; z < nz; z += TY_TURN_SIDE) {
-            block.columns = (int32_t)(nz - z < TY_TURN_SIDE ? nz - z : TY_TURN_SIDE);
+        for (size_t z = 0; z < nz; z += TY_TRANSPOSE_SIDE) {
+            block.columns = (int32_t)(nz - z < TY_TRANSPOSE_SIDE ? nz - z : TY_TRANSPOSE_SIDE);
             block.from = job->out[p] + z + nz * (size_t)y;
             block.to = job->of->planes[p] + low + nx * ((size_t)y + ny * z);
             beam->kernels->turn(&block);
@@ -138,7 +141,7 @@ static void turn_back(void* user, int64_t y, int32_t worker) {
 /* ---- all slabs ---- */
 
 static void pass_slab(pass_job* job) {
-    const ty_beam* beam = job->of->beams;
+    const ty_collimated* beam = job->of->beams;
     const int64_t blocks = (beam->size[1] + BLOCK_ROWS - 1) / BLOCK_ROWS;
     if ((int64_t)beam->size[0] * beam->size[1] * job->of->count >= CELLS_FOR_THREADS) {
         ty_parallel_for(beam->context, blocks, pass_block, job);
@@ -148,27 +151,29 @@ static void pass_slab(pass_job* job) {
 }
 
 static ty_result pass_slabs(pass_job* job) {
-    const ty_beam* beam = job->of->beams;
+    const ty_collimated* beam = job->of->beams;
     ty_result result = TY_OK;
     for (job->slab = 0; job->slab < beam->size[2] && result == TY_OK; ++job->slab) {
         pass_slab(job);
-        if (job->turned != NULL && (job->slab % TY_TURN_SIDE == TY_TURN_SIDE - 1 || job->slab + 1 == beam->size[2]))
+        if (job->turned != NULL &&
+            (job->slab % TY_TRANSPOSE_SIDE == TY_TRANSPOSE_SIDE - 1 || job->slab + 1 == beam->size[2]))
             ty_parallel_for(beam->context, beam->size[1], turn_back, job);
         if (job->of->watch != NULL)
-            result = ty_watch_report(job->of->watch, job->of->done + job->of->work * job->slab / beam->size[2]);
+            result =
+                ty_progress_meter_report(job->of->watch, job->of->done + job->of->work * job->slab / beam->size[2]);
     }
     return result;
 }
 
-void ty_beam_room_free(ty_context* context, ty_beam_room* room) {
+void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* room) {
     ty_free_array(context, room->floats, room->count, sizeof *room->floats);
-    *room = (ty_beam_room){.floats = NULL};
+    *room = (ty_transpose_scratch){.floats = NULL};
 }
 
 static ty_result fill_room(const pass_job* job, const ty_grid_medium* medium, size_t count) {
     ty_context* context = job->of->beams->context;
-    ty_beam_room* room = job->room;
-    ty_beam_room_free(context, room);
+    ty_transpose_scratch* room = job->room;
+    ty_transpose_scratch_free(context, room);
     room->floats = ty_alloc_array(context, count, sizeof *room->floats, true);
     if (room->floats == NULL) return TY_ERROR_MEMORY;
     room->count = count;
@@ -180,8 +185,8 @@ static ty_result fill_room(const pass_job* job, const ty_grid_medium* medium, si
 
 /* Where rows are along w, cells change places first. */
 static ty_result turn_over(pass_job* job, const ty_grid_medium* medium) {
-    const ty_beam* beam = job->of->beams;
-    const size_t block = TY_TURN_SIDE * (size_t)beam->size[0] * (size_t)beam->size[1];
+    const ty_collimated* beam = job->of->beams;
+    const size_t block = TY_TRANSPOSE_SIDE * (size_t)beam->size[0] * (size_t)beam->size[1];
     const size_t count = medium->cells + block * (size_t)job->of->plane_count;
     const ty_result result = job->room->count < count ? fill_room(job, medium, count) : TY_OK;
     if (result != TY_OK) return result;
@@ -191,15 +196,15 @@ static ty_result turn_over(pass_job* job, const ty_grid_medium* medium) {
     return TY_OK;
 }
 
-ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium) {
-    const ty_beam* beam = beams->beams;
+ty_result ty_collimated_sweep(const ty_collimated_batch* beams, const ty_grid_medium* medium) {
+    const ty_collimated* beam = beams->beams;
     ty_context* context = beam->context;
-    ty_beam_room own = {.floats = NULL};
+    ty_transpose_scratch own = {.floats = NULL};
     pass_job job = {.of = beams, .extinction = beams->extinction, .room = beams->room != NULL ? beams->room : &own};
     memcpy(job.out, beams->planes, sizeof job.out);
     int32_t widest = 0;
     for (int32_t i = 0; i < beams->count; ++i) {
-        const size_t tubes = ty_beam_tubes(&beams->beams[i]);
+        const size_t tubes = ty_collimated_tubes(&beams->beams[i]);
         for (int side = 0; side < 2; ++side)
             for (size_t t = 0; t < tubes; ++t) beams->beams[i].along[side][t] = 1;
         if (beams->beams[i].tubes[0] > widest) widest = beams->beams[i].tubes[0];
@@ -210,7 +215,7 @@ ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium) {
     ty_result result = job.scratch != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK && beam->axis[2] == 0) result = turn_over(&job, medium);
     if (result == TY_OK) result = pass_slabs(&job);
-    ty_beam_room_free(context, &own);
+    ty_transpose_scratch_free(context, &own);
     ty_free_array(context, job.scratch, scratch_count, sizeof *job.scratch);
     return result;
 }
@@ -218,7 +223,7 @@ ty_result ty_beams_pass(const ty_beams* beams, const ty_grid_medium* medium) {
 /* ---- power ---- */
 
 /* The slab after which a tube's column (or row) overlaps no cells any more; -1: it never did. */
-static int32_t last_slab(const ty_beam* beam, int32_t i, int32_t tube) {
+static int32_t last_slab(const ty_collimated* beam, int32_t i, int32_t tube) {
     int32_t last = -1;
     for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
         const int32_t cell = tube + beam->first[i] + beam->shift[i][slab];
@@ -228,7 +233,7 @@ static int32_t last_slab(const ty_beam* beam, int32_t i, int32_t tube) {
 }
 
 /* Tubes begin with 1 and keep what they had in the last slab that they were in; surfaces do not count. */
-ty_result ty_beam_power_of(const ty_beam* beam, double power[2]) {
+ty_result ty_collimated_power_of(const ty_collimated* beam, double power[2]) {
     int32_t* last = ty_alloc_array(beam->context, (size_t)beam->tubes[0], sizeof *last, false);
     if (last == NULL) return TY_ERROR_MEMORY;
     for (int32_t column = 0; column < beam->tubes[0]; ++column) last[column] = last_slab(beam, 0, column);
@@ -241,7 +246,7 @@ ty_result ty_beam_power_of(const ty_beam* beam, double power[2]) {
         }
     }
     ty_free_array(beam->context, last, (size_t)beam->tubes[0], sizeof *last);
-    power[0] = beam->section * (double)ty_beam_tubes(beam);
+    power[0] = beam->section * (double)ty_collimated_tubes(beam);
     power[1] = beam->section * sum;
     return TY_OK;
 }

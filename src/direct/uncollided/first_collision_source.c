@@ -4,7 +4,7 @@
 
 enum { CHUNK = 1 << 15 };
 
-void ty_turned_extinction(const ty_grid_medium* medium, int32_t order, float* const planes[3]) {
+void ty_scaled_extinction(const ty_grid_medium* medium, int32_t order, float* const planes[3]) {
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < medium->cells; ++i) {
             const float g = ty_maxf(medium->g[p][i], 0.0f);
@@ -15,7 +15,7 @@ void ty_turned_extinction(const ty_grid_medium* medium, int32_t order, float* co
 
 typedef struct turned_job {
     const ty_grid_medium* medium;
-    const ty_single_light* lights;
+    const ty_light_fluence* lights;
     int32_t count, channel;
     bool reduced;
     float* out;
@@ -33,15 +33,15 @@ static void find_chunk(void* user, int64_t index, int32_t worker) {
     for (size_t i = begin; i < end; ++i) job->out[i] = 0;
     for (int32_t l = 0; l < job->count; ++l) {
         float factor;
-        const float* fluence = ty_single_plane(&job->lights[l], job->channel, &factor);
+        const float* fluence = ty_light_fluence_plane(&job->lights[l], job->channel, &factor);
         for (size_t i = begin; i < end; ++i) job->out[i] += factor * fluence[i];
     }
     for (size_t i = begin; i < end; ++i)
-        job->out[i] *= ty_turned_coefficient(scattering[i], job->reduced ? g[i] : 0.0f);
+        job->out[i] *= ty_reduced_scattering(scattering[i], job->reduced ? g[i] : 0.0f);
 }
 
-void ty_turned_find(const ty_grid_medium* medium, const ty_single_light* lights, int32_t count, int32_t channel,
-                    bool reduced, float* out) {
+void ty_first_collision_source(const ty_grid_medium* medium, const ty_light_fluence* lights, int32_t count,
+                               int32_t channel, bool reduced, float* out) {
     turned_job job = {medium, lights, count, channel, reduced, out};
     ty_parallel_for(medium->context, (int64_t)((medium->cells + CHUNK - 1) / CHUNK), find_chunk, &job);
 }

@@ -1,6 +1,6 @@
 /* Row loops over the items of beam.k.h and lamp.k.h; built once per instruction set, with TY_ISA naming it. */
 #include "direct/uncollided/kernel.h"
-#include "direct/lights/discretize.h"
+#include "direct/lights/discrete_light.h"
 
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
@@ -8,24 +8,24 @@
 /* ---- beams ---- */
 
 /* Mean extinction of the three rows that tubes overlap, with two empty cells at either end. */
-static void blend_rows(const ty_beam_row* row) {
+static void blend_rows(const ty_tube_row* row) {
     const int32_t count = row->count;
     const float *a = row->cells[0], *b = row->cells[1], *c = row->cells[2];
     const float* weight = row->weight[1];
     float* blend = row->blend;
     blend[0] = blend[1] = blend[count + 2] = blend[count + 3] = 0.0f;
 #pragma omp simd
-    for (int32_t i = 0; i < count; ++i) blend[i + 2] = ty_share_three(a[i], b[i], c[i], weight);
+    for (int32_t i = 0; i < count; ++i) blend[i + 2] = ty_weighted_sum3(a[i], b[i], c[i], weight);
 }
 
-static void pass(const ty_beam_row* row) {
+static void pass(const ty_tube_row* row) {
     const float *blend = row->blend, *in = row->in;
     float *out = row->out, *mean = row->mean;
     const float* weight = row->weight[0];
     const float length = row->length;
 #pragma omp simd
     for (int32_t t = 0; t < row->count + 2; ++t) {
-        const float depth = ty_share_three(blend[t], blend[t + 1], blend[t + 2], weight) * length;
+        const float depth = ty_weighted_sum3(blend[t], blend[t + 1], blend[t + 2], weight) * length;
         const float decay = ty_decay(depth);
         mean[t] = in[t] * ty_mean_decay(depth, decay);
         out[t] = in[t] * decay;
@@ -38,7 +38,7 @@ TY_FN float open_share(float hit, float start, float per_length) {
 }
 
 /* Takes away what surfaces shade of each tube. */
-static void shade(const ty_beam_row* row) {
+static void shade(const ty_tube_row* row) {
     const float *a = row->hit[0], *b = row->hit[1], *c = row->hit[2], *d = row->hit[3];
     const float start = row->start, per_length = 1.0f / row->length;
     float* mean = row->mean;
@@ -48,21 +48,21 @@ static void shade(const ty_beam_row* row) {
                             open_share(c[t], start, per_length) + open_share(d[t], start, per_length));
 }
 
-static void tubes(const ty_beam_row* row) {
+static void tubes(const ty_tube_row* row) {
     blend_rows(row);
     pass(row);
     if (row->hit[0] != NULL) shade(row);
 }
 
-static void cells(const ty_beam_cells* c) {
+static void cells(const ty_tube_cells* c) {
     const float *first = c->mean[0], *second = c->mean[1], *third = c->mean[2];
     const float *u = c->weight[0], *v = c->weight[1];
     float* lit = c->lit;
 #pragma omp simd
     for (int32_t i = 0; i < c->count; ++i)
-        lit[i] = ty_share_three(ty_share_three(first[i + 2], first[i + 1], first[i], u),
-                                ty_share_three(second[i + 2], second[i + 1], second[i], u),
-                                ty_share_three(third[i + 2], third[i + 1], third[i], u), v);
+        lit[i] = ty_weighted_sum3(ty_weighted_sum3(first[i + 2], first[i + 1], first[i], u),
+                                  ty_weighted_sum3(second[i + 2], second[i + 1], second[i], u),
+                                  ty_weighted_sum3(third[i + 2], third[i + 1], third[i], u), v);
     for (int32_t p = 0; p < c->plane_count; ++p) {
         const float factor = c->factor[p];
         float* plane = c->planes[p];
@@ -71,8 +71,8 @@ static void cells(const ty_beam_cells* c) {
     }
 }
 
-static void turn(const ty_turn_block* b) {
-    float tile[TY_TURN_SIDE][TY_TURN_SIDE + 1];
+static void turn(const ty_transpose_block* b) {
+    float tile[TY_TRANSPOSE_SIDE][TY_TRANSPOSE_SIDE + 1];
     for (int32_t row = 0; row < b->rows; ++row) {
         float* from = b->from + b->stride * (size_t)row;
         const int32_t column = b->backwards != 0 ? b->rows - 1 - row : row;
@@ -90,7 +90,7 @@ static void turn(const ty_turn_block* b) {
 
 /* ---- lamps ---- */
 
-static void lamp_rays(const ty_lamp_rays* r) {
+static void lamp_rays(const ty_ray_row* r) {
     const float near = r->near, far = r->far, row = r->row, row_slope = r->row_slope;
     const float at = r->at[0], at_step = r->at[1], slope = r->slope[0], slope_step = r->slope[1];
     const int32_t last_u = r->size[0] - 1, last_v = r->size[1] - 1, step_u = r->stride[0], step_v = r->stride[1];
@@ -105,56 +105,57 @@ static void lamp_rays(const ty_lamp_rays* r) {
         const int32_t base = cell_u * step_u + cell_v * step_v;
         const int32_t next_u = cell_u < last_u ? step_u : 0, next_v = cell_v < last_v ? step_v : 0;
         const float share = u - (float)cell_u;
-        const float before = ty_share_between(cells[base], cells[base + next_u], share);
-        const float after = ty_share_between(cells[base + next_v], cells[base + next_v + next_u], share);
-        const float sigma = ty_share_between(before, after, v - (float)cell_v);
+        const float before = ty_lerp_exact(cells[base], cells[base + next_u], share);
+        const float after = ty_lerp_exact(cells[base + next_v], cells[base + next_v + next_u], share);
+        const float sigma = ty_lerp_exact(before, after, v - (float)cell_v);
         const float passed = near - entry[i];
         mean[i] = passed > 0.0f ? depth[i] / passed : sigma;
         depth[i] += sigma * (far - from);
     }
 }
 
-static void lamp_blend(const ty_lamp_blend* b) {
+static void lamp_blend(const ty_ray_row_blend* b) {
     const float *a0 = b->mean[0], *a1 = b->mean[1], *b0 = b->mean[2], *b1 = b->mean[3];
     const float row_share = b->row_share, far_share = b->far_share, along = b->along;
     float* out = b->out;
 #pragma omp simd
     for (int32_t i = b->begin; i < b->end; ++i)
-        out[i] = ty_share_between(ty_share_between(a0[i], a1[i], row_share), ty_share_between(b0[i], b1[i], row_share),
-                                  far_share);
+        out[i] =
+            ty_lerp_exact(ty_lerp_exact(a0[i], a1[i], row_share), ty_lerp_exact(b0[i], b1[i], row_share), far_share);
     if (b->hit[0] == NULL) return;
     const float *before = b->hit[0], *after = b->hit[1];
     float* open = b->open;
 #pragma omp simd
     for (int32_t i = b->begin; i < b->end; ++i)
-        open[i] = ty_share_between(before[i] > along ? 1.0f : 0.0f, after[i] > along ? 1.0f : 0.0f, row_share);
+        open[i] = ty_lerp_exact(before[i] > along ? 1.0f : 0.0f, after[i] > along ? 1.0f : 0.0f, row_share);
 }
 
 /* The optical depth at a cell's middle, and what the cell makes of it. across: of u, v, w. */
-TY_FN float lamp_cell(const ty_lamp_cells* c, float off, float side, float mean, float extinction) {
+TY_FN float lamp_cell(const ty_cell_row_means* c, float off, float side, float mean, float extinction) {
     const float per_distance = 1.0f / sqrtf(off * off + c->v * c->v + c->w * c->w);
     const float to[3] = {off * per_distance, c->v * per_distance, c->w * per_distance};
     const float inside_u = c->beside != 0 ? c->w * side / off : TY_FLOAT_MAX;
     const float inside = ty_minf(inside_u, c->inside);
     const float share = ty_clampf(inside / c->w, 0.0f, 1.0f), outside = 1.0f - share;
     const bool by_u = inside_u < c->inside;
-    ty_lamp_depth d;
+    ty_cell_depth d;
     d.depth = mean * share / per_distance;
     d.extinction = extinction;
     d.slope[0] = to[0] * share + (by_u ? outside / to[0] : 0.0f);
     d.slope[1] = to[1] * share + (!by_u && c->across_v != 0 ? outside / to[1] : 0.0f);
     d.slope[2] = to[2] * share + (!by_u && c->across_v == 0 ? outside / to[2] : 0.0f);
-    return c->spread != 0 ? ty_lamp_mean(&d, to, per_distance, c->cell) : ty_lamp_mean_transmittance(&d, c->cell);
+    return c->spread != 0 ? ty_cell_mean_falloff(&d, to, per_distance, c->cell)
+                          : ty_cell_mean_transmittance(&d, c->cell);
 }
 
-static void lamp_cells(const ty_lamp_cells* cells) {
-    const ty_lamp_cells c = *cells;
+static void lamp_cells(const ty_cell_row_means* cells) {
+    const ty_cell_row_means c = *cells;
     const float last = (float)(c.rays - 1);
 #pragma omp simd
     for (int32_t i = c.begin; i < c.end; ++i) {
         const float index = (float)i, at = ty_clampf(c.column[0] + c.column[1] * index, 0.0f, last);
         const int32_t whole = (int32_t)at, ray = whole < c.rays - 2 ? whole : c.rays - 2;
-        const float mean = ty_share_between(c.mean[ray], c.mean[ray + 1], at - (float)ray);
+        const float mean = ty_lerp_exact(c.mean[ray], c.mean[ray + 1], at - (float)ray);
         c.lit[i] = lamp_cell(&c, c.off[0] + c.off[1] * index, c.side[0] + c.side[1] * index, mean,
                              c.extinction[(size_t)i * c.stride]);
     }
@@ -163,12 +164,12 @@ static void lamp_cells(const ty_lamp_cells* cells) {
     for (int32_t i = c.begin; i < c.end; ++i) {
         const float at = ty_clampf(c.column[0] + c.column[1] * (float)i, 0.0f, last);
         const int32_t whole = (int32_t)at, ray = whole < c.rays - 2 ? whole : c.rays - 2;
-        c.lit[i] *= ty_share_between(c.open[ray], c.open[ray + 1], at - (float)ray);
+        c.lit[i] *= ty_lerp_exact(c.open[ray], c.open[ray + 1], at - (float)ray);
     }
 }
 
-static void lamp_ways(const ty_lamp_ways* ways) {
-    const ty_lamp_ways w = *ways;
+static void lamp_ways(const ty_cell_row_directions* ways) {
+    const ty_cell_row_directions w = *ways;
 #pragma omp simd
     for (int32_t i = w.begin; i < w.end; ++i) {
         const float off = w.off[0] + w.off[1] * (float)i;
@@ -178,14 +179,14 @@ static void lamp_ways(const ty_lamp_ways* ways) {
         w.way[2][i] = w.w * per_distance;
         w.falloff[i] = per_distance * per_distance;
     }
-    if (w.light->kind == TY_KIND_POINT) return;
+    if (w.profile == TY_PROFILE_ISOTROPIC) return;
 #pragma omp simd
     for (int32_t i = w.begin; i < w.end; ++i)
-        w.falloff[i] *= ty_source_profile(w.light, w.way[0][i] * w.facing[0] + w.way[1][i] * w.facing[1] +
-                                                       w.way[2][i] * w.facing[2]);
+        w.falloff[i] *= ty_light_profile_at(
+            w.profile, w.light, w.way[0][i] * w.facing[0] + w.way[1][i] * w.facing[1] + w.way[2][i] * w.facing[2]);
 }
 
-TY_FN void sum_lamp_row(const ty_lamp_sum* s, size_t stride) {
+TY_FN void sum_lamp_row(const ty_cell_row_sum* s, size_t stride) {
     const float *lit = s->lit, *falloff = s->falloff, color = s->color;
     float* fluence = s->fluence;
 #pragma omp simd
@@ -198,7 +199,7 @@ TY_FN void sum_lamp_row(const ty_lamp_sum* s, size_t stride) {
     }
 }
 
-static void lamp_sum(const ty_lamp_sum* s) {
+static void lamp_sum(const ty_cell_row_sum* s) {
     if (s->stride == 1)
         sum_lamp_row(s, 1);
     else

@@ -5,50 +5,50 @@
 #include "direct/uncollided/point_light.k.h"
 
 /* Rays along each tube that find where surfaces are. */
-enum { TY_BEAM_RAYS = 4 };
+enum { TY_TUBE_RAYS = 4 };
 
 /* Planes that a beam may add to at once: fluence and flux of three channels. */
-enum { TY_BEAM_PLANES_MAX = 12 };
+enum { TY_TUBE_PLANES_MAX = 12 };
 
 /* Tubes through a slab: tube t of a row overlaps its cells t - 2, t - 1 and t. */
-typedef struct ty_beam_row {
+typedef struct ty_tube_row {
     int32_t count;                  /* cells in a row; tubes are two more */
     float weight[2][3];             /* of each tube's three cells, and three rows */
     float length;                   /* of a tube within the slab, m */
     float start;                    /* how far the slab's near side is along the tubes, m */
     const float* cells[3];          /* extinction of the three rows, 1/m */
-    const float* hit[TY_BEAM_RAYS]; /* how far along each tube its rays meet a surface, m; NULL: there is none */
+    const float* hit[TY_TUBE_RAYS]; /* how far along each tube its rays meet a surface, m; NULL: there is none */
     const float* in;                /* transmittance of each tube up to the slab, surfaces ignored */
     float* out;                     /* and up to its far side */
     float* mean;                    /* transmittance over the slab, times the share of it before surfaces */
     float* blend;                   /* scratch, count + 4 */
-} ty_beam_row;
+} ty_tube_row;
 
 /* Cells of a slab. */
-typedef struct ty_beam_cells {
+typedef struct ty_tube_cells {
     int32_t count;
     float weight[2][3];
     const float* mean[3]; /* of the rows of tubes that have these cells as their first, second and third row */
     float* lit;           /* scratch: mean transmittance of cells */
     int32_t plane_count;
-    float* planes[TY_BEAM_PLANES_MAX]; /* what that is added to, times a factor each */
+    float* planes[TY_TUBE_PLANES_MAX]; /* what that is added to, times a factor each */
     const float* factor;
-} ty_beam_cells;
+} ty_tube_cells;
 
 /* A block of cells to add to a plane in which rows and columns have changed places; leaves zeros behind. */
-enum { TY_TURN_SIDE = 16 };
-typedef struct ty_turn_block {
-    int32_t rows, columns; /* of `from`, each TY_TURN_SIDE at most */
+enum { TY_TRANSPOSE_SIDE = 16 };
+typedef struct ty_transpose_block {
+    int32_t rows, columns; /* of `from`, each TY_TRANSPOSE_SIDE at most */
     float* from;
     size_t stride;     /* floats from row to row */
     float* to;         /* where the first row is a column */
     size_t to_stride;  /* floats from row to row there */
     int32_t backwards; /* whether the last row of `from` is the first column */
-} ty_turn_block;
+} ty_transpose_block;
 
 /* A row of a lamp's lattice of rays through one slab of cells. Lengths are m along w from where the box begins; ray i
  * is where two numbers say, first + i * second. */
-typedef struct ty_lamp_rays {
+typedef struct ty_ray_row {
     int32_t begin, end;
     float near, far; /* of the slab */
     float at[2];     /* along u on its far side, in cells from the first one's middle */
@@ -60,10 +60,10 @@ typedef struct ty_lamp_rays {
     const float* entry;         /* where each ray enters the box; INFINITY: nowhere */
     float* depth;               /* up to the near side, and then the far side, as if lengths were taken along w */
     float* mean;                /* extinction from where the ray enters up to the near side, 1/m */
-} ty_lamp_rays;
+} ty_ray_row;
 
 /* Rows of rays about a row of cells: the rays before and after it along v, on the near and the far side of its slab. */
-typedef struct ty_lamp_blend {
+typedef struct ty_ray_row_blend {
     int32_t begin, end;   /* rays */
     const float* mean[4]; /* near before, near after, far before, far after */
     const float* hit[2];  /* how far along w each meets a surface, m; NULL: there is none */
@@ -71,10 +71,10 @@ typedef struct ty_lamp_blend {
     float along; /* of the cells' middles, m along w */
     float* out;  /* mean extinction */
     float* open; /* share of the rays that get there */
-} ty_lamp_blend;
+} ty_ray_row_blend;
 
 /* Cells of a row along u that one pyramid of a lamp's has; cell i is where two numbers say, first + i * second. */
-typedef struct ty_lamp_cells {
+typedef struct ty_cell_row_means {
     int32_t begin, end;
     int32_t rays;
     float column[2];         /* which ray is at a cell's middle */
@@ -91,19 +91,20 @@ typedef struct ty_lamp_cells {
     const float* open;       /* NULL: all are */
     int32_t spread;          /* whether the mean is that of transmittance / r^2, times r^2 in the middle */
     float* lit;              /* cell i's goes to lit[i] */
-} ty_lamp_cells;
+} ty_cell_row_means;
 
 /* What comes to those cells without a medium. */
-typedef struct ty_lamp_ways {
+typedef struct ty_cell_row_directions {
     int32_t begin, end;
-    float off[2], v, w; /* as above, but w has its sign */
-    const ty_light_view* light;
-    float facing[3]; /* the lamp's direction along u, v, w */
-    float* way[3];   /* unit vectors from the lamp along u, v, w */
-    float* falloff;  /* of intensity, by direction and distance, 1/m^2 */
-} ty_lamp_ways;
+    float off[2], v, w;         /* as above, but w has its sign */
+    int32_t profile;            /* ty_light_profile */
+    const ty_light_view* light; /* that a spot's falloff is read from */
+    float facing[3];            /* the lamp's direction along u, v, w */
+    float* way[3];              /* unit vectors from the lamp along u, v, w */
+    float* falloff;             /* of intensity, by direction and distance, 1/m^2 */
+} ty_cell_row_directions;
 
-typedef struct ty_lamp_sum {
+typedef struct ty_cell_row_sum {
     int32_t begin, end;
     size_t stride;
     float color;
@@ -112,17 +113,17 @@ typedef struct ty_lamp_sum {
     const float* way[3];
     float* fluence; /* rows */
     float* flux[3]; /* along u, v, w; NULL: not asked for */
-} ty_lamp_sum;
+} ty_cell_row_sum;
 
 typedef struct ty_direct_kernels {
-    void (*tubes)(const ty_beam_row* row);
-    void (*cells)(const ty_beam_cells* cells);
-    void (*turn)(const ty_turn_block* block);
-    void (*lamp_rays)(const ty_lamp_rays* rays);
-    void (*lamp_blend)(const ty_lamp_blend* blend);
-    void (*lamp_cells)(const ty_lamp_cells* cells);
-    void (*lamp_ways)(const ty_lamp_ways* ways);
-    void (*lamp_sum)(const ty_lamp_sum* sum);
+    void (*tubes)(const ty_tube_row* row);
+    void (*cells)(const ty_tube_cells* cells);
+    void (*turn)(const ty_transpose_block* block);
+    void (*lamp_rays)(const ty_ray_row* rays);
+    void (*lamp_blend)(const ty_ray_row_blend* blend);
+    void (*lamp_cells)(const ty_cell_row_means* cells);
+    void (*lamp_ways)(const ty_cell_row_directions* ways);
+    void (*lamp_sum)(const ty_cell_row_sum* sum);
 } ty_direct_kernels;
 
 extern const ty_direct_kernels ty_direct_kernels_v1;

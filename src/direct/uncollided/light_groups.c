@@ -22,25 +22,25 @@ static float distance_to_box(const ty_grid_box* box, ty_vec p) {
 }
 
 /* The next group from source `first` on, as if there were room for all. */
-static ty_source_group next_group(const ty_scene* scene, const ty_grid_box* box, const ty_source* sources,
-                                  int32_t count, int32_t first) {
+static ty_light_group next_group(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
+                                 int32_t count, int32_t first) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
-    ty_source_group g = {.first = first, .own = true};
+    ty_light_group g = {.first = first, .own = true};
     const int32_t light = sources[first].light;
     ty_vec sum = ty_vec_make(0, 0, 0);
     /* What surfaces send of a light is not where that is. */
-    for (int32_t i = first; i < count && sources[i].light == light && sources[i].stand_in == sources[first].stand_in;
-         ++i) {
+    for (int32_t i = first;
+         i < count && sources[i].light == light && sources[i].is_virtual == sources[first].is_virtual; ++i) {
         ++g.count;
         sum = ty_add(sum, sources[i].position);
     }
     g.middle = ty_scale(sum, 1.0f / (float)g.count);
-    if (sources[first].kind == TY_SOURCE_BEAM) {
+    if (sources[first].kind == TY_DISCRETE_DIRECTIONAL) {
         g.own = g.count == 1 && lights->lights[light].kind == TY_KIND_DIRECTIONAL;
         return g;
     }
-    if (sources[first].stand_in != NULL) g.own = false;
-    if (sources[first].alone != 0 || !g.own) return g;
+    if (sources[first].is_virtual != 0) g.own = false;
+    if (sources[first].is_point != 0 || !g.own) return g;
     float radius = 0;
     for (int32_t i = first; i < first + g.count; ++i) {
         const ty_vec off = ty_sub(sources[i].position, g.middle);
@@ -50,8 +50,8 @@ static ty_source_group next_group(const ty_scene* scene, const ty_grid_box* box,
     return g;
 }
 
-int32_t ty_source_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_source* sources, int32_t count,
-                              int32_t most, ty_source_group* groups) {
+int32_t ty_light_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
+                             int32_t count, int32_t most, ty_light_group* groups) {
     int32_t found = 0, own = 0;
     for (int32_t i = 0; i < count; i += groups[found++].count) {
         groups[found] = next_group(scene, box, sources, count, i);
@@ -61,7 +61,7 @@ int32_t ty_source_groups_find(const ty_scene* scene, const ty_grid_box* box, con
     return found;
 }
 
-bool ty_sources_share(const ty_source* sources, int32_t count, const float color[3]) {
+bool ty_discrete_lights_share_color(const ty_discrete_light* sources, int32_t count, const float color[3]) {
     for (int32_t i = 0; i < count; ++i)
         for (int c = 0; c < 3; ++c) {
             const float* own = sources[i].color;
@@ -72,24 +72,25 @@ bool ty_sources_share(const ty_source* sources, int32_t count, const float color
     return true;
 }
 
-ty_result ty_source_groups_field(const ty_source* sources, const ty_source_group* groups, int32_t count, bool own,
-                                 const ty_grid_medium* medium, bool with_flux, ty_light_field** out) {
+ty_result ty_light_groups_field(const ty_discrete_light* sources, const ty_light_group* groups, int32_t count, bool own,
+                                const ty_grid_medium* medium, bool with_flux, ty_light_field** out) {
     const float* color = sources[groups[0].first].color;
     bool shared = medium->planes == 1 && color[0] + color[1] + color[2] > 0;
     for (int32_t i = 0; i < count; ++i)
-        shared =
-            shared && (groups[i].own != own || ty_sources_share(&sources[groups[i].first], groups[i].count, color));
+        shared = shared && (groups[i].own != own ||
+                            ty_discrete_lights_share_color(&sources[groups[i].first], groups[i].count, color));
     return shared ? ty_light_field_create_shared(medium, with_flux, color, out)
                   : ty_light_field_create(medium, with_flux, out);
 }
 
-ty_single_light ty_source_group_light(const ty_source* sources, const ty_source_group* group,
-                                      const ty_light_field* field) {
-    ty_single_light light = {.kind = TY_SINGLE_MANY, .shared = field->planes == 1};
+ty_light_fluence ty_light_group_fluence(const ty_discrete_light* sources, const ty_light_group* group,
+                                        const ty_light_field* field) {
+    ty_light_fluence light = {.kind = TY_FLUENCE_P1, .shared = field->planes == 1};
     if (group != NULL) {
-        const ty_source* source = &sources[group->first];
-        light.kind = source->kind == TY_SOURCE_BEAM ? TY_SINGLE_BEAM : TY_SINGLE_LAMP;
-        light.toward = source->kind == TY_SOURCE_BEAM ? source->direction : group->middle;
+        const ty_discrete_light* source = &sources[group->first];
+        light.kind = source->kind == TY_DISCRETE_DIRECTIONAL ? TY_FLUENCE_DIRECTIONAL : TY_FLUENCE_POINT;
+        light.sample = *source;
+        if (light.kind == TY_FLUENCE_POINT) light.sample.position = group->middle;
     }
     for (int c = 0; c < 3; ++c) {
         light.color[c] = field->planes == 1 ? field->color[c] : 1;

@@ -7,24 +7,24 @@
 #include "direct/uncollided/uncollided.h"
 
 /* Consecutive sources of one light. */
-typedef struct ty_source_group {
+typedef struct ty_light_group {
     int32_t first, count;
     ty_vec middle; /* of lamps, m */
     bool own;      /* whether it keeps its field: the phase function can be met from one direction, or one point */
-} ty_source_group;
+} ty_light_group;
 
 /* All groups; the first `most` that can be met so are own. box: where light is looked at. groups: room for one a
  * source. Returns how many there are. */
-int32_t ty_source_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_source* sources, int32_t count,
-                              int32_t most, ty_source_group* groups);
+int32_t ty_light_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
+                             int32_t count, int32_t most, ty_light_group* groups);
 /* A dark field for those of the groups that are own, or for the others: of one plane where that will do. */
-ty_result ty_source_groups_field(const ty_source* sources, const ty_source_group* groups, int32_t count, bool own,
-                                 const ty_grid_medium* medium, bool with_flux, ty_light_field** out);
+ty_result ty_light_groups_field(const ty_discrete_light* sources, const ty_light_group* groups, int32_t count, bool own,
+                                const ty_grid_medium* medium, bool with_flux, ty_light_field** out);
 /* A field's light as whoever scatters it has it: of an own group, or (NULL) of many. */
-ty_single_light ty_source_group_light(const ty_source* sources, const ty_source_group* group,
-                                      const ty_light_field* field);
+ty_light_fluence ty_light_group_fluence(const ty_discrete_light* sources, const ty_light_group* group,
+                                        const ty_light_field* field);
 
 /* Whether sources' light differs between channels by `color` alone: then one plane will do for all. */
-bool ty_sources_share(const ty_source* sources, int32_t count, const float color[3]);
+bool ty_discrete_lights_share_color(const ty_discrete_light* sources, int32_t count, const float color[3]);
 
 #endif

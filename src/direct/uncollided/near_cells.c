@@ -9,7 +9,7 @@
 enum { NEAR = 2, NEAR_SIDE = 2 * NEAR + 1, NEAR_CELLS = NEAR_SIDE * NEAR_SIDE * NEAR_SIDE };
 enum { NEAR_RAYS = 48, NEAR_RAYS_ONE_OF_MANY = 16 };
 
-float ty_lamp_reach(const ty_lamp_job* lamp, ty_vec direction, float far) {
+float ty_point_light_visible_distance(const ty_point_light_job* lamp, ty_vec direction, float far) {
     if (lamp->scene->mesh == NULL) return far;
     ty_hit hit;
     ty_vec origin = lamp->source->position;
@@ -18,13 +18,13 @@ float ty_lamp_reach(const ty_lamp_job* lamp, ty_vec direction, float far) {
     return ty_mesh_intersect(lamp->scene->mesh, origin, direction, far, &hit) ? hit.distance : far;
 }
 
-bool ty_lamp_is_near(const ty_lamp_job* lamp, const int32_t cell[3]) {
+bool ty_near_cells_contain(const ty_point_light_job* lamp, const int32_t cell[3]) {
     for (int a = 0; a < 3; ++a)
         if (abs(cell[a] - lamp->home[a]) > NEAR) return false;
     return true;
 }
 
-void ty_lamp_near_range(const ty_lamp_job* lamp, int32_t axis, int32_t range[2]) {
+void ty_near_cells_range(const ty_point_light_job* lamp, int32_t axis, int32_t range[2]) {
     range[0] = lamp->home[axis] - NEAR;
     range[1] = lamp->home[axis] + NEAR + 1;
 }
@@ -40,7 +40,7 @@ typedef struct near_ray {
     double at; /* m */
 } near_ray;
 
-static void begin_near_ray(const ty_lamp_job* lamp, const double way[3], near_ray* ray) {
+static void begin_near_ray(const ty_point_light_job* lamp, const double way[3], near_ray* ray) {
     ray->at = 0;
     for (int a = 0; a < 3; ++a) {
         const double cell = lamp->medium->cell[a], low = lamp->lower[a] + cell * lamp->home[a];
@@ -61,13 +61,14 @@ static bool step_near_ray(near_ray* ray) {
     return abs(ray->cell[a]) <= NEAR;
 }
 
-static void follow_near_ray(const ty_lamp_job* lamp, const double way[3], double weight, near_sums* sums) {
+static void follow_near_ray(const ty_point_light_job* lamp, const double way[3], double weight, near_sums* sums) {
     const int32_t* size = lamp->medium->box.size;
     float depth[3] = {0, 0, 0};
     near_ray ray;
     const ty_vec direction = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
-    const double end = (double)ty_lamp_reach(lamp, direction, TY_FLOAT_MAX);
-    weight *= (double)ty_source_profile(lamp->light, ty_dot(direction, lamp->source->direction));
+    const double end = (double)ty_point_light_visible_distance(lamp, direction, TY_FLOAT_MAX);
+    weight *=
+        (double)ty_light_profile_at(lamp->source->profile, lamp->light, ty_dot(direction, lamp->source->direction));
     if (!(weight > 0)) return;
     begin_near_ray(lamp, way, &ray);
     do {
@@ -89,8 +90,8 @@ static void follow_near_ray(const ty_lamp_job* lamp, const double way[3], double
 }
 
 /* Rays at equal steps of the tangents, each for its share of the sphere. */
-static void follow_near_rays(const ty_lamp_job* lamp, near_sums* sums) {
-    const int32_t side = lamp->source->alone != 0 ? NEAR_RAYS : NEAR_RAYS_ONE_OF_MANY;
+static void follow_near_rays(const ty_point_light_job* lamp, near_sums* sums) {
+    const int32_t side = lamp->source->is_point != 0 ? NEAR_RAYS : NEAR_RAYS_ONE_OF_MANY;
     for (int32_t i = 0; i < 6 * side * side; ++i) {
         const int32_t face = i / (side * side), w = face / 2;
         const double p = 2 * (i % side + 0.5) / side - 1, q = 2 * (i / side % side + 0.5) / side - 1;
@@ -103,7 +104,7 @@ static void follow_near_rays(const ty_lamp_job* lamp, near_sums* sums) {
     }
 }
 
-static void add_near(const ty_lamp_job* lamp, const near_sums* sums) {
+static void add_near(const ty_point_light_job* lamp, const near_sums* sums) {
     const ty_grid_medium* medium = lamp->medium;
     const int32_t* size = medium->box.size;
     const double volume = medium->cell[0] * medium->cell[1] * medium->cell[2];
@@ -123,13 +124,13 @@ static void add_near(const ty_lamp_job* lamp, const near_sums* sums) {
     }
 }
 
-static bool is_beside_box(const ty_lamp_job* lamp) {
+static bool is_beside_box(const ty_point_light_job* lamp) {
     for (int a = 0; a < 3; ++a)
         if (lamp->home[a] < -NEAR || lamp->home[a] >= lamp->medium->box.size[a] + NEAR) return false;
     return true;
 }
 
-ty_result ty_lamp_add_near(const ty_lamp_job* lamp) {
+ty_result ty_near_cells_add(const ty_point_light_job* lamp) {
     if (!is_beside_box(lamp)) return TY_OK;
     near_sums* sums = ty_alloc_array(lamp->medium->context, 1, sizeof *sums, true);
     if (sums == NULL) return TY_ERROR_MEMORY;

@@ -6,8 +6,8 @@
 /* Of a cell's sides. */
 static const double rim = 1e-3;
 
-ty_stop_room ty_stop_room_of(const ty_grid_medium* medium) {
-    ty_stop_room room;
+ty_occlusion_box ty_occlusion_box_of(const ty_grid_medium* medium) {
+    ty_occlusion_box room;
     for (int a = 0; a < 3; ++a) {
         room.lower[a] = medium->box.lower[a] + rim * medium->cell[a];
         room.upper[a] = medium->box.upper[a] - rim * medium->cell[a];
@@ -31,7 +31,7 @@ static void fill_from(float* row, const float* other, size_t count) {
     if (is_none(row[0])) memcpy(row, other, count * sizeof *row);
 }
 
-void ty_stops_fill(float* stops, int32_t columns, int32_t rows) {
+void ty_occlusion_fill(float* stops, int32_t columns, int32_t rows) {
     const size_t across = (size_t)columns, down = (size_t)rows;
     for (size_t row = 0; row < down; ++row) fill_row(stops + row * across, across);
     for (size_t row = 1; row < down; ++row) fill_from(stops + row * across, stops + (row - 1) * across, across);

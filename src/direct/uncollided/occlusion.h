@@ -9,35 +9,35 @@
 #include "direct/media/cell_ray.h"
 
 /* A medium's box, less a thousandth of a cell on all sides, m: surfaces in its faces are outside. */
-typedef struct ty_stop_room {
+typedef struct ty_occlusion_box {
     double lower[3], upper[3];
-} ty_stop_room;
+} ty_occlusion_box;
 
-ty_stop_room ty_stop_room_of(const ty_grid_medium* medium);
+ty_occlusion_box ty_occlusion_box_of(const ty_grid_medium* medium);
 
-/* The stop of a ray that passes the room by, until ty_stops_fill. */
-#define TY_STOP_NONE (-1.0f)
+/* The stop of a ray that passes the room by, until ty_occlusion_fill. */
+#define TY_OCCLUSION_UNDEFINED (-1.0f)
 
-/* What ty_stop_cut takes of a ray's way along one axis. */
-static inline double ty_stop_inverse(double way) {
+/* What ty_occlusion_clip takes of a ray's way along one axis. */
+static inline double ty_occlusion_inverse(double way) {
     return way != 0 ? 1 / way : 1e300;
 }
 
 /* Where a ray enters and leaves the room, m from its origin: empty where it passes it by. */
-typedef struct ty_stop_span {
+typedef struct ty_occlusion_span {
     double enter, leave;
-} ty_stop_span;
+} ty_occlusion_span;
 
 /* Cuts a span to the room along one axis, of which the ray's origin and way are given. */
-static inline ty_stop_span ty_stop_cut(ty_stop_span span, const ty_stop_room* room, int axis, double origin,
-                                       double inverse) {
+static inline ty_occlusion_span ty_occlusion_clip(ty_occlusion_span span, const ty_occlusion_box* room, int axis,
+                                                  double origin, double inverse) {
     const double low = (room->lower[axis] - origin) * inverse, high = (room->upper[axis] - origin) * inverse;
-    return (ty_stop_span){ty_cell_max(span.enter, ty_cell_min(low, high)),
-                          ty_cell_min(span.leave, ty_cell_max(low, high))};
+    return (ty_occlusion_span){ty_cell_max(span.enter, ty_cell_min(low, high)),
+                               ty_cell_min(span.leave, ty_cell_max(low, high))};
 }
 
 /* Rows of rays' stops: those that pass the room by get that of the nearest in their row that does not, and rows of
  * which all do that of the next row. */
-void ty_stops_fill(float* stops, int32_t columns, int32_t rows);
+void ty_occlusion_fill(float* stops, int32_t columns, int32_t rows);
 
 #endif

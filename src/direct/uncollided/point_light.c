@@ -11,7 +11,7 @@
 
 /* A row of cells along u, as far as a pyramid has it. */
 typedef struct cell_row {
-    const ty_lamp_lattice* l;
+    const ty_ray_lattice* l;
     int32_t slab;
     int32_t cell[3]; /* along u, v, w; of u: 0 */
     size_t first;    /* where the row begins, and how far cells are apart, in planes */
@@ -21,23 +21,23 @@ typedef struct cell_row {
 } cell_row;
 
 /* A cell's middle along an axis, m from the lamp. */
-static double middle_of(const ty_lamp_job* lamp, int32_t axis, int32_t cell) {
+static double middle_of(const ty_point_light_job* lamp, int32_t axis, int32_t cell) {
     return lamp->lower[axis] + lamp->medium->cell[axis] * (cell + 0.5);
 }
 
 /* Floats of scratch for a row of cells of this lamp: rays, then cells. */
-static size_t cell_scratch(const ty_lamp_job* lamp) {
+static size_t cell_scratch(const ty_point_light_job* lamp) {
     int32_t most = 0;
     for (int a = 0; a < 3; ++a) most = lamp->medium->box.size[a] > most ? lamp->medium->box.size[a] : most;
-    return ty_lamp_lattice_scratch(lamp) + 7 * (size_t)most;
+    return ty_ray_lattice_scratch(lamp) + 7 * (size_t)most;
 }
 
-static void place_row(const ty_lamp_lattice* l, int32_t slab, int32_t v, float* scratch, cell_row* row) {
-    const ty_lamp_job* lamp = l->of;
+static void place_row(const ty_ray_lattice* l, int32_t slab, int32_t v, float* scratch, cell_row* row) {
+    const ty_point_light_job* lamp = l->of;
     const int32_t* size = lamp->medium->box.size;
     const size_t stride[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
     const size_t rays = (size_t)l->count[0], cells = (size_t)size[l->axis[0]];
-    *row = (cell_row){.l = l, .slab = slab, .cell = {0, v, ty_lamp_lattice_cell(l, slab)}};
+    *row = (cell_row){.l = l, .slab = slab, .cell = {0, v, ty_ray_lattice_cell(l, slab)}};
     row->stride = stride[l->axis[0]];
     row->first = stride[l->axis[1]] * (size_t)row->cell[1] + stride[l->axis[2]] * (size_t)row->cell[2];
     row->v = middle_of(lamp, l->axis[1], row->cell[1]);
@@ -54,7 +54,7 @@ static void place_row(const ty_lamp_lattice* l, int32_t slab, int32_t v, float* 
 
 /* Whether the way to a cell's middle is along this lattice's pyramid: exactly one of the six has it. */
 static bool is_owned(const cell_row* row, int32_t u) {
-    const ty_lamp_lattice* l = row->l;
+    const ty_ray_lattice* l = row->l;
     double off[3];
     off[l->axis[0]] = fabs(middle_of(l->of, l->axis[0], u));
     off[l->axis[1]] = fabs(row->v);
@@ -65,7 +65,7 @@ static bool is_owned(const cell_row* row, int32_t u) {
 
 /* The cells of the row that the pyramid has. */
 static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
-    const ty_lamp_job* lamp = row->l->of;
+    const ty_point_light_job* lamp = row->l->of;
     const int32_t u = row->l->axis[0], size = lamp->medium->box.size[u];
     const double low = lamp->lower[u], per_cell = 1 / lamp->medium->cell[u];
     *begin = (int32_t)fmax(0, fmin(size, floor((-row->w - low) * per_cell) - 1));
@@ -76,15 +76,14 @@ static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
 
 /* Mean extinction along the rays about the cells [begin, end), and how many of them get there. */
 static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_t end) {
-    const ty_lamp_lattice* l = row->l;
-    const double near = ty_lamp_lattice_plane(l, row->slab),
-                 far = fmin(l->far, ty_lamp_lattice_plane(l, row->slab + 1));
-    const size_t count = (size_t)l->count[0], rays = ty_lamp_lattice_rays(l);
+    const ty_ray_lattice* l = row->l;
+    const double near = ty_ray_lattice_plane(l, row->slab), far = fmin(l->far, ty_ray_lattice_plane(l, row->slab + 1));
+    const size_t count = (size_t)l->count[0], rays = ty_ray_lattice_rays(l);
     int32_t at, first, last;
-    const float row_share = ty_lamp_lattice_locate(l, 1, row->v / row->w, &at);
-    ty_lamp_lattice_locate(l, 0, middle_of(l->of, l->axis[0], begin) / row->w, &first);
-    ty_lamp_lattice_locate(l, 0, middle_of(l->of, l->axis[0], end - 1) / row->w, &last);
-    ty_lamp_blend blend = {
+    const float row_share = ty_ray_lattice_locate(l, 1, row->v / row->w, &at);
+    ty_ray_lattice_locate(l, 0, middle_of(l->of, l->axis[0], begin) / row->w, &first);
+    ty_ray_lattice_locate(l, 0, middle_of(l->of, l->axis[0], end - 1) / row->w, &last);
+    ty_ray_row_blend blend = {
         .begin = first > 0 ? first - 1 : 0,
         .end = last + 3 < l->count[0] ? last + 3 : l->count[0],
         .row_share = row_share,
@@ -101,7 +100,7 @@ static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_
 
 /* How far cells are along w from where rays enter the box through its end, or across v. */
 static double inside_of(const cell_row* row, bool* across_v) {
-    const ty_lamp_lattice* l = row->l;
+    const ty_ray_lattice* l = row->l;
     const int32_t v = l->axis[1], w = l->axis[2];
     const ty_grid_medium* medium = l->of->medium;
     const double lower = l->of->lower[v], upper = l->of->upper[v], cell = row->cell[1] + 0.5;
@@ -115,13 +114,13 @@ static double inside_of(const cell_row* row, bool* across_v) {
 
 /* Means of cells [begin, end) of the row. */
 static void find_means(const cell_row* row, int32_t begin, int32_t end) {
-    const ty_lamp_lattice* l = row->l;
-    const ty_lamp_job* lamp = l->of;
+    const ty_ray_lattice* l = row->l;
+    const ty_point_light_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const int32_t u = l->axis[0];
     const double size = medium->cell[u], middle = middle_of(lamp, u, 0);
     bool across_v;
-    ty_lamp_cells cells = {
+    ty_cell_row_means cells = {
         .begin = begin,
         .end = end,
         .rays = l->count[0],
@@ -148,14 +147,15 @@ static void find_means(const cell_row* row, int32_t begin, int32_t end) {
 }
 
 static void add_light(const cell_row* row, int32_t begin, int32_t end) {
-    const ty_lamp_lattice* l = row->l;
-    const ty_lamp_job* lamp = l->of;
-    const ty_lamp_out* out = &lamp->out;
+    const ty_ray_lattice* l = row->l;
+    const ty_point_light_job* lamp = l->of;
+    const ty_point_light_target* out = &lamp->out;
     const ty_vec direction = lamp->source->direction;
     const float facing[3] = {direction.x, direction.y, direction.z};
     const float middle = (float)middle_of(lamp, l->axis[0], 0), size = (float)lamp->medium->cell[l->axis[0]];
-    ty_lamp_ways ways = {.begin = begin, .end = end, .off = {middle, size}, .v = (float)row->v};
+    ty_cell_row_directions ways = {.begin = begin, .end = end, .off = {middle, size}, .v = (float)row->v};
     ways.w = (float)(l->backwards ? -row->w : row->w);
+    ways.profile = lamp->source->profile;
     ways.light = lamp->light;
     ways.falloff = row->falloff;
     for (int i = 0; i < 3; ++i) {
@@ -164,7 +164,7 @@ static void add_light(const cell_row* row, int32_t begin, int32_t end) {
     }
     lamp->kernels->lamp_ways(&ways);
     for (int32_t c = 0; c < out->planes; ++c) {
-        ty_lamp_sum sum = {.begin = begin, .end = end, .stride = row->stride, .falloff = row->falloff};
+        ty_cell_row_sum sum = {.begin = begin, .end = end, .stride = row->stride, .falloff = row->falloff};
         sum.color = out->color[c];
         sum.lit = row->lit[c < lamp->medium->planes ? c : 0];
         sum.fluence = out->fluence[c] + row->first;
@@ -190,25 +190,25 @@ static void light_cells(const cell_row* row, int32_t begin, int32_t end) {
 
 /* All but what rays from cell to cell find better. */
 static void light_row(const cell_row* row) {
-    const ty_lamp_job* lamp = row->l->of;
+    const ty_point_light_job* lamp = row->l->of;
     const int32_t* axis = row->l->axis;
     int32_t begin, end, near[2], cell[3];
     find_owned(row, &begin, &end);
     cell[axis[0]] = lamp->home[axis[0]];
     cell[axis[1]] = row->cell[1];
     cell[axis[2]] = row->cell[2];
-    if (lamp->out.transmittance != NULL || !ty_lamp_is_near(lamp, cell)) {
+    if (lamp->out.transmittance != NULL || !ty_near_cells_contain(lamp, cell)) {
         light_cells(row, begin, end);
         return;
     }
-    ty_lamp_near_range(lamp, axis[0], near);
+    ty_near_cells_range(lamp, axis[0], near);
     light_cells(row, begin, near[0] < end ? near[0] : end);
     light_cells(row, near[1] > begin ? near[1] : begin, end);
 }
 
 /* One v: rows of all slabs. */
 static void light_rows(void* user, int64_t v, int32_t worker) {
-    const ty_lamp_lattice* l = user;
+    const ty_ray_lattice* l = user;
     float* scratch = l->of->scratch + l->of->scratch_size * (size_t)worker;
     const unsigned state = ty_flush_denormals();
     for (int32_t slab = 0; slab < l->slabs; ++slab) {
@@ -221,30 +221,30 @@ static void light_rows(void* user, int64_t v, int32_t worker) {
 
 /* ---- pyramids ---- */
 
-static ty_result light_pyramid(ty_lamp_job* lamp, int32_t w, bool backwards) {
+static ty_result light_pyramid(ty_point_light_job* lamp, int32_t w, bool backwards) {
     const ty_grid_medium* medium = lamp->medium;
     const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
-    ty_lamp_lattice before = {.of = lamp},
-                    l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+    ty_ray_lattice before = {.of = lamp},
+                   l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
     l.entry = fmax(0, from);
     ty_result result = TY_OK;
     int32_t begin = (int32_t)fmin(medium->box.size[w], fmax(0, floor(-from / medium->cell[w])));
     for (; begin < medium->box.size[w] && result == TY_OK; begin += l.slabs) {
-        if (!ty_lamp_lattice_place(&l, begin)) continue;
-        result = ty_lamp_lattice_trace(&l, &before);
+        if (!ty_ray_lattice_place(&l, begin)) continue;
+        result = ty_ray_lattice_trace(&l, &before);
         if (result == TY_OK) ty_parallel_for(medium->context, medium->box.size[l.axis[1]], light_rows, &l);
-        ty_lamp_lattice_end(&before);
+        ty_ray_lattice_end(&before);
         before = l;
         l.hit = l.mean[0] = l.mean[1] = l.mean[2] = NULL;
         lamp->passed += 1.0 / 6 * before.slabs / medium->box.size[w];
-        if (result == TY_OK) result = ty_watch_report(lamp->watch, fmin(lamp->passed, 1));
+        if (result == TY_OK) result = ty_progress_meter_report(lamp->watch, fmin(lamp->passed, 1));
     }
-    ty_lamp_lattice_end(&before);
+    ty_ray_lattice_end(&before);
     return result;
 }
 
-static void place_lamp(ty_lamp_job* lamp) {
-    const ty_source* source = lamp->source;
+static void place_lamp(ty_point_light_job* lamp) {
+    const ty_discrete_light* source = lamp->source;
     const ty_grid_medium* medium = lamp->medium;
     const double position[3] = {(double)source->position.x, (double)source->position.y, (double)source->position.z};
     double least = INFINITY;
@@ -254,14 +254,16 @@ static void place_lamp(ty_lamp_job* lamp) {
         lamp->home[a] = (int32_t)fmin(fmax(floor(-lamp->lower[a] / medium->cell[a]), -1e6), 1e6);
         least = fmin(least, medium->cell[a]);
     }
-    if (source->alone == 0) lamp->lift = (float)(1e-3 * least);
+    if (source->is_point == 0) lamp->lift = (float)(1e-3 * least);
 }
 
-ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
-                      const ty_source* source, const ty_lamp_out* out, ty_watch* watch) {
-    ty_lamp_job lamp = {.scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
+ty_result ty_point_light_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
+                             const ty_discrete_light* source, const ty_point_light_target* out,
+                             ty_progress_meter* watch) {
+    ty_point_light_job lamp = {
+        .scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
     const size_t threads = (size_t)ty_context_threads(medium->context);
-    lamp.light = source->stand_in != NULL ? source->stand_in : &scene->lights.lights[source->light];
+    lamp.light = &scene->lights.lights[source->light];
     lamp.kernels = ty_direct_kernels_best();
     lamp.watch = watch;
     place_lamp(&lamp);
@@ -270,7 +272,7 @@ ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, 
     if (lamp.scratch == NULL) return TY_ERROR_MEMORY;
     ty_result result = TY_OK;
     for (int32_t way = 0; way < 6 && result == TY_OK; ++way) result = light_pyramid(&lamp, way / 2, way % 2 != 0);
-    if (result == TY_OK && out->transmittance == NULL) result = ty_lamp_add_near(&lamp);
+    if (result == TY_OK && out->transmittance == NULL) result = ty_near_cells_add(&lamp);
     ty_free_array(medium->context, lamp.scratch, lamp.scratch_size * threads, sizeof *lamp.scratch);
     return result;
 }

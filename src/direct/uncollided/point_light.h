@@ -3,22 +3,23 @@
 #define TY_DIRECT_UNCOLLIDED_POINT_LIGHT_H
 
 #include "direct/media/grid_medium.h"
-#include "direct/lights/discretize.h"
+#include "direct/lights/discrete_light.h"
 #include "direct/uncollided/progress_meter.h"
 #include "scene/scene.h"
 
 /* What a lamp's light is added to. Where `transmittance` is set, its planes (as many as the medium has) take each
  * cell's mean transmittance; else fluence and, unless NULL, flux are added to. */
-typedef struct ty_lamp_out {
+typedef struct ty_point_light_target {
     float* const* transmittance;
     int32_t planes; /* of fluence and flux: 3, or 1 that all channels share */
     float color[3]; /* of the light added to each */
     float* const* fluence;
     float* const (*flux)[3];
-} ty_lamp_out;
+} ty_point_light_target;
 
 /* extinction: as many planes as the medium has. Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
-ty_result ty_lamp_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
-                      const ty_source* source, const ty_lamp_out* out, ty_watch* watch);
+ty_result ty_point_light_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
+                             const ty_discrete_light* source, const ty_point_light_target* out,
+                             ty_progress_meter* watch);
 
 #endif

@@ -7,14 +7,14 @@
 #include "scene/light.k.h"
 
 /* The optical depth around a cell's middle; u, v and w are axes. */
-typedef struct ty_lamp_depth {
+typedef struct ty_cell_depth {
     float depth;      /* in the middle */
     float extinction; /* of the cell, 1/m */
     float slope[3];   /* gradient of the depth over extinction */
-} ty_lamp_depth;
+} ty_cell_depth;
 
 /* The mean of the transmittance over a cell with sides cell[3]: exact where the depth is linear. */
-TY_FN float ty_lamp_mean_transmittance(const ty_lamp_depth* d, const float cell[3]) {
+TY_FN float ty_cell_mean_transmittance(const ty_cell_depth* d, const float cell[3]) {
     float most = -d->depth, mean = 1.0f; /* the exponent in the lightest corner, and the mean relative to there */
     for (int32_t a = 0; a < 3; ++a) {
         const float across = d->extinction * fabsf(d->slope[a]) * cell[a];
@@ -27,14 +27,14 @@ TY_FN float ty_lamp_mean_transmittance(const ty_lamp_depth* d, const float cell[
 
 /* The mean of transmittance / r^2 over a cell, relative to 1 / r^2 in its middle, to second order in the cell's size
  * over r; within bounds where a cell is so long that this does not hold. to: unit, from the lamp. */
-TY_FN float ty_lamp_mean(const ty_lamp_depth* d, const float to[3], float per_distance, const float cell[3]) {
+TY_FN float ty_cell_mean_falloff(const ty_cell_depth* d, const float to[3], float per_distance, const float cell[3]) {
     float spread = 1.0f;
     for (int32_t a = 0; a < 3; ++a) {
         const float square = to[a] * to[a];
         const float bent = d->extinction * (4.0f * to[a] * d->slope[a] - (1.0f - square));
         spread += cell[a] * cell[a] * (1.0f / 24.0f) * per_distance * ((8.0f * square - 2.0f) * per_distance + bent);
     }
-    return ty_lamp_mean_transmittance(d, cell) * ty_clampf(spread, 0.0f, 4.0f);
+    return ty_cell_mean_transmittance(d, cell) * ty_clampf(spread, 0.0f, 4.0f);
 }
 
 #endif

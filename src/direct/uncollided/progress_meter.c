@@ -5,12 +5,12 @@
 
 static const double report_interval = 0.1;
 
-ty_watch ty_watch_begin(ty_progress_fn progress, void* user, int32_t count) {
+ty_progress_meter ty_progress_meter_begin(ty_progress_fn progress, void* user, int32_t count) {
     const double now = ty_wall_seconds();
-    return (ty_watch){.progress = progress, .user = user, .count = count, .begun = now, .reported = now};
+    return (ty_progress_meter){.progress = progress, .user = user, .count = count, .begun = now, .reported = now};
 }
 
-ty_result ty_watch_report(ty_watch* watch, double part) {
+ty_result ty_progress_meter_report(ty_progress_meter* watch, double part) {
     if (watch->progress == NULL) return TY_OK;
     const double now = ty_wall_seconds(), seconds = now - watch->begun;
     if (now - watch->reported < report_interval) return TY_OK;

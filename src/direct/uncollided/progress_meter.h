@@ -4,15 +4,15 @@
 
 #include <tyndall/base.h>
 
-typedef struct ty_watch {
+typedef struct ty_progress_meter {
     ty_progress_fn progress; /* NULL: nobody asks */
     void* user;
     int32_t count, done; /* sources */
     double begun, reported;
-} ty_watch;
+} ty_progress_meter;
 
-ty_watch ty_watch_begin(ty_progress_fn progress, void* user, int32_t count);
+ty_progress_meter ty_progress_meter_begin(ty_progress_fn progress, void* user, int32_t count);
 /* Tells how far things are, if it is time to; part: of the source at work. TY_CANCELLED when the caller wishes. */
-ty_result ty_watch_report(ty_watch* watch, double part);
+ty_result ty_progress_meter_report(ty_progress_meter* watch, double part);
 
 #endif

@@ -8,67 +8,67 @@
 /* MARGIN: cells beside the box within which rays are still followed. */
 enum { FIRST_SLABS = 4, MARGIN = 4 };
 
-size_t ty_lamp_lattice_rays(const ty_lamp_lattice* l) {
+size_t ty_ray_lattice_rays(const ty_ray_lattice* l) {
     return (size_t)l->count[0] * (size_t)l->count[1];
 }
 
-static size_t value_count(const ty_lamp_lattice* l) {
-    return ty_lamp_lattice_rays(l) * (size_t)(l->slabs + 1);
+static size_t value_count(const ty_ray_lattice* l) {
+    return ty_ray_lattice_rays(l) * (size_t)(l->slabs + 1);
 }
 
 /* Rays along one axis at most: twice what cells there are and half as many again, for boxes seen askew. */
-static int32_t rays_max(const ty_lamp_job* lamp, int32_t axis) {
+static int32_t rays_max(const ty_point_light_job* lamp, int32_t axis) {
     return 4 * lamp->medium->box.size[axis] + 64;
 }
 
-size_t ty_lamp_lattice_scratch(const ty_lamp_job* lamp) {
+size_t ty_ray_lattice_scratch(const ty_point_light_job* lamp) {
     size_t most = 0;
     for (int32_t a = 0; a < 3; ++a) most = rays_max(lamp, a) > (int32_t)most ? (size_t)rays_max(lamp, a) : most;
     return most * (size_t)(1 + lamp->medium->planes);
 }
 
-void ty_lamp_lattice_end(ty_lamp_lattice* l) {
+void ty_ray_lattice_end(ty_ray_lattice* l) {
     ty_context* context = l->of->medium->context;
     for (int32_t c = 0; c < l->of->medium->planes; ++c)
         ty_free_array(context, l->mean[c], value_count(l), sizeof *l->mean[c]);
-    ty_free_array(context, l->hit, ty_lamp_lattice_rays(l), sizeof *l->hit);
+    ty_free_array(context, l->hit, ty_ray_lattice_rays(l), sizeof *l->hit);
     l->slabs = 0;
     l->hit = l->mean[0] = l->mean[1] = l->mean[2] = NULL;
 }
 
-static ty_result take_lattice(ty_lamp_lattice* l) {
+static ty_result take_lattice(ty_ray_lattice* l) {
     const ty_grid_medium* medium = l->of->medium;
     for (int32_t c = 0; c < medium->planes; ++c) {
         l->mean[c] = ty_alloc_array(medium->context, value_count(l), sizeof *l->mean[c], true);
         if (l->mean[c] == NULL) return TY_ERROR_MEMORY;
     }
     if (l->of->scene->mesh == NULL) return TY_OK;
-    l->hit = ty_alloc_array(medium->context, ty_lamp_lattice_rays(l), sizeof *l->hit, false);
+    l->hit = ty_alloc_array(medium->context, ty_ray_lattice_rays(l), sizeof *l->hit, false);
     return l->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 /* ---- places ---- */
 
-double ty_lamp_lattice_plane(const ty_lamp_lattice* l, int32_t slab) {
+double ty_ray_lattice_plane(const ty_ray_lattice* l, int32_t slab) {
     const int32_t w = l->axis[2];
     const double cell = l->of->medium->cell[w];
     const double from = l->backwards ? -l->of->upper[w] : l->of->lower[w];
     return fmax(l->near, from + cell * (l->begin + slab));
 }
 
-int32_t ty_lamp_lattice_cell(const ty_lamp_lattice* l, int32_t slab) {
+int32_t ty_ray_lattice_cell(const ty_ray_lattice* l, int32_t slab) {
     const int32_t at = l->begin + slab;
     return l->backwards ? l->of->medium->box.size[l->axis[2]] - 1 - at : at;
 }
 
-float ty_lamp_lattice_locate(const ty_lamp_lattice* l, int32_t along, double tangent, int32_t* i) {
+float ty_ray_lattice_locate(const ty_ray_lattice* l, int32_t along, double tangent, int32_t* i) {
     const double at = fmin(fmax((tangent - l->low[along]) / l->step[along], 0), l->count[along] - 1);
     *i = (int32_t)fmin(at, l->count[along] - 2);
     return (float)(at - *i);
 }
 
 /* The tangents at which the box is seen between the lattice's near and far side; false: nowhere in the pyramid. */
-static bool place_rays(ty_lamp_lattice* l) {
+static bool place_rays(ty_ray_lattice* l) {
     for (int i = 0; i < 2; ++i) {
         const int32_t a = l->axis[i];
         const double low = l->of->lower[a], high = l->of->upper[a];
@@ -83,15 +83,15 @@ static bool place_rays(ty_lamp_lattice* l) {
     return true;
 }
 
-bool ty_lamp_lattice_place(ty_lamp_lattice* l, int32_t begin) {
+bool ty_ray_lattice_place(ty_ray_lattice* l, int32_t begin) {
     const int32_t size = l->of->medium->box.size[l->axis[2]];
     const double cell = l->of->medium->cell[l->axis[2]];
     l->begin = begin;
     l->near = 0;
-    l->near = ty_lamp_lattice_plane(l, 0);
+    l->near = ty_ray_lattice_plane(l, 0);
     l->slabs = (int32_t)fmin(size - begin, fmax(FIRST_SLABS, ceil(l->near / cell)));
     l->far = INFINITY;
-    l->far = ty_lamp_lattice_plane(l, l->slabs);
+    l->far = ty_ray_lattice_plane(l, l->slabs);
     return l->far > l->near && place_rays(l);
 }
 
@@ -105,36 +105,35 @@ static double entry_of(double p, double low, double high) {
 /* ---- rays ---- */
 
 typedef struct trace_job {
-    ty_lamp_lattice* l;
-    const ty_lamp_lattice* before;
-    ty_stop_room room;
+    ty_ray_lattice* l;
+    const ty_ray_lattice* before;
+    ty_occlusion_box room;
 } trace_job;
 
-static float between_rays(const ty_lamp_lattice* l, const float* plane, const int32_t at[2], const float share[2]) {
+static float between_rays(const ty_ray_lattice* l, const float* plane, const int32_t at[2], const float share[2]) {
     const float* row = plane + (size_t)at[1] * (size_t)l->count[0] + (size_t)at[0];
     const float* next = row + l->count[0];
-    return ty_share_between(ty_share_between(row[0], row[1], share[0]), ty_share_between(next[0], next[1], share[0]),
-                            share[1]);
+    return ty_lerp_exact(ty_lerp_exact(row[0], row[1], share[0]), ty_lerp_exact(next[0], next[1], share[0]), share[1]);
 }
 
 /* Where rays of a row enter the box, m along w from where the box begins, and their depths up to the lattice's near
  * side, from the length before. A ray is not said to leave the box again: at the box's sides, rays go on as if the
  * outer cells did. Nothing there is lit, and between a ray there and one inside values stay right. */
 static void begin_row(const trace_job* job, double q, float* entry, float* const depth[3]) {
-    const ty_lamp_lattice *l = job->l, *before = job->before;
-    const ty_lamp_job* lamp = l->of;
+    const ty_ray_lattice *l = job->l, *before = job->before;
+    const ty_point_light_job* lamp = l->of;
     const int32_t u = l->axis[0], v = l->axis[1], planes = lamp->medium->planes;
     const double from = fmax(l->entry, entry_of(q, lamp->lower[v], lamp->upper[v]));
     int32_t at[2] = {0, 0};
     float share[2] = {0, 0};
-    if (before->slabs > 0) share[1] = ty_lamp_lattice_locate(before, 1, q, &at[1]);
+    if (before->slabs > 0) share[1] = ty_ray_lattice_locate(before, 1, q, &at[1]);
     for (int32_t i = 0; i < l->count[0]; ++i) {
         const double p = l->low[0] + l->step[0] * i, enters = fmax(from, entry_of(p, lamp->lower[u], lamp->upper[u]));
         entry[i] = (float)(enters - l->entry);
         for (int32_t c = 0; c < planes; ++c) depth[c][i] = 0;
         if (before->slabs == 0 || !(l->near > enters)) continue;
-        share[0] = ty_lamp_lattice_locate(before, 0, p, &at[0]);
-        const size_t last = ty_lamp_lattice_rays(before) * (size_t)before->slabs;
+        share[0] = ty_ray_lattice_locate(before, 0, p, &at[0]);
+        const size_t last = ty_ray_lattice_rays(before) * (size_t)before->slabs;
         for (int32_t c = 0; c < planes; ++c)
             depth[c][i] = between_rays(before, before->mean[c] + last, at, share) * (float)(l->near - enters);
     }
@@ -148,16 +147,16 @@ static void find_beside(double first, double step, int32_t size, int32_t count, 
 }
 
 /* The row of rays of tangent q through slab `slab`; past the last there is only a far side. */
-static ty_lamp_rays rays_through(const ty_lamp_lattice* l, int32_t slab, double q) {
-    const ty_lamp_job* lamp = l->of;
+static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) {
+    const ty_point_light_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const int32_t u = l->axis[0], v = l->axis[1];
-    const double near = ty_lamp_lattice_plane(l, slab);
-    const double far = slab < l->slabs ? fmin(l->far, ty_lamp_lattice_plane(l, slab + 1)) : near;
+    const double near = ty_ray_lattice_plane(l, slab);
+    const double far = slab < l->slabs ? fmin(l->far, ty_ray_lattice_plane(l, slab + 1)) : near;
     const size_t row = (size_t)medium->box.size[0];
     const size_t stride[3] = {1, row, row * (size_t)medium->box.size[1]};
     const double per_u = 1 / medium->cell[u], per_v = 1 / medium->cell[v];
-    ty_lamp_rays rays = {
+    ty_ray_row rays = {
         .near = (float)(near - l->entry),
         .far = (float)(far - l->entry),
         .at = {(float)((l->low[0] * far - lamp->lower[u]) * per_u - 0.5), (float)(l->step[0] * far * per_u)},
@@ -176,26 +175,26 @@ static ty_lamp_rays rays_through(const ty_lamp_lattice* l, int32_t slab, double 
 
 /* A ray's stop, as a distance along w. */
 static float stop_along(const trace_job* job, double p, double q) {
-    const ty_lamp_lattice* l = job->l;
+    const ty_ray_lattice* l = job->l;
     const ty_vec lamp = l->of->source->position;
     const double length = sqrt(1 + p * p + q * q), place[3] = {(double)lamp.x, (double)lamp.y, (double)lamp.z};
     double way[3];
-    ty_stop_span span = {0, INFINITY};
+    ty_occlusion_span span = {0, INFINITY};
     way[l->axis[0]] = p / length;
     way[l->axis[1]] = q / length;
     way[l->axis[2]] = (l->backwards ? -1 : 1) / length;
-    for (int a = 0; a < 3; ++a) span = ty_stop_cut(span, &job->room, a, place[a], ty_stop_inverse(way[a]));
-    if (!(span.enter < span.leave)) return TY_STOP_NONE;
+    for (int a = 0; a < 3; ++a) span = ty_occlusion_clip(span, &job->room, a, place[a], ty_occlusion_inverse(way[a]));
+    if (!(span.enter < span.leave)) return TY_OCCLUSION_UNDEFINED;
     const ty_vec toward = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
-    const float leave = (float)span.leave, reach = ty_lamp_reach(l->of, toward, leave);
+    const float leave = (float)span.leave, reach = ty_point_light_visible_distance(l->of, toward, leave);
     if (!(reach < leave)) return TY_FLOAT_MAX;
     return (double)reach > span.enter ? reach / (float)length : 0;
 }
 
 static void trace_row(void* user, int64_t row, int32_t worker) {
     const trace_job* job = user;
-    ty_lamp_lattice* l = job->l;
-    const ty_lamp_job* lamp = l->of;
+    ty_ray_lattice* l = job->l;
+    const ty_point_light_job* lamp = l->of;
     const ty_grid_medium* medium = lamp->medium;
     const double q = l->low[1] + l->step[1] * (double)row;
     const size_t size = (size_t)medium->box.size[0], count = (size_t)l->count[0], first = (size_t)row * count;
@@ -205,13 +204,13 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
     const unsigned state = ty_flush_denormals();
     begin_row(job, q, entry, depth);
     for (int32_t slab = 0; slab <= l->slabs; ++slab) {
-        ty_lamp_rays rays = rays_through(l, slab, q);
-        const int32_t cell = ty_lamp_lattice_cell(l, slab < l->slabs ? slab : l->slabs - 1);
+        ty_ray_row rays = rays_through(l, slab, q);
+        const int32_t cell = ty_ray_lattice_cell(l, slab < l->slabs ? slab : l->slabs - 1);
         rays.entry = entry;
         for (int32_t c = 0; c < medium->planes; ++c) {
             rays.cells = lamp->extinction[c] + per_slab[l->axis[2]] * (size_t)cell;
             rays.depth = depth[c];
-            rays.mean = l->mean[c] + ty_lamp_lattice_rays(l) * (size_t)slab + first;
+            rays.mean = l->mean[c] + ty_ray_lattice_rays(l) * (size_t)slab + first;
             lamp->kernels->lamp_rays(&rays);
         }
     }
@@ -220,11 +219,11 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
     ty_restore_denormals(state);
 }
 
-ty_result ty_lamp_lattice_trace(ty_lamp_lattice* l, const ty_lamp_lattice* before) {
+ty_result ty_ray_lattice_trace(ty_ray_lattice* l, const ty_ray_lattice* before) {
     const ty_result result = take_lattice(l);
     if (result != TY_OK) return result;
-    trace_job job = {.l = l, .before = before, .room = ty_stop_room_of(l->of->medium)};
+    trace_job job = {.l = l, .before = before, .room = ty_occlusion_box_of(l->of->medium)};
     ty_parallel_for(l->of->medium->context, l->count[1], trace_row, &job);
-    if (l->hit != NULL) ty_stops_fill(l->hit, l->count[0], l->count[1]);
+    if (l->hit != NULL) ty_occlusion_fill(l->hit, l->count[0], l->count[1]);
     return TY_OK;
 }

@@ -9,8 +9,8 @@
 #include "direct/uncollided/near_cells.h"
 
 /* p and q are tangents along the axes u and v. */
-typedef struct ty_lamp_lattice {
-    const ty_lamp_job* of;
+typedef struct ty_ray_lattice {
+    const ty_point_light_job* of;
     int32_t axis[3];        /* u, v, w */
     bool backwards;         /* along w */
     int32_t slabs, begin;   /* of the length; the first, counted along w */
@@ -20,25 +20,25 @@ typedef struct ty_lamp_lattice {
     double entry;   /* m along w: where the box begins */
     float* mean[3]; /* extinction up to the near side of each slab, and the far side of the last: (slabs + 1) x count */
     float* hit;     /* per ray: how far along w a surface is, m; NULL: there are none */
-} ty_lamp_lattice;
+} ty_ray_lattice;
 
 /* Places the next length from slab `begin` on; distances double within it. False: the pyramid has nothing of the box
  * there, but for l->slabs slabs to leave out. */
-bool ty_lamp_lattice_place(ty_lamp_lattice* l, int32_t begin);
+bool ty_ray_lattice_place(ty_ray_lattice* l, int32_t begin);
 /* Takes memory and follows the rays; before: the length nearer to the lamp, whose slabs are 0 if there is none.
- * Whatever becomes of it, ty_lamp_lattice_end may follow. Errors: TY_ERROR_MEMORY. */
-ty_result ty_lamp_lattice_trace(ty_lamp_lattice* l, const ty_lamp_lattice* before);
-void ty_lamp_lattice_end(ty_lamp_lattice* l);
+ * Whatever becomes of it, ty_ray_lattice_end may follow. Errors: TY_ERROR_MEMORY. */
+ty_result ty_ray_lattice_trace(ty_ray_lattice* l, const ty_ray_lattice* before);
+void ty_ray_lattice_end(ty_ray_lattice* l);
 
 /* Floats of scratch that a worker needs for any row of rays of this lamp. */
-size_t ty_lamp_lattice_scratch(const ty_lamp_job* lamp);
+size_t ty_ray_lattice_scratch(const ty_point_light_job* lamp);
 /* Rays of one slab and row, and of a whole slab. */
-size_t ty_lamp_lattice_rays(const ty_lamp_lattice* l);
+size_t ty_ray_lattice_rays(const ty_ray_lattice* l);
 /* The near side of a slab, m along w from the lamp. */
-double ty_lamp_lattice_plane(const ty_lamp_lattice* l, int32_t slab);
+double ty_ray_lattice_plane(const ty_ray_lattice* l, int32_t slab);
 /* The cell along w that a slab is. */
-int32_t ty_lamp_lattice_cell(const ty_lamp_lattice* l, int32_t slab);
+int32_t ty_ray_lattice_cell(const ty_ray_lattice* l, int32_t slab);
 /* Where a tangent is along u (0) or v (1): between ray *i and the next, at the returned share of the next. */
-float ty_lamp_lattice_locate(const ty_lamp_lattice* l, int32_t along, double tangent, int32_t* i);
+float ty_ray_lattice_locate(const ty_ray_lattice* l, int32_t along, double tangent, int32_t* i);
 
 #endif

@@ -6,11 +6,11 @@
 
 /* Extinction, then planes, which are zeros between passes. Kept from one pass through an extinction to the next through
  * the same, it is not turned again. */
-typedef struct ty_beam_room {
+typedef struct ty_transpose_scratch {
     float* floats; /* NULL: there is none yet */
     size_t count;
-} ty_beam_room;
+} ty_transpose_scratch;
 
-void ty_beam_room_free(ty_context* context, ty_beam_room* room);
+void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* room);
 
 #endif

@@ -64,12 +64,12 @@ typedef struct add_job {
     const ty_grid_medium* medium;
     float* const* extinction;
     ty_light_field* field;
-    ty_beam_room* room; /* of each plane of the medium; NULL: none is kept */
-    ty_watch watch;
+    ty_transpose_scratch* room; /* of each plane of the medium; NULL: none is kept */
+    ty_progress_meter watch;
 } add_job;
 
 /* A source's color in units of the planes of a field. */
-static void color_in(const ty_light_field* field, const ty_source* source, float color[3]) {
+static void color_in(const ty_light_field* field, const ty_discrete_light* source, float color[3]) {
     memcpy(color, source->color, 3 * sizeof *color);
     if (field->planes == 3) return;
     color[0] = (source->color[0] + source->color[1] + source->color[2]) /
@@ -81,16 +81,17 @@ static const ty_light_view no_light;
 static const ty_scene_view bare = {.lights = {.lights = &no_light, .count = 1}};
 
 /* scene: whose surfaces throw shadows; NULL: none. */
-static ty_result begin_beam(const ty_scene* scene, const ty_grid_medium* medium, const ty_source* source,
-                            ty_beam* beam) {
+static ty_result begin_beam(const ty_scene* scene, const ty_grid_medium* medium, const ty_discrete_light* source,
+                            ty_collimated* beam) {
     double outside[2][3] = {{0}};
-    if (scene == NULL) return ty_beam_begin(&bare, medium, outside, source->direction, beam);
+    if (scene == NULL) return ty_collimated_begin(&bare, medium, outside, source->direction, beam);
     ty_scene_surface_extent(scene, outside[0], outside[1]);
-    return ty_beam_begin(ty_scene_get_view(scene), medium, outside, source->direction, beam);
+    return ty_collimated_begin(ty_scene_get_view(scene), medium, outside, source->direction, beam);
 }
 
 /* What beams that have extinction plane p bring to which planes of the field. */
-static void choose_planes(const add_job* job, const ty_source* const* sources, int32_t p, ty_beams* beams) {
+static void choose_planes(const add_job* job, const ty_discrete_light* const* sources, int32_t p,
+                          ty_collimated_batch* beams) {
     const ty_light_field* field = job->field;
     const int32_t end = job->medium->planes == 3 ? p + 1 : field->planes;
     beams->plane_count = 0;
@@ -111,9 +112,9 @@ static void choose_planes(const add_job* job, const ty_source* const* sources, i
 }
 
 /* Beams of one way. */
-static ty_result add_beams(add_job* job, const ty_source* const* sources, int32_t count) {
-    ty_beam passing[TY_BEAMS_MAX];
-    ty_beams beams = {.beams = passing, .watch = &job->watch};
+static ty_result add_beams(add_job* job, const ty_discrete_light* const* sources, int32_t count) {
+    ty_collimated passing[TY_COLLIMATED_MAX];
+    ty_collimated_batch beams = {.beams = passing, .watch = &job->watch};
     ty_result result = TY_OK;
     for (int32_t begun = 0; begun < count && result == TY_OK; ++begun, ++beams.count)
         result = begin_beam(job->scene, job->medium, sources[begun], &passing[begun]);
@@ -123,23 +124,25 @@ static ty_result add_beams(add_job* job, const ty_source* const* sources, int32_
         beams.work = (double)count / job->medium->planes;
         beams.done = p * beams.work;
         choose_planes(job, sources, p, &beams);
-        result = ty_beams_pass(&beams, job->medium);
+        result = ty_collimated_sweep(&beams, job->medium);
     }
-    for (int32_t i = 0; i < beams.count; ++i) ty_beam_end(&passing[i]);
+    for (int32_t i = 0; i < beams.count; ++i) ty_collimated_end(&passing[i]);
     job->watch.done += count;
     return result;
 }
 
 /* All beams, those together that go through the cells alike. */
-static ty_result add_all_beams(add_job* job, const ty_source* sources, int32_t count) {
+static ty_result add_all_beams(add_job* job, const ty_discrete_light* sources, int32_t count) {
     ty_result result = TY_OK;
     for (int32_t way = 0; way < 6; ++way) {
-        const ty_source* together[TY_BEAMS_MAX];
+        const ty_discrete_light* together[TY_COLLIMATED_MAX];
         int32_t found = 0;
         for (int32_t i = 0; i < count && result == TY_OK; ++i) {
-            if (sources[i].kind != TY_SOURCE_BEAM || ty_beam_way(job->medium, sources[i].direction) != way) continue;
+            if (sources[i].kind != TY_DISCRETE_DIRECTIONAL ||
+                ty_collimated_sweep_axis(job->medium, sources[i].direction) != way)
+                continue;
             together[found++] = &sources[i];
-            if (found < TY_BEAMS_MAX) continue;
+            if (found < TY_COLLIMATED_MAX) continue;
             result = add_beams(job, together, found);
             found = 0;
         }
@@ -149,83 +152,86 @@ static ty_result add_all_beams(add_job* job, const ty_source* sources, int32_t c
 }
 
 static ty_result pass_beam(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                           const ty_source* source, float* const planes[3], ty_beam_power* power) {
-    ty_beam beam;
-    ty_beams beams = {.beams = &beam, .count = 1, .plane_count = 1, .factor = {{1}}};
+                           const ty_discrete_light* source, float* const planes[3], ty_collimated_power* power) {
+    ty_collimated beam;
+    ty_collimated_batch beams = {.beams = &beam, .count = 1, .plane_count = 1, .factor = {{1}}};
     ty_result result = begin_beam(scene, medium, source, &beam);
     double passed[3][2] = {{0}};
     for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
         memset(planes[p], 0, medium->cells * sizeof *planes[p]);
         beams.planes[0] = planes[p];
         beams.extinction = extinction[p];
-        result = ty_beams_pass(&beams, medium);
-        if (result == TY_OK && power != NULL) result = ty_beam_power_of(&beam, passed[p]);
+        result = ty_collimated_sweep(&beams, medium);
+        if (result == TY_OK && power != NULL) result = ty_collimated_power_of(&beam, passed[p]);
     }
     for (int32_t c = 0; c < 3 && power != NULL; ++c) {
         power->entering[c] = passed[medium->planes == 3 ? c : 0][0];
         power->leaving[c] = passed[medium->planes == 3 ? c : 0][1];
     }
-    ty_beam_end(&beam);
+    ty_collimated_end(&beam);
     return result;
 }
 
 /* ---- all ---- */
 
-static ty_result add_lamp(add_job* job, const ty_source* source) {
+static ty_result add_lamp(add_job* job, const ty_discrete_light* source) {
     ty_light_field* field = job->field;
-    ty_lamp_out out = {
+    ty_point_light_target out = {
         .planes = field->planes, .fluence = field->fluence, .flux = field->flux[0][0] != NULL ? field->flux : NULL};
     color_in(field, source, out.color);
     const ty_result result =
-        ty_lamp_add(ty_scene_get_view(job->scene), job->medium, job->extinction, source, &out, &job->watch);
+        ty_point_light_add(ty_scene_get_view(job->scene), job->medium, job->extinction, source, &out, &job->watch);
     ++job->watch.done;
     return result;
 }
 
-ty_result ty_uncollided_add_next(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                                 const ty_source* sources, int32_t count, ty_light_field* field, ty_beam_room room[3],
-                                 ty_progress_fn progress, void* progress_user) {
+ty_result ty_uncollided_add_reusing(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                    const ty_discrete_light* sources, int32_t count, ty_light_field* field,
+                                    ty_transpose_scratch room[3], ty_progress_fn progress, void* progress_user) {
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
     add_job job = {.scene = scene,
                    .medium = medium,
                    .extinction = extinction != NULL ? extinction : medium->extinction,
                    .field = field,
                    .room = room,
-                   .watch = ty_watch_begin(progress, progress_user, count)};
+                   .watch = ty_progress_meter_begin(progress, progress_user, count)};
     ty_result result = add_all_beams(&job, sources, count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i)
-        if (sources[i].kind == TY_SOURCE_LAMP) result = add_lamp(&job, &sources[i]);
+        if (sources[i].kind == TY_DISCRETE_POINT) result = add_lamp(&job, &sources[i]);
     return result;
 }
 
-ty_result ty_uncollided_add_watched(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                                    const ty_source* sources, int32_t count, ty_light_field* field,
-                                    ty_progress_fn progress, void* progress_user) {
-    return ty_uncollided_add_next(scene, medium, extinction, sources, count, field, NULL, progress, progress_user);
+ty_result ty_uncollided_add_with_progress(const ty_scene* scene, const ty_grid_medium* medium,
+                                          float* const extinction[3], const ty_discrete_light* sources, int32_t count,
+                                          ty_light_field* field, ty_progress_fn progress, void* progress_user) {
+    return ty_uncollided_add_reusing(scene, medium, extinction, sources, count, field, NULL, progress, progress_user);
 }
 
 ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                            const ty_source* sources, int32_t count, ty_light_field* field) {
-    return ty_uncollided_add_watched(scene, medium, extinction, sources, count, field, NULL, NULL);
+                            const ty_discrete_light* sources, int32_t count, ty_light_field* field) {
+    return ty_uncollided_add_with_progress(scene, medium, extinction, sources, count, field, NULL, NULL);
 }
 
 static ty_result pass_lamp(const ty_scene_view* view, const ty_grid_medium* medium, float* const extinction[3],
-                           const ty_source* source, float* const planes[3]) {
-    const ty_lamp_out out = {.transmittance = planes};
-    ty_watch watch = ty_watch_begin(NULL, NULL, 1);
-    return ty_lamp_add(view, medium, extinction, source, &out, &watch);
+                           const ty_discrete_light* source, float* const planes[3]) {
+    const ty_point_light_target out = {.transmittance = planes};
+    ty_progress_meter watch = ty_progress_meter_begin(NULL, NULL, 1);
+    return ty_point_light_add(view, medium, extinction, source, &out, &watch);
 }
 
 ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                                      const ty_source* source, float* const planes[3], ty_beam_power* power) {
+                                      const ty_discrete_light* source, float* const planes[3],
+                                      ty_collimated_power* power) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     if (extinction == NULL) extinction = medium->extinction;
-    if (source->kind == TY_SOURCE_BEAM) return pass_beam(scene, medium, extinction, source, planes, power);
+    if (source->kind == TY_DISCRETE_DIRECTIONAL) return pass_beam(scene, medium, extinction, source, planes, power);
     return pass_lamp(view, medium, extinction, source, planes);
 }
 
-ty_result ty_uncollided_in_media(const ty_grid_medium* medium, const ty_source* source, float* const planes[3]) {
-    if (source->kind == TY_SOURCE_BEAM) return pass_beam(NULL, medium, medium->extinction, source, planes, NULL);
+ty_result ty_uncollided_in_media(const ty_grid_medium* medium, const ty_discrete_light* source,
+                                 float* const planes[3]) {
+    if (source->kind == TY_DISCRETE_DIRECTIONAL)
+        return pass_beam(NULL, medium, medium->extinction, source, planes, NULL);
     return pass_lamp(&bare, medium, medium->extinction, source, planes);
 }

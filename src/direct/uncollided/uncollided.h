@@ -11,7 +11,7 @@
 
 #include "direct/uncollided/transpose_scratch.h"
 #include "direct/media/grid_medium.h"
-#include "direct/lights/discretize.h"
+#include "direct/lights/discrete_light.h"
 
 typedef struct ty_light_field {
     ty_context* context;
@@ -32,33 +32,35 @@ void ty_light_field_destroy(ty_light_field* field);
 
 /* What becomes of a beam, per channel, in watts per irradiance (that is, m^2), if there were no surfaces. Without them,
  * the difference is what all cells absorb: the sum of extinction times mean transmittance times volume. */
-typedef struct ty_beam_power {
+typedef struct ty_collimated_power {
     double entering[3], leaving[3];
-} ty_beam_power;
+} ty_collimated_power;
 
 /* Adds the light of `count` sources to a field; a caller that wants some of them apart gives them fields of their own.
  * extinction: as many planes as the medium has, in place of the medium's own (reduced, say); NULL: its own.
  * Errors: TY_ERROR_MEMORY. */
 ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                            const ty_source* sources, int32_t count, ty_light_field* field);
+                            const ty_discrete_light* sources, int32_t count, ty_light_field* field);
 /* The same with progress (stage "direct light"; NULL: none), which may end it with TY_CANCELLED: the field then has the
  * light of some sources, and perhaps a part of another one's. */
-ty_result ty_uncollided_add_watched(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                                    const ty_source* sources, int32_t count, ty_light_field* field,
-                                    ty_progress_fn progress, void* progress_user);
+ty_result ty_uncollided_add_with_progress(const ty_scene* scene, const ty_grid_medium* medium,
+                                          float* const extinction[3], const ty_discrete_light* sources, int32_t count,
+                                          ty_light_field* field, ty_progress_fn progress, void* progress_user);
 
 /* The same, where one source follows another through one extinction: room, of each plane of the medium, is kept for the
- * next, and freed by the caller (ty_beam_room_free), also after TY_CANCELLED, before which it is of no more use. */
-ty_result ty_uncollided_add_next(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                                 const ty_source* sources, int32_t count, ty_light_field* field, ty_beam_room room[3],
-                                 ty_progress_fn progress, void* progress_user);
+ * next, and freed by the caller (ty_transpose_scratch_free), also after TY_CANCELLED, before which it is of no more
+ * use. */
+ty_result ty_uncollided_add_reusing(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                    const ty_discrete_light* sources, int32_t count, ty_light_field* field,
+                                    ty_transpose_scratch room[3], ty_progress_fn progress, void* progress_user);
 
 /* Means over cells of the transmittance from one source, 0 in the shadow of surfaces: times color (for lamps, over
  * distance squared) it is the fluence, with shadows as sharp as the medium's cells. planes: as many as the medium has.
  * power: of beams, may be NULL. Errors: TY_ERROR_MEMORY. */
 ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                                      const ty_source* source, float* const planes[3], ty_beam_power* power);
+                                      const ty_discrete_light* source, float* const planes[3],
+                                      ty_collimated_power* power);
 /* The same as if there were no surfaces; source->light is not looked at: it may be 0. */
-ty_result ty_uncollided_in_media(const ty_grid_medium* medium, const ty_source* source, float* const planes[3]);
+ty_result ty_uncollided_in_media(const ty_grid_medium* medium, const ty_discrete_light* source, float* const planes[3]);
 
 #endif

@@ -1,5 +1,7 @@
 /* Entry points. */
 #include "base/context.h"
+#include "method/dom/solve/solve.h"
+#include "method/dom/sources/sources.h"
 #include "method/dom/view/view.h"
 #include "scene/scene.h"
 
@@ -11,10 +13,10 @@ static const double medium_until = 0.1, direct_until = 0.4, solve_share = 0.7;
 static void end_job(ty_dom_job* job) {
     const size_t terms = (size_t)job->light->bands * (size_t)job->light->bands;
     for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->light->cells, terms * sizeof(float));
-    ty_sources_destroy(job->context, job->sources, job->source_capacity);
+    ty_discrete_light_set_destroy(job->context, &job->sources);
     ty_free_array(job->context, job->set, 1, sizeof *job->set);
-    ty_free_array(job->context, job->last, 1, sizeof *job->last);
-    ty_dom_free_walls(job);
+    ty_free_array(job->context, job->last_set, 1, sizeof *job->last_set);
+    ty_dom_free_boundary(job);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
 }
@@ -31,14 +33,14 @@ static ty_result run_part(ty_dom_job* job, const char* stage, double until, ty_r
 static ty_result run_parts(ty_dom_job* job, double share) {
     ty_dom_stats* stats = &job->stats;
     ty_result result = run_part(job, "media", share * medium_until, ty_dom_sample_media, &stats->medium_seconds);
-    if (result == TY_OK) result = ty_dom_find_walls(job);
-    if (result == TY_OK) result = ty_dom_take_sources(job);
+    if (result == TY_OK) result = ty_dom_find_boundary(job);
+    if (result == TY_OK) result = ty_dom_collect_lights(job);
     if (result == TY_OK)
-        result = run_part(job, "direct light", share * direct_until, ty_dom_light_directly, &stats->direct_seconds);
+        result = run_part(job, "direct light", share * direct_until, ty_dom_find_uncollided, &stats->direct_seconds);
     stats->direct_seconds -= stats->source_seconds;
     if (result == TY_OK)
-        result = run_part(job, "walls", share * direct_until, ty_dom_light_walls, &stats->wall_seconds);
-    if (result == TY_OK) result = run_part(job, "ordinates", share, ty_dom_scatter, &stats->solve_seconds);
+        result = run_part(job, "walls", share * direct_until, ty_dom_light_boundary, &stats->wall_seconds);
+    if (result == TY_OK) result = run_part(job, "ordinates", share, ty_dom_solve_channels, &stats->solve_seconds);
     return result;
 }
 
@@ -73,28 +75,29 @@ ty_result ty_dom_solve(const ty_scene* scene, const ty_dom_def* def, ty_dom** ou
 void ty_dom_destroy(ty_dom* light) {
     if (light == NULL) return;
     ty_context* context = light->context;
-    const size_t bytes = (size_t)light->kept * (size_t)light->kept * sizeof(float);
-    for (int i = 0; i < TY_DOM_OWN_MAX; ++i)
-        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) {
+    const size_t bytes = (size_t)light->output_bands * (size_t)light->output_bands * sizeof(float);
+    for (int i = 0; i < TY_DOM_DEDICATED_MAX; ++i)
+        for (int f = 0; f < TY_FLUENCE_COUNT; ++f) {
             ty_light_field_destroy(light->fields[i][f]);
-            ty_light_field_destroy(light->coarse[i][f]);
+            ty_light_field_destroy(light->coarse_fields[i][f]);
         }
-    ty_light_field_destroy(light->many);
-    ty_dom_sky_destroy(light);
-    ty_dom_parts_destroy(light);
+    ty_light_field_destroy(light->aggregate);
+    ty_dom_environment_destroy(light);
+    ty_dom_clusters_destroy(light);
     for (int c = 0; c < 3; ++c) {
         ty_free_array(context, light->g[c], light->cells, sizeof(float));
         ty_free_array(context, light->moments[c], light->cells, bytes);
-        if (light->seen[c] != NULL) ty_free_array(context, light->seen[c], 6 * light->cells, sizeof(float));
-        ty_free_array(context, light->surfaces[c], light->cells, bytes);
+        if (light->face_fluence[c] != NULL)
+            ty_free_array(context, light->face_fluence[c], 6 * light->cells, sizeof(float));
+        ty_free_array(context, light->wall_moments[c], light->cells, bytes);
     }
-    const size_t sides = light->walls != NULL ? (size_t)light->walls->count : 0;
+    const size_t sides = light->boundary != NULL ? (size_t)light->boundary->count : 0;
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(context, light->arrived[c], sides, sizeof(float));
-        ty_free_array(context, light->forward[c], sides, sizeof(float));
+        ty_free_array(context, light->wall_irradiance[c], sides, sizeof(float));
+        ty_free_array(context, light->wall_forward[c], sides, sizeof(float));
     }
-    ty_walls_destroy(light->walls);
-    ty_free_array(context, light->dark, light->cells, 1);
+    ty_boundary_faces_destroy(light->boundary);
+    ty_free_array(context, light->unlit, light->cells, 1);
     ty_free_array(context, light, 1, sizeof *light);
 }
 

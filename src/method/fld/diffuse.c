@@ -11,15 +11,15 @@ enum { LEAST_ITERATIONS = 2 };
 static const double streaming_outside = 0.55;
 
 static double own_streaming(const ty_fld_job* job) {
-    ty_inside sum = {0, 0};
-    for (int32_t i = 0; i < job->source_count; ++i) {
-        const ty_source* source = &job->sources[i];
-        if (source->kind == TY_SOURCE_BEAM)
-            ty_inside_add_beam(&sum, &job->fine->box, source->direction, source->color);
+    ty_interior_light sum = {0, 0};
+    for (int32_t i = 0; i < job->sources.count; ++i) {
+        const ty_discrete_light* source = &job->sources.items[i];
+        if (source->kind == TY_DISCRETE_DIRECTIONAL)
+            ty_interior_light_add_directional(&sum, &job->fine->box, source->direction, source->color);
         else
-            ty_inside_add_lamp(&sum, &job->fine->box, source->position, source->color);
+            ty_interior_light_add_point(&sum, &job->fine->box, source->position, source->color);
     }
-    return ty_inside_streaming(&sum, streaming_outside);
+    return ty_interior_light_max_flux(&sum, streaming_outside);
 }
 
 ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {

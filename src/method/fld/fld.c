@@ -14,7 +14,7 @@ static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9
 static void end_job(ty_fld_job* job) {
     if (job->coarse != NULL)
         for (int c = 0; c < 3; ++c) ty_free_array(job->context, job->source[c], job->coarse->cells, sizeof(float));
-    ty_sources_destroy(job->context, job->sources, job->source_count);
+    ty_discrete_light_set_destroy(job->context, &job->sources);
     ty_grid_medium_destroy(job->coarse);
     ty_grid_medium_destroy(job->fine);
 }

@@ -17,7 +17,7 @@ struct ty_fld {
     bool reduced;                             /* beams are TY_FLD_BEAM_REDUCED */
     ty_grid_box direct_box;                   /* cells of direct light */
     ty_light_field* beam[TY_FLD_OWN_MAX + 1]; /* the last is of many sources, with flux */
-    ty_single_light lights[TY_FLD_OWN_MAX + 1];
+    ty_light_fluence lights[TY_FLD_OWN_MAX + 1];
     int32_t light_count;
     ty_diffuse_light* diffuse;
 };
@@ -29,8 +29,7 @@ typedef struct ty_fld_job {
     ty_part_progress progress;
     ty_grid_medium* fine;   /* cells of direct light */
     ty_grid_medium* coarse; /* cells of diffusion */
-    ty_source* sources;
-    int32_t source_count;
+    ty_discrete_light_set sources;
     float* source[3]; /* q and j on coarse cells, W m^-3 */
     ty_fld* light;
     ty_fld_stats stats;

@@ -6,7 +6,7 @@
 
 /* ---- rays ---- */
 
-static void parallel_rays(const ty_lamp_face* face, float s0, float ds, float t, ty_lamp_rays* r) {
+static void parallel_rays(const ty_lamp_face* face, float s0, float ds, float t, ty_ray_row* r) {
     const ty_vec base = ty_mad(face->origin, face->up, t);
     for (int32_t i = 0; i < r->count; ++i) {
         const float s = s0 + ds * (float)i;
@@ -29,7 +29,7 @@ TY_FN float mean_density(float wide2, float s, float ds, float before, float aft
                     1.0f / (q[3] * sqrtf(q[3])));
 }
 
-static void central_rays(const ty_lamp_face* face, float s0, float ds, float t, ty_lamp_rays* r) {
+static void central_rays(const ty_lamp_face* face, float s0, float ds, float t, ty_ray_row* r) {
     const ty_vec base = ty_mad(face->forward, face->up, t), right = face->right, from = face->origin;
     const float wide2 = ty_dot(right, right), high2 = ty_dot(face->up, face->up), off = 0.288675135f * ds;
     const float before = 1.0f + high2 * (t - off) * (t - off), after = 1.0f + high2 * (t + off) * (t + off);
@@ -51,7 +51,7 @@ static void central_rays(const ty_lamp_face* face, float s0, float ds, float t, 
 }
 
 /* As ty_spot_falloff. */
-static void fade(const ty_lamp_face* face, ty_lamp_rays* r) {
+static void fade(const ty_lamp_face* face, ty_ray_row* r) {
     const float outer = face->cos_outer, range = face->cos_inner - face->cos_outer, per_range = 1.0f / range;
     const ty_vec axis = face->axis;
 #pragma omp simd
@@ -62,7 +62,7 @@ static void fade(const ty_lamp_face* face, ty_lamp_rays* r) {
     }
 }
 
-static void rays(const ty_lamp_face* face, int32_t x, int32_t y, ty_lamp_rays* r) {
+static void rays(const ty_lamp_face* face, int32_t x, int32_t y, ty_ray_row* r) {
     const float ds = 2.0f / (float)face->side;
     const float s0 = ((float)x + 0.5f) * ds - 1.0f, t = ((float)y + 0.5f) * ds - 1.0f;
     if (face->parallel != 0)
@@ -72,7 +72,7 @@ static void rays(const ty_lamp_face* face, int32_t x, int32_t y, ty_lamp_rays* r
     if (face->spot != 0) fade(face, r);
 }
 
-static void clip(const ty_lamp_rays* r, const float lower[3], const float upper[3], float* begin, float* end) {
+static void clip(const ty_ray_row* r, const float lower[3], const float upper[3], float* begin, float* end) {
     for (int32_t i = 0; i < r->count; ++i) {
         begin[i] = 0.0f;
         end[i] = r->length[i];
@@ -103,7 +103,7 @@ TY_FN int32_t is_inside(float place, int32_t size) {
 
 /* The cells of points along rays, moved off the surfaces that these end on, so that the cells' middles are on the lit
  * side; what that moves out of the lattice stays. */
-static void find_cells(const ty_lamp_parts* parts, const ty_lamp_rays* r, const float* along, int32_t* cells) {
+static void find_cells(const ty_lamp_parts* parts, const ty_ray_row* r, const float* along, int32_t* cells) {
     const ty_lamp_parts p = *parts;
     const float per_cell = 1.0f / p.cell;
     const int32_t nx = p.size[0], ny = p.size[1], nz = p.size[2];
@@ -124,7 +124,7 @@ static void find_cells(const ty_lamp_parts* parts, const ty_lamp_rays* r, const 
     }
 }
 
-static void part(const ty_lamp_parts* given, const ty_lamp_rays* r, int32_t part, ty_lamp_splats* out) {
+static void part(const ty_lamp_parts* given, const ty_ray_row* r, int32_t part, ty_lamp_splats* out) {
     const ty_lamp_parts p = *given;
     const float index = (float)part;
     float from[TY_LAMP_RAYS], length[TY_LAMP_RAYS], extinction = 0.0f;

@@ -9,7 +9,7 @@
 /* Neighbouring texels of a row. */
 enum { TY_LAMP_RAYS = 64 };
 
-typedef struct ty_lamp_rays {
+typedef struct ty_ray_row {
     int32_t count;
     size_t first; /* the first one's texel */
     float origin[3][TY_LAMP_RAYS], way[3][TY_LAMP_RAYS];
@@ -19,7 +19,7 @@ typedef struct ty_lamp_rays {
     float jitter[TY_LAMP_RAYS];                     /* 0..1 */
     float begin[TY_LAMP_RAYS], end[TY_LAMP_RAYS];   /* the stretch within the lattice, m; alike: there is none */
     float enter[TY_LAMP_RAYS], leave[TY_LAMP_RAYS]; /* the stretch within the medium's box */
-} ty_lamp_rays;
+} ty_ray_row;
 
 /* A face of a light's map. */
 typedef struct ty_lamp_face {
@@ -47,11 +47,11 @@ typedef struct ty_lamp_splats {
 
 typedef struct ty_lamp_kernels {
     /* Origins, ways and shares of the texels from (x, y) on; and lengths by the depth in front of `length`. */
-    void (*rays)(const ty_lamp_face* face, int32_t x, int32_t y, ty_lamp_rays* rays);
+    void (*rays)(const ty_lamp_face* face, int32_t x, int32_t y, ty_ray_row* rays);
     /* The stretch of [0, length] in a box. */
-    void (*clip)(const ty_lamp_rays* rays, const float lower[3], const float upper[3], float* begin, float* end);
+    void (*clip)(const ty_ray_row* rays, const float lower[3], const float upper[3], float* begin, float* end);
     /* One part of each ray. */
-    void (*part)(const ty_lamp_parts* parts, const ty_lamp_rays* rays, int32_t part, ty_lamp_splats* out);
+    void (*part)(const ty_lamp_parts* parts, const ty_ray_row* rays, int32_t part, ty_lamp_splats* out);
 } ty_lamp_kernels;
 
 /* The point of a stretch, m from its beginning, up to which share u of what it scatters comes from. */

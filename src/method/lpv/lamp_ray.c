@@ -76,7 +76,7 @@ int64_t ty_lamp_rows(const ty_lpv_lamp* lamp) {
     return (int64_t)lamp->map->faces * lamp->map->side;
 }
 
-void ty_lamp_rays_at(const ty_lamp_view* view, int64_t row, int32_t x, ty_lamp_rays* out) {
+void ty_lamp_rays_at(const ty_lamp_view* view, int64_t row, int32_t x, ty_ray_row* out) {
     const ty_light_map* map = view->lamp->map;
     out->count = map->side - x < TY_LAMP_RAYS ? map->side - x : TY_LAMP_RAYS;
     out->first = (size_t)row * (size_t)map->side + (size_t)x;
@@ -97,7 +97,7 @@ static ty_vec column(const float rows[3][TY_LAMP_RAYS], int32_t i) {
     return ty_vec_make(rows[0][i], rows[1][i], rows[2][i]);
 }
 
-void ty_lamp_depth(const ty_lamp_medium* medium, const ty_lamp_rays* rays, int32_t i, float depth[3]) {
+void ty_cell_depth(const ty_lamp_medium* medium, const ty_ray_row* rays, int32_t i, float depth[3]) {
     for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
     if (medium->medium == NULL) return;
     if (medium->even)
@@ -108,7 +108,7 @@ void ty_lamp_depth(const ty_lamp_medium* medium, const ty_lamp_rays* rays, int32
 
 /* ---- media that are not the same everywhere ---- */
 
-ty_lamp_walk ty_lamp_walk_begin(const ty_grid_medium* medium, const ty_lamp_rays* rays, int32_t i) {
+ty_lamp_walk ty_lamp_walk_begin(const ty_grid_medium* medium, const ty_ray_row* rays, int32_t i) {
     ty_lamp_walk walk = {.medium = medium, .cells = {.end = (double)rays->length[i]}};
     double origin[3], way[3];
     for (int a = 0; a < 3; ++a) {

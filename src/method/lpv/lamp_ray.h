@@ -26,10 +26,10 @@ ty_lamp_view ty_lamp_view_of(const ty_lpv_lamp* lamp, const ty_grid_medium* medi
 int64_t ty_lamp_rows(const ty_lpv_lamp* lamp);
 
 /* The rays of up to TY_LAMP_RAYS texels of a row from x on, but for jitter and the stretch in the lattice. */
-void ty_lamp_rays_at(const ty_lamp_view* view, int64_t row, int32_t x, ty_lamp_rays* out);
+void ty_lamp_rays_at(const ty_lamp_view* view, int64_t row, int32_t x, ty_ray_row* out);
 
 /* Optical depth of ray i up to its surface. */
-void ty_lamp_depth(const ty_lamp_medium* medium, const ty_lamp_rays* rays, int32_t i, float depth[3]);
+void ty_cell_depth(const ty_lamp_medium* medium, const ty_ray_row* rays, int32_t i, float depth[3]);
 
 /* ---- media that are not the same everywhere ---- */
 
@@ -46,7 +46,7 @@ typedef struct ty_lamp_stretch {
     float extinction[3], scattering[3]; /* 1/m */
 } ty_lamp_stretch;
 
-ty_lamp_walk ty_lamp_walk_begin(const ty_grid_medium* medium, const ty_lamp_rays* rays, int32_t i);
+ty_lamp_walk ty_lamp_walk_begin(const ty_grid_medium* medium, const ty_ray_row* rays, int32_t i);
 /* The next stretch, which ends at `to` at the latest; false once there. */
 bool ty_lamp_walk_step(ty_lamp_walk* walk, double to, ty_lamp_stretch* out);
 

@@ -239,7 +239,7 @@ ty_result ty_lpv_render(const ty_scene* scene, const ty_lpv_def* def, ty_image**
 
 typedef struct fluence_job {
     const ty_lpv* light;
-    ty_cover_box cells;
+    ty_coverage_box cells;
     double* fluence;
 } fluence_job;
 
@@ -266,20 +266,20 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
         const int32_t cell[3] = {i, (int32_t)(row % job->cells.size[1]), (int32_t)(row / job->cells.size[1])};
         const size_t at = (size_t)row * (size_t)job->cells.size[0] + (size_t)i;
         const ty_lattice* lattice = lattice_around(job, cell);
-        ty_cover axes[3];
-        ty_cover_cell(&lattice->box, &job->cells, cell, axes);
+        ty_coverage axes[3];
+        ty_coverage_of_cell(&lattice->box, &job->cells, cell, axes);
         for (int c = 0; c < 3; ++c) {
             const float* terms[1] = {lattice->light[c][0]};
             job->fluence[3 * at + (size_t)c] = 0;
-            ty_cover_add(&lattice->box, axes, terms, 1, per_term, &job->fluence[3 * at + (size_t)c]);
+            ty_coverage_add(&lattice->box, axes, terms, 1, per_term, &job->fluence[3 * at + (size_t)c]);
         }
     }
 }
 
 ty_result ty_lpv_fluence(const ty_lpv* light, const double lower[3], const double upper[3], const int32_t size[3],
                          double* fluence) {
-    const ty_cover_box cells = {lower, upper, size};
-    const ty_result result = ty_cover_check(light->context, &cells);
+    const ty_coverage_box cells = {lower, upper, size};
+    const ty_result result = ty_coverage_check(light->context, &cells);
     if (result != TY_OK) return result;
     fluence_job job = {light, cells, fluence};
     ty_parallel_for(light->context, (int64_t)size[1] * size[2], fill_row, &job);

@@ -16,7 +16,7 @@ typedef struct reflect_job {
 } reflect_job;
 
 /* false: the texel reflects nothing into the lattice. */
-static bool reflect(const reflect_job* job, const ty_lamp_rays* rays, int32_t i, ty_splat* out) {
+static bool reflect(const reflect_job* job, const ty_ray_row* rays, int32_t i, ty_splat* out) {
     if (!(rays->share[i] > 0.0f) || !isfinite(rays->length[i])) return false;
     const ty_vec origin = ty_vec_make(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]);
     const ty_vec way = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
@@ -29,7 +29,7 @@ static bool reflect(const reflect_job* job, const ty_lamp_rays* rays, int32_t i,
     out->axis = normal;
     const float* albedo = job->view.lamp->map->albedo + 3 * (rays->first + (size_t)i);
     const float* color = job->view.lamp->light->color;
-    ty_lamp_depth(&job->view.medium, rays, i, depth);
+    ty_cell_depth(&job->view.medium, rays, i, depth);
     for (int c = 0; c < 3; ++c) out->power[c] = rays->share[i] * color[c] * albedo[c] * ty_decay(depth[c]);
     return true;
 }
@@ -37,7 +37,7 @@ static bool reflect(const reflect_job* job, const ty_lamp_rays* rays, int32_t i,
 static int32_t reflect_row(const void* user, int64_t row, ty_splat* out) {
     const reflect_job* job = user;
     int32_t count = 0;
-    ty_lamp_rays rays;
+    ty_ray_row rays;
     for (int32_t x = 0; x < job->view.lamp->map->side; x += TY_LAMP_RAYS) {
         ty_lamp_rays_at(&job->view, row, x, &rays);
         for (int32_t i = 0; i < rays.count; ++i) count += reflect(job, &rays, i, &out[count]);

@@ -33,7 +33,7 @@ static float jitter_of(const scatter_job* job, int64_t row, int32_t x) {
     return (float)(at - (double)(int64_t)at);
 }
 
-static void take_splat(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, int32_t cell, const float share[3],
+static void take_splat(const scatter_job* job, const ty_ray_row* rays, int32_t i, int32_t cell, const float share[3],
                        ty_splat* out) {
     const float* color = job->view.lamp->light->color;
     out->cell = cell;
@@ -43,7 +43,7 @@ static void take_splat(const scatter_job* job, const ty_lamp_rays* rays, int32_t
 
 /* ---- media that are the same everywhere ---- */
 
-static int32_t scatter_evenly(const scatter_job* job, const ty_lamp_rays* rays, ty_splat* out) {
+static int32_t scatter_evenly(const scatter_job* job, const ty_ray_row* rays, ty_splat* out) {
     int32_t count = 0;
     ty_lamp_splats splats;
     for (int32_t part = 0; part < job->samples; ++part) {
@@ -94,7 +94,7 @@ static float place_of(const scatter_job* job, const ray_part* part, float share)
 }
 
 /* Off the surface that the ray ends on, so that the cell's middle is on the lit side. */
-static int32_t cell_of(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, float at) {
+static int32_t cell_of(const scatter_job* job, const ty_ray_row* rays, int32_t i, float at) {
     const ty_vec way = ty_vec_make(rays->way[0][i], rays->way[1][i], rays->way[2][i]);
     const ty_vec normal = ty_vec_make(rays->normal[0][i], rays->normal[1][i], rays->normal[2][i]);
     const ty_vec origin = ty_vec_make(rays->origin[0][i], rays->origin[1][i], rays->origin[2][i]);
@@ -106,7 +106,7 @@ static int32_t cell_of(const scatter_job* job, const ty_lamp_rays* rays, int32_t
     return cell >= 0 ? cell : ty_splat_cell(&job->cells, point);
 }
 
-static bool scatter_part(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, const ray_part* part,
+static bool scatter_part(const scatter_job* job, const ty_ray_row* rays, int32_t i, const ray_part* part,
                          ty_splat* out) {
     if (part->count == 0 || !(part->until[part->count - 1] > 0.0f)) return false;
     const int32_t cell = cell_of(job, rays, i, place_of(job, part, rays->jitter[i]));
@@ -117,7 +117,7 @@ static bool scatter_part(const scatter_job* job, const ty_lamp_rays* rays, int32
     return true;
 }
 
-static int32_t scatter_ray(const scatter_job* job, const ty_lamp_rays* rays, int32_t i, ty_splat* out) {
+static int32_t scatter_ray(const scatter_job* job, const ty_ray_row* rays, int32_t i, ty_splat* out) {
     const double begin = (double)rays->begin[i], length = (double)(rays->end[i] - rays->begin[i]);
     if (!(length > 0) || !(rays->share[i] > 0.0f)) return 0;
     const int32_t wanted = 1 + (int32_t)((float)length * job->parts.per_metre);
@@ -144,7 +144,7 @@ static int32_t scatter_ray(const scatter_job* job, const ty_lamp_rays* rays, int
 static int32_t scatter_row(const void* user, int64_t row, ty_splat* out) {
     const scatter_job* job = user;
     int32_t count = 0;
-    ty_lamp_rays rays;
+    ty_ray_row rays;
     for (int32_t x = 0; x < job->view.lamp->map->side; x += TY_LAMP_RAYS) {
         ty_lamp_rays_at(&job->view, row, x, &rays);
         job->view.kernels->clip(&rays, job->lower, job->upper, rays.begin, rays.end);

@@ -31,7 +31,7 @@ ty_result ty_pop_carried_create(ty_context* context, size_t cells, ty_pop_carrie
 void ty_pop_carried_destroy(ty_context* context, ty_pop_carried* carried);
 
 /* Adds a beam with lobes of L = 1, whose fluences are on cells of `fine`. Errors: TY_ERROR_MEMORY. */
-ty_result ty_pop_carry(const ty_grid_medium* fine, const ty_single_light* light, const ty_grid_medium* merged,
+ty_result ty_pop_carry(const ty_grid_medium* fine, const ty_light_fluence* light, const ty_grid_medium* merged,
                        ty_pop_carried* out);
 /* Adds to the solved light what it is to have besides. */
 void ty_pop_carried_add(const ty_pop_carried* carried, ty_diffuse_light* light);

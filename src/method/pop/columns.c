@@ -15,7 +15,7 @@ static column_ray ray_of(const ty_pop_frame* frame, int32_t column, double u, do
     const float origin[3] = {frame->origin.x, frame->origin.y, frame->origin.z};
     column_ray ray = {.start = 0};
     ty_vec way = frame->axis[2];
-    if (frame->kind == TY_LIGHT_PART_RADIAL)
+    if (frame->kind == TY_DISCRETE_POINT)
         way = ty_octahedral_direction((float)(2 * i / frame->size[0] - 1), (float)(2 * j / frame->size[1] - 1));
     const float along[3] = {way.x, way.y, way.z};
     const float first[3] = {frame->axis[0].x, frame->axis[0].y, frame->axis[0].z};
@@ -23,7 +23,7 @@ static column_ray ray_of(const ty_pop_frame* frame, int32_t column, double u, do
     for (int a = 0; a < 3; ++a) {
         ray.origin[a] = (double)origin[a];
         ray.way[a] = (double)along[a];
-        if (frame->kind == TY_LIGHT_PART_PARALLEL)
+        if (frame->kind == TY_DISCRETE_DIRECTIONAL)
             ray.origin[a] +=
                 i * (double)frame->step.x * (double)first[a] + j * (double)frame->step.y * (double)second[a];
     }
@@ -51,21 +51,20 @@ static void cut(const ty_grid_box* box, const column_ray* ray, float* enter, flo
 /* ---- intensity ---- */
 
 static float across_of(const ty_pop_frame* frame, int32_t column) {
-    if (frame->kind == TY_LIGHT_PART_PARALLEL) return frame->step.x * frame->step.y;
+    if (frame->kind == TY_DISCRETE_DIRECTIONAL) return frame->step.x * frame->step.y;
     return ty_octahedral_angle(ty_pop_way(frame, column % frame->size[0], column / frame->size[0]), frame->size[0]);
 }
 
-static float profile_of(const ty_scene_view* view, const ty_light_part* ordinate, const column_ray* ray) {
-    if (ordinate->kind == TY_LIGHT_PART_PARALLEL || ordinate->profile == TY_LIGHT_PART_EVEN) return 1;
+static float profile_of(const ty_scene_view* view, const ty_discrete_light* ordinate, const column_ray* ray) {
+    if (ordinate->kind == TY_DISCRETE_DIRECTIONAL) return 1;
     const ty_vec way = ty_vec_make((float)ray->way[0], (float)ray->way[1], (float)ray->way[2]);
     const float mu = ty_dot(way, ordinate->direction);
-    if (ordinate->profile == TY_LIGHT_PART_COSINE) return ty_maxf(0, mu);
-    return ty_source_profile(&view->lights.lights[ordinate->light], mu);
+    return ty_light_profile_at(ordinate->profile, &view->lights.lights[ordinate->light], mu);
 }
 
 /* The ray on which light comes: from a lamp afar, to the middle of the column's length. */
-static column_ray lit_ray(const ty_pop_frame* frame, const ty_light_part* ordinate, const column_ray* ray) {
-    if (frame->kind == TY_LIGHT_PART_RADIAL || ordinate->kind == TY_LIGHT_PART_PARALLEL) return *ray;
+static column_ray lit_ray(const ty_pop_frame* frame, const ty_discrete_light* ordinate, const column_ray* ray) {
+    if (frame->kind == TY_DISCRETE_POINT || ordinate->kind == TY_DISCRETE_DIRECTIONAL) return *ray;
     const float point[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};
     const double half = 0.5 * (double)frame->step.z * frame->size[2];
     column_ray from;
@@ -101,14 +100,14 @@ static double lift_of(const ty_grid_box* box) {
 /* The ray on which a part of a column is shaded. */
 static column_ray shadow_ray(const ty_scene* scene, const ty_grid_box* box, const ty_pop_light* light, int32_t column,
                              int32_t number) {
-    const ty_light_part* ordinate = &light->ordinate;
+    const ty_discrete_light* ordinate = &light->ordinate;
     const double u = 0.25 + 0.5 * (number % 2), v = number < 2 ? 0.25 : 0.75;
     const column_ray along = ray_of(&light->frame, column, u, v);
     column_ray ray = lit_ray(&light->frame, ordinate, &along);
-    if (ordinate->kind == TY_LIGHT_PART_PARALLEL) {
+    if (ordinate->kind == TY_DISCRETE_DIRECTIONAL) {
         ray.start = -reach_back(scene, box);
         for (int a = 0; a < 3; ++a) ray.origin[a] += ray.start * ray.way[a];
-    } else if (ordinate->profile == TY_LIGHT_PART_COSINE) {
+    } else if (ordinate->profile == TY_PROFILE_COSINE) {
         const float normal[3] = {ordinate->direction.x, ordinate->direction.y, ordinate->direction.z};
         for (int a = 0; a < 3; ++a) ray.origin[a] += lift_of(box) * (double)normal[a];
     }
@@ -149,7 +148,7 @@ static void trace_all(const ty_scene* scene, const ty_grid_box* box, const ty_po
 /* ---- all of it ---- */
 
 float ty_pop_slab_begin(const ty_pop_frame* frame, int32_t k) {
-    if (frame->kind == TY_LIGHT_PART_PARALLEL) return (float)k * frame->step.z;
+    if (frame->kind == TY_DISCRETE_DIRECTIONAL) return (float)k * frame->step.z;
     return k < 0 ? 0 : ty_pop_radius(frame, (float)k);
 }
 
@@ -161,14 +160,14 @@ static int32_t ringed_cell(const ty_pop_frame* frame, int32_t column) {
 void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, const ty_pop_light* light, int32_t first,
                           ty_pop_columns* columns) {
     const ty_pop_frame* frame = &light->frame;
-    const ty_light_part* ordinate = &light->ordinate;
+    const ty_discrete_light* ordinate = &light->ordinate;
     const ty_scene_view* view = scene != NULL ? ty_scene_get_view(scene) : NULL;
     const int32_t all = frame->size[0] * frame->size[1], whole = TY_POP_BLOCK / frame->size[0] * frame->size[0];
     columns->frame = frame;
     columns->first = first;
     columns->count = all - first < whole ? all - first : whole;
     columns->shaded = view != NULL && view->mesh != NULL && ordinate->shadowed != 0;
-    columns->spreads = frame->kind == TY_LIGHT_PART_PARALLEL && ordinate->kind == TY_LIGHT_PART_RADIAL;
+    columns->spreads = frame->kind == TY_DISCRETE_DIRECTIONAL && ordinate->kind == TY_DISCRETE_POINT;
     const float lamp[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};
     for (int a = 0; a < 3; ++a) columns->lamp[a] = (float)((double)lamp[a] - medium->box.lower[a]);
     for (int32_t i = 0; i < columns->count; ++i) {

@@ -11,7 +11,7 @@ static void turn_aside(ty_pop_job* job) {
         const int32_t plane = medium->planes == 3 ? c : 0;
         const float* fluence = job->light->merged.fluence[c];
         for (size_t i = 0; i < medium->cells; ++i)
-            job->source[c][i] += fluence[i] * ty_turned_coefficient(medium->scattering[plane][i], medium->g[plane][i]);
+            job->source[c][i] += fluence[i] * ty_reduced_scattering(medium->scattering[plane][i], medium->g[plane][i]);
         for (size_t i = 0; i < job->carried.cells; ++i) job->source[c][i] += job->carried.of[c][0][i];
     }
 }
@@ -21,22 +21,22 @@ static const double streaming_outside = 0.5;
 
 static double own_streaming(const ty_pop* light) {
     const ty_grid_box* box = &light->merged.box;
-    ty_inside sum = {0, 0};
+    ty_interior_light sum = {0, 0};
     for (int32_t i = 0; i < light->light_count; ++i) {
-        const ty_source* source = &light->sources[i];
-        if (source->kind == TY_SOURCE_BEAM)
-            ty_inside_add_beam(&sum, box, source->direction, source->color);
+        const ty_discrete_light* source = &light->lights[i].sample;
+        if (source->kind == TY_DISCRETE_DIRECTIONAL)
+            ty_interior_light_add_directional(&sum, box, source->direction, source->color);
         else
-            ty_inside_add_lamp(&sum, box, source->position, source->color);
+            ty_interior_light_add_point(&sum, box, source->position, source->color);
     }
     for (int32_t i = 0; i < light->count; ++i) {
-        const ty_light_part* ordinate = &light->ordinates[i].ordinate;
-        if (ordinate->kind == TY_LIGHT_PART_PARALLEL)
-            ty_inside_add_beam(&sum, box, ordinate->direction, ordinate->color);
+        const ty_discrete_light* ordinate = &light->ordinates[i].ordinate;
+        if (ordinate->kind == TY_DISCRETE_DIRECTIONAL)
+            ty_interior_light_add_directional(&sum, box, ordinate->direction, ordinate->color);
         else
-            ty_inside_add_lamp(&sum, box, ordinate->position, ordinate->color);
+            ty_interior_light_add_point(&sum, box, ordinate->position, ordinate->color);
     }
-    return ty_inside_streaming(&sum, streaming_outside);
+    return ty_interior_light_max_flux(&sum, streaming_outside);
 }
 
 ty_result ty_pop_diffuse(ty_pop_job* job) {

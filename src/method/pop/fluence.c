@@ -12,22 +12,22 @@ enum { POINTS = 2 };
 
 typedef struct fluence_job {
     const ty_pop* light;
-    ty_cover_box cells;
+    ty_coverage_box cells;
     double *fluence, *uncollided;
 } fluence_job;
 
 /* Adds what sharp lights bring: all that keeps its direction, and what has not scattered. */
 static void add_sharp(const fluence_job* job, const int32_t cell[3], int c, double* fluence, double* uncollided) {
     const ty_pop* light = job->light;
-    ty_cover axes[3];
-    ty_cover_cell(&light->fine_box, &job->cells, cell, axes);
+    ty_coverage axes[3];
+    ty_coverage_of_cell(&light->fine_box, &job->cells, cell, axes);
     for (int32_t l = 0; l < light->light_count; ++l) {
-        const ty_single_light* single = &light->lights[l];
+        const ty_light_fluence* single = &light->lights[l];
         const int32_t plane = single->shared != 0 ? 0 : c;
         const float* kept = single->fluence[plane];
         const float* straight = single->lobes != 0 ? single->straight[plane] : kept;
-        ty_cover_add(&light->fine_box, axes, &kept, 1, (double)single->color[c], fluence);
-        ty_cover_add(&light->fine_box, axes, &straight, 1, (double)single->color[c], uncollided);
+        ty_coverage_add(&light->fine_box, axes, &kept, 1, (double)single->color[c], fluence);
+        ty_coverage_add(&light->fine_box, axes, &straight, 1, (double)single->color[c], uncollided);
     }
 }
 
@@ -48,15 +48,15 @@ static void add_straight(const fluence_job* job, const int32_t cell[3], double u
 }
 
 /* Adds a channel's light on merged cells. */
-static void add_merged(const ty_pop* light, const ty_cover axes[3], int c, double* fluence) {
+static void add_merged(const ty_pop* light, const ty_coverage axes[3], int c, double* fluence) {
     const float* planes[] = {light->merged.fluence[c], light->residuum.fluence[c]};
     for (int i = 0; i < 2; ++i)
-        if (planes[i] != NULL) ty_cover_add(&light->merged.box, axes, &planes[i], 1, 1, fluence);
+        if (planes[i] != NULL) ty_coverage_add(&light->merged.box, axes, &planes[i], 1, 1, fluence);
     if (light->diffuse == NULL) return;
     const bool shared = light->diffuse->shared;
     const float* diffuse = light->diffuse->terms[shared ? 0 : c][0];
-    ty_cover_add(&light->merged.box, axes, &diffuse, 1, four_pi * (shared ? (double)light->diffuse->color[c] : 1),
-                 fluence);
+    ty_coverage_add(&light->merged.box, axes, &diffuse, 1, four_pi * (shared ? (double)light->diffuse->color[c] : 1),
+                    fluence);
 }
 
 static void fill_row(void* user, int64_t row, int32_t worker) {
@@ -66,8 +66,8 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         double fluence[3] = {0}, uncollided[3] = {0};
-        ty_cover axes[3];
-        ty_cover_cell(&job->light->merged.box, &job->cells, cell, axes);
+        ty_coverage axes[3];
+        ty_coverage_of_cell(&job->light->merged.box, &job->cells, cell, axes);
         for (int c = 0; c < 3; ++c) {
             add_merged(job->light, axes, c, &fluence[c]);
             add_sharp(job, cell, c, &fluence[c], &uncollided[c]);
@@ -86,8 +86,8 @@ static ty_result check_lobes(const ty_pop* light, const char* what) {
 
 ty_result ty_pop_fluence(const ty_pop* light, const double lower[3], const double upper[3], const int32_t size[3],
                          double* fluence, double* uncollided) {
-    const ty_cover_box cells = {lower, upper, size};
-    ty_result result = ty_cover_check(light->context, &cells);
+    const ty_coverage_box cells = {lower, upper, size};
+    ty_result result = ty_coverage_check(light->context, &cells);
     if (result == TY_OK && uncollided != NULL) result = check_lobes(light, "uncollided fluence");
     if (result != TY_OK) return result;
     fluence_job job = {light, cells, fluence, uncollided};
@@ -107,16 +107,16 @@ static ty_cell_point locate(const ty_grid_box* box, ty_vec point) {
 
 /* What sharp lights bring that has scattered and kept its direction. */
 static void add_sharp_radiance(const ty_pop* light, ty_vec point, ty_vec way, float radiance[3]) {
-    static const float whole[TY_SINGLE_FLUENCES][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
+    static const float whole[TY_FLUENCE_COUNT][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     /* Scattered once more without being turned, it is the light itself. */
     static const float straight_on[3] = {1, 1, 1};
     static const ty_forward_fit none = {.bands = 0};
     const ty_cell_point place = locate(&light->fine_box, point);
     for (int32_t l = 0; l < light->light_count; ++l) {
-        ty_single_sent sent = {{0}, {0}, {0}};
+        ty_single_radiance sent = {{0}, {0}, {0}};
         if (light->lights[l].lobes == 0) continue;
-        ty_single_forward(&light->lights[l], &place, ty_single_cosine(&light->lights[l], point, way), whole,
-                          straight_on, &none, &sent);
+        ty_single_with_lobe(&light->lights[l], &place, ty_light_fluence_cosine(&light->lights[l], point, way), whole,
+                            straight_on, &none, &sent);
         for (int c = 0; c < 3; ++c) radiance[c] += sent.again[c];
     }
 }

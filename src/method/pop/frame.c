@@ -52,7 +52,7 @@ static void fit_parallel(const ty_grid_box* box, const double way[3], int32_t re
         step[i] = (float)((range[1] - range[0]) / resolution);
         frame->axis[i] = ty_vec_make((float)axis[i][0], (float)axis[i][1], (float)axis[i][2]);
     }
-    frame->kind = TY_LIGHT_PART_PARALLEL;
+    frame->kind = TY_DISCRETE_DIRECTIONAL;
     frame->origin = ty_vec_make((float)origin[0], (float)origin[1], (float)origin[2]);
     frame->step = ty_vec_load(step);
 }
@@ -72,13 +72,13 @@ static void distances(const ty_grid_box* box, const double point[3], double rang
 }
 
 /* Shells as thick as columns are wide; thicker where they would not reach down to half a cell of the box. */
-static void fit_radial(const ty_grid_box* box, const ty_light_part* ordinate, const double range[2], int32_t resolution,
-                       ty_pop_frame* frame) {
+static void fit_radial(const ty_grid_box* box, const ty_discrete_light* ordinate, const double range[2],
+                       int32_t resolution, ty_pop_frame* frame) {
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = fmax(longest, box->upper[a] - box->lower[a]);
     const double even = range[1] * exp(-sqrt(4 * (double)TY_PI));
     const double inner = fmax(range[0], fmin(even, 0.5 * longest / resolution));
-    frame->kind = TY_LIGHT_PART_RADIAL;
+    frame->kind = TY_DISCRETE_POINT;
     frame->origin = ordinate->position;
     frame->inner = (float)inner;
     frame->growth = (float)(log(range[1] / inner) / resolution);
@@ -90,11 +90,12 @@ static bool is_afar(const ty_grid_box* box, double distance, int32_t resolution)
     return distance > 0.25 * sqrt(resolution) * diagonal_of(box);
 }
 
-void ty_pop_frame_fit(const ty_grid_box* box, const ty_light_part* ordinate, int32_t resolution, ty_pop_frame* out) {
+void ty_pop_frame_fit(const ty_grid_box* box, const ty_discrete_light* ordinate, int32_t resolution,
+                      ty_pop_frame* out) {
     *out = (ty_pop_frame){.size = {resolution, resolution, resolution}};
     const double direction[3] = {(double)ordinate->direction.x, (double)ordinate->direction.y,
                                  (double)ordinate->direction.z};
-    if (ordinate->kind == TY_LIGHT_PART_PARALLEL) {
+    if (ordinate->kind == TY_DISCRETE_DIRECTIONAL) {
         fit_parallel(box, direction, resolution, out);
         return;
     }

@@ -8,7 +8,7 @@
 /* Cells i, j, k: light travels with k. Parallel: boxes along three axes at right angles. Radial: i and j are
  * coordinates of an octahedral map, whose edges are joined to themselves; shells k grow by a constant factor. */
 typedef struct ty_pop_frame {
-    int32_t kind;    /* TY_LIGHT_PART_PARALLEL, TY_LIGHT_PART_RADIAL */
+    int32_t kind;    /* TY_DISCRETE_DIRECTIONAL, TY_DISCRETE_POINT */
     int32_t size[3]; /* radial: size[0] is size[1] */
     ty_vec axis[3];  /* parallel: unit; axis[2] is the ordinate's direction */
     ty_vec origin;   /* parallel: the corner of cell 0, 0, 0; radial: the point; m */
@@ -19,7 +19,7 @@ typedef struct ty_pop_frame {
 
 /* A ring of cells around i and j of radial grids, where whoever keeps them has one. */
 TY_FN int32_t ty_pop_ring(const ty_pop_frame* frame) {
-    return frame->kind == TY_LIGHT_PART_RADIAL ? 1 : 0;
+    return frame->kind == TY_DISCRETE_POINT ? 1 : 0;
 }
 
 /* Cells of a grid with its ring. */
@@ -35,14 +35,14 @@ TY_FN float ty_pop_radius(const ty_pop_frame* frame, float k) {
 
 /* The way light travels in column i, j. */
 TY_FN ty_vec ty_pop_way(const ty_pop_frame* frame, int32_t i, int32_t j) {
-    if (frame->kind == TY_LIGHT_PART_PARALLEL) return frame->axis[2];
+    if (frame->kind == TY_DISCRETE_DIRECTIONAL) return frame->axis[2];
     return ty_octahedral_direction(((float)i + 0.5f) * (2.0f / (float)frame->size[0]) - 1.0f,
                                    ((float)j + 0.5f) * (2.0f / (float)frame->size[1]) - 1.0f);
 }
 
 /* The middle of a cell, m. */
 TY_FN ty_vec ty_pop_middle(const ty_pop_frame* frame, int32_t i, int32_t j, int32_t k) {
-    if (frame->kind == TY_LIGHT_PART_RADIAL)
+    if (frame->kind == TY_DISCRETE_POINT)
         return ty_mad(frame->origin, ty_pop_way(frame, i, j), ty_pop_radius(frame, (float)k + 0.5f));
     const ty_vec across = ty_mad(frame->origin, frame->axis[0], ((float)i + 0.5f) * frame->step.x);
     return ty_mad(ty_mad(across, frame->axis[1], ((float)j + 0.5f) * frame->step.y), frame->axis[2],
@@ -51,7 +51,7 @@ TY_FN ty_vec ty_pop_middle(const ty_pop_frame* frame, int32_t i, int32_t j, int3
 
 /* A cell's length along the light's way, m. */
 TY_FN float ty_pop_length(const ty_pop_frame* frame, int32_t k) {
-    if (frame->kind == TY_LIGHT_PART_PARALLEL) return frame->step.z;
+    if (frame->kind == TY_DISCRETE_DIRECTIONAL) return frame->step.z;
     return ty_pop_radius(frame, (float)k + 1.0f) - ty_pop_radius(frame, (float)k);
 }
 
@@ -78,7 +78,7 @@ TY_FN ty_pop_place ty_pop_locate(const ty_pop_frame* frame, float least, ty_vec 
     const ty_vec off = ty_sub(point, frame->origin);
     place.base = 0;
     place.spread = 1.0f;
-    if (frame->kind == TY_LIGHT_PART_PARALLEL) {
+    if (frame->kind == TY_DISCRETE_DIRECTIONAL) {
         const size_t row = (size_t)frame->size[0], slice = row * (size_t)frame->size[1];
         ty_pop_place_along(ty_dot(off, frame->axis[0]) / frame->step.x, frame->size[0], 1, 0, &place);
         ty_pop_place_along(ty_dot(off, frame->axis[1]) / frame->step.y, frame->size[1], row, 1, &place);

@@ -15,7 +15,7 @@ enum { TY_POP_SEEN = 8, TY_POP_SEEN_LEFT = 12, TY_POP_WEIGHT = 6 };
  * distance, m^2. Radial grids have a ring of one cell around i and j, which repeats what lies across the map's edges,
  * so that all cells can be looked up between. */
 typedef struct ty_pop_light {
-    ty_light_part ordinate;
+    ty_discrete_light ordinate;
     ty_pop_frame frame;
     int32_t floats; /* TY_POP_SEEN, TY_POP_SEEN_LEFT */
     float* seen;
@@ -38,7 +38,7 @@ enum { TY_POP_BANDS = 12 };
 /* The grid that spans a box: `resolution` cells along each axis. Radial ordinates so far from the box that it would be
  * within few columns get a parallel grid, along the way from the point to the box's middle; their light falls with
  * distance in it all the same. */
-void ty_pop_frame_fit(const ty_grid_box* box, const ty_light_part* ordinate, int32_t resolution, ty_pop_frame* out);
+void ty_pop_frame_fit(const ty_grid_box* box, const ty_discrete_light* ordinate, int32_t resolution, ty_pop_frame* out);
 
 /* Floats of a light's seen and lobes, and of the scratch that ty_pop_walk needs. */
 size_t ty_pop_seen_floats(const ty_pop_frame* frame, int32_t floats);

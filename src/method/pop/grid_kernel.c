@@ -202,7 +202,7 @@ static float turned(const ty_pop_slab* slab, int32_t plane, const float* kept) {
     float sum = 0.0f;
 #pragma omp simd reduction(+ : sum)
     for (int32_t i = 0; i < slab->columns->count; ++i)
-        sum += ty_turned_coefficient(scattering[i], g[i]) * kept[i] * (length[i] * across[i]);
+        sum += ty_reduced_scattering(scattering[i], g[i]) * kept[i] * (length[i] * across[i]);
     return sum;
 }
 

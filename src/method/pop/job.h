@@ -17,9 +17,8 @@ struct ty_pop {
     float eye[3];
     /* Sharp lights. */
     ty_grid_box fine_box;
-    ty_light_field* fields[TY_POP_SHARP_MAX][TY_SINGLE_FLUENCES];
-    ty_single_light lights[TY_POP_SHARP_MAX];
-    ty_source sources[TY_POP_SHARP_MAX];
+    ty_light_field* fields[TY_POP_SHARP_MAX][TY_FLUENCE_COUNT];
+    ty_light_fluence lights[TY_POP_SHARP_MAX];
     int32_t light_count;
     /* Ordinates, each in a grid of its own. */
     ty_grid_medium* medium; /* what their grids sample */

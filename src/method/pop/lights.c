@@ -58,30 +58,27 @@ static void refine_along(ty_pop_frame* frame) {
 }
 
 /* All ordinates in one array, the virtual lights' at the end. */
-static ty_result join(ty_pop_job* job, const ty_light_part* own, int32_t own_count, const ty_light_part* vpls,
-                      int32_t vpl_count) {
+static ty_result join(ty_pop_job* job, const ty_discrete_light_set* own, const ty_discrete_light_set* vpls) {
     ty_pop* light = job->light;
-    const int32_t count = own_count + vpl_count;
+    const int32_t count = own->count + vpls->count;
     if (count == 0) return TY_OK;
     light->ordinates = ty_alloc_array(job->context, (size_t)count, sizeof *light->ordinates, true);
     if (light->ordinates == NULL) return TY_ERROR_MEMORY;
     light->count = count;
     for (int32_t i = 0; i < count; ++i) {
         ty_pop_light* grid = &light->ordinates[i];
-        grid->ordinate = i < own_count ? own[i] : vpls[i - own_count];
+        grid->ordinate = i < own->count ? own->items[i] : vpls->items[i - own->count];
         ty_pop_frame_fit(&light->medium->box, &grid->ordinate, light->def.resolution, &grid->frame);
         if (job->def->mode == TY_POP_MODE_SPLIT) refine_along(&grid->frame);
     }
     job->stats.ordinates = count;
-    job->stats.vpls = vpl_count;
+    job->stats.vpls = vpls->count;
     memcpy(job->stats.size, light->ordinates[0].frame.size, sizeof job->stats.size);
     return TY_OK;
 }
 
 static ty_result find_ordinates(ty_pop_job* job) {
-    ty_light_part* own = NULL;
-    ty_light_part* vpls = NULL;
-    int32_t own_count = 0, vpl_count = 0;
+    ty_discrete_light_set own = {.items = NULL}, vpls = {.items = NULL};
     double begun = ty_wall_seconds();
     const bool matters = job->def->importance && has_environment(job->scene);
     const ty_vpl_def vpl_def = ty_pop_vpl_def(job->def);
@@ -91,16 +88,16 @@ static ty_result find_ordinates(ty_pop_job* job) {
     job->stats.importance_seconds = ty_wall_seconds() - begun;
     begun = ty_wall_seconds();
     if (result == TY_OK)
-        result = ty_pop_ordinates_create(job->scene, job->def, &job->medium->box, matters ? job->importance : NULL,
-                                         &own, &own_count);
+        result =
+            ty_pop_ordinates_create(job->scene, job->def, &job->medium->box, matters ? job->importance : NULL, &own);
     job->stats.ordinate_seconds = ty_wall_seconds() - begun;
     begun = ty_wall_seconds();
     if (result == TY_OK && job->def->vpls > 0 && ty_scene_get_view(job->scene)->mesh != NULL)
-        result = ty_vpls_create(job->scene, &vpl_def, job->light->medium, &vpls, &vpl_count);
+        result = ty_vpls_create(job->scene, &vpl_def, job->light->medium, &vpls);
     job->stats.vpl_seconds = ty_wall_seconds() - begun;
-    if (result == TY_OK) result = join(job, own, own_count, vpls, vpl_count);
-    ty_light_parts_destroy(job->context, own, own_count);
-    ty_light_parts_destroy(job->context, vpls, vpl_count);
+    if (result == TY_OK) result = join(job, &own, &vpls);
+    ty_discrete_light_set_destroy(job->context, &own);
+    ty_discrete_light_set_destroy(job->context, &vpls);
     return result;
 }
 
@@ -227,7 +224,7 @@ static void balance(ty_pop_job* job) {
         double merged = 0, own = 0;
         for (int32_t i = 0; i < light->count; ++i) own += light->ordinates[i].turned[c];
         for (size_t i = 0; i < light->cells; ++i)
-            merged += (double)(ty_turned_coefficient(medium->scattering[p][i], medium->g[p][i]) *
+            merged += (double)(ty_reduced_scattering(medium->scattering[p][i], medium->g[p][i]) *
                                light->merged.fluence[c][i]) *
                       volume;
         light->scale[c] = merged > 0 ? ty_clampf((float)(own / merged), scale_least, scale_most) : 1;
@@ -244,7 +241,7 @@ static int32_t walk_length(const ty_pop_job* job) {
     if (!(job->def->residuum > 0)) return most;
     for (int32_t i = 0; i < light->count; ++i) {
         const ty_pop_light* grid = &light->ordinates[i];
-        const int32_t length = ty_pop_walk_length(job->def, light->medium, grid->ordinate.cosine,
+        const int32_t length = ty_pop_walk_length(job->def, light->medium, grid->ordinate.mean_cosine,
                                                   ty_pop_length(&grid->frame, grid->frame.size[2] / 2));
         most = length > most ? length : most;
     }

@@ -106,14 +106,14 @@ TY_FN float ty_pop_disc_again(float b, float g, float disc, float width, float l
 /* What of its light that has scattered and kept its direction does so once more: ty_forward_lobe, seen from beyond the
  * tent. */
 TY_FN float ty_pop_disc_forward_far(float mu, float u, float r, float s, float g, float disc, float width, float lobe) {
-    const float b = ty_forward_cosine(u, r, s), spread = ty_pop_disc_again(b, g, disc, width, lobe);
+    const float b = ty_forward_lobe_cosine(u, r, s), spread = ty_pop_disc_again(b, g, disc, width, lobe);
     const float slope = ty_hg_slope(g < 0.0f ? -mu : mu, b * spread);
     return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * slope);
 }
 
 /* And from anywhere: flattened. */
 TY_FN float ty_pop_disc_forward(float mu, float u, float r, float s, float g, float disc, float width, float lobe) {
-    const float along = g < 0.0f ? -mu : mu, b = ty_forward_cosine(u, r, s);
+    const float along = g < 0.0f ? -mu : mu, b = ty_forward_lobe_cosine(u, r, s);
     const float spread = ty_pop_disc_again(b, g, disc, width, lobe), x = b * spread;
     const float share = ty_pop_disc_share(along, width);
     const float slope = (1.0f - share) * ty_hg_slope(along, x) + share * ty_pop_disc_slope(x, width);

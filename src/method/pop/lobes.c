@@ -94,7 +94,7 @@ static size_t cell_without_ring(const ty_pop_frame* frame, size_t ringed) {
 }
 
 static neighbours find_neighbours(const ty_pop_light* light, ty_vec point) {
-    const ty_pop_place place = ty_pop_locate(&light->frame, light->ordinate.least, point);
+    const ty_pop_place place = ty_pop_locate(&light->frame, light->ordinate.min_distance, point);
     neighbours near = {.spread = place.spread};
     for (size_t corner = 0; corner < 8; ++corner) {
         size_t cell = place.base;
@@ -122,7 +122,7 @@ static float radiance_split(const ty_pop_light* light, const neighbours* near, s
     const float u = between(light, near, 3 * plane), r = between(light, near, 3 * plane + 1);
     const float s = between(light, near, 3 * plane + 2);
     *uncollided = u;
-    const float disc = light->ordinate.cosine, width = ty_pop_disc_width(disc);
+    const float disc = light->ordinate.mean_cosine, width = ty_pop_disc_width(disc);
     return ty_pop_disc_forward(mu, u, r, s, 1, disc, width, ty_pop_disc_lobe(1, disc, width));
 }
 
@@ -144,7 +144,7 @@ void ty_pop_light_radiance(const ty_grid_medium* medium, const ty_pop_light* lig
     (void)medium;
     const neighbours near = find_neighbours(light, point);
     ty_vec along = light->frame.axis[2];
-    if (light->frame.kind == TY_LIGHT_PART_RADIAL) {
+    if (light->frame.kind == TY_DISCRETE_POINT) {
         const ty_vec off = ty_sub(point, light->frame.origin);
         along = ty_scale(off, 1 / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f)));
     }

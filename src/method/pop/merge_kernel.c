@@ -90,7 +90,7 @@ static void place_radial(const ty_pop_light* light, const ty_pop_merge_rows* row
     const ty_pop_frame* frame = &light->frame;
     const int32_t ringed = frame->size[0] + 2;
     const int32_t step[3] = {1, ringed, frame->size[2] > 1 ? ringed * ringed : 0};
-    const float least = light->ordinate.least;
+    const float least = light->ordinate.min_distance;
     for (int a = 0; a < 3; ++a) p->step[a] = step[a];
     for (int32_t row = 0; row < rows->rows; ++row) {
         const float y = rows->first.y + rows->step[1] * (float)row;
@@ -141,7 +141,7 @@ TY_FN void add_cells(const ty_pop_light* light, int32_t floats, bool weighted, c
 
 static void merge(const ty_pop_light* light, const ty_pop_merge_rows* rows) {
     places p;
-    if (light->frame.kind == TY_LIGHT_PART_RADIAL)
+    if (light->frame.kind == TY_DISCRETE_POINT)
         place_radial(light, rows, &p);
     else
         place_parallel(&light->frame, rows, &p);

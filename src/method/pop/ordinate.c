@@ -12,8 +12,7 @@ typedef struct ordinate_list {
     const ty_light_view* lights;
     ty_vec middle; /* of the media */
     float longest; /* side of their box, m */
-    ty_light_part* items;
-    int32_t count;
+    ty_discrete_light_set* out;
 } ordinate_list;
 
 static bool is_black(const float color[3]) {
@@ -33,23 +32,16 @@ bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light
     return before < TY_POP_SHARP_MAX;
 }
 
-static ty_light_part* append(ordinate_list* list, const ty_source* source) {
-    ty_light_part* ordinate = &list->items[list->count++];
-    *ordinate = (ty_light_part){.kind = source->kind == TY_SOURCE_BEAM ? TY_LIGHT_PART_PARALLEL : TY_LIGHT_PART_RADIAL,
-                                .direction = source->direction,
-                                .position = source->position,
-                                .cosine = 1,
-                                .light = source->light,
-                                .shadowed = list->scene->view.mesh != NULL};
-    for (int c = 0; c < 3; ++c) ordinate->color[c] = source->color[c];
+static ty_discrete_light* append(ordinate_list* list, const ty_discrete_light* source) {
+    ty_discrete_light* ordinate = &list->out->items[list->out->count++];
+    *ordinate = *source;
+    ordinate->shadowed = list->scene->view.mesh != NULL;
     return ordinate;
 }
 
 /* Point and spot lights: there is no distance below which they are not points, so media are asked for one. */
-static void add_point(ordinate_list* list, const ty_source* source) {
-    ty_light_part* ordinate = append(list, source);
-    ordinate->profile = list->lights[source->light].kind == TY_KIND_SPOT ? TY_LIGHT_PART_SPOT : TY_LIGHT_PART_EVEN;
-    ordinate->least = 1e-3f * list->longest;
+static void add_point(ordinate_list* list, const ty_discrete_light* source) {
+    append(list, source)->min_distance = 1e-3f * list->longest;
 }
 
 /* Mean cosine of light from a disc of some area about the way to the middle of the media: its solid angle over 4 pi is
@@ -63,17 +55,17 @@ static float cosine_of_area(const ordinate_list* list, ty_vec position, float ar
 
 /* A point of a surface; side: 1 in front of it, -1 behind. Its 1 / r^2 is held where the part that it stands for is no
  * point any more: about the radius of a disc of the same area. */
-static void add_surface_point(ordinate_list* list, const ty_source* source, float side) {
-    ty_light_part* ordinate = append(list, source);
+static void add_surface_point(ordinate_list* list, const ty_discrete_light* source, float side) {
+    ty_discrete_light* ordinate = append(list, source);
     const float lift = 1e-4f * list->longest;
-    ordinate->profile = TY_LIGHT_PART_COSINE;
+    ordinate->profile = TY_PROFILE_COSINE;
     ordinate->direction = ty_scale(source->direction, side);
     ordinate->position = ty_mad(source->position, ordinate->direction, lift);
-    ordinate->least = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest);
-    ordinate->cosine = cosine_of_area(list, source->position, source->area);
+    ordinate->min_distance = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest);
+    ordinate->mean_cosine = cosine_of_area(list, source->position, source->area);
 }
 
-static void add_source(ordinate_list* list, const ty_source* source) {
+static void add_source(ordinate_list* list, const ty_discrete_light* source) {
     const ty_light_view* light = &list->lights[source->light];
     if (is_black(source->color) || ty_pop_is_sharp(list->scene, list->def, source->light)) return;
     if (light->kind == TY_KIND_DIRECTIONAL) append(list, source);
@@ -84,19 +76,17 @@ static void add_source(ordinate_list* list, const ty_source* source) {
 
 static ty_result add_environments(ordinate_list* list, const float* importance) {
     const ty_pop_def* pop = list->def;
-    const ty_environment_parts_def def = {.parts = pop->ordinates,
-                                          .prefilter = pop->prefilter,
-                                          .by_share = pop->mode == TY_POP_MODE_PUBLISHED,
-                                          .seed = pop->seed,
-                                          .importance = importance,
-                                          .width = TY_POP_IMPORTANCE_WIDTH,
-                                          .height = TY_POP_IMPORTANCE_HEIGHT};
+    const ty_environment_clusters_def def = {.count = pop->ordinates,
+                                             .prefilter = pop->prefilter,
+                                             .by_share = pop->mode == TY_POP_MODE_PUBLISHED,
+                                             .seed = pop->seed,
+                                             .importance = importance,
+                                             .width = TY_POP_IMPORTANCE_WIDTH,
+                                             .height = TY_POP_IMPORTANCE_HEIGHT};
     for (int32_t i = 0; i < list->scene->view.lights.count; ++i) {
         if (list->lights[i].kind != TY_KIND_ENVIRONMENT) continue;
-        int32_t count = 0;
-        const ty_result result = ty_environment_parts(list->scene, &def, i, list->items + list->count, &count);
+        const ty_result result = ty_environment_clusters_add(list->scene, &def, i, list->out);
         if (result != TY_OK) return result;
-        list->count += count;
     }
     return TY_OK;
 }
@@ -120,26 +110,16 @@ static void measure_box(ordinate_list* list, const ty_grid_box* box) {
 }
 
 ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
-                                  const float* importance, ty_light_part** out, int32_t* count) {
-    const ty_source_def source_def = {.environment = 1, .surface = def->surface_points, .seed = def->seed};
-    ty_source* sources = NULL;
-    int32_t source_count = 0;
-    ty_result result = ty_sources_create(scene, &source_def, &sources, &source_count);
+                                  const float* importance, ty_discrete_light_set* out) {
+    const ty_discretize_def discretize = {.environment = 1, .surface = def->surface_points, .seed = def->seed};
+    ty_discrete_light_set sources;
+    *out = (ty_discrete_light_set){.items = NULL};
+    ty_result result = ty_discretize_lights(scene, &discretize, &sources);
     if (result != TY_OK) return result;
-    ordinate_list list = {.scene = scene, .def = def, .lights = scene->view.lights.lights};
-    const int64_t capacity = capacity_of(&list, source_count);
+    ordinate_list list = {.scene = scene, .def = def, .lights = scene->view.lights.lights, .out = out};
     measure_box(&list, box);
-    if (capacity > INT32_MAX)
-        result = ty_fail(scene->context, TY_ERROR_ARGUMENT, "ordinates: %lld of them", (long long)capacity);
-    if (result == TY_OK) {
-        list.items = ty_alloc_array(scene->context, (size_t)capacity, sizeof *list.items, false);
-        if (list.items == NULL) result = TY_ERROR_MEMORY;
-    }
-    for (int32_t i = 0; i < source_count && result == TY_OK; ++i) add_source(&list, &sources[i]);
-    ty_sources_destroy(scene->context, sources, source_count);
-    if (list.items == NULL) return result;
-    if (result == TY_OK) result = add_environments(&list, importance);
-    if (result == TY_OK) return ty_light_parts_trim(scene->context, list.items, capacity, list.count, out, count);
-    ty_free_array(scene->context, list.items, (size_t)capacity, sizeof *list.items);
-    return result;
+    result = ty_discrete_light_set_create(scene->context, "ordinates", capacity_of(&list, sources.count), out);
+    for (int32_t i = 0; i < sources.count && result == TY_OK; ++i) add_source(&list, &sources.items[i]);
+    ty_discrete_light_set_destroy(scene->context, &sources);
+    return result == TY_OK ? add_environments(&list, importance) : result;
 }

@@ -18,7 +18,7 @@ bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light
  * where triangles glow on both sides). Environment lights as importance says: a map as ty_pop_importance's, NULL: all
  * alike. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
 ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
-                                  const float* importance, ty_light_part** out, int32_t* count);
+                                  const float* importance, ty_discrete_light_set* out);
 /* Virtual point lights as options say, Sec. 6: in split mode behind the medium's reduced extinction, as what surfaces
  * are lit by is all light that keeps its direction. */
 static inline ty_vpl_def ty_pop_vpl_def(const ty_pop_def* def) {

@@ -84,7 +84,7 @@ void ty_pop_destroy(ty_pop* light) {
     if (light == NULL) return;
     ty_context* context = light->context;
     for (int i = 0; i < TY_POP_SHARP_MAX; ++i)
-        for (int f = 0; f < TY_SINGLE_FLUENCES; ++f) ty_light_field_destroy(light->fields[i][f]);
+        for (int f = 0; f < TY_FLUENCE_COUNT; ++f) ty_light_field_destroy(light->fields[i][f]);
     for (int32_t i = 0; i < light->count; ++i)
         ty_free_array(context, light->ordinates[i].lobes, light->ordinates[i].lobe_floats, sizeof(float));
     ty_free_array(context, light->ordinates, (size_t)light->count, sizeof *light->ordinates);

@@ -12,7 +12,7 @@
 
 /* Squares of the cells' edges along the axes of the world, where light goes one of them a step. */
 static void add_squares(const ty_pop_frame* frame, double squares[3]) {
-    if (frame->kind == TY_LIGHT_PART_RADIAL) {
+    if (frame->kind == TY_DISCRETE_POINT) {
         const double length = (double)ty_pop_length(frame, frame->size[2] / 2);
         for (int a = 0; a < 3; ++a) squares[a] += length * length;
         return;
@@ -70,7 +70,7 @@ static void share_out(const int32_t size[3], ty_vec at, float amount, float* lef
 
 /* What radial grids have is times the square of the distance, and so per solid angle. */
 static double section_of(const ty_pop_frame* frame) {
-    if (frame->kind == TY_LIGHT_PART_PARALLEL) return (double)frame->step.x * (double)frame->step.y;
+    if (frame->kind == TY_DISCRETE_DIRECTIONAL) return (double)frame->step.x * (double)frame->step.y;
     return 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1]);
 }
 

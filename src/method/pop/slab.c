@@ -59,8 +59,8 @@ void ty_pop_slab_enter(const ty_pop_grid_kernels* kernels, int32_t k, ty_pop_sla
     const ty_pop_frame* frame = slab->columns->frame;
     slab->ends[0] = ty_pop_slab_begin(frame, k);
     slab->ends[1] = ty_pop_slab_begin(frame, k + 1);
-    slab->middle = frame->kind == TY_LIGHT_PART_PARALLEL ? 0.5f * (slab->ends[0] + slab->ends[1])
-                                                         : ty_pop_radius(frame, (float)k + 0.5f);
+    slab->middle = frame->kind == TY_DISCRETE_DIRECTIONAL ? 0.5f * (slab->ends[0] + slab->ends[1])
+                                                          : ty_pop_radius(frame, (float)k + 0.5f);
     kernels->sample(slab);
 }
 
@@ -73,7 +73,7 @@ void ty_pop_transmittance_begin(const ty_pop_grid_kernels* kernels, int32_t orde
             t->mean[p][order] = unused;
             for (int32_t i = 0; i < slab->columns->count; ++i) t->along[p][order][i] = 1;
         }
-    if (slab->columns->frame->kind == TY_LIGHT_PART_PARALLEL) return;
+    if (slab->columns->frame->kind == TY_DISCRETE_DIRECTIONAL) return;
     ty_pop_slab_enter(kernels, -1, slab);
     kernels->light(slab);
     kernels->pass(slab, t);
@@ -81,7 +81,7 @@ void ty_pop_transmittance_begin(const ty_pop_grid_kernels* kernels, int32_t orde
 
 void ty_pop_look_setup(const ty_grid_medium* medium, const float eye[3], const ty_pop_light* light, ty_pop_look* look) {
     for (int a = 0; a < 3; ++a) look->eye[a] = (float)((double)eye[a] - medium->box.lower[a]);
-    look->cosine = light->ordinate.cosine;
+    look->cosine = light->ordinate.mean_cosine;
     look->width = ty_pop_disc_width(look->cosine);
 }
 

@@ -68,7 +68,7 @@ typedef struct walk {
 
 /* How far it is from a cell to the next beside it, as part of how far it is to the one in front. */
 static float across_of(const ty_pop_frame* frame, int32_t k) {
-    if (frame->kind == TY_LIGHT_PART_PARALLEL) return 0.5f * (frame->step.x + frame->step.y) / frame->step.z;
+    if (frame->kind == TY_DISCRETE_DIRECTIONAL) return 0.5f * (frame->step.x + frame->step.y) / frame->step.z;
     return ty_pop_radius(frame, (float)k + 0.5f) * sqrtf(4 * TY_PI) / ((float)frame->size[0] * ty_pop_length(frame, k));
 }
 
@@ -187,7 +187,7 @@ static void give_slice(const walk* w, const plane_arrays* plane, int32_t k) {
     const size_t at = w->slice * (size_t)k;
     const ty_pop_give give = {(int32_t)w->slice, half_cells(plane, at), plane->light + at, w->cosine + at, out};
     w->kernels->give(&give);
-    if (w->light->frame.kind == TY_LIGHT_PART_PARALLEL) return;
+    if (w->light->frame.kind == TY_DISCRETE_DIRECTIONAL) return;
     wrap_side(w, out.side);
     wrap_side(w, out.side_turned);
 }
@@ -256,7 +256,7 @@ static void begin_plane(const walk* w, int32_t p) {
     const bool collided = w->mode == TY_POP_MODE_COLLIDED;
     const ty_pop_begin begin = {.count = (int32_t)w->all,
                                 .collided = collided,
-                                .cosine = w->light->ordinate.cosine,
+                                .cosine = w->light->ordinate.mean_cosine,
                                 .uncollided = plane->uncollided,
                                 .light = plane->light,
                                 .again = plane->again,
@@ -299,7 +299,7 @@ static double light_in(const walk* w, int32_t p) {
     const ty_pop_frame* frame = &w->light->frame;
     const float* color = w->light->ordinate.color;
     const double colors = w->light->planes == 3 ? (double)color[p] : (double)(color[0] + color[1] + color[2]);
-    const double section = frame->kind == TY_LIGHT_PART_RADIAL
+    const double section = frame->kind == TY_DISCRETE_POINT
                                ? 4 * (double)TY_PI / ((double)frame->size[0] * frame->size[1])
                                : (double)frame->step.x * (double)frame->step.y;
     double sum = 0;

@@ -1,7 +1,7 @@
 /* Surfaces as walls between the cells of ordinates: what they send of light that has not scattered, which sweeps carry
  * from wall to wall until it does, and what they send of the rest. */
 #include "base/context.h"
-#include "method/dom/job.h"
+#include "method/dom/solve/solve.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -20,43 +20,43 @@ static int32_t bands_for_walls(const ty_dom_job* job, double g) {
     return (int32_t)fmin(most, fmax(LEAST_KEPT, g > 0 ? ceil(log(least_power) / log(g)) : 0));
 }
 
-ty_result ty_dom_find_walls(ty_dom_job* job) {
+ty_result ty_dom_find_boundary(ty_dom_job* job) {
     ty_dom* light = job->light;
-    const ty_result result = ty_walls_find(job->scene, job->coarse, &light->walls);
-    job->walls = light->walls;
-    if (job->walls == NULL) return result;
+    const ty_result result = ty_boundary_faces_find(job->scene, job->coarse, &light->boundary);
+    job->boundary = light->boundary;
+    if (job->boundary == NULL) return result;
     double g = 0;
     for (int32_t p = 0; p < light->planes; ++p)
         for (size_t i = 0; i < light->cells; ++i) g = fmax(g, fabs((double)light->g[p][i]));
     const int32_t kept = bands_for_walls(job, g);
-    if (kept > light->kept) light->kept = kept;
+    if (kept > light->output_bands) light->output_bands = kept;
     return result;
 }
 
-bool ty_dom_walls_share(const ty_dom_job* job) {
-    for (int32_t i = 0; job->walls != NULL && i < job->walls->count; ++i) {
-        const ty_wall* side = &job->walls->sides[i];
+bool ty_dom_boundary_is_gray(const ty_dom_job* job) {
+    for (int32_t i = 0; job->boundary != NULL && i < job->boundary->count; ++i) {
+        const ty_boundary_side* side = &job->boundary->sides[i];
         for (int c = 0; c < 3; ++c)
             if (side->emission[c] > 0 || side->albedo[c] != side->albedo[0]) return false;
     }
-    return !ty_dom_reaches_out(job) || ty_dom_is_gray(job);
+    return !ty_dom_has_outer_surfaces(job) || ty_dom_surfaces_are_gray(job);
 }
 
-void ty_dom_free_walls(ty_dom_job* job) {
-    const size_t count = job->walls != NULL ? (size_t)job->walls->count : 0;
+void ty_dom_free_boundary(ty_dom_job* job) {
+    const size_t count = job->boundary != NULL ? (size_t)job->boundary->count : 0;
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, job->wall_albedo[c], count, sizeof(float));
-        ty_free_array(job->context, job->wall_light[c], count, sizeof(float));
-        ty_free_array(job->context, job->inflow[c], TY_ORDINATES_MAX, sizeof(float));
+        ty_free_array(job->context, job->wall_radiance[c], count, sizeof(float));
+        ty_free_array(job->context, job->incident_radiance[c], TY_ORDINATES_MAX, sizeof(float));
     }
 }
 
 /* ---- uncollided light ---- */
 
-bool ty_dom_is_walled(const ty_dom_job* job, ty_vec point) {
+bool ty_dom_is_within_boundary(const ty_dom_job* job, ty_vec point) {
     const float at[3] = {point.x, point.y, point.z};
     const ty_grid_medium* medium = job->coarse;
-    bool inside = job->walls != NULL;
+    bool inside = job->boundary != NULL;
     for (int a = 0; a < 3; ++a)
         inside = inside && (double)at[a] > medium->box.lower[a] - 0.5 * medium->cell[a] &&
                  (double)at[a] < medium->box.upper[a] + 0.5 * medium->cell[a];
@@ -71,8 +71,8 @@ typedef struct wall_sums {
 enum { SUMS = 6 };
 
 static void light_walls(const ty_dom_job* job, float* const extinction[3], const wall_sums* sums) {
-    ty_walls_light(job->scene, job->walls, job->coarse, extinction, job->sources, job->source_count, sums->all,
-                   job->light->even ? NULL : sums->forward);
+    ty_boundary_irradiance_add(job->scene, job->boundary, job->coarse, extinction, job->sources.items,
+                               job->sources.count, sums->all, job->light->isotropic ? NULL : sums->forward);
 }
 
 static float in_units(const ty_dom* light, float* const rgb[3], int32_t channel, int32_t side) {
@@ -83,26 +83,26 @@ static float in_units(const ty_dom* light, float* const rgb[3], int32_t channel,
 /* What walls send besides what they reflect of light that ordinates carry, in units of the channels. */
 static void send_light(const ty_dom_job* job, int32_t channel, const wall_sums* sums) {
     const ty_dom* light = job->light;
-    for (int32_t i = 0; i < job->walls->count; ++i) {
-        const ty_wall* side = &job->walls->sides[i];
+    for (int32_t i = 0; i < job->boundary->count; ++i) {
+        const ty_boundary_side* side = &job->boundary->sides[i];
         const float arrived = in_units(light, sums->all, channel, i);
         float share;
-        ty_wall_of_stairs(side, side->albedo[channel], &job->wall_albedo[channel][i], &share);
-        job->wall_light[channel][i] = share * (side->albedo[channel] * arrived / TY_PI + side->emission[channel]);
-        light->forward[channel][i] = in_units(light, sums->forward, channel, i);
+        ty_staircase_albedo(side, side->albedo[channel], &job->wall_albedo[channel][i], &share);
+        job->wall_radiance[channel][i] = share * (side->albedo[channel] * arrived / TY_PI + side->emission[channel]);
+        light->wall_forward[channel][i] = in_units(light, sums->forward, channel, i);
     }
 }
 
 static ty_result take_memory(ty_dom_job* job, float** reduced, float** irradiance) {
     ty_context* context = job->context;
-    const size_t count = (size_t)job->walls->count, cells = job->coarse->cells;
+    const size_t count = (size_t)job->boundary->count, cells = job->coarse->cells;
     for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
         job->wall_albedo[c] = ty_alloc_array(context, count, sizeof(float), false);
-        job->wall_light[c] = ty_alloc_array(context, count, sizeof(float), false);
-        job->light->arrived[c] = ty_alloc_array(context, count, sizeof(float), true);
-        job->light->forward[c] = ty_alloc_array(context, count, sizeof(float), true);
-        if (job->wall_albedo[c] == NULL || job->wall_light[c] == NULL || job->light->arrived[c] == NULL ||
-            job->light->forward[c] == NULL)
+        job->wall_radiance[c] = ty_alloc_array(context, count, sizeof(float), false);
+        job->light->wall_irradiance[c] = ty_alloc_array(context, count, sizeof(float), true);
+        job->light->wall_forward[c] = ty_alloc_array(context, count, sizeof(float), true);
+        if (job->wall_albedo[c] == NULL || job->wall_radiance[c] == NULL || job->light->wall_irradiance[c] == NULL ||
+            job->light->wall_forward[c] == NULL)
             return TY_ERROR_MEMORY;
     }
     *reduced = ty_alloc_array(context, cells, sizeof(float) * (size_t)job->coarse->planes, false);
@@ -114,23 +114,23 @@ static ty_result take_memory(ty_dom_job* job, float** reduced, float** irradianc
 static ty_result darken(ty_dom_job* job) {
     ty_dom* light = job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
-    light->dark = ty_alloc_array(job->context, light->cells, 1, false);
-    if (light->dark == NULL ||
-        ty_walls_find_dark(job->scene, job->walls, job->coarse, job->sources, job->source_count, light->dark) != TY_OK)
+    light->unlit = ty_alloc_array(job->context, light->cells, 1, false);
+    if (light->unlit == NULL || ty_unlit_cells_find(job->scene, job->boundary, job->coarse, job->sources.items,
+                                                    job->sources.count, light->unlit) != TY_OK)
         return TY_ERROR_MEMORY;
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
         for (size_t t = 0; t < terms; ++t)
             for (size_t i = 0; i < light->cells; ++i)
-                if (light->dark[i] != 0) job->source[c][t * light->cells + i] = 0;
+                if (light->unlit[i] != 0) job->source[c][t * light->cells + i] = 0;
     return TY_OK;
 }
 
 static ty_result light_all_walls(ty_dom_job* job) {
     float *reduced = NULL, *irradiance = NULL;
-    if (job->walls == NULL) return TY_OK;
-    const size_t count = (size_t)job->walls->count, cells = job->coarse->cells;
+    if (job->boundary == NULL) return TY_OK;
+    const size_t count = (size_t)job->boundary->count, cells = job->coarse->cells;
     ty_result result = take_memory(job, &reduced, &irradiance);
-    if (result == TY_OK) result = ty_dom_cut_sources(job);
+    if (result == TY_OK) result = ty_dom_correct_cut_cells(job);
     if (result == TY_OK) result = darken(job);
     if (result == TY_OK) {
         wall_sums sums;
@@ -149,16 +149,16 @@ static ty_result light_all_walls(ty_dom_job* job) {
     return result;
 }
 
-ty_result ty_dom_light_walls(ty_dom_job* job) {
+ty_result ty_dom_light_boundary(ty_dom_job* job) {
     const ty_result result = light_all_walls(job);
-    return result == TY_OK ? ty_dom_let_in(job) : result;
+    return result == TY_OK ? ty_dom_find_incident_radiance(job) : result;
 }
 
-bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel) {
-    for (int32_t d = 0; job->inflow[channel] != NULL && d < job->set->count; ++d)
-        if (job->inflow[channel][d] > 0) return false;
-    for (int32_t i = 0; job->walls != NULL && i < job->walls->count; ++i)
-        if (job->wall_light[channel][i] > 0) return false;
+bool ty_dom_boundary_is_dark(const ty_dom_job* job, int32_t channel) {
+    for (int32_t d = 0; job->incident_radiance[channel] != NULL && d < job->set->count; ++d)
+        if (job->incident_radiance[channel][d] > 0) return false;
+    for (int32_t i = 0; job->boundary != NULL && i < job->boundary->count; ++i)
+        if (job->wall_radiance[channel][i] > 0) return false;
     return true;
 }
 
@@ -166,7 +166,7 @@ bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel) {
 
 /* sent: what they send besides what they reflect. */
 static ty_ordinates_walls walls_of(const ty_dom_job* job, int32_t channel, const float* sent) {
-    const ty_walls* walls = job->walls;
+    const ty_boundary_faces* walls = job->boundary;
     if (walls == NULL) return (ty_ordinates_walls){.count = 0};
     return (ty_ordinates_walls){.count = walls->count,
                                 .first = walls->first,
@@ -201,7 +201,7 @@ static double scatter_first(ty_dom_job* job, int32_t channel, float* const* mome
 }
 
 static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, bare_planes* planes,
-                       ty_dom_wall_power* power) {
+                       ty_dom_boundary_power* power) {
     ty_dom* light = job->light;
     const int32_t plane = light->planes == 3 ? channel : 0;
     const float *sigma = job->coarse->extinction[plane], *scattering = job->coarse->scattering[plane];
@@ -210,52 +210,53 @@ static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, 
     for (size_t i = 0; i < light->cells; ++i)
         planes->extinction[i] = sigma[i] - powf(g[i], (float)light->bands) * scattering[i];
     planes->source[0] = planes->zeros;
-    for (int32_t t = 0; t < light->kept * light->kept; ++t)
-        planes->moments[t] = light->surfaces[channel] + light->cells * (size_t)t;
+    for (int32_t t = 0; t < light->output_bands * light->output_bands; ++t)
+        planes->moments[t] = light->wall_moments[channel] + light->cells * (size_t)t;
     def->extinction = planes->extinction;
     def->scattering = def->g = planes->zeros;
     def->source = planes->source;
     def->source_terms = 1;
     def->start = NULL;
-    def->walls = walls_of(job, channel, job->wall_light[channel]);
-    def->inflow = job->inflow[channel];
+    def->walls = walls_of(job, channel, job->wall_radiance[channel]);
+    def->inflow = job->incident_radiance[channel];
     if (def->inflow != NULL) def->last = NULL;
     const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
     if (result != TY_OK) return result;
     const double scattered = scatter_first(job, channel, planes->moments);
-    *power = (ty_dom_wall_power){.emitted = stats.walls_emitted + stats.entering - scattered,
-                                 .absorbed = stats.absorbed - scattered,
-                                 .by_walls = stats.walls_absorbed,
-                                 .leaving = stats.leaving,
-                                 .sweeps = stats.sweeps,
-                                 .sweep_seconds = stats.sweep_seconds,
-                                 .converged = stats.converged};
+    *power = (ty_dom_boundary_power){.emitted = stats.walls_emitted + stats.entering - scattered,
+                                     .absorbed = stats.absorbed - scattered,
+                                     .by_walls = stats.walls_absorbed,
+                                     .leaving = stats.leaving,
+                                     .sweeps = stats.sweeps,
+                                     .sweep_seconds = stats.sweep_seconds,
+                                     .converged = stats.converged};
     return TY_OK;
 }
 
-ty_result ty_dom_carry_walls(ty_dom_job* job, int32_t channel, const ty_ordinates_def* def, ty_dom_wall_power* power) {
+ty_result ty_dom_solve_boundary_light(ty_dom_job* job, int32_t channel, const ty_ordinates_def* def,
+                                      ty_dom_boundary_power* power) {
     ty_dom* light = job->light;
-    const size_t terms = (size_t)(light->kept * light->kept), cells = light->cells;
-    *power = (ty_dom_wall_power){.converged = true};
-    if (ty_dom_walls_are_dark(job, channel)) return TY_OK;
+    const size_t terms = (size_t)(light->output_bands * light->output_bands), cells = light->cells;
+    *power = (ty_dom_boundary_power){.converged = true};
+    if (ty_dom_boundary_is_dark(job, channel)) return TY_OK;
     bare_planes planes = {.extinction = ty_alloc_array(job->context, cells, sizeof(float), false),
                           .zeros = ty_alloc_array(job->context, cells, sizeof(float), true)};
-    light->surfaces[channel] = ty_alloc_array(job->context, cells, terms * sizeof(float), true);
+    light->wall_moments[channel] = ty_alloc_array(job->context, cells, terms * sizeof(float), true);
     ty_ordinates_def bare = *def;
     ty_result result = TY_ERROR_MEMORY;
-    if (planes.extinction != NULL && planes.zeros != NULL && light->surfaces[channel] != NULL)
+    if (planes.extinction != NULL && planes.zeros != NULL && light->wall_moments[channel] != NULL)
         result = carry(job, channel, &bare, &planes, power);
     ty_free_array(job->context, planes.extinction, cells, sizeof(float));
     ty_free_array(job->context, planes.zeros, cells, sizeof(float));
     return result;
 }
 
-ty_result ty_dom_reflect(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, float** none) {
+ty_result ty_dom_set_reflection(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, float** none) {
     *none = NULL;
-    if (job->walls == NULL) return TY_OK;
-    *none = ty_alloc_array(job->context, (size_t)job->walls->count, sizeof(float), true);
+    if (job->boundary == NULL) return TY_OK;
+    *none = ty_alloc_array(job->context, (size_t)job->boundary->count, sizeof(float), true);
     if (*none == NULL) return TY_ERROR_MEMORY;
     def->walls = walls_of(job, channel, *none);
-    def->walls.arrived = job->light->arrived[channel];
+    def->walls.arrived = job->light->wall_irradiance[channel];
     return TY_OK;
 }

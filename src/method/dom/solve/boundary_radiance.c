@@ -1,7 +1,7 @@
 /* Surfaces outside of the box, such as a floor under a cloud: what they send into it of environments and area lights is
  * radiance that comes in through its faces, along each ordinate the mean of what some rays meet. */
 #include "base/context.h"
-#include "method/dom/job.h"
+#include "method/dom/solve/solve.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static const double step_u = 0.7548776662466927, step_v = 0.5698402909980532;
 
 typedef struct inflow {
     ty_dom_job* job;
-    ty_walls met; /* surfaces that rays met, as sides of walls: of direction d from d RAYS on */
+    ty_boundary_faces met; /* surfaces that rays met, as sides of walls: of direction d from d RAYS on */
     float* irradiance[3];
 } inflow;
 
@@ -39,7 +39,7 @@ static void entry(const ty_dom_job* job, int32_t direction, int32_t ray, double 
 }
 
 /* What a ray back from there meets; albedo 0: nothing, or a wall of the box. */
-static void meet(const inflow* in, int32_t direction, int32_t ray, ty_wall* wall) {
+static void meet(const inflow* in, int32_t direction, int32_t ray, ty_boundary_side* wall) {
     const ty_scene_view* view = &in->job->scene->view;
     const ty_ordinate_set* set = in->job->set;
     const ty_vec back =
@@ -49,9 +49,9 @@ static void meet(const inflow* in, int32_t direction, int32_t ray, ty_wall* wall
     ty_hit hit;
     entry(in->job, direction, ray, at);
     for (int a = 0; a < 3; ++a) from[a] = (float)at[a];
-    *wall = (ty_wall){.position = ty_vec_load(from), .normal = ty_scale(back, -1)};
+    *wall = (ty_boundary_side){.position = ty_vec_load(from), .normal = ty_scale(back, -1)};
     if (!ty_mesh_intersect(view->mesh, ty_vec_load(from), back, TY_FLOAT_MAX, &hit)) return;
-    if (ty_dom_is_walled(in->job, hit.position)) return;
+    if (ty_dom_is_within_boundary(in->job, hit.position)) return;
     ty_surface_point point;
     ty_surface_evaluate(&view->surfaces[hit.surface], &hit, back, &point);
     wall->normal = point.facing;
@@ -72,18 +72,19 @@ static void meet_all(void* user, int64_t direction, int32_t worker) {
 static void light_met(const inflow* in) {
     const ty_dom_job* job = in->job;
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
-    for (int32_t i = 0; i < job->source_count; ++i) {
-        const ty_source* source = &job->sources[i];
+    for (int32_t i = 0; i < job->sources.count; ++i) {
+        const ty_discrete_light* source = &job->sources.items[i];
         const int32_t kind = lights->lights[source->light].kind;
         const bool apart = kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
-        if (source->stand_in == NULL && apart) continue;
-        ty_walls_light(job->scene, &in->met, job->coarse, job->coarse->extinction, source, 1, in->irradiance, NULL);
+        if (source->is_virtual == 0 && apart) continue;
+        ty_boundary_irradiance_add(job->scene, &in->met, job->coarse, job->coarse->extinction, source, 1,
+                                   in->irradiance, NULL);
     }
 }
 
 /* In units of a channel. */
 static float radiance_of(const inflow* in, int32_t channel, size_t ray) {
-    const ty_wall* wall = &in->met.sides[ray];
+    const ty_boundary_side* wall = &in->met.sides[ray];
     const ty_dom* light = in->job->light;
     float sent[3];
     for (int c = 0; c < 3; ++c) sent[c] = wall->albedo[c] / TY_PI * in->irradiance[c][ray] + wall->emission[c];
@@ -94,16 +95,16 @@ static float radiance_of(const inflow* in, int32_t channel, size_t ray) {
 static ty_result take_inflow(const inflow* in) {
     ty_dom_job* job = in->job;
     for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
-        job->inflow[c] = ty_alloc_array(job->context, TY_ORDINATES_MAX, sizeof(float), true);
-        if (job->inflow[c] == NULL) return TY_ERROR_MEMORY;
+        job->incident_radiance[c] = ty_alloc_array(job->context, TY_ORDINATES_MAX, sizeof(float), true);
+        if (job->incident_radiance[c] == NULL) return TY_ERROR_MEMORY;
         for (int32_t d = 0; d < job->set->count; ++d)
             for (size_t ray = 0; ray < RAYS; ++ray)
-                job->inflow[c][d] += radiance_of(in, c, (size_t)d * RAYS + ray) / RAYS;
+                job->incident_radiance[c][d] += radiance_of(in, c, (size_t)d * RAYS + ray) / RAYS;
     }
     return TY_OK;
 }
 
-bool ty_dom_reaches_out(const ty_dom_job* job) {
+bool ty_dom_has_outer_surfaces(const ty_dom_job* job) {
     double lower[3], upper[3];
     bool out = false;
     if (ty_scene_get_view(job->scene)->mesh == NULL) return false;
@@ -115,7 +116,7 @@ bool ty_dom_reaches_out(const ty_dom_job* job) {
     return out;
 }
 
-bool ty_dom_is_gray(const ty_dom_job* job) {
+bool ty_dom_surfaces_are_gray(const ty_dom_job* job) {
     for (size_t i = 0; i < job->scene->surface_count; ++i) {
         const ty_surface* surface = &job->scene->surfaces[i];
         if (ty_texture_exists(&surface->albedo_texture) || surface->colors != NULL) return false;
@@ -125,8 +126,8 @@ bool ty_dom_is_gray(const ty_dom_job* job) {
     return true;
 }
 
-ty_result ty_dom_let_in(ty_dom_job* job) {
-    if (!ty_dom_reaches_out(job)) return TY_OK;
+ty_result ty_dom_find_incident_radiance(ty_dom_job* job) {
+    if (!ty_dom_has_outer_surfaces(job)) return TY_OK;
     const size_t count = (size_t)job->set->count * RAYS;
     inflow in = {.job = job, .met = {.context = job->context, .count = (int32_t)count}};
     in.met.sides = ty_alloc_array(job->context, count, sizeof *in.met.sides, false);

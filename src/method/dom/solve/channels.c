@@ -1,6 +1,6 @@
 /* Moments of what has scattered: one solve a channel. */
 #include "base/context.h"
-#include "method/dom/job.h"
+#include "method/dom/solve/solve.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -19,7 +19,7 @@ typedef struct channel_solve {
     void* memory;
     double done; /* of it, 0..1 */
     ty_ordinates_stats stats;
-    ty_dom_wall_power walls;
+    ty_dom_boundary_power walls;
     ty_result result;
 } channel_solve;
 
@@ -62,7 +62,7 @@ static ty_result take_start(const ty_dom_job* job, int32_t channel, start_planes
     if (out->floats == NULL) return TY_ERROR_MEMORY;
     const float* from = start->moments[start->shared ? 0 : channel];
     const float factor = (start->shared ? start->color[channel] : 1) / (light->shared ? light->color[channel] : 1);
-    const size_t known = term_count(start->kept) < terms ? term_count(start->kept) : terms;
+    const size_t known = term_count(start->output_bands) < terms ? term_count(start->output_bands) : terms;
     for (size_t i = 0; i < known * light->cells; ++i) out->floats[i] = factor * from[i];
     for (size_t t = 0; t < terms; ++t) out->planes[t] = out->floats + light->cells * t;
     return TY_OK;
@@ -82,7 +82,7 @@ static void note_solve(ty_dom_job* job, const channel_solve* solve, int32_t besi
     const ty_ordinates_stats* solved = &solve->stats;
     ty_dom_stats* stats = &job->stats;
     const int32_t channel = solve->channel, end = light->shared ? 3 : channel + 1;
-    const ty_dom_wall_power* walls = &solve->walls;
+    const ty_dom_boundary_power* walls = &solve->walls;
     stats->converged = stats->converged && solved->converged && walls->converged;
     stats->sweep_seconds += (solved->sweep_seconds + walls->sweep_seconds) / beside;
     stats->bytes = fmax(stats->bytes, solved->bytes * beside);
@@ -121,14 +121,14 @@ static ty_ordinates_def define(const ty_dom_job* job) {
     memcpy(def.size, light->box.size, sizeof def.size);
     memcpy(def.cell, job->coarse->cell, sizeof def.cell);
     def.set = job->set;
-    def.last = job->last;
+    def.last = job->last_set;
     def.bands = light->bands;
-    def.kept = light->kept;
+    def.kept = light->output_bands;
     def.source_terms = (int32_t)term_count(light->bands);
     def.accelerated = dom->acceleration == TY_DOM_ACCELERATION_DIFFUSION;
     def.tolerance = dom->tolerance;
     def.sweeps = dom->iterations;
-    def.walls.count = job->walls != NULL ? job->walls->count : 0;
+    def.walls.count = job->boundary != NULL ? job->boundary->count : 0;
     def.progress = report;
     return def;
 }
@@ -137,7 +137,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     const ty_dom_job* job = solve->all->job;
     ty_dom* light = job->light;
     const int32_t channel = solve->channel, plane = light->planes == 3 ? channel : 0;
-    const size_t terms = term_count(light->bands), kept = term_count(light->kept);
+    const size_t terms = term_count(light->bands), kept = term_count(light->output_bands);
     const float* source[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
     float* moments[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
     for (size_t t = 0; t < terms; ++t) source[t] = job->source[channel] + light->cells * t;
@@ -148,15 +148,15 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.g = job->coarse->g[plane];
     def.source = source;
     if (light->fit.bands > 0) def.scattered = light->fit.moments;
-    def.seen = light->seen[channel];
+    def.seen = light->face_fluence[channel];
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
     float* none = NULL;
-    ty_result result = ty_dom_carry_walls(solve->all->job, channel, &def, &solve->walls);
-    if (result == TY_OK) result = ty_dom_reflect(solve->all->job, channel, &def, &none);
+    ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->walls);
+    if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &none);
     if (result == TY_OK) result = ty_ordinates_solve(job->context, &def, moments, NULL, 0, &solve->stats);
-    if (none != NULL) ty_free_array(job->context, none, (size_t)job->walls->count, sizeof *none);
+    if (none != NULL) ty_free_array(job->context, none, (size_t)job->boundary->count, sizeof *none);
     return result;
 }
 
@@ -177,7 +177,7 @@ static bool is_dark(const ty_dom_job* job, int32_t channel) {
     const float* source = job->source[channel];
     for (size_t i = 0; i < job->light->cells; ++i)
         if (source[i] != 0) return false;
-    return ty_dom_walls_are_dark(job, channel);
+    return ty_dom_boundary_is_dark(job, channel);
 }
 
 /* Whether cells may be diffusion's. */
@@ -196,11 +196,13 @@ static ty_result choose_channels(scattering* all) {
     ty_dom* light = job->light;
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
         const bool dark = is_dark(job, c);
-        light->moments[c] = ty_alloc_array(job->context, light->cells, term_count(light->kept) * sizeof(float), dark);
+        light->moments[c] =
+            ty_alloc_array(job->context, light->cells, term_count(light->output_bands) * sizeof(float), dark);
         if (light->moments[c] == NULL) return TY_ERROR_MEMORY;
         if (dark) continue;
-        if (is_thick(job, c)) light->seen[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
-        if (is_thick(job, c) && light->seen[c] == NULL) return TY_ERROR_MEMORY;
+        if (is_thick(job, c))
+            light->face_fluence[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
+        if (is_thick(job, c) && light->face_fluence[c] == NULL) return TY_ERROR_MEMORY;
         all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
     }
     return TY_OK;
@@ -245,7 +247,7 @@ static ty_result solve_some(scattering* all, int32_t first) {
     return result;
 }
 
-ty_result ty_dom_scatter(ty_dom_job* job) {
+ty_result ty_dom_solve_channels(ty_dom_job* job) {
     scattering all = {.job = job};
     ty_result result = check_start(job);
     job->stats.converged = true;

@@ -2,7 +2,7 @@
  * first time is a source of the cell that the rest is before; what scatters between a surface and the box's own face is
  * outside of all cells. */
 #include "base/context.h"
-#include "method/dom/job.h"
+#include "method/dom/solve/solve.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,10 +22,10 @@ typedef struct cut_job {
 
 static void sum_lights(const ty_dom* light, size_t cells, float* sum) {
     memset(sum, 0, cells * sizeof *sum);
-    for (int32_t l = 0; l < light->light_count; ++l)
+    for (int32_t l = 0; l < light->fluence_count; ++l)
         for (int c = 0; c < 3; ++c) {
             float factor;
-            const float* plane = ty_single_plane(&light->lights[l], c, &factor);
+            const float* plane = ty_light_fluence_plane(&light->fluences[l], c, &factor);
             for (size_t i = 0; i < cells; ++i) sum[i] += factor * plane[i];
         }
 }
@@ -67,11 +67,11 @@ static float behind_plane(const double normal[3], int axis, double depth) {
 /* Of a cell, the part behind a side's surface that is before the cell there: where a surface has several sides of the
  * cell, by how much it faces each. */
 static float behind_side(const ty_dom_job* job, int32_t side) {
-    const ty_wall* wall = &job->walls->sides[side];
+    const ty_boundary_side* wall = &job->boundary->sides[side];
     const double* edge = job->coarse->cell;
     const double normal[3] = {(double)wall->normal.x * edge[0], (double)wall->normal.y * edge[1],
                               (double)wall->normal.z * edge[2]};
-    const int axis = job->walls->face[side] / 2;
+    const int axis = job->boundary->face[side] / 2;
     const double sum = fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]);
     if (!(fabs(normal[axis]) > 0.05 * sum)) return 0;
     return (float)(fabs(normal[axis]) / sum) * behind_plane(normal, axis, (double)wall->depth);
@@ -116,11 +116,11 @@ static float fine_from_face(const cut_job* cut, const int32_t cell[3], int face,
  * Fine cells next to the one that the surface is in have some of both sides. */
 static float outside_of(const cut_job* cut, const int32_t cell[3], int32_t side) {
     const ty_dom* light = cut->job->light;
-    const ty_vec normal = cut->job->walls->sides[side].normal;
-    const int face = cut->job->walls->face[side];
+    const ty_vec normal = cut->job->boundary->sides[side].normal;
+    const int face = cut->job->boundary->face[side];
     const float facing = fabsf(face / 2 == 0 ? normal.x : face / 2 == 1 ? normal.y : normal.z);
     const float across = (float)light->fine_box.size[face / 2] / (float)light->box.size[face / 2];
-    const float layer = (0.5f - cut->job->walls->sides[side].depth) * across;
+    const float layer = (0.5f - cut->job->boundary->sides[side].depth) * across;
     if (!(layer > LEAST_LAYER && facing > LEAST_FACING)) return 0;
     const int32_t mixed = (int32_t)ceilf(layer) + 1;
     float all = 0, before = 0;
@@ -133,20 +133,20 @@ static float outside_of(const cut_job* cut, const int32_t cell[3], int32_t side)
 }
 
 static bool is_outside(const cut_job* cut, const int32_t cell[3], int32_t face) {
-    return cell[face / 2] == ((face & 1) != 0 ? cut->job->walls->size[face / 2] - 1 : 0);
+    return cell[face / 2] == ((face & 1) != 0 ? cut->job->boundary->size[face / 2] - 1 : 0);
 }
 
 /* The sides [first, end) are those of one cell. */
 static void leave_outside(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
     float kept = 1;
     for (int32_t side = first; side < end; ++side)
-        if (is_outside(cut, cell, cut->job->walls->face[side])) kept *= 1 - outside_of(cut, cell, side);
+        if (is_outside(cut, cell, cut->job->boundary->face[side])) kept *= 1 - outside_of(cut, cell, side);
     if (kept < 1) keep(cut, at, kept);
 }
 
 /* The same sides. */
 static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
-    const ty_walls* walls = cut->job->walls;
+    const ty_boundary_faces* walls = cut->job->boundary;
     const int32_t* size = walls->size;
     const ptrdiff_t steps[3] = {1, size[0], (ptrdiff_t)size[0] * size[1]};
     float light[6], all = 0, left = 1;
@@ -179,7 +179,7 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
 }
 
 static void cut_cells(const cut_job* cut) {
-    const ty_walls* walls = cut->job->walls;
+    const ty_boundary_faces* walls = cut->job->boundary;
     const int64_t rows = (int64_t)walls->size[1] * walls->size[2];
     for (int64_t row = 0; row < rows; ++row)
         for (int32_t side = walls->first[row], end; side < walls->first[row + 1]; side = end) {
@@ -191,7 +191,7 @@ static void cut_cells(const cut_job* cut) {
         }
 }
 
-ty_result ty_dom_cut_sources(ty_dom_job* job) {
+ty_result ty_dom_correct_cut_cells(ty_dom_job* job) {
     const ty_dom* light = job->light;
     const size_t cells = job->fine->cells;
     cut_job cut = {.job = job, .fine = ty_alloc_array(job->context, cells, sizeof(float), false)};

@@ -1,6 +1,6 @@
 /* Directions, the cells of uncollided light and of ordinates, the media on them, and how many bands they need. */
 #include "base/context.h"
-#include "method/dom/job.h"
+#include "method/dom/solve/solve.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -26,7 +26,7 @@ static bool has_few_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
     for (int32_t i = 0; i < lights->count; ++i)
         if (!is_beam_or_lamp(lights->lights[i].kind)) return false;
-    return lights->count <= TY_DOM_OWN_MAX;
+    return lights->count <= TY_DOM_DEDICATED_MAX;
 }
 
 /* How much of an environment's light a cell of 1.4 degrees may bring at most where it is to be seen through a fit's
@@ -55,7 +55,7 @@ static bool has_fitted_lights(const ty_scene* scene) {
         if (environment ? !is_soft(&light->environment) : !is_beam_or_lamp(light->kind)) return false;
         own += environment ? 0 : 1;
     }
-    return own <= TY_DOM_OWN_MAX;
+    return own <= TY_DOM_DEDICATED_MAX;
 }
 
 /* ---- bands ---- */
@@ -104,9 +104,9 @@ static void fit_bands(ty_dom_job* job, double g) {
     if (!is_fitted(job, g)) return;
     const int32_t borne = (int32_t)lround(sqrt(job->set->count));
     const int32_t bands = job->def->bands > 0 ? job->def->bands : borne < TY_DOM_BANDS_MAX ? borne : TY_DOM_BANDS_MAX;
-    if (bands < TY_DOM_LEAST_FITTED) return;
+    if (bands < TY_DOM_MIN_FITTED_BANDS) return;
     light->bands = bands;
-    ty_dom_fit_peak(g, bands, &light->fit);
+    ty_dom_fit_phase(g, bands, &light->fit);
 }
 
 /* Bands of moments that are kept for the eye, which phase functions tell apart as far as g^l is worth it; two for
@@ -116,11 +116,11 @@ enum { LEAST_KEPT = 2 };
 static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     ty_dom* light = job->light;
     const double g = largest_g(job->coarse);
-    light->even = !(g > 0);
+    light->isotropic = !(g > 0);
     light->bands = choose_bands(job, g, exact);
     fit_bands(job, g);
-    light->lobes = pow(g, light->bands) > least_peak;
-    light->kept = light->bands < LEAST_KEPT ? LEAST_KEPT : light->bands;
+    light->has_lobes = pow(g, light->bands) > least_peak;
+    light->output_bands = light->bands < LEAST_KEPT ? LEAST_KEPT : light->bands;
     job->stats.bands = light->bands;
     job->stats.directions = job->set->count;
 }
@@ -214,7 +214,7 @@ ty_result ty_dom_sample_media(ty_dom_job* job) {
     int32_t exact = 0;
     ty_result result = make_set(job, job->def->directions, &job->set, &exact);
     if (result == TY_OK && job->def->last_directions > 0)
-        result = make_set(job, job->def->last_directions, &job->last, NULL);
+        result = make_set(job, job->def->last_directions, &job->last_set, NULL);
     if (result == TY_OK) result = sample(job);
     if (result == TY_OK) result = keep_medium(job);
     if (result == TY_OK) choose_all_bands(job, exact);

@@ -3,6 +3,7 @@
  * pieces, each as bright and as far off a way as it is, and media dim each as they dim the parts around it. For each of
  * the ways to the eye that is a weight of each part; what lights' lobes make of it is known by a few mean cosines. */
 #include "method/dom/sources/environment.h"
+#include "method/dom/sources/sources.h"
 
 #include "base/context.h"
 #include "base/octahedral.k.h"
@@ -13,7 +14,7 @@
 #include <string.h>
 
 /* Pieces that an environment is cut into; texels along the side of an octahedral map of ways. */
-enum { PIECES = 1024, SIDE = TY_DOM_SKY_SIDE };
+enum { PIECES = 1024, SIDE = TY_DOM_ENVIRONMENT_SIDE };
 /* Steps of a table of lobes over the sine of half the angle. */
 enum { STEPS = 256 };
 /* Places within a piece. */
@@ -24,43 +25,45 @@ static const float least_spread = 1e-4f;
 /* ---- pieces ---- */
 
 /* Adds a piece's brightness to the nearest parts', by a bell as wide as each of these. */
-static void share_out(const ty_dom* light, int32_t of, ty_dom_piece* piece) {
-    float best[TY_DOM_PIECE_PARTS] = {0}, sum = 0;
-    memset(piece->part, 0, sizeof piece->part);
-    for (int32_t i = 0; i < light->part_count; ++i) {
-        const ty_dom_part* part = &light->parts[i];
-        if (!part->sky || part->light != of) continue;
-        const float spread = ty_maxf(least_spread, 1 - part->cosine), off = 1 - ty_dot(part->toward, piece->way);
+static void share_out(const ty_dom* light, int32_t of, ty_dom_env_cluster* piece) {
+    float best[TY_DOM_ENV_NEIGHBOURS] = {0}, sum = 0;
+    memset(piece->neighbour, 0, sizeof piece->neighbour);
+    for (int32_t i = 0; i < light->cluster_count; ++i) {
+        const ty_dom_light_cluster* part = &light->clusters[i];
+        if (!part->environment || part->sample.light != of) continue;
+        const float spread = ty_maxf(least_spread, 1 - part->sample.mean_cosine),
+                    off = 1 - ty_dot(part->sample.direction, piece->omega);
         float weight = expf(-ty_minf(80, off / spread));
         int32_t at = i;
-        for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k) {
+        for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) {
             if (!(weight > best[k])) continue;
             const float other = best[k];
-            const int32_t other_at = piece->part[k];
+            const int32_t other_at = piece->neighbour[k];
             best[k] = weight;
-            piece->part[k] = at;
+            piece->neighbour[k] = at;
             weight = other;
             at = other_at;
         }
     }
-    for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k) sum += best[k];
-    for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k) piece->share[k] = sum > 0 ? best[k] / sum : 0;
+    for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) sum += best[k];
+    for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) piece->weight[k] = sum > 0 ? best[k] / sum : 0;
 }
 
 /* One environment's pieces. */
-static ty_result cut(const ty_dom_job* job, int32_t of, ty_light_part* parts, double* spread) {
-    const ty_environment_parts_def def = {.parts = PIECES, .prefilter = 1};
+static ty_result cut(const ty_dom_job* job, int32_t of, ty_discrete_light_set* parts, double* spread) {
+    const ty_environment_clusters_def def = {.count = PIECES, .prefilter = 1};
     ty_dom* light = job->light;
-    int32_t count = 0;
-    const ty_result result = ty_environment_parts(job->scene, &def, of, parts, &count);
-    for (int32_t i = 0; i < count && result == TY_OK; ++i) {
-        ty_dom_piece* piece = &light->pieces[light->piece_count++];
-        const float bright = parts[i].color[0] + parts[i].color[1] + parts[i].color[2];
-        piece->way = parts[i].direction;
-        memcpy(piece->color, parts[i].color, sizeof piece->color);
+    parts->count = 0;
+    const ty_result result = ty_environment_clusters_add(job->scene, &def, of, parts);
+    for (int32_t i = 0; i < parts->count && result == TY_OK; ++i) {
+        const ty_discrete_light* part = &parts->items[i];
+        ty_dom_env_cluster* piece = &light->env_clusters[light->env_count++];
+        const float bright = part->color[0] + part->color[1] + part->color[2];
+        piece->omega = part->direction;
+        memcpy(piece->color, part->color, sizeof piece->color);
         share_out(light, of, piece);
         spread[0] += (double)bright;
-        spread[1] += (double)(bright * parts[i].cosine);
+        spread[1] += (double)(bright * part->mean_cosine);
     }
     return result;
 }
@@ -77,38 +80,39 @@ static void find_mean_g(const ty_grid_medium* medium, float g[3]) {
     }
 }
 
-ty_result ty_dom_sky_find(ty_dom_job* job) {
+ty_result ty_dom_environment_find(ty_dom_job* job) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     ty_dom* light = job->light;
     double spread[2] = {0, 0};
     for (int32_t i = 0; i < lights->count; ++i)
-        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) light->piece_capacity += PIECES;
-    if (light->piece_capacity == 0) return TY_OK;
-    light->pieces = ty_alloc_array(job->context, (size_t)light->piece_capacity, sizeof *light->pieces, false);
-    ty_light_part* parts = ty_alloc_array(job->context, PIECES, sizeof *parts, false);
-    ty_result result = light->pieces != NULL && parts != NULL ? TY_OK : TY_ERROR_MEMORY;
+        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) light->env_capacity += PIECES;
+    if (light->env_capacity == 0) return TY_OK;
+    light->env_clusters = ty_alloc_array(job->context, (size_t)light->env_capacity, sizeof *light->env_clusters, false);
+    if (light->env_clusters == NULL) return TY_ERROR_MEMORY;
+    ty_discrete_light_set parts;
+    ty_result result = ty_discrete_light_set_create(job->context, "dom", PIECES, &parts);
     for (int32_t i = 0; i < lights->count && result == TY_OK; ++i)
-        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) result = cut(job, i, parts, spread);
-    ty_free_array(job->context, parts, PIECES, sizeof *parts);
+        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) result = cut(job, i, &parts, spread);
+    ty_discrete_light_set_destroy(job->context, &parts);
     find_mean_g(job->coarse, light->mean_g);
-    light->piece_cosine = spread[0] > 0 ? (float)(spread[1] / spread[0]) : 1;
+    light->env_cosine = spread[0] > 0 ? (float)(spread[1] / spread[0]) : 1;
     return result;
 }
 
-void ty_dom_sky_destroy(ty_dom* light) {
-    ty_free_array(light->context, light->pieces, (size_t)light->piece_capacity, sizeof *light->pieces);
+void ty_dom_environment_destroy(ty_dom* light) {
+    ty_free_array(light->context, light->env_clusters, (size_t)light->env_capacity, sizeof *light->env_clusters);
 }
 
 /* ---- ways ---- */
 
 static ty_vec way_of(const ty_dom* light, const double eye[3], const int32_t cell[3]) {
     double way[3];
-    ty_dom_way(light, cell, eye, way);
+    ty_dom_direction_to_eye(light, cell, eye, way);
     return ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
 }
 
 /* Numbers the texels that cells' ways to the eye are among. */
-static void number_texels(const ty_dom* light, const double eye[3], ty_dom_sky* sky) {
+static void number_texels(const ty_dom* light, const double eye[3], ty_dom_environment* sky) {
     const int32_t* size = light->box.size;
     int32_t cell[3];
     for (int32_t i = 0; i < SIDE * SIDE; ++i) sky->number[i] = -1;
@@ -131,18 +135,18 @@ static void number_texels(const ty_dom* light, const double eye[3], ty_dom_sky* 
 /* What a part of unit light becomes, times 4 pi, by the sine of half the angle, for the mean cosines of light about it:
  * the last is that of a line, which scatters by the phase function itself. */
 typedef struct lobe_table {
-    float lobe[STEPS + 2][TY_DOM_SKY_LOBES];
+    float lobe[STEPS + 2][TY_DOM_ENVIRONMENT_LOBES];
 } lobe_table;
 
 static void fill_lobes(const ty_dom* light, float g, lobe_table* table) {
     for (int32_t i = 0; i < STEPS + 2; ++i) {
         const float sine = ty_minf(1, (float)i / STEPS), mu = 1 - 2 * sine * sine;
-        for (int32_t n = 0; n < TY_DOM_SKY_LOBES; ++n) {
+        for (int32_t n = 0; n < TY_DOM_ENVIRONMENT_LOBES; ++n) {
             float below = 0, tail = 4 * TY_PI * ty_hg(mu, g);
             if (light->fit.bands > 0)
-                tail = 4 * TY_PI * ty_forward_aside(&light->fit, mu, g);
-            else if (n + 1 < TY_DOM_SKY_LOBES && light->lobes)
-                tail = ty_forward_tail((float)n / (TY_DOM_SKY_LOBES - 1), mu, g, light->bands, &below);
+                tail = 4 * TY_PI * ty_forward_blended_phase(&light->fit, mu, g);
+            else if (n + 1 < TY_DOM_ENVIRONMENT_LOBES && light->has_lobes)
+                tail = ty_forward_tail((float)n / (TY_DOM_ENVIRONMENT_LOBES - 1), mu, g, light->bands, &below);
             table->lobe[i][n] = below + tail;
         }
     }
@@ -150,7 +154,7 @@ static void fill_lobes(const ty_dom* light, float g, lobe_table* table) {
 
 typedef struct weigh_job {
     const ty_dom* light;
-    ty_dom_sky* sky;
+    ty_dom_environment* sky;
     const lobe_table* lobes; /* of each plane */
 } weigh_job;
 
@@ -160,34 +164,34 @@ static void weigh_way(void* user, int64_t number, int32_t worker) {
     const ty_dom* light = job->light;
     const int32_t texel = job->sky->texel[number];
     const ty_vec way = ty_octahedral_texel(SIDE, texel);
-    ty_dom_sky_weight* weights = job->sky->weights + (size_t)number * (size_t)light->part_count;
-    memset(weights, 0, sizeof *weights * (size_t)light->part_count);
-    for (int32_t i = 0; i < light->piece_count; ++i) {
-        const ty_dom_piece* piece = &light->pieces[i];
-        const float at = sqrtf(ty_maxf(0, 0.5f * (1 - ty_dot(piece->way, way)))) * STEPS;
+    ty_dom_environment_weight* weights = job->sky->weights + (size_t)number * (size_t)light->cluster_count;
+    memset(weights, 0, sizeof *weights * (size_t)light->cluster_count);
+    for (int32_t i = 0; i < light->env_count; ++i) {
+        const ty_dom_env_cluster* piece = &light->env_clusters[i];
+        const float at = sqrtf(ty_maxf(0, 0.5f * (1 - ty_dot(piece->omega, way)))) * STEPS;
         const int32_t step = at < STEPS ? (int32_t)at : STEPS;
         const float share = at - (float)step;
         for (int32_t c = 0; c < 3; ++c) {
-            const lobe_table* table = &job->lobes[light->part_planes == 3 ? c : 0];
-            for (int32_t n = 0; n < TY_DOM_SKY_LOBES; ++n) {
+            const lobe_table* table = &job->lobes[light->cluster_planes == 3 ? c : 0];
+            for (int32_t n = 0; n < TY_DOM_ENVIRONMENT_LOBES; ++n) {
                 const float lobe = piece->color[c] * ty_lerpf(table->lobe[step][n], table->lobe[step + 1][n], share);
-                for (int32_t k = 0; k < TY_DOM_PIECE_PARTS; ++k)
-                    weights[piece->part[k]].lobe[n][c] += piece->share[k] * lobe;
+                for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k)
+                    weights[piece->neighbour[k]].lobe[n][c] += piece->weight[k] * lobe;
             }
         }
     }
 }
 
-ty_result ty_dom_sky_see(const ty_dom* light, const double eye[3], ty_dom_sky* sky) {
-    *sky = (ty_dom_sky){.weights = NULL};
-    if (light->piece_count == 0) return TY_OK;
+ty_result ty_dom_environment_evaluate(const ty_dom* light, const double eye[3], ty_dom_environment* sky) {
+    *sky = (ty_dom_environment){.weights = NULL};
+    if (light->env_count == 0) return TY_OK;
     number_texels(light, eye, sky);
-    sky->count = (size_t)sky->ways * (size_t)light->part_count;
+    sky->count = (size_t)sky->ways * (size_t)light->cluster_count;
     sky->weights = ty_alloc_array(light->context, sky->count, sizeof *sky->weights, false);
     lobe_table* lobes = ty_alloc_array(light->context, 3, sizeof *lobes, false);
     if (sky->weights != NULL && lobes != NULL) {
-        for (int32_t p = 0; p < light->part_planes; ++p)
-            fill_lobes(light, light->mean_g[p] * light->piece_cosine, &lobes[p]);
+        for (int32_t p = 0; p < light->cluster_planes; ++p)
+            fill_lobes(light, light->mean_g[p] * light->env_cosine, &lobes[p]);
         weigh_job job = {light, sky, lobes};
         ty_parallel_for(light->context, sky->ways, weigh_way, &job);
     }
@@ -196,7 +200,7 @@ ty_result ty_dom_sky_see(const ty_dom* light, const double eye[3], ty_dom_sky* s
     return whole ? TY_OK : TY_ERROR_MEMORY;
 }
 
-void ty_dom_sky_free(const ty_dom* light, ty_dom_sky* sky) {
+void ty_dom_environment_free(const ty_dom* light, ty_dom_environment* sky) {
     ty_free_array(light->context, sky->weights, sky->count, sizeof *sky->weights);
 }
 
@@ -212,12 +216,12 @@ static void blur_texel(void* user, int64_t texel, int32_t worker) {
     (void)worker;
     const blur_job* job = user;
     const ty_dom* light = job->light;
-    const ty_vec look = ty_octahedral_texel(TY_DOM_SKY_SIDE, (int32_t)texel);
+    const ty_vec look = ty_octahedral_texel(TY_DOM_ENVIRONMENT_SIDE, (int32_t)texel);
     float* out = job->map + 3 * texel;
     for (int c = 0; c < 3; ++c) out[c] = 0;
-    for (int32_t i = 0; i < light->piece_count; ++i) {
-        const ty_dom_piece* piece = &light->pieces[i];
-        const float at = sqrtf(ty_maxf(0, 0.5f * (1 + ty_dot(piece->way, look)))) * STEPS;
+    for (int32_t i = 0; i < light->env_count; ++i) {
+        const ty_dom_env_cluster* piece = &light->env_clusters[i];
+        const float at = sqrtf(ty_maxf(0, 0.5f * (1 + ty_dot(piece->omega, look)))) * STEPS;
         const int32_t step = at < STEPS ? (int32_t)at : STEPS;
         const float* kernel = job->kernel + step;
         const float share = ty_lerpf(kernel[0], kernel[1], at - (float)step);
@@ -231,14 +235,14 @@ static float within_peak(const ty_dom* light, float mu) {
     float sum = 0;
     for (int32_t i = 0; i < RINGS * PER_RING; ++i) {
         const float turned = 2 * TY_PI * ((float)(i % PER_RING) + 0.5f) / PER_RING;
-        const float up = 1 - 2 * (1 - light->piece_cosine) * ((float)(i / PER_RING) + 0.5f) / RINGS;
+        const float up = 1 - 2 * (1 - light->env_cosine) * ((float)(i / PER_RING) + 0.5f) / RINGS;
         const float to = ty_clampf(mu * up + sine * sqrtf(ty_maxf(0, 1 - up * up)) * cosf(turned), -1, 1);
-        sum += ty_maxf(0, ty_hg(to, g) - ty_forward_aside(&light->fit, to, g));
+        sum += ty_maxf(0, ty_hg(to, g) - ty_forward_blended_phase(&light->fit, to, g));
     }
     return sum;
 }
 
-void ty_dom_sky_blur(const ty_dom* light, float* map) {
+void ty_dom_environment_blur(const ty_dom* light, float* map) {
     float kernel[STEPS + 2];
     double sum = 0;
     for (int32_t i = 0; i < STEPS + 2; ++i) {
@@ -249,27 +253,30 @@ void ty_dom_sky_blur(const ty_dom* light, float* map) {
     }
     for (int32_t i = 0; i < STEPS + 2; ++i) kernel[i] = (float)((double)kernel[i] / sum);
     blur_job job = {light, kernel, map};
-    ty_parallel_for(light->context, TY_DOM_SKY_TEXELS, blur_texel, &job);
+    ty_parallel_for(light->context, TY_DOM_ENVIRONMENT_TEXELS, blur_texel, &job);
 }
 
 /* ---- looking ---- */
 
-void ty_dom_sky_look(const ty_dom* light, const ty_dom_sky* sky, ty_vec way, ty_dom_sky_view* view) {
+void ty_dom_environment_lookup(const ty_dom* light, const ty_dom_environment* sky, ty_vec way,
+                               ty_dom_environment_view* view) {
     int32_t texel[4];
-    view->lobes = light->lobes;
+    view->lobes = light->has_lobes;
     ty_octahedral_around(SIDE, way, texel, view->share);
     for (int32_t k = 0; k < 4; ++k)
-        view->weights[k] = sky->weights + (size_t)sky->number[texel[k]] * (size_t)light->part_count;
+        view->weights[k] = sky->weights + (size_t)sky->number[texel[k]] * (size_t)light->cluster_count;
 }
 
-float ty_dom_sky_sent(const ty_dom_sky_view* view, int32_t part, int32_t channel, const ty_forward* forward) {
+float ty_dom_environment_radiance(const ty_dom_environment_view* view, int32_t part, int32_t channel,
+                                  const ty_forward* forward) {
     const float lost = view->lobes ? ty_maxf(0, forward->kept - forward->straight) : 0;
-    const float b = ty_forward_cosine(forward->straight, forward->kept, forward->bent) * (TY_DOM_SKY_LOBES - 1);
-    const int32_t n = b < TY_DOM_SKY_LOBES - 1 ? (int32_t)b : TY_DOM_SKY_LOBES - 2;
+    const float b =
+        ty_forward_lobe_cosine(forward->straight, forward->kept, forward->bent) * (TY_DOM_ENVIRONMENT_LOBES - 1);
+    const int32_t n = b < TY_DOM_ENVIRONMENT_LOBES - 1 ? (int32_t)b : TY_DOM_ENVIRONMENT_LOBES - 2;
     float line = 0, first = 0, second = 0;
     for (int32_t k = 0; k < 4; ++k) {
-        const ty_dom_sky_weight* weight = &view->weights[k][part];
-        line += view->share[k] * weight->lobe[TY_DOM_SKY_LOBES - 1][channel];
+        const ty_dom_environment_weight* weight = &view->weights[k][part];
+        line += view->share[k] * weight->lobe[TY_DOM_ENVIRONMENT_LOBES - 1][channel];
         first += view->share[k] * weight->lobe[n][channel];
         second += view->share[k] * weight->lobe[n + 1][channel];
     }

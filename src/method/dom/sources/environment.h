@@ -8,39 +8,42 @@
 
 /* Mean cosines, from 0 to 1, that lobes are tabulated for; texels of the map of ways. */
 enum {
-    TY_DOM_SKY_LOBES = 5,
-    TY_DOM_SKY_SIDE = TY_MARCH_BLURRED,
-    TY_DOM_SKY_TEXELS = TY_DOM_SKY_SIDE * TY_DOM_SKY_SIDE
+    TY_DOM_ENVIRONMENT_LOBES = 5,
+    TY_DOM_ENVIRONMENT_SIDE = TY_MARCH_BLURRED,
+    TY_DOM_ENVIRONMENT_TEXELS = TY_DOM_ENVIRONMENT_SIDE * TY_DOM_ENVIRONMENT_SIDE
 };
 
 /* Of a part along a way: what its light is turned into, times 4 pi, if all of it arrives. */
-typedef struct ty_dom_sky_weight {
-    float lobe[TY_DOM_SKY_LOBES][3];
-} ty_dom_sky_weight;
+typedef struct ty_dom_environment_weight {
+    float lobe[TY_DOM_ENVIRONMENT_LOBES][3];
+} ty_dom_environment_weight;
 
-typedef struct ty_dom_sky {
-    ty_dom_sky_weight* weights; /* way by way, of each part; NULL: there are no environments */
+typedef struct ty_dom_environment {
+    ty_dom_environment_weight* weights; /* way by way, of each part; NULL: there are no environments */
     size_t count;
-    int32_t ways, texel[TY_DOM_SKY_TEXELS], number[TY_DOM_SKY_TEXELS]; /* texels that are ways, and which ones */
-} ty_dom_sky;
+    int32_t ways, texel[TY_DOM_ENVIRONMENT_TEXELS],
+        number[TY_DOM_ENVIRONMENT_TEXELS]; /* texels that are ways, and which ones */
+} ty_dom_environment;
 
-typedef struct ty_dom_sky_view {
-    const ty_dom_sky_weight* weights[4];
+typedef struct ty_dom_environment_view {
+    const ty_dom_environment_weight* weights[4];
     float share[4];
     bool lobes; /* whether there is light that has scattered and kept its direction */
-} ty_dom_sky_view;
+} ty_dom_environment_view;
 
-/* Weights of all parts for an eye. Errors: TY_ERROR_MEMORY; ty_dom_sky_free may follow. */
-ty_result ty_dom_sky_see(const ty_dom* light, const double eye[3], ty_dom_sky* sky);
-void ty_dom_sky_free(const ty_dom* light, ty_dom_sky* sky);
+/* Weights of all parts for an eye. Errors: TY_ERROR_MEMORY; ty_dom_environment_free may follow. */
+ty_result ty_dom_environment_evaluate(const ty_dom* light, const double eye[3], ty_dom_environment* sky);
+void ty_dom_environment_free(const ty_dom* light, ty_dom_environment* sky);
 
 /* With a fit: environments' radiance through what scatters once within the peak, as ty_march_def.blurred has it: of
- * TY_DOM_SKY_TEXELS. */
-void ty_dom_sky_blur(const ty_dom* light, float* map);
+ * TY_DOM_ENVIRONMENT_TEXELS. */
+void ty_dom_environment_blur(const ty_dom* light, float* map);
 
 /* Along the way from a cell of ordinates to the eye; then what a part is turned into of which U, R and S arrive, times
  * 4 pi. */
-void ty_dom_sky_look(const ty_dom* light, const ty_dom_sky* sky, ty_vec way, ty_dom_sky_view* view);
-float ty_dom_sky_sent(const ty_dom_sky_view* view, int32_t part, int32_t channel, const ty_forward* forward);
+void ty_dom_environment_lookup(const ty_dom* light, const ty_dom_environment* sky, ty_vec way,
+                               ty_dom_environment_view* view);
+float ty_dom_environment_radiance(const ty_dom_environment_view* view, int32_t part, int32_t channel,
+                                  const ty_forward* forward);
 
 #endif

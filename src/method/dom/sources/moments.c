@@ -2,7 +2,7 @@
  * light's direction in each of them. */
 #include "base/context.h"
 #include "direct/media/coverage.h"
-#include "method/dom/job.h"
+#include "method/dom/sources/sources.h"
 #include "scene/scene.h"
 #include "solve/harmonics.h"
 
@@ -34,13 +34,13 @@ static bool find_g(const ty_grid_medium* fine, int32_t plane, float* g) {
 
 ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch) {
     for (int32_t p = 0; p < job->fine->planes; ++p) scratch->uniform[p] = find_g(job->fine, p, &scratch->g[p]);
-    scratch->turned = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
+    scratch->scattered = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
     scratch->means = ty_alloc_array(job->context, job->coarse->cells, TY_DOM_MEANS * sizeof(float), false);
-    return scratch->turned != NULL && scratch->means != NULL ? TY_OK : TY_ERROR_MEMORY;
+    return scratch->scattered != NULL && scratch->means != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch) {
-    ty_free_array(job->context, scratch->turned, job->fine->cells, sizeof(float));
+    ty_free_array(job->context, scratch->scattered, job->fine->cells, sizeof(float));
     ty_free_array(job->context, scratch->means, job->coarse->cells, TY_DOM_MEANS * sizeof(float));
 }
 
@@ -50,8 +50,7 @@ void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch) {
 typedef struct add_job {
     ty_dom_job* job;
     ty_dom_scratch* scratch;
-    const ty_single_light* single;
-    const ty_source* source;   /* one of those whose light it is */
+    const ty_light_fluence* single;
     float cosine;              /* of beams, about their direction */
     const float* fluence;      /* of fine cells */
     const float* scattering;   /* of the medium there */
@@ -69,7 +68,7 @@ static void scatter_chunk(void* user, int64_t index, int32_t worker) {
     const add_job* add = user;
     const size_t begin = (size_t)index * CHUNK, cells = add->job->fine->cells;
     const size_t end = cells - begin < CHUNK ? cells : begin + CHUNK;
-    float* turned = add->scratch->turned;
+    float* turned = add->scratch->scattered;
     for (size_t i = begin; i < end; ++i) turned[i] = add->scattering[i] * add->fluence[i];
 }
 
@@ -79,7 +78,7 @@ static void turn_chunk(void* user, int64_t index, int32_t worker) {
     const add_job* add = user;
     const size_t begin = (size_t)index * CHUNK, cells = add->job->fine->cells;
     const size_t end = cells - begin < CHUNK ? cells : begin + CHUNK;
-    float* turned = add->scratch->turned;
+    float* turned = add->scratch->scattered;
     for (size_t i = begin; i < end; ++i) turned[i] *= add->g[i];
 }
 
@@ -89,7 +88,7 @@ static void find_means(const add_job* add) {
     const int64_t chunks = (int64_t)((job->fine->cells + CHUNK - 1) / CHUNK);
     for (int32_t l = 0; l <= (add->uniform ? 0 : job->light->bands); ++l) {
         ty_parallel_for(job->context, chunks, l == 0 ? scatter_chunk : turn_chunk, (void*)add);
-        ty_grid_average(job->context, add->scratch->turned, job->fine->box.size, job->coarse->box.size,
+        ty_grid_average(job->context, add->scratch->scattered, job->fine->box.size, job->coarse->box.size,
                         add->scratch->means + job->coarse->cells * (size_t)l);
     }
 }
@@ -118,11 +117,10 @@ static double unit_from(const double lamp[3], const double at[3], double way[3])
 
 /* How bright the lamp is that way: of most of a cell about a spot, or a lamp on a surface, it is dark. */
 static double profile_of(const add_job* add, const double way[3]) {
-    const ty_source* source = add->source;
-    const ty_light_view* light =
-        source->stand_in != NULL ? source->stand_in : &ty_scene_get_view(add->job->scene)->lights.lights[source->light];
+    const ty_discrete_light* source = &add->single->sample;
+    const ty_light_view* light = &ty_scene_get_view(add->job->scene)->lights.lights[source->light];
     const ty_vec to = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
-    return (double)ty_source_profile(light, ty_dot(source->direction, to));
+    return (double)ty_light_profile_at(source->profile, light, ty_dot(source->direction, to));
 }
 
 /* The mean of harmonics over a fine cell about the lamp or next to it, weighted by its light without media. */
@@ -172,16 +170,16 @@ static void add_fine_cell(const add_job* add, const double lamp[3], const int32_
 /* A coarse cell about a lamp, fine cell by fine cell. */
 static void add_near(const add_job* add, const double lamp[3], const int32_t cell[3], double* moments) {
     const ty_grid_box* box = &add->job->coarse->box;
-    const ty_cover_box cells = {box->lower, box->upper, box->size};
-    ty_cover axes[3];
+    const ty_coverage_box cells = {box->lower, box->upper, box->size};
+    ty_coverage axes[3];
     memset(moments, 0, TERMS_MAX * sizeof *moments);
-    ty_cover_cell(&add->job->fine->box, &cells, cell, axes);
+    ty_coverage_of_cell(&add->job->fine->box, &cells, cell, axes);
     for (int32_t k = axes[2].first; k < axes[2].first + axes[2].count; ++k)
         for (int32_t j = axes[1].first; j < axes[1].first + axes[1].count; ++j)
             for (int32_t i = axes[0].first; i < axes[0].first + axes[0].count; ++i) {
                 const int32_t index[3] = {i, j, k};
-                const double share =
-                    ty_cover_share(&axes[0], i) * ty_cover_share(&axes[1], j) * ty_cover_share(&axes[2], k);
+                const double share = ty_coverage_fraction(&axes[0], i) * ty_coverage_fraction(&axes[1], j) *
+                                     ty_coverage_fraction(&axes[2], k);
                 if (share > 0) add_fine_cell(add, lamp, index, share, moments);
             }
 }
@@ -210,8 +208,8 @@ static void add_lamp_row(void* user, int64_t row, int32_t worker) {
     const add_job* add = user;
     const ty_grid_medium* coarse = add->job->coarse;
     const int32_t* size = coarse->box.size;
-    const double lamp[3] = {(double)add->single->toward.x, (double)add->single->toward.y,
-                            (double)add->single->toward.z};
+    const double lamp[3] = {(double)add->single->sample.position.x, (double)add->single->sample.position.y,
+                            (double)add->single->sample.position.z};
     const double* side = coarse->cell;
     const double diagonal = sqrt(side[0] * side[0] + side[1] * side[1] + side[2] * side[2]);
     double moments[TERMS_MAX];
@@ -238,7 +236,8 @@ static void add_beam_row(void* user, int64_t row, int32_t worker) {
     const add_job* add = user;
     ty_dom* light = add->job->light;
     const int32_t width = light->box.size[0], bands = light->bands;
-    const double way[3] = {(double)add->single->toward.x, (double)add->single->toward.y, (double)add->single->toward.z};
+    const double way[3] = {(double)add->single->sample.direction.x, (double)add->single->sample.direction.y,
+                           (double)add->single->sample.direction.z};
     const size_t at = (size_t)row * (size_t)width;
     const float* straight = means_of(add, bands) + at;
     float spread = 1;
@@ -286,12 +285,12 @@ static void find_powers(add_job* add, float g) {
     add->power[light->bands] = straight;
 }
 
-void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_single_light* single,
-                       const ty_source* source, float cosine, ty_dom_scratch* scratch) {
+void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, const ty_light_fluence* single,
+                                 float cosine, ty_dom_scratch* scratch) {
     const ty_grid_medium* fine = job->fine;
     const ty_dom* light = job->light;
     const int64_t rows = (int64_t)light->box.size[1] * light->box.size[2];
-    add_job add = {.job = job, .scratch = scratch, .single = single, .source = source, .cosine = cosine};
+    add_job add = {.job = job, .scratch = scratch, .single = single, .cosine = cosine};
     for (int32_t p = 0; p < field->planes; ++p) {
         const int32_t plane = fine->planes == 3 ? p : 0;
         add.fluence = field->fluence[p];
@@ -301,6 +300,6 @@ void ty_dom_add_source(ty_dom_job* job, const ty_light_field* field, const ty_si
         find_powers(&add, scratch->g[plane]);
         choose_channels(&add, field, p);
         find_means(&add);
-        ty_parallel_for(job->context, rows, single->kind == TY_SINGLE_LAMP ? add_lamp_row : add_beam_row, &add);
+        ty_parallel_for(job->context, rows, single->kind == TY_FLUENCE_POINT ? add_lamp_row : add_beam_row, &add);
     }
 }

@@ -1,7 +1,7 @@
 /* Uncollided light: lights that can be met from one direction, or one point, on fields of their own, and all others
  * together, one beam or lamp after the other, because each has its own direction. */
 #include "base/context.h"
-#include "method/dom/job.h"
+#include "method/dom/sources/sources.h"
 
 #include <string.h>
 
@@ -9,41 +9,41 @@
 
 typedef struct direct_job {
     ty_dom_job* job;
-    float* extinction[TY_SINGLE_FLUENCES][3]; /* of fine cells, for each fluence of a light */
+    float* extinction[TY_FLUENCE_COUNT][3]; /* of fine cells, for each fluence of a light */
     ty_dom_scratch scratch;
     ty_light_field* one; /* of one source that has no field of its own */
     float* coarse[3];    /* its means on the cells of ordinates, as many as it has planes */
-    ty_dom_beams beams;
-    ty_beam_room room[3];
-    ty_source_group* groups;
+    ty_dom_collimated_batch beams;
+    ty_transpose_scratch room[3];
+    ty_light_group* groups;
     int32_t group_count;
 } direct_job;
 
 /* room: NULL: none is kept. */
-static ty_result light_field(direct_job* direct, int32_t fluence, const ty_source* sources, int32_t count,
-                             ty_light_field* field, ty_beam_room* room) {
+static ty_result light_field(direct_job* direct, int32_t fluence, const ty_discrete_light* sources, int32_t count,
+                             ty_light_field* field, ty_transpose_scratch* room) {
     ty_dom_job* job = direct->job;
-    return ty_uncollided_add_next(job->scene, job->fine, direct->extinction[fluence], sources, count, field, room,
-                                  ty_part_report, &job->progress);
+    return ty_uncollided_add_reusing(job->scene, job->fine, direct->extinction[fluence], sources, count, field, room,
+                                     ty_part_report, &job->progress);
 }
 
 /* Fluences beside the one that counts as uncollided. */
-static void describe_lobes(const ty_dom* light, ty_light_field* const fields[TY_SINGLE_FLUENCES],
-                           ty_single_light* single) {
-    if (!light->lobes) return;
+static void describe_lobes(const ty_dom* light, ty_light_field* const fields[TY_FLUENCE_COUNT],
+                           ty_light_fluence* single) {
+    if (!light->has_lobes) return;
     single->lobes = light->bands;
     for (int c = 0; c < 3; ++c) {
-        single->straight[c] = fields[TY_SINGLE_STRAIGHT]->fluence[c];
-        single->bent[c] = fields[TY_SINGLE_BENT]->fluence[c];
+        single->straight[c] = fields[TY_FLUENCE_UNSCATTERED]->fluence[c];
+        single->bent[c] = fields[TY_FLUENCE_NEXT_ORDER]->fluence[c];
     }
 }
 
 /* A light's fluences on the cells of ordinates. */
-static ty_result average_own(direct_job* direct, const ty_source_group* group, ty_light_field* const* fields,
+static ty_result average_own(direct_job* direct, const ty_light_group* group, ty_light_field* const* fields,
                              ty_light_field** out) {
     const ty_dom_job* job = direct->job;
-    for (int32_t f = 0; f < TY_SINGLE_FLUENCES; ++f) {
-        if (ty_source_groups_field(job->sources, group, 1, true, job->coarse, false, &out[f]) != TY_OK)
+    for (int32_t f = 0; f < TY_FLUENCE_COUNT; ++f) {
+        if (ty_light_groups_field(job->sources.items, group, 1, true, job->coarse, false, &out[f]) != TY_OK)
             return TY_ERROR_MEMORY;
         for (int32_t p = 0; p < fields[f]->planes; ++p)
             ty_grid_average(job->context, fields[f]->fluence[p], job->fine->box.size, job->coarse->box.size,
@@ -52,24 +52,25 @@ static ty_result average_own(direct_job* direct, const ty_source_group* group, t
     return TY_OK;
 }
 
-static ty_result light_own(direct_job* direct, const ty_source_group* group) {
+static ty_result light_own(direct_job* direct, const ty_light_group* group) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
-    ty_light_field** fields = light->fields[light->light_count];
-    ty_single_light* single = &light->lights[light->light_count];
+    ty_light_field** fields = light->fields[light->fluence_count];
+    ty_light_fluence* single = &light->fluences[light->fluence_count];
     ty_result result = TY_OK;
-    for (int32_t f = 0; f < (light->lobes ? TY_SINGLE_FLUENCES : 1) && result == TY_OK; ++f) {
-        result = ty_source_groups_field(job->sources, group, 1, true, job->fine, false, &fields[f]);
+    for (int32_t f = 0; f < (light->has_lobes ? TY_FLUENCE_COUNT : 1) && result == TY_OK; ++f) {
+        result = ty_light_groups_field(job->sources.items, group, 1, true, job->fine, false, &fields[f]);
         if (result == TY_OK)
-            result = light_field(direct, f, &job->sources[group->first], group->count, fields[f], NULL);
+            result = light_field(direct, f, &job->sources.items[group->first], group->count, fields[f], NULL);
     }
-    if (result == TY_OK && light->lobes) result = average_own(direct, group, fields, light->coarse[light->light_count]);
+    if (result == TY_OK && light->has_lobes)
+        result = average_own(direct, group, fields, light->coarse_fields[light->fluence_count]);
     if (result != TY_OK) return result;
-    *single = ty_source_group_light(job->sources, group, fields[TY_SINGLE_KEPT]);
+    *single = ty_light_group_fluence(job->sources.items, group, fields[TY_FLUENCE_ORDER_L]);
     describe_lobes(light, fields, single);
-    ++light->light_count;
+    ++light->fluence_count;
     const double begun = ty_wall_seconds();
-    ty_dom_add_source(job, fields[TY_SINGLE_KEPT], single, &job->sources[group->first], 1, &direct->scratch);
+    ty_dom_add_first_collisions(job, fields[TY_FLUENCE_ORDER_L], single, 1, &direct->scratch);
     job->stats.source_seconds += ty_wall_seconds() - begun;
     return TY_OK;
 }
@@ -102,29 +103,29 @@ static void clear_field(ty_light_field* field) {
 }
 
 /* What one source of many brings to ordinates, and to the parts that are seen. */
-static void spread_one(direct_job* direct, const ty_source* source) {
+static void spread_one(direct_job* direct, const ty_discrete_light* source) {
     ty_dom_job* job = direct->job;
     const ty_light_field* one = direct->one;
-    const ty_source_group group = {.first = 0, .count = 1, .middle = source->position};
-    if (source->kind == TY_SOURCE_BEAM && ty_dom_beams_can(&direct->scratch, one)) {
-        ty_dom_beams_take(job, &direct->beams, source, one, &direct->scratch, direct->coarse);
+    const ty_light_group group = {.first = 0, .count = 1, .middle = source->position};
+    if (source->kind == TY_DISCRETE_DIRECTIONAL && ty_dom_collimated_batch_accepts(&direct->scratch, one)) {
+        ty_dom_collimated_batch_take(job, &direct->beams, source, one, &direct->scratch, direct->coarse);
     } else {
-        const ty_single_light single = ty_source_group_light(source, &group, one);
-        ty_dom_add_source(job, one, &single, source, source->cosine, &direct->scratch);
+        const ty_light_fluence single = ty_light_group_fluence(source, &group, one);
+        ty_dom_add_first_collisions(job, one, &single, source->mean_cosine, &direct->scratch);
         for (int32_t p = 0; p < one->planes && direct->coarse[p] != NULL; ++p)
             ty_grid_average(job->context, one->fluence[p], job->fine->box.size, job->coarse->box.size,
                             direct->coarse[p]);
     }
-    if (!job->light->even) ty_dom_parts_add(job, source, one->planes, direct->coarse);
+    if (!job->light->isotropic) ty_dom_clusters_add(job, source, one->planes, direct->coarse);
 }
 
 /* One source of many. */
-static ty_result light_one(direct_job* direct, const ty_source* source, ty_light_field* all) {
+static ty_result light_one(direct_job* direct, const ty_discrete_light* source, ty_light_field* all) {
     ty_dom_job* job = direct->job;
     ty_light_field* one = direct->one;
     clear_field(one);
     if (one->planes == 1) memcpy(one->color, source->color, sizeof one->color);
-    const ty_result result = light_field(direct, TY_SINGLE_KEPT, source, 1, one, direct->room);
+    const ty_result result = light_field(direct, TY_FLUENCE_ORDER_L, source, 1, one, direct->room);
     if (result != TY_OK) return result;
     sum_job sum = {one, all};
     ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
@@ -138,26 +139,26 @@ static ty_result light_one(direct_job* direct, const ty_source* source, ty_light
 static ty_result take_many(direct_job* direct) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
-    const float* any = job->sources[0].color;
+    const float* any = job->sources.items[0].color;
     ty_result result = job->fine->planes == 1 ? ty_light_field_create_shared(job->fine, false, any, &direct->one)
                                               : ty_light_field_create(job->fine, false, &direct->one);
     if (result == TY_OK)
-        result = ty_source_groups_field(job->sources, direct->groups, direct->group_count, false, job->fine, false,
-                                        &light->many);
-    if (result == TY_OK) result = ty_dom_beams_create(job, &direct->beams);
-    for (int32_t p = 0; p < job->fine->planes && result == TY_OK && !light->even; ++p) {
+        result = ty_light_groups_field(job->sources.items, direct->groups, direct->group_count, false, job->fine, false,
+                                       &light->aggregate);
+    if (result == TY_OK) result = ty_dom_collimated_batch_create(job, &direct->beams);
+    for (int32_t p = 0; p < job->fine->planes && result == TY_OK && !light->isotropic; ++p) {
         direct->coarse[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
         if (direct->coarse[p] == NULL) result = TY_ERROR_MEMORY;
     }
-    if (result == TY_OK && !light->even) result = ty_dom_parts_create(job, direct->groups, direct->group_count);
+    if (result == TY_OK && !light->isotropic) result = ty_dom_clusters_create(job, direct->groups, direct->group_count);
     return result;
 }
 
-static ty_result light_many(direct_job* direct, const ty_source_group* group) {
+static ty_result light_many(direct_job* direct, const ty_light_group* group) {
     ty_dom_job* job = direct->job;
-    ty_result result = job->light->many == NULL ? take_many(direct) : TY_OK;
+    ty_result result = job->light->aggregate == NULL ? take_many(direct) : TY_OK;
     for (int32_t i = 0; i < group->count && result == TY_OK; ++i)
-        result = light_one(direct, &job->sources[group->first + i], job->light->many);
+        result = light_one(direct, &job->sources.items[group->first + i], job->light->aggregate);
     return result;
 }
 
@@ -167,7 +168,7 @@ static ty_result light_groups(direct_job* direct) {
     const double from = job->progress.from, share = job->progress.share;
     ty_result result = TY_OK;
     for (int32_t i = 0; i < direct->group_count && result == TY_OK; ++i) {
-        const ty_source_group* group = &direct->groups[i];
+        const ty_light_group* group = &direct->groups[i];
         job->progress.share = share / ty_maxf(1, (float)direct->group_count);
         result = ty_part_show(&job->progress, "direct light");
         if (result == TY_OK) result = group->own ? light_own(direct, group) : light_many(direct, group);
@@ -175,14 +176,14 @@ static ty_result light_groups(direct_job* direct) {
     }
     job->progress.from = from;
     job->progress.share = share;
-    if (result != TY_OK || light->many == NULL) return result;
-    ty_dom_beams_add(job, &direct->beams, &direct->scratch);
-    if (!light->even) {
-        ty_dom_parts_end(job);
-        result = ty_dom_sky_find(job);
+    if (result != TY_OK || light->aggregate == NULL) return result;
+    ty_dom_collimated_batch_flush(job, &direct->beams, &direct->scratch);
+    if (!light->isotropic) {
+        ty_dom_clusters_end(job);
+        result = ty_dom_environment_find(job);
         if (result != TY_OK) return result;
     }
-    light->lights[light->light_count++] = ty_source_group_light(job->sources, NULL, light->many);
+    light->fluences[light->fluence_count++] = ty_light_group_fluence(job->sources.items, NULL, light->aggregate);
     return TY_OK;
 }
 
@@ -209,7 +210,7 @@ static ty_result take_extinction(direct_job* direct, int32_t fluence, int32_t or
         direct->extinction[fluence][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
         if (direct->extinction[fluence][p] == NULL) return TY_ERROR_MEMORY;
     }
-    if (fluence == TY_SINGLE_KEPT && job->light->fit.bands > 0)
+    if (fluence == TY_FLUENCE_ORDER_L && job->light->fit.bands > 0)
         ty_grid_medium_reduce_by(job->fine, job->light->fit.straight, direct->extinction[fluence]);
     else
         ty_grid_medium_reduce(job->fine, order, direct->extinction[fluence]);
@@ -225,36 +226,37 @@ static ty_result take_memory(direct_job* direct) {
         if (job->source[c] == NULL) return TY_ERROR_MEMORY;
     }
     for (int32_t p = 0; p < job->fine->planes; ++p)
-        direct->extinction[TY_SINGLE_STRAIGHT][p] = job->fine->extinction[p];
-    const ty_result result = take_extinction(direct, TY_SINGLE_KEPT, light->bands);
-    if (result != TY_OK || (light->lobes && take_extinction(direct, TY_SINGLE_BENT, light->bands + 1) != TY_OK))
+        direct->extinction[TY_FLUENCE_UNSCATTERED][p] = job->fine->extinction[p];
+    const ty_result result = take_extinction(direct, TY_FLUENCE_ORDER_L, light->bands);
+    if (result != TY_OK ||
+        (light->has_lobes && take_extinction(direct, TY_FLUENCE_NEXT_ORDER, light->bands + 1) != TY_OK))
         return TY_ERROR_MEMORY;
-    direct->groups = ty_alloc_array(job->context, (size_t)job->source_count, sizeof *direct->groups, false);
+    direct->groups = ty_alloc_array(job->context, (size_t)job->sources.count, sizeof *direct->groups, false);
     return direct->groups != NULL ? ty_dom_scratch_create(job, &direct->scratch) : TY_ERROR_MEMORY;
 }
 
 static void free_memory(direct_job* direct) {
     ty_dom_job* job = direct->job;
     ty_dom_scratch_destroy(job, &direct->scratch);
-    ty_free_array(job->context, direct->groups, (size_t)job->source_count, sizeof *direct->groups);
+    ty_free_array(job->context, direct->groups, (size_t)job->sources.count, sizeof *direct->groups);
     for (int32_t p = 0; p < job->fine->planes; ++p) {
-        ty_free_array(job->context, direct->extinction[TY_SINGLE_KEPT][p], job->fine->cells, sizeof(float));
-        ty_free_array(job->context, direct->extinction[TY_SINGLE_BENT][p], job->fine->cells, sizeof(float));
+        ty_free_array(job->context, direct->extinction[TY_FLUENCE_ORDER_L][p], job->fine->cells, sizeof(float));
+        ty_free_array(job->context, direct->extinction[TY_FLUENCE_NEXT_ORDER][p], job->fine->cells, sizeof(float));
     }
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, direct->coarse[c], job->light->cells, sizeof(float));
-        ty_beam_room_free(job->context, &direct->room[c]);
+        ty_transpose_scratch_free(job->context, &direct->room[c]);
     }
-    ty_dom_beams_destroy(job, &direct->beams);
+    ty_dom_collimated_batch_destroy(job, &direct->beams);
     ty_light_field_destroy(direct->one);
 }
 
-ty_result ty_dom_light_directly(ty_dom_job* job) {
+ty_result ty_dom_find_uncollided(ty_dom_job* job) {
     direct_job direct = {.job = job};
     ty_result result = take_memory(&direct);
     if (result == TY_OK) {
-        direct.group_count = ty_source_groups_find(job->scene, &job->fine->box, job->sources, job->source_count,
-                                                   TY_DOM_OWN_MAX, direct.groups);
+        direct.group_count = ty_light_groups_find(job->scene, &job->fine->box, job->sources.items, job->sources.count,
+                                                  TY_DOM_DEDICATED_MAX, direct.groups);
         result = light_groups(&direct);
     }
     if (result == TY_OK) add_emission(job);

@@ -1,7 +1,7 @@
 /* Fluence on a caller's cells, and radiance at a point. */
 #include "base/context.h"
 #include "direct/media/coverage.h"
-#include "method/dom/job.h"
+#include "method/dom/solution.h"
 #include "scene/check.h"
 #include "solve/harmonics.h"
 
@@ -11,26 +11,26 @@ static const double sqrt_four_pi = 3.5449077018110318;
 
 typedef struct fluence_job {
     const ty_dom* light;
-    ty_cover_box cells;
+    ty_coverage_box cells;
     double *fluence, *uncollided;
 } fluence_job;
 
-static double uncollided_in(const ty_dom* light, const ty_cover axes[3], int c) {
+static double uncollided_in(const ty_dom* light, const ty_coverage axes[3], int c) {
     double sum = 0;
-    for (int32_t l = 0; l < light->light_count; ++l) {
+    for (int32_t l = 0; l < light->fluence_count; ++l) {
         float factor;
-        const float* plane = ty_single_plane(&light->lights[l], c, &factor);
-        ty_cover_add(&light->fine_box, axes, &plane, 1, (double)factor, &sum);
+        const float* plane = ty_light_fluence_plane(&light->fluences[l], c, &factor);
+        ty_coverage_add(&light->fine_box, axes, &plane, 1, (double)factor, &sum);
     }
     return sum;
 }
 
 /* Of moments of all channels: of what has scattered, or of what surfaces sent. */
-static double moments_in(const ty_dom* light, float* const moments[3], const ty_cover axes[3], int c) {
+static double moments_in(const ty_dom* light, float* const moments[3], const ty_coverage axes[3], int c) {
     const float* plane = moments[light->shared ? 0 : c];
     double sum = 0;
     if (plane == NULL) return 0;
-    ty_cover_add(&light->box, axes, &plane, 1, sqrt_four_pi * (double)light->color[c], &sum);
+    ty_coverage_add(&light->box, axes, &plane, 1, sqrt_four_pi * (double)light->color[c], &sum);
     return sum;
 }
 
@@ -42,11 +42,11 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = 3 * ((size_t)row * (size_t)size[0] + (size_t)i);
-        ty_cover fine[3], coarse[3];
-        ty_cover_cell(&light->fine_box, &job->cells, cell, fine);
-        ty_cover_cell(&light->box, &job->cells, cell, coarse);
+        ty_coverage fine[3], coarse[3];
+        ty_coverage_of_cell(&light->fine_box, &job->cells, cell, fine);
+        ty_coverage_of_cell(&light->box, &job->cells, cell, coarse);
         for (int c = 0; c < 3; ++c) {
-            const double uncollided = uncollided_in(light, fine, c) + moments_in(light, light->surfaces, coarse, c);
+            const double uncollided = uncollided_in(light, fine, c) + moments_in(light, light->wall_moments, coarse, c);
             job->fluence[at + (size_t)c] = uncollided + moments_in(light, light->moments, coarse, c);
             if (job->uncollided != NULL) job->uncollided[at + (size_t)c] = uncollided;
         }
@@ -55,8 +55,8 @@ static void fill_row(void* user, int64_t row, int32_t worker) {
 
 ty_result ty_dom_fluence(const ty_dom* light, const double lower[3], const double upper[3], const int32_t size[3],
                          double* fluence, double* uncollided) {
-    const ty_cover_box cells = {lower, upper, size};
-    const ty_result result = ty_cover_check(light->context, &cells);
+    const ty_coverage_box cells = {lower, upper, size};
+    const ty_result result = ty_coverage_check(light->context, &cells);
     if (result != TY_OK) return result;
     fluence_job job = {light, cells, fluence, uncollided};
     ty_parallel_for(light->context, (int64_t)size[1] * size[2], fill_row, &job);
@@ -81,7 +81,7 @@ static ty_cell_point locate(const ty_grid_box* box, const double point[3]) {
 ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const float* directions, int32_t count,
                           float* radiance) {
     const ty_result result = ty_check_point(light->context, "dom: point", point);
-    const int32_t terms = light->kept * light->kept;
+    const int32_t terms = light->output_bands * light->output_bands;
     float moments[3][TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
     if (result != TY_OK) return result;
     memset(radiance, 0, 3 * sizeof *radiance * (size_t)count);
@@ -94,7 +94,7 @@ ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const floa
         const float* way = directions + 3 * d;
         const double w[3] = {(double)way[0], (double)way[1], (double)way[2]};
         double y[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
-        ty_harmonics_at(w, light->kept, y);
+        ty_harmonics_at(w, light->output_bands, y);
         for (int32_t c = 0; c < 3; ++c) {
             const float* of = moments[light->shared ? 0 : c];
             double sum = 0;

@@ -112,10 +112,10 @@ static int64_t rows_of(const ty_dom* light) {
     return (int64_t)light->box.size[1] * light->box.size[2];
 }
 
-ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double eye[3], uint8_t** hidden) {
+ty_result ty_dom_find_hidden(const ty_dom* light, const ty_scene* scene, const double eye[3], uint8_t** hidden) {
     const ty_mesh* mesh = ty_scene_get_view(scene)->mesh;
     *hidden = NULL;
-    if (mesh == NULL || light->dark == NULL) return TY_OK;
+    if (mesh == NULL || light->unlit == NULL) return TY_OK;
     sight_job job = {.light = light, .mesh = mesh, .eye = eye, .visit = mark};
     job.hidden = *hidden = ty_alloc_array(light->context, light->cells, 1, false);
     job.marked = ty_alloc_array(light->context, light->cells, 1, false);
@@ -131,7 +131,7 @@ ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double e
     return whole ? TY_OK : TY_ERROR_MEMORY;
 }
 
-void ty_dom_cover_hidden(const ty_dom* light, const ty_cuts* cuts, const uint8_t* hidden, float* plane) {
+void ty_dom_fill_hidden(const ty_dom* light, const ty_cuts* cuts, const uint8_t* hidden, float* plane) {
     sight_job job = {.light = light, .cuts = cuts, .hidden = (uint8_t*)hidden, .plane = plane, .visit = fill};
     if (hidden == NULL) return;
     for (job.layer = FIRST_LAYER; job.layer < FIRST_LAYER + LAYERS; ++job.layer)

@@ -35,29 +35,32 @@ static double channel_factor(const ty_dom* light, const ty_light_field* field, i
            (double)(light->color[0] + light->color[1] + light->color[2]);
 }
 
-static void find_way(const ty_dom* light, const ty_single_light* single, const int32_t cell[3], double way[3]) {
-    const double toward[3] = {(double)single->toward.x, (double)single->toward.y, (double)single->toward.z};
+static void find_way(const ty_dom* light, const ty_light_fluence* single, const int32_t cell[3], double way[3]) {
+    const ty_discrete_light* sample = &single->sample;
+    const ty_vec place = single->kind == TY_FLUENCE_POINT ? sample->position : sample->direction;
+    const double toward[3] = {(double)place.x, (double)place.y, (double)place.z};
     for (int a = 0; a < 3; ++a) way[a] = toward[a];
-    if (single->kind == TY_SINGLE_BEAM) return;
-    ty_dom_way(light, cell, toward, way);
+    if (single->kind == TY_FLUENCE_DIRECTIONAL) return;
+    ty_dom_direction_to_eye(light, cell, toward, way);
     for (int a = 0; a < 3; ++a) way[a] = -way[a];
 }
 
 /* The lobes of a cell that are more than nothing. */
 static int32_t find_lobes(const ty_dom* light, const int32_t cell[3], size_t at, int32_t channel,
-                          lobe lobes[TY_DOM_OWN_MAX]) {
+                          lobe lobes[TY_DOM_DEDICATED_MAX]) {
     int32_t count = 0;
-    for (int32_t i = 0; i < light->light_count; ++i) {
-        const ty_single_light* single = &light->lights[i];
+    for (int32_t i = 0; i < light->fluence_count; ++i) {
+        const ty_light_fluence* single = &light->fluences[i];
         if (single->lobes == 0) continue;
-        ty_light_field* const* fields = light->coarse[i];
+        ty_light_field* const* fields = light->coarse_fields[i];
         const int32_t plane = fields[0]->planes == 3 ? channel : 0;
-        const float r = fields[TY_SINGLE_KEPT]->fluence[plane][at], u = fields[TY_SINGLE_STRAIGHT]->fluence[plane][at];
+        const float r = fields[TY_FLUENCE_ORDER_L]->fluence[plane][at],
+                    u = fields[TY_FLUENCE_UNSCATTERED]->fluence[plane][at];
         if (!(r > u)) continue;
         lobe* out = &lobes[count++];
         find_way(light, single, cell, out->way);
         out->kept = channel_factor(light, fields[0], channel) * (double)(r - u);
-        out->cosine = (double)ty_forward_cosine(u, r, fields[TY_SINGLE_BENT]->fluence[plane][at]);
+        out->cosine = (double)ty_forward_lobe_cosine(u, r, fields[TY_FLUENCE_NEXT_ORDER]->fluence[plane][at]);
     }
     return count;
 }
@@ -94,9 +97,9 @@ static void mend_row(void* user, int64_t row, int32_t worker) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
         double way[3];
-        ty_dom_way(light, cell, job->eye, way);
+        ty_dom_direction_to_eye(light, cell, job->eye, way);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-            lobe lobes[TY_DOM_OWN_MAX];
+            lobe lobes[TY_DOM_DEDICATED_MAX];
             const int32_t count = find_lobes(light, cell, at, c, lobes);
             if (count == 0) continue;
             const double scale = find_scale(light, at, c, lobes, count);
@@ -112,7 +115,7 @@ static void mend_row(void* user, int64_t row, int32_t worker) {
     }
 }
 
-void ty_dom_mend_lobes(const ty_dom* light, const double eye[3], float* const seen[3]) {
+void ty_dom_correct_lobes(const ty_dom* light, const double eye[3], float* const seen[3]) {
     mend_job job = {light, eye, seen};
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], mend_row, &job);
 }

@@ -1,7 +1,7 @@
 /* Images: what cells send towards an eye. */
 #include "base/context.h"
 #include "image/march.h"
-#include "method/dom/job.h"
+#include "method/dom/solution.h"
 #include "method/dom/sources/environment.h"
 #include "scene/scene.h"
 #include "solve/harmonics.h"
@@ -18,7 +18,7 @@ typedef struct fields {
     ty_source_field seen, surfaces;
     float* sent[3];                     /* radiance that cells send to the eye per scattering coefficient */
     float* incident[3][TY_FIELD_TERMS]; /* radiance by direction, for surfaces */
-    ty_single_light lights[TY_DOM_OWN_MAX + 1];
+    ty_light_fluence lights[TY_DOM_DEDICATED_MAX + 1];
     ty_cuts* cuts;   /* surfaces between cells; NULL: there are none */
     uint8_t* hidden; /* cells behind surfaces; NULL: there are none */
     size_t fine_cells;
@@ -34,7 +34,7 @@ typedef struct send_job {
     float* const* out;
 } send_job;
 
-void ty_dom_way(const ty_dom* light, const int32_t cell[3], const double eye[3], double way[3]) {
+void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double way[3]) {
     double square = 0;
     for (int a = 0; a < 3; ++a) {
         const double side = (light->box.upper[a] - light->box.lower[a]) / light->box.size[a];
@@ -47,9 +47,9 @@ void ty_dom_way(const ty_dom* light, const int32_t cell[3], const double eye[3],
 /* Of the fluence that a thick cell's faces show an eye, what it is more than the cell's mean. */
 static double seen_more(const ty_dom* light, int32_t channel, size_t cell, const double way[3]) {
     double sum = 0, weights = 0;
-    if (light->seen[channel] == NULL) return 0;
+    if (light->face_fluence[channel] == NULL) return 0;
     for (int face = 0; face < 6; ++face) {
-        const double seen = (double)light->seen[channel][6 * cell + (size_t)face];
+        const double seen = (double)light->face_fluence[channel][6 * cell + (size_t)face];
         const double weight = (face & 1) != 0 ? way[face / 2] : -way[face / 2];
         if (seen < 0 || weight <= 0) continue;
         sum += weight * seen;
@@ -67,14 +67,14 @@ static void send_row(void* user, int64_t row, int32_t worker) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
         double way[3], y[TERMS_MAX];
-        ty_dom_way(light, cell, job->eye, way);
-        ty_harmonics_at(way, light->kept, y);
+        ty_dom_direction_to_eye(light, cell, job->eye, way);
+        ty_harmonics_at(way, light->output_bands, y);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
-            const float* surfaces = light->surfaces[c];
+            const float* surfaces = light->wall_moments[c];
             const ty_forward_fit* fit = light->fit.bands > 0 ? &light->fit : NULL;
             double sum = y[0] * seen_more(light, c, at, way) * (fit != NULL ? (double)fit->moments[0] : 1), of_g = 1;
-            for (int32_t l = 0; l < light->kept; ++l, of_g *= g) {
+            for (int32_t l = 0; l < light->output_bands; ++l, of_g *= g) {
                 const double power = fit != NULL ? (double)fit->moments[l] : of_g;
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
                     const size_t item = light->cells * (size_t)t + at;
@@ -96,8 +96,8 @@ static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) 
     memcpy(f->seen.color, light->color, sizeof f->seen.color);
     send_job job = {light, eye, f->sent};
     ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
-    if (light->lobes && light->fit.bands == 0) ty_dom_mend_lobes(light, eye, f->sent);
-    for (int32_t c = 0; c < ty_dom_channels(light); ++c) ty_dom_cover_hidden(light, f->cuts, f->hidden, f->sent[c]);
+    if (light->has_lobes && light->fit.bands == 0) ty_dom_correct_lobes(light, eye, f->sent);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c) ty_dom_fill_hidden(light, f->cuts, f->hidden, f->sent[c]);
     return TY_OK;
 }
 
@@ -120,8 +120,8 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
             f->surfaces.terms[c][t] = out;
         }
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        ty_dom_turn_to_walls(light, c, f->incident[c]);
-        for (int t = 0; t < TY_FIELD_TERMS; ++t) ty_dom_cover_hidden(light, NULL, f->hidden, f->incident[c][t]);
+        ty_dom_match_wall_irradiance(light, c, f->incident[c]);
+        for (int t = 0; t < TY_FIELD_TERMS; ++t) ty_dom_fill_hidden(light, NULL, f->hidden, f->incident[c][t]);
     }
     return TY_OK;
 }
@@ -130,7 +130,7 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
 
 typedef struct many_job {
     const ty_dom* light;
-    const ty_single_light* single;
+    const ty_light_fluence* single;
     float* const* sent; /* of the cells of ordinates: what such light is turned into for the eye */
     float* const* all;  /* and how much of it there is */
     float* const* out;  /* of fine cells */
@@ -167,15 +167,15 @@ static void free_planes(const ty_dom* light, size_t cells, float* const planes[3
     for (int c = 0; c < 3; ++c) ty_free_array(light->context, planes[c], cells, sizeof(float));
 }
 
-/* Fields of fine cells in place of those of TY_SINGLE_MANY, which know no direction. */
+/* Fields of fine cells in place of those of TY_FLUENCE_P1, which know no direction. */
 static ty_result make_many(const ty_dom* light, const double eye[3], fields* f) {
-    ty_single_light* single = &f->lights[light->light_count - 1];
+    ty_light_fluence* single = &f->lights[light->fluence_count - 1];
     const int32_t channels = single->shared != 0 ? 1 : 3;
     float *sent[3] = {NULL}, *all[3] = {NULL};
     ty_result result = take_planes(light, channels, f->fine_cells, f->many);
     if (result == TY_OK) result = take_planes(light, channels, light->cells, sent);
     if (result == TY_OK) result = take_planes(light, channels, light->cells, all);
-    if (result == TY_OK) result = ty_dom_send_parts(light, eye, channels, sent, all);
+    if (result == TY_OK) result = ty_dom_evaluate_clusters(light, eye, channels, sent, all);
     if (result == TY_OK) {
         many_job job = {light, single, sent, all, f->many};
         ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], many_row, &job);
@@ -187,18 +187,18 @@ static ty_result make_many(const ty_dom* light, const double eye[3], fields* f) 
 }
 
 static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f) {
-    memcpy(f->lights, light->lights, sizeof f->lights);
-    if (light->many == NULL) return TY_OK;
-    f->lights[light->light_count - 1].kind = TY_SINGLE_EVEN;
-    return light->even ? TY_OK : make_many(light, eye, f);
+    memcpy(f->lights, light->fluences, sizeof f->lights);
+    if (light->aggregate == NULL) return TY_OK;
+    f->lights[light->fluence_count - 1].kind = TY_FLUENCE_ISOTROPIC;
+    return light->isotropic ? TY_OK : make_many(light, eye, f);
 }
 
 /* What of environments is seen through a fit's peak. */
 static ty_result make_blurred(const ty_dom* light, fields* f) {
-    if (light->fit.bands == 0 || light->piece_count == 0) return TY_OK;
-    f->blurred = ty_alloc_array(light->context, TY_DOM_SKY_TEXELS, 3 * sizeof(float), false);
+    if (light->fit.bands == 0 || light->env_count == 0) return TY_OK;
+    f->blurred = ty_alloc_array(light->context, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float), false);
     if (f->blurred == NULL) return TY_ERROR_MEMORY;
-    ty_dom_sky_blur(light, f->blurred);
+    ty_dom_environment_blur(light, f->blurred);
     return TY_OK;
 }
 
@@ -207,7 +207,7 @@ static ty_result make_blurred(const ty_dom* light, fields* f) {
 static void free_fields(const ty_dom* light, fields* f) {
     ty_cuts_destroy(f->cuts);
     ty_free_array(light->context, f->hidden, light->cells, 1);
-    ty_free_array(light->context, f->blurred, TY_DOM_SKY_TEXELS, 3 * sizeof(float));
+    ty_free_array(light->context, f->blurred, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float));
     for (int c = 0; c < 3; ++c) {
         ty_free_array(light->context, f->sent[c], light->cells, sizeof(float));
         ty_free_array(light->context, f->many[c], f->fine_cells, sizeof(float));
@@ -220,8 +220,8 @@ static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const d
     const bool surfaces = ty_scene_get_view(scene)->mesh != NULL;
     const int32_t* fine = light->fine_box.size;
     f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
-    ty_result result = ty_cuts_find(light->context, light->walls, &light->box, &f->cuts);
-    if (result == TY_OK) result = ty_dom_look(light, scene, eye, &f->hidden);
+    ty_result result = ty_cuts_find(light->context, light->boundary, &light->box, &f->cuts);
+    if (result == TY_OK) result = ty_dom_find_hidden(light, scene, eye, &f->hidden);
     if (result == TY_OK) result = make_seen(light, eye, f);
     if (result == TY_OK && surfaces) result = make_incident(light, f);
     if (result == TY_OK) result = make_lights(light, eye, f);
@@ -239,7 +239,7 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     ty_march_def march = ty_march_def_of(scene, &options);
     march.light_box = light->fine_box;
     march.lights = f.lights;
-    march.light_count = light->light_count;
+    march.light_count = light->fluence_count;
     march.reduced = light->bands;
     march.fit = light->fit.bands > 0 ? &light->fit : NULL;
     march.field = &f.seen;

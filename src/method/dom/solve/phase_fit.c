@@ -2,7 +2,7 @@
  * them swings between many times too much and less than nothing at wide angles, where pictures from the side look. So
  * it is their shape outside of the peak that L bands are fitted to (delta-fit, Hu et al. 2000), and what these leave
  * out counts as light that goes straight on. */
-#include "method/dom/job.h"
+#include "method/dom/solve/solve.h"
 #include "scene/phase.k.h"
 
 #include <math.h>
@@ -62,7 +62,7 @@ static void relative_terms(double mu, double g, int32_t bands, double* terms) {
     }
 }
 
-void ty_dom_fit_peak(double g, int32_t bands, ty_forward_fit* out) {
+void ty_dom_fit_phase(double g, int32_t bands, ty_forward_fit* out) {
     const int32_t right = right_bands(bands);
     normal n = {.count = bands - right + 1};
     double terms[TY_DOM_BANDS_MAX], x[TY_DOM_BANDS_MAX];
