@@ -101,7 +101,7 @@ static void sides_are_of_their_surfaces(void** state) {
         assert_close((double)side->position.z, 0.1, 1e-4);
         assert_close((double)side->depth, upper ? 0.25 : 0.75, 2e-3);
         assert_close((double)side->albedo[1], 0.25, 1e-6);
-        assert_close((double)side->stairs, 1, 1e-6);
+        assert_close((double)side->staircase_factor, 1, 1e-6);
     }
     ty_boundary_faces_destroy(walls);
     direct_end(&made);
@@ -112,7 +112,7 @@ static void stairs_look_like_their_surface(void** state) {
     (void)state;
     for (float stairs = 1; stairs < 1.8f; stairs += 0.1f)
         for (float albedo = 0; albedo <= 1; albedo += 0.25f) {
-            const ty_boundary_side wall = {.stairs = stairs};
+            const ty_boundary_side wall = {.staircase_factor = stairs};
             float of_stairs, share;
             ty_staircase_albedo(&wall, albedo, &of_stairs, &share);
             const float met = 1 - 1 / stairs;

@@ -18,8 +18,8 @@ static void light_turns_as_much_as_it_should(void** state) {
             ty_forward_fit fit;
             ty_dom_fit_phase(g, bands, &fit);
             assert_int_equal(fit.bands, bands);
-            assert_true(fit.straight > 0 && fit.straight < 1);
-            assert_true(fabs((double)(fit.straight + fit.moments[0]) - 1) < 1e-6);
+            assert_true(fit.forward_fraction > 0 && fit.forward_fraction < 1);
+            assert_true(fabs((double)(fit.forward_fraction + fit.moments[0]) - 1) < 1e-6);
             for (int32_t l = 1; l < (bands < TY_DOM_BANDS_MAX ? 3 : 5); ++l)
                 assert_true(fabs((double)(fit.moments[0] - fit.moments[l]) - (1 - pow(g, l))) < 1e-6);
             for (int32_t l = 1; l < bands; ++l)
@@ -59,7 +59,7 @@ static void the_peak_is_whole(void** state) {
             for (double mu = 0.91; mu < 1; mu += 0.03) {
                 double before = 0, now = 1, sum = 0, all = 0;
                 for (int l = 0; l < 8000; ++l) {
-                    const double of_g = pow(g, l), straight = (double)fit.straight;
+                    const double of_g = pow(g, l), straight = (double)fit.forward_fraction;
                     const double d = straight + (l < BANDS ? (double)fit.moments[l] : 0);
                     all += (2 * l + 1) * now * of_g * exp(n * (of_g - 1));
                     if (l < BANDS)
@@ -68,7 +68,7 @@ static void the_peak_is_whole(void** state) {
                     before = now;
                     now = next;
                 }
-                const ty_forward light = {(float)exp(-n), (float)exp(n * ((double)fit.straight - 1)), 0, 1};
+                const ty_forward light = {(float)exp(-n), (float)exp(n * ((double)fit.forward_fraction - 1)), 0, 1};
                 const double found =
                     4 * 3.14159265358979 * (double)ty_forward_fit_deficit(light, (float)mu, (float)g, &fit);
                 if (!(fabs(found - (all - sum)) <= 0.04 * all))

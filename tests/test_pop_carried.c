@@ -32,10 +32,10 @@ static beam* new_beam(ty_context* context, ty_vec direction, float g) {
     b->fine.g[0] = b->g;
     b->light.kind = TY_FLUENCE_DIRECTIONAL;
     b->light.sample.direction = direction;
-    b->light.lobes = b->light.shared = 1;
+    b->light.lobe_order = b->light.shared = 1;
     b->light.fluence[0] = b->kept;
-    b->light.straight[0] = b->straight;
-    b->light.bent[0] = b->bent;
+    b->light.unscattered[0] = b->straight;
+    b->light.next_order[0] = b->bent;
     for (int i = 0; i < FINE; ++i) b->g[i] = g;
     assert_true(TY_OK == ty_pop_carried_create(context, MERGED, &b->carried));
     return b;

@@ -34,12 +34,13 @@ typedef struct ty_march_def {
     int32_t light_count;            /* 0..TY_MARCH_LIGHTS_MAX */
     int32_t reduced; /* whether that light lost only what scatters aside on its way: L of sigma_t - g^L sigma_s, 1..12
                         (1, g above 0 alone: a reduced beam); default 0: sigma_t */
-    const ty_forward_fit* fit; /* the phase function where all media have the same, too narrow for L bands: light goes
-                                  straight on by fit->straight, not g^L, and the field has what the fit scatters to the
-                                  eye, per scattering coefficient, to be seen through the same; NULL (default): none */
-    const float* blurred;      /* with a fit: environments' radiance, blurred as much as scattering once within the peak
-                                  does; an octahedral map of ways that one looks along, TY_MARCH_BLURRED cells a side, of
-                                  R, G, B; NULL (default): none is seen */
+    const ty_forward_fit*
+        fit;              /* the phase function where all media have the same, too narrow for L bands: light goes
+                             straight on by fit->forward_fraction, not g^L, and the field has what the fit scatters to the
+                             eye, per scattering coefficient, to be seen through the same; NULL (default): none */
+    const float* blurred; /* with a fit: environments' radiance, blurred as much as scattering once within the peak
+                             does; an octahedral map of ways that one looks along, TY_MARCH_BLURRED cells a side, of
+                             R, G, B; NULL (default): none is seen */
     const ty_source_field* field;         /* multiply scattered light; NULL (default): none */
     const ty_source_field* surface_field; /* what of it surfaces are lit by; NULL (default): field */
     const ty_cuts* cuts; /* surfaces between field's cells, across which nothing of it is interpolated for media; NULL

@@ -169,7 +169,7 @@ TY_FN void ty_march_reduce(const ty_march_ray* ray, float at, float depth[3]) {
         if (!(track->amount > 0.0f)) continue;
         ty_medium_sigma_s(track->medium, point, sigma_s);
         for (int c = 0; c < 3; ++c)
-            depth[c] = ty_maxf(0.0f, depth[c] - ray->request->fit.straight * sigma_s[c] * track->amount);
+            depth[c] = ty_maxf(0.0f, depth[c] - ray->request->fit.forward_fraction * sigma_s[c] * track->amount);
     }
 }
 

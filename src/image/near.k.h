@@ -62,7 +62,7 @@ TY_FN void ty_near_depth(TY_GLOBAL const ty_march_request* request, TY_GLOBAL co
     ty_medium_g(medium, middle, g);
     for (int32_t c = 0; c < 3; ++c) {
         const float sigma_t = medium->sigma_t[c], power = ty_near_kept(request->reduced, g[c]);
-        const float kept = request->fit.bands > 0 ? request->fit.straight : power;
+        const float kept = request->fit.bands > 0 ? request->fit.forward_fraction : power;
         depth[TY_FLUENCE_ORDER_L][c] += amount * ty_maxf(0.0f, sigma_t - kept * sigma_s[c]);
         depth[TY_FLUENCE_UNSCATTERED][c] += amount * sigma_t;
         depth[TY_FLUENCE_NEXT_ORDER][c] += amount * ty_maxf(0.0f, sigma_t - ty_maxf(0.0f, g[c]) * power * sigma_s[c]);
@@ -156,7 +156,7 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     far = ty_near_pass(request, &way, extinction, depth);
     if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
-    for (int32_t f = 0; f < (light->lobes != 0 ? TY_FLUENCE_COUNT : 1); ++f)
+    for (int32_t f = 0; f < (light->lobe_order != 0 ? TY_FLUENCE_COUNT : 1); ++f)
         for (int32_t c = 0; c < 3; ++c) out->passing[f][c] = spread * spread * ty_decay(depth[f][c]);
     out->at = ty_cell_locate(request->light.size, ty_mad(from, cells, far));
     return true;

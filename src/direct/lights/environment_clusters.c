@@ -8,47 +8,47 @@
 #include "scene/scene.h"
 
 /* Places along each side of a part where it may be cut. */
-enum { CUTS = 24 };
+enum { MAX_SPLITS = 24 };
 
 /* Of a cell's mass, the part that importance does not decide: nothing bright is left to one part. */
-static const double FLOOR = 0.03;
+static const double MIN_IMPORTANCE = 0.03;
 
 /* Importance counts to the power N / (N + 8): a few parts must stand for all light, whichever is seen most. */
-static const double FEW = 8;
+static const double IMPORTANCE_HALF_COUNT = 8;
 
 static const double pi = 3.14159265358979323846;
 
 /* Sums over a stretch of the sphere. */
-typedef struct light_sum {
+typedef struct moments {
     double color[3];    /* irradiance, W m^-2 */
     double flow[3];     /* luminance times the direction one looks along */
     double mass;        /* luminance times importance */
     double solid_angle; /* sr */
-} light_sum;
+} moments;
 
 typedef struct table_job {
     const ty_environment_view* environment;
     const ty_environment_clusters_def* def;
-    double power;    /* of importance */
-    int32_t size[2]; /* cells */
-    light_sum* sums; /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
-    int32_t shift;   /* of columns: where the sphere is cut open */
-    double dark;     /* luminance that differences of sums cannot be told from 0 by */
+    double power;         /* of importance */
+    int32_t size[2];      /* cells */
+    moments* sums;        /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
+    int32_t shift;        /* of columns: where the sphere is cut open */
+    double min_luminance; /* luminance that differences of sums cannot be told from 0 by */
 } table_job;
 
-typedef struct part {
+typedef struct region {
     int32_t from[2], to[2]; /* cells */
-    light_sum sum;
+    moments sum;
     double gain; /* light times the change of direction that a cut makes of it; 0: there is none */
-    int32_t axis, cut;
-} part;
+    int32_t axis, split;
+} region;
 
 static double luminance(const double color[3]) {
     return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
 }
 
 /* a + sign * b */
-static light_sum sum_up(light_sum a, const light_sum* b, double sign) {
+static moments add_scaled(moments a, const moments* b, double sign) {
     for (int i = 0; i < 3; ++i) {
         a.color[i] += sign * b->color[i];
         a.flow[i] += sign * b->flow[i];
@@ -75,96 +75,96 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
     const table_job* job = user;
     const ty_environment_view* env = job->environment;
     const int32_t row = (int32_t)index, width = job->size[0];
-    light_sum* sums = job->sums + (size_t)(width + 1) * (size_t)(row + 1) + 1;
+    moments* sums = job->sums + (size_t)(width + 1) * (size_t)(row + 1) + 1;
     const ty_environment_cell* cells = env->cells + (size_t)width * (size_t)row;
     const float v = ((float)row + 0.5f) / (float)job->size[1];
     for (int32_t column = 0; column < width; ++column) {
         const ty_environment_cell* cell = &cells[column];
         const double flow[3] = {(double)cell->flow[0], (double)cell->flow[1], (double)cell->flow[2]};
         const bool z_up = env->up == 2;
-        light_sum* sum = &sums[(column + job->shift) % width];
-        *sum = (light_sum){.color = {(double)cell->color[0], (double)cell->color[1], (double)cell->color[2]},
-                           .flow = {flow[0], z_up ? flow[1] : flow[2], z_up ? flow[2] : -flow[1]},
-                           .solid_angle = (double)cell->solid_angle};
+        moments* sum = &sums[(column + job->shift) % width];
+        *sum = (moments){.color = {(double)cell->color[0], (double)cell->color[1], (double)cell->color[2]},
+                         .flow = {flow[0], z_up ? flow[1] : flow[2], z_up ? flow[2] : -flow[1]},
+                         .solid_angle = (double)cell->solid_angle};
         const float u = ((float)column + 0.5f) / (float)width - env->turns;
-        sum->mass = luminance(sum->color) * (FLOOR + (1 - FLOOR) * weight_at(job, u, v));
+        sum->mass = luminance(sum->color) * (MIN_IMPORTANCE + (1 - MIN_IMPORTANCE) * weight_at(job, u, v));
     }
 }
 
 /* Turns sums of cells into sums of all cells up to a corner. */
 static void accumulate(const table_job* job) {
     const size_t row = (size_t)job->size[0] + 1;
-    for (size_t i = 0; i < row; ++i) job->sums[i] = (light_sum){.mass = 0};
+    for (size_t i = 0; i < row; ++i) job->sums[i] = (moments){.mass = 0};
     for (int32_t y = 1; y <= job->size[1]; ++y) {
-        light_sum* at = job->sums + row * (size_t)y;
-        light_sum along = at[0] = (light_sum){.mass = 0};
+        moments* at = job->sums + row * (size_t)y;
+        moments along = at[0] = (moments){.mass = 0};
         for (size_t x = 1; x < row; ++x) {
-            along = sum_up(along, &at[x], 1);
-            at[x] = sum_up(along, &at[x - row], 1);
+            along = add_scaled(along, &at[x], 1);
+            at[x] = add_scaled(along, &at[x - row], 1);
         }
     }
 }
 
-static light_sum sum_of(const table_job* job, const int32_t from[2], const int32_t to[2]) {
+static moments sum_of(const table_job* job, const int32_t from[2], const int32_t to[2]) {
     const size_t row = (size_t)job->size[0] + 1;
-    const light_sum* top = job->sums + row * (size_t)from[1];
-    const light_sum* bottom = job->sums + row * (size_t)to[1];
-    const light_sum above = sum_up(top[to[0]], &top[from[0]], -1);
-    return sum_up(sum_up(bottom[to[0]], &bottom[from[0]], -1), &above, -1);
+    const moments* top = job->sums + row * (size_t)from[1];
+    const moments* bottom = job->sums + row * (size_t)to[1];
+    const moments above = add_scaled(top[to[0]], &top[from[0]], -1);
+    return add_scaled(add_scaled(bottom[to[0]], &bottom[from[0]], -1), &above, -1);
 }
 
 /* ---- parts ---- */
 
 /* Where a part is best cut: the lengths of the halves' mean vectors say how much light goes which way. Ties go to cuts
  * along the first axis, so that rounding does not decide. */
-static void find_cut(const table_job* job, part* p) {
-    const double bright = luminance(p->sum.color), whole = length_of(p->sum.flow);
-    double best = whole + 1e-7 * bright;
+static void find_split(const table_job* job, region* p) {
+    const double lum = luminance(p->sum.color), whole_length = length_of(p->sum.flow);
+    double best = whole_length + 1e-7 * lum;
     p->gain = 0;
-    if (!(bright > job->dark)) return;
+    if (!(lum > job->min_luminance)) return;
     for (int32_t axis = 0; axis < 2; ++axis) {
-        const int32_t cells = p->to[axis] - p->from[axis], cuts = cells < CUTS ? cells : CUTS;
+        const int32_t cells = p->to[axis] - p->from[axis], cuts = cells < MAX_SPLITS ? cells : MAX_SPLITS;
         for (int32_t i = 1; i < cuts; ++i) {
             int32_t to[2] = {p->to[0], p->to[1]};
             to[axis] = p->from[axis] + (int32_t)((int64_t)i * cells / cuts);
-            const light_sum first = sum_of(job, p->from, to), second = sum_up(p->sum, &first, -1);
-            const double kept = length_of(first.flow) + length_of(second.flow);
-            if (!(kept > best)) continue;
-            best = kept + 1e-7 * bright;
-            p->gain = (kept - whole) * p->sum.mass / bright;
+            const moments first = sum_of(job, p->from, to), second = add_scaled(p->sum, &first, -1);
+            const double split_length = length_of(first.flow) + length_of(second.flow);
+            if (!(split_length > best)) continue;
+            best = split_length + 1e-7 * lum;
+            p->gain = (split_length - whole_length) * p->sum.mass / lum;
             p->axis = axis;
-            p->cut = to[axis];
+            p->split = to[axis];
         }
     }
 }
 
-static void cut(const table_job* job, part* p, part* rest) {
+static void split(const table_job* job, region* p, region* rest) {
     *rest = *p;
-    p->to[p->axis] = rest->from[p->axis] = p->cut;
+    p->to[p->axis] = rest->from[p->axis] = p->split;
     p->sum = sum_of(job, p->from, p->to);
     rest->sum = sum_of(job, rest->from, rest->to);
-    find_cut(job, p);
-    find_cut(job, rest);
+    find_split(job, p);
+    find_split(job, rest);
 }
 
 /* Cuts the part whose cut gains most, again and again. */
-static int32_t cut_up(const table_job* job, part* parts, int32_t wanted) {
+static int32_t split_regions(const table_job* job, region* regions, int32_t max_regions) {
     int32_t count = 1;
-    parts[0] = (part){.to = {job->size[0], job->size[1]}};
-    parts[0].sum = sum_of(job, parts[0].from, parts[0].to);
-    find_cut(job, &parts[0]);
-    while (count < wanted) {
-        part* best = &parts[0];
+    regions[0] = (region){.to = {job->size[0], job->size[1]}};
+    regions[0].sum = sum_of(job, regions[0].from, regions[0].to);
+    find_split(job, &regions[0]);
+    while (count < max_regions) {
+        region* best = &regions[0];
         for (int32_t i = 1; i < count; ++i)
-            if (parts[i].gain > best->gain) best = &parts[i];
-        if (!(best->gain > job->dark)) break;
-        cut(job, best, &parts[count++]);
+            if (regions[i].gain > best->gain) best = &regions[i];
+        if (!(best->gain > job->min_luminance)) break;
+        split(job, best, &regions[count++]);
     }
     return count;
 }
 
 /* The table sums what lookups blend, or misses it between cells: the light's own mean is what counts. */
-static void find_scale(const table_job* job, const light_sum* all, double scale[3]) {
+static void find_scale(const table_job* job, const moments* all, double scale[3]) {
     for (int c = 0; c < 3; ++c) {
         const double total = 4 * pi * (double)job->environment->constant[c];
         scale[c] = all->color[c] > 0 ? total / all->color[c] : 0;
@@ -172,29 +172,30 @@ static void find_scale(const table_job* job, const light_sum* all, double scale[
 }
 
 static ty_discrete_light sample_of(const ty_scene* scene, const ty_environment_clusters_def* def, int32_t light,
-                                   const light_sum* sum, const double scale[3]) {
+                                   const moments* sum, const double scale[3]) {
     ty_discrete_light out = {.kind = TY_DISCRETE_DIRECTIONAL, .light = light, .shadowed = scene->view.mesh != NULL};
-    const double bright = luminance(sum->color), length = length_of(sum->flow);
-    const double even = fmax(0, 1 - sum->solid_angle / (4 * pi)), own = fmin(1, length / bright);
-    out.mean_cosine = (float)pow(def->by_share ? even : own, def->prefilter);
+    const double lum = luminance(sum->color), length = length_of(sum->flow);
+    const double by_angle = fmax(0, 1 - sum->solid_angle / (4 * pi)), by_length = fmin(1, length / lum);
+    out.mean_cosine = (float)pow(def->by_solid_angle ? by_angle : by_length, def->prefilter);
     out.direction = scene->up == TY_AXIS_Z ? ty_vec_make(0, 0, -1) : ty_vec_make(0, -1, 0);
     for (int c = 0; c < 3; ++c) out.color[c] = (float)fmax(0, scale[c] * sum->color[c]);
-    if (length > 1e-6 * bright)
+    if (length > 1e-6 * lum)
         out.direction = ty_normalize(ty_vec_make((float)(-sum->flow[0] / length), (float)(-sum->flow[1] / length),
                                                  (float)(-sum->flow[2] / length)));
     return out;
 }
 
-static void add_samples(const ty_scene* scene, int32_t light, table_job* job, part* parts, ty_discrete_light_set* out) {
+static void add_samples(const ty_scene* scene, int32_t light, table_job* job, region* regions,
+                        ty_discrete_light_set* out) {
     double scale[3];
     accumulate(job);
-    const light_sum* all = &job->sums[(size_t)(job->size[0] + 1) * (size_t)(job->size[1] + 1) - 1];
-    job->dark = 1e-9 * luminance(all->color);
-    const int32_t count = cut_up(job, parts, job->def->count);
+    const moments* all = &job->sums[(size_t)(job->size[0] + 1) * (size_t)(job->size[1] + 1) - 1];
+    job->min_luminance = 1e-9 * luminance(all->color);
+    const int32_t count = split_regions(job, regions, job->def->count);
     find_scale(job, all, scale);
     for (int32_t i = 0; i < count; ++i)
-        if (luminance(parts[i].sum.color) > job->dark)
-            out->items[out->count++] = sample_of(scene, job->def, light, &parts[i].sum, scale);
+        if (luminance(regions[i].sum.color) > job->min_luminance)
+            out->items[out->count++] = sample_of(scene, job->def, light, &regions[i].sum, scale);
 }
 
 ty_result ty_environment_clusters_add(const ty_scene* scene, const ty_environment_clusters_def* def, int32_t light,
@@ -203,18 +204,18 @@ ty_result ty_environment_clusters_add(const ty_scene* scene, const ty_environmen
     const ty_environment_view* environment = &scene->view.lights.lights[light].environment;
     table_job job = {.environment = environment,
                      .def = def,
-                     .power = def->count / (def->count + FEW),
+                     .power = def->count / (def->count + IMPORTANCE_HALF_COUNT),
                      .size = {environment->cells_width, environment->cells_height}};
-    const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), wanted = (size_t)def->count;
+    const size_t corners = (size_t)(job.size[0] + 1) * (size_t)(job.size[1] + 1), max_regions = (size_t)def->count;
     job.shift = (int32_t)(ty_mix64(def->seed + ty_mix64((uint64_t)light + 1)) % (uint64_t)job.size[0]);
     job.sums = ty_alloc_array(context, corners, sizeof *job.sums, false);
-    part* parts = ty_alloc_array(context, wanted, sizeof *parts, false);
-    const bool enough = job.sums != NULL && parts != NULL;
-    if (enough) {
+    region* regions = ty_alloc_array(context, max_regions, sizeof *regions, false);
+    const bool allocated = job.sums != NULL && regions != NULL;
+    if (allocated) {
         ty_parallel_flushed(context, job.size[1], sum_row, &job);
-        add_samples(scene, light, &job, parts, out);
+        add_samples(scene, light, &job, regions, out);
     }
     ty_free_array(context, job.sums, corners, sizeof *job.sums);
-    ty_free_array(context, parts, wanted, sizeof *parts);
-    return enough ? TY_OK : TY_ERROR_MEMORY;
+    ty_free_array(context, regions, max_regions, sizeof *regions);
+    return allocated ? TY_OK : TY_ERROR_MEMORY;
 }

@@ -9,8 +9,9 @@
 typedef struct ty_environment_clusters_def {
     int32_t count;    /* at most */
     double prefilter; /* what parts' mean cosines are raised to; 1: as they are, 0: all are lines */
-    bool by_share;    /* whether a part's mean cosine is 1 less its share of the sphere, instead of its light's own */
-    uint64_t seed;    /* of where the sphere is cut open */
+    bool
+        by_solid_angle; /* whether a part's mean cosine is 1 less its share of the sphere, instead of its light's own */
+    uint64_t seed;      /* of where the sphere is cut open */
     const float* importance; /* of light by direction: an equirectangular map of rotation 0, or NULL: all alike */
     int32_t width, height;   /* of it */
 } ty_environment_clusters_def;

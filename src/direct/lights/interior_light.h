@@ -19,6 +19,6 @@ void ty_interior_light_add_point(ty_interior_light* sum, const ty_grid_box* box,
 /* The largest ratio of flux to fluence of diffuse light (ty_diffusion_def.streaming). Light that comes from outside
  * scatters near the surface of media and leaves them in all outward directions; light from lamps within leaves them
  * more directly, so that the limit grows with its share, from `outside` to 0.8. */
-double ty_interior_light_max_flux(const ty_interior_light* sum, double outside);
+double ty_interior_light_max_flux(const ty_interior_light* sum, double exterior_max);
 
 #endif

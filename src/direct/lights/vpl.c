@@ -6,10 +6,10 @@
 #include "scene/scene.h"
 
 /* Surfaces farther from the medium than this many of its longest sides are left out of directional lights' maps. */
-static const double REACH = 8;
+static const double MAX_DISTANCE = 8;
 
 /* Lights whose maps are of full size; more of them share as many texels. */
-enum { FULL_MAPS = 16, LEAST_SIDE = 16 };
+enum { FULL_MAPS = 16, MIN_SIDE = 16 };
 
 /* What texels are sorted by: positions in sides of the medium's box, and normals, of which opposite ones are a side
  * apart. */
@@ -24,11 +24,11 @@ typedef struct vpl_texel {
 } vpl_texel;
 
 /* Sums over the texels that a VPL stands for. */
-typedef struct vpl_share {
+typedef struct cluster {
     double flux[3];
-    double solid_angle;      /* of its surfaces, as seen from the medium, sr */
-    double place[3], bright; /* sums of luminance times position, and of luminance */
-} vpl_share;
+    double solid_angle;                    /* of its surfaces, as seen from the medium, sr */
+    double position_sum[3], luminance_sum; /* sums of luminance times position, and of luminance */
+} cluster;
 
 typedef struct vpl_list {
     const ty_scene* scene;
@@ -36,14 +36,14 @@ typedef struct vpl_list {
     const ty_grid_medium* medium;
     ty_shadow_map** maps;
     int32_t map_count;
-    ty_vec middle, half; /* of the medium's box */
-    float longest;       /* side of it, m */
+    ty_vec center, half_side; /* of the medium's box */
+    float longest;            /* side of it, m */
     vpl_texel* texels;
     size_t texel_count;
     ty_discrete_light_set* out;
 } vpl_list;
 
-static bool casts(const ty_light_view* light) {
+static bool is_mapped(const ty_light_view* light) {
     const bool kind = light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT;
     return kind && light->color[0] + light->color[1] + light->color[2] > 0;
 }
@@ -54,19 +54,20 @@ static float luminance(const ty_shadow_texel* texel) {
     return 0.2126f * texel->flux[0] + 0.7152f * texel->flux[1] + 0.0722f * texel->flux[2];
 }
 
-static double distance2_of(const vpl_list* list, ty_vec off) {
+static double clamped_square_distance(const vpl_list* list, ty_vec off) {
     return fmax((double)ty_dot(off, off), 0.25 * (double)(list->longest * list->longest));
 }
 
 /* Luminance, times the cosine law towards the medium, not below a tenth, over the square of the distance, not within
  * the medium's size; 0 where the surface faces away from all of it. */
 static double weight_of(const vpl_list* list, const ty_shadow_texel* texel) {
-    const ty_vec off = ty_sub(list->middle, texel->position), n = texel->normal, half = list->half;
-    const float bright = luminance(texel);
-    const float along = ty_dot(off, n), reach = fabsf(n.x) * half.x + fabsf(n.y) * half.y + fabsf(n.z) * half.z;
-    if (!(bright > 0.0f) || !(along + reach > 0.0f)) return 0;
-    const double distance2 = distance2_of(list, off);
-    return (double)bright * fmax(0.1, (double)along / sqrt(distance2)) / distance2;
+    const ty_vec off = ty_sub(list->center, texel->position), n = texel->normal, half_side = list->half_side;
+    const float luminance_sum = luminance(texel);
+    const float along = ty_dot(off, n),
+                reach = fabsf(n.x) * half_side.x + fabsf(n.y) * half_side.y + fabsf(n.z) * half_side.z;
+    if (!(luminance_sum > 0.0f) || !(along + reach > 0.0f)) return 0;
+    const double distance2 = clamped_square_distance(list, off);
+    return (double)luminance_sum * fmax(0.1, (double)along / sqrt(distance2)) / distance2;
 }
 
 static void list_map(vpl_list* list, const ty_shadow_map* map) {
@@ -143,30 +144,30 @@ static size_t split_by_weight(vpl_texel* texels, size_t count, int32_t key, doub
 
 /* ---- VPLs ---- */
 
-static void add_to_share(const vpl_list* list, const ty_shadow_texel* texel, vpl_share* share) {
-    const ty_vec off = ty_sub(list->middle, texel->position);
-    const double bright = (double)luminance(texel), distance2 = distance2_of(list, off);
+static void add_to_cluster(const vpl_list* list, const ty_shadow_texel* texel, cluster* group) {
+    const ty_vec off = ty_sub(list->center, texel->position);
+    const double luminance_sum = (double)luminance(texel), distance2 = clamped_square_distance(list, off);
     const double facing = fmax(0, (double)ty_dot(off, texel->normal)) / sqrt(distance2);
-    for (int c = 0; c < 3; ++c) share->flux[c] += (double)texel->flux[c];
-    share->solid_angle += facing * (double)texel->area / distance2;
-    share->place[0] += bright * (double)texel->position.x;
-    share->place[1] += bright * (double)texel->position.y;
-    share->place[2] += bright * (double)texel->position.z;
-    share->bright += bright;
+    for (int c = 0; c < 3; ++c) group->flux[c] += (double)texel->flux[c];
+    group->solid_angle += facing * (double)texel->area / distance2;
+    group->position_sum[0] += luminance_sum * (double)texel->position.x;
+    group->position_sum[1] += luminance_sum * (double)texel->position.y;
+    group->position_sum[2] += luminance_sum * (double)texel->position.z;
+    group->luminance_sum += luminance_sum;
 }
 
 /* The texel next to the middle of their light. */
-static const vpl_texel* nearest_of(const vpl_share* share, const vpl_texel* texels, size_t count) {
+static const vpl_texel* nearest_of(const cluster* group, const vpl_texel* texels, size_t count) {
     const vpl_texel* nearest = texels;
-    double least = INFINITY;
+    double min_square = INFINITY;
     for (size_t i = 0; i < count; ++i) {
         const ty_vec at = texels[i].texel->position;
-        const double off[3] = {(double)at.x - share->place[0] / share->bright,
-                               (double)at.y - share->place[1] / share->bright,
-                               (double)at.z - share->place[2] / share->bright};
+        const double off[3] = {(double)at.x - group->position_sum[0] / group->luminance_sum,
+                               (double)at.y - group->position_sum[1] / group->luminance_sum,
+                               (double)at.z - group->position_sum[2] / group->luminance_sum};
         const double distance2 = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
-        if (!(distance2 < least)) continue;
-        least = distance2;
+        if (!(distance2 < min_square)) continue;
+        min_square = distance2;
         nearest = &texels[i];
     }
     return nearest;
@@ -179,49 +180,50 @@ static float cosine_of(const vpl_list* list, double solid_angle) {
 }
 
 static void add_vpl(vpl_list* list, const vpl_texel* texels, size_t count) {
-    vpl_share share = {.bright = 0};
-    for (size_t i = 0; i < count; ++i) add_to_share(list, texels[i].texel, &share);
-    const vpl_texel* nearest = nearest_of(&share, texels, count);
+    cluster group = {.luminance_sum = 0};
+    for (size_t i = 0; i < count; ++i) add_to_cluster(list, texels[i].texel, &group);
+    const vpl_texel* nearest = nearest_of(&group, texels, count);
     const float min_distance = (float)fmax(list->def->clamp, 1e-3) * list->longest;
     ty_discrete_light* vpl = &list->out->items[list->out->count++];
     *vpl = (ty_discrete_light){.kind = TY_DISCRETE_POINT,
                                .direction = nearest->texel->normal,
                                .position = nearest->texel->position,
-                               .mean_cosine = cosine_of(list, share.solid_angle),
+                               .mean_cosine = cosine_of(list, group.solid_angle),
                                .min_distance = min_distance,
                                .area = min_distance * min_distance,
                                .profile = TY_PROFILE_COSINE,
                                .light = nearest->light,
                                .is_virtual = 1,
                                .shadowed = 1};
-    for (int c = 0; c < 3; ++c) vpl->color[c] = (float)share.flux[c] / TY_PI;
+    for (int c = 0; c < 3; ++c) vpl->color[c] = (float)group.flux[c] / TY_PI;
 }
 
 /* Shares texels out among `wanted` VPLs, by halves. */
-static void share_out(vpl_list* list, vpl_texel* texels, size_t count, size_t wanted) {
-    if (wanted <= 1) {
+static void split_texels(vpl_list* list, vpl_texel* texels, size_t count, size_t max_count) {
+    if (max_count <= 1) {
         add_vpl(list, texels, count);
         return;
     }
     double total;
-    const size_t first = wanted / 2, second = wanted - first;
+    const size_t first = max_count / 2, second = max_count - first;
     const int32_t key = widest_key(texels, count, &total);
-    size_t split = split_by_weight(texels, count, key, total * (double)first / (double)wanted);
+    size_t split = split_by_weight(texels, count, key, total * (double)first / (double)max_count);
     split = split < first ? first : count - split < second ? count - second : split;
-    share_out(list, texels, split, first);
-    share_out(list, texels + split, count - split, second);
+    split_texels(list, texels, split, first);
+    split_texels(list, texels + split, count - split, second);
 }
 
 static ty_result choose_vpls(vpl_list* list) {
     ty_context* context = list->scene->context;
-    const size_t wanted = (size_t)list->def->count;
+    const size_t max_count = (size_t)list->def->count;
     size_t texels = 0;
     for (int32_t i = 0; i < list->map_count; ++i) texels += ty_shadow_map_count(list->maps[i]);
     list->texels = ty_alloc_array(context, texels, sizeof *list->texels, false);
     if (list->texels == NULL) return TY_ERROR_MEMORY;
     for (int32_t i = 0; i < list->map_count; ++i) list_map(list, list->maps[i]);
     if (list->texel_count > 0)
-        share_out(list, list->texels, list->texel_count, wanted < list->texel_count ? wanted : list->texel_count);
+        split_texels(list, list->texels, list->texel_count,
+                     max_count < list->texel_count ? max_count : list->texel_count);
     ty_free_array(context, list->texels, texels, sizeof *list->texels);
     return TY_OK;
 }
@@ -230,28 +232,28 @@ static ty_result choose_vpls(vpl_list* list) {
 
 static void measure_box(vpl_list* list) {
     const ty_grid_box* box = &list->medium->box;
-    float middle[3], half[3];
+    float center[3], half_side[3];
     for (int a = 0; a < 3; ++a) {
-        middle[a] = (float)(0.5 * (box->lower[a] + box->upper[a]));
-        half[a] = (float)(0.5 * (box->upper[a] - box->lower[a]));
-        list->longest = ty_maxf(list->longest, 2 * half[a]);
+        center[a] = (float)(0.5 * (box->lower[a] + box->upper[a]));
+        half_side[a] = (float)(0.5 * (box->upper[a] - box->lower[a]));
+        list->longest = ty_maxf(list->longest, 2 * half_side[a]);
     }
-    list->middle = ty_vec_load(middle);
-    list->half = ty_vec_load(half);
+    list->center = ty_vec_load(center);
+    list->half_side = ty_vec_load(half_side);
 }
 
 static int32_t side_of(const ty_vpl_def* def, int32_t lights) {
     if (lights <= FULL_MAPS) return def->texels;
-    const double share = sqrt((double)FULL_MAPS / lights);
-    return (int32_t)fmax(LEAST_SIDE, def->texels * share);
+    const double group = sqrt((double)FULL_MAPS / lights);
+    return (int32_t)fmax(MIN_SIDE, def->texels * group);
 }
 
 static ty_result make_maps(vpl_list* list, int32_t lights, float* const* extinction) {
     const ty_light_set* set = &list->scene->view.lights;
     double lower[3], upper[3];
     for (int a = 0; a < 3; ++a) {
-        lower[a] = list->medium->box.lower[a] - REACH * (double)list->longest;
-        upper[a] = list->medium->box.upper[a] + REACH * (double)list->longest;
+        lower[a] = list->medium->box.lower[a] - MAX_DISTANCE * (double)list->longest;
+        upper[a] = list->medium->box.upper[a] + MAX_DISTANCE * (double)list->longest;
     }
     const ty_shadow_map_def def = {.side = side_of(list->def, lights),
                                    .medium = list->medium,
@@ -260,7 +262,7 @@ static ty_result make_maps(vpl_list* list, int32_t lights, float* const* extinct
                                    .upper = upper,
                                    .seed = list->def->seed};
     for (int32_t i = 0; i < set->count; ++i) {
-        if (!casts(&set->lights[i])) continue;
+        if (!is_mapped(&set->lights[i])) continue;
         const ty_result result = ty_shadow_map_create(list->scene, &def, i, &list->maps[list->map_count]);
         if (result != TY_OK) return result;
         ++list->map_count;
@@ -303,7 +305,7 @@ ty_result ty_vpls_create(const ty_scene* scene, const ty_vpl_def* def, const ty_
     if (view == NULL) return TY_ERROR_ARGUMENT;
     vpl_list list = {.scene = scene, .def = def, .medium = medium, .out = out};
     int32_t lights = 0;
-    for (int32_t i = 0; i < view->lights.count; ++i) lights += casts(&view->lights.lights[i]);
+    for (int32_t i = 0; i < view->lights.count; ++i) lights += is_mapped(&view->lights.lights[i]);
     if (view->mesh == NULL || lights == 0 || def->count <= 0) return TY_OK;
     const ty_result result = ty_discrete_light_set_create(scene->context, "vpls", def->count, out);
     return result == TY_OK ? find_vpls(&list, lights) : result;

@@ -20,13 +20,13 @@ static bool has_negative(const ty_medium_view* medium) {
 }
 
 /* Cell `index` along axis a. */
-static bool weigh(const ty_grid_medium* out, const ty_medium_view* medium, int32_t samples, int a, int32_t index,
-                  ty_aligned_cell* cell) {
+static bool find_weights(const ty_grid_medium* out, const ty_medium_view* medium, int32_t samples, int a, int32_t index,
+                         ty_aligned_cell* cell) {
     const float *map = medium->to_index, last = (float)medium->grid.size[a];
     float at[2];
     for (int end = 0; end < 2; ++end) {
-        const double share = end == 0 ? 0.5 / samples : 1 - 0.5 / samples;
-        at[end] = map[5 * a] * (float)(out->box.lower[a] + out->cell[a] * (index + share)) + map[4 * a + 3];
+        const double t = end == 0 ? 0.5 / samples : 1 - 0.5 / samples;
+        at[end] = map[5 * a] * (float)(out->box.lower[a] + out->cell[a] * (index + t)) + map[4 * a + 3];
     }
     *cell = (ty_aligned_cell){0};
     cell->first = (int32_t)floorf(ty_clampf(ty_minf(at[0], at[1]), -1, last));
@@ -34,19 +34,19 @@ static bool weigh(const ty_grid_medium* out, const ty_medium_view* medium, int32
         const float x = samples > 1 ? ty_lerpf(at[0], at[1], (float)s / (float)(samples - 1)) : at[0];
         if (x < -1 || x > last) continue;
         const int32_t base = (int32_t)floorf(x), slot = base - cell->first;
-        const float share = x - (float)base;
+        const float t = x - (float)base;
         if (slot < 0 || slot + 1 >= TY_ALIGNED_VOXELS) return false;
-        cell->weight[slot] += (1 - share) / (float)samples;
-        cell->weight[slot + 1] += share / (float)samples;
+        cell->weight[slot] += (1 - t) / (float)samples;
+        cell->weight[slot + 1] += t / (float)samples;
         if (slot + 2 > cell->count) cell->count = slot + 2;
     }
     return true;
 }
 
-static bool weigh_axis(const ty_grid_medium* out, const ty_medium_view* medium, int32_t samples, int a,
-                       ty_aligned_cell* cells) {
+static bool find_axis_weights(const ty_grid_medium* out, const ty_medium_view* medium, int32_t samples, int a,
+                              ty_aligned_cell* cells) {
     for (int32_t i = 0; i < out->box.size[a]; ++i)
-        if (!weigh(out, medium, samples, a, i, &cells[i])) return false;
+        if (!find_weights(out, medium, samples, a, i, &cells[i])) return false;
     return true;
 }
 
@@ -58,7 +58,7 @@ ty_result ty_aligned_create(const ty_grid_medium* out, const ty_medium_view* med
     for (int a = 0; a < 3 && fits && whole; ++a) {
         aligned->cells[a] = ty_alloc_array(out->context, (size_t)out->box.size[a], sizeof *aligned->cells[a], false);
         whole = aligned->cells[a] != NULL;
-        fits = whole && weigh_axis(out, medium, samples[a], a, aligned->cells[a]);
+        fits = whole && find_axis_weights(out, medium, samples[a], a, aligned->cells[a]);
     }
     if (fits) {
         const size_t count = aligned->scratch_size * (size_t)ty_context_threads(out->context);

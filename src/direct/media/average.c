@@ -30,7 +30,7 @@ static overlap overlap_of(int32_t index, int32_t from, int32_t to) {
 }
 
 /* The share of the new cell that old cell `at` is. */
-static double share_of(const overlap* o, int32_t at) {
+static double weight_of(const overlap* o, int32_t at) {
     const double lower = at < o->lower ? o->lower : at, upper = at + 1 > o->upper ? o->upper : at + 1;
     return (upper - lower) * o->scale;
 }
@@ -52,12 +52,12 @@ static void mean_across(const average_job* job, const overlap* y, const overlap*
         for (int32_t j = y->begin; j < y->end; ++j) {
             const size_t at = (size_t)size[0] * ((size_t)j + (size_t)size[1] * (size_t)k) + (size_t)x;
             const float *row = job->from + at, *weight = job->weight != NULL ? job->weight + at : NULL;
-            const double share = share_of(y, j) * share_of(z, k);
+            const double weight_yz = weight_of(y, j) * weight_of(z, k);
 #pragma omp simd
-            for (int32_t i = 0; i < count; ++i) sum->plain[i] += share * (double)row[i];
+            for (int32_t i = 0; i < count; ++i) sum->plain[i] += weight_yz * (double)row[i];
             if (weight == NULL) continue;
 #pragma omp simd
-            for (int32_t i = 0; i < count; ++i) sum->weighted[i] += share * (double)(weight[i] * row[i]);
+            for (int32_t i = 0; i < count; ++i) sum->weighted[i] += weight_yz * (double)(weight[i] * row[i]);
         }
 }
 
@@ -75,7 +75,7 @@ static void add_along(const average_job* job, int32_t x, int32_t count, const do
         const int32_t begin = o.begin > x ? o.begin : x, end = o.end < x + count ? o.end : x + count;
         if (begin >= x + count) return;
         double mean = 0;
-        for (int32_t at = begin; at < end; ++at) mean += share_of(&o, at) * sum[at - x];
+        for (int32_t at = begin; at < end; ++at) mean += weight_of(&o, at) * sum[at - x];
         to[i] += (float)mean;
     }
 }

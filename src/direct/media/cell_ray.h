@@ -22,14 +22,14 @@ static inline double ty_cell_max(double a, double b) {
 }
 
 /* Cuts the ray, [at, end], to the box; false where it misses. */
-static inline bool ty_cell_ray_clip(const ty_grid_box* box, const double origin[3], const double way[3],
+static inline bool ty_cell_ray_clip(const ty_grid_box* box, const double origin[3], const double omega[3],
                                     ty_cell_ray* ray) {
     for (int a = 0; a < 3; ++a) {
-        if (way[a] == 0) {
+        if (omega[a] == 0) {
             if (!(origin[a] >= box->lower[a] && origin[a] <= box->upper[a])) return false;
             continue;
         }
-        const double low = (box->lower[a] - origin[a]) / way[a], high = (box->upper[a] - origin[a]) / way[a];
+        const double low = (box->lower[a] - origin[a]) / omega[a], high = (box->upper[a] - origin[a]) / omega[a];
         ray->at = ty_cell_max(ray->at, ty_cell_min(low, high));
         ray->end = ty_cell_min(ray->end, ty_cell_max(low, high));
     }
@@ -37,16 +37,16 @@ static inline bool ty_cell_ray_clip(const ty_grid_box* box, const double origin[
 }
 
 /* Finds the cell of the ray's first point, which is in the box. */
-static inline void ty_cell_ray_begin(const ty_grid_medium* medium, const double origin[3], const double way[3],
+static inline void ty_cell_ray_begin(const ty_grid_medium* medium, const double origin[3], const double omega[3],
                                      ty_cell_ray* ray) {
     for (int a = 0; a < 3; ++a) {
-        const double side = medium->cell[a], from = (origin[a] + ray->at * way[a] - medium->box.lower[a]) / side;
+        const double side = medium->cell[a], from = (origin[a] + ray->at * omega[a] - medium->box.lower[a]) / side;
         const int32_t last = medium->box.size[a] - 1, cell = (int32_t)floor(from);
         ray->cell[a] = cell < 0 ? 0 : cell > last ? last : cell;
-        ray->step[a] = way[a] > 0 ? 1 : -1;
-        const double edge = medium->box.lower[a] + side * (ray->cell[a] + (way[a] > 0 ? 1 : 0));
-        ray->next[a] = way[a] != 0 ? (edge - origin[a]) / way[a] : INFINITY;
-        ray->per_cell[a] = way[a] != 0 ? side / fabs(way[a]) : INFINITY;
+        ray->step[a] = omega[a] > 0 ? 1 : -1;
+        const double edge = medium->box.lower[a] + side * (ray->cell[a] + (omega[a] > 0 ? 1 : 0));
+        ray->next[a] = omega[a] != 0 ? (edge - origin[a]) / omega[a] : INFINITY;
+        ray->per_cell[a] = omega[a] != 0 ? side / fabs(omega[a]) : INFINITY;
     }
 }
 

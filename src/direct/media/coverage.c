@@ -33,8 +33,8 @@ void ty_coverage_add(const ty_grid_box* box, const ty_coverage axes[3], const fl
             const double row = scale * ty_coverage_fraction(&axes[2], k) * ty_coverage_fraction(&axes[1], j);
             const size_t base = (size_t)box->size[0] * ((size_t)j + (size_t)box->size[1] * (size_t)k);
             for (int32_t i = axes[0].first; i < axes[0].first + axes[0].count; ++i) {
-                const double share = row * ty_coverage_fraction(&axes[0], i);
-                for (int32_t p = 0; p < plane_count; ++p) out[p] += share * (double)planes[p][base + (size_t)i];
+                const double fraction = row * ty_coverage_fraction(&axes[0], i);
+                for (int32_t p = 0; p < plane_count; ++p) out[p] += fraction * (double)planes[p][base + (size_t)i];
             }
         }
 }

@@ -18,7 +18,7 @@ enum { COVERAGE_SAMPLES = 4, SAMPLES_MAX = 16 };
 /* Cells along the longest side where none are asked for. */
 enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64 };
 
-static void widen_density(const float to_index[12], double density[3]) {
+static void raise_density(const float to_index[12], double density[3]) {
     for (int a = 0; a < 3; ++a) {
         double square = 0;
         for (int row = 0; row < 3; ++row) square += pow((double)to_index[4 * row + a], 2);
@@ -29,10 +29,10 @@ static void widen_density(const float to_index[12], double density[3]) {
 /* Voxels per metre along the axes, of the finest of a medium's grids; 0 without any. */
 static void voxel_density(const ty_medium_view* medium, double density[3]) {
     for (int a = 0; a < 3; ++a) density[a] = 0;
-    if (medium->has_grid != 0) widen_density(medium->to_index, density);
-    for (int32_t i = 0; i < medium->albedo_fields; ++i) widen_density(medium->albedo[i].to_index, density);
-    if (medium->has_g_field != 0) widen_density(medium->g_field.to_index, density);
-    if (medium->has_temperature != 0) widen_density(medium->temperature.to_index, density);
+    if (medium->has_grid != 0) raise_density(medium->to_index, density);
+    for (int32_t i = 0; i < medium->albedo_fields; ++i) raise_density(medium->albedo[i].to_index, density);
+    if (medium->has_g_field != 0) raise_density(medium->g_field.to_index, density);
+    if (medium->has_temperature != 0) raise_density(medium->temperature.to_index, density);
 }
 
 static void media_extent(const ty_scene* scene, double lower[3], double upper[3]) {
@@ -52,9 +52,10 @@ int32_t ty_grid_box_longest(const ty_scene* scene, int32_t asked) {
 }
 
 void ty_grid_box_cut(const ty_grid_box* box, int32_t longest, int32_t size[3]) {
-    double most = 0;
-    for (int a = 0; a < 3; ++a) most = fmax(most, box->upper[a] - box->lower[a]);
-    for (int a = 0; a < 3; ++a) size[a] = (int32_t)fmax(1, lround(longest * (box->upper[a] - box->lower[a]) / most));
+    double max_extent = 0;
+    for (int a = 0; a < 3; ++a) max_extent = fmax(max_extent, box->upper[a] - box->lower[a]);
+    for (int a = 0; a < 3; ++a)
+        size[a] = (int32_t)fmax(1, lround(longest * (box->upper[a] - box->lower[a]) / max_extent));
 }
 
 ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* out) {
@@ -64,7 +65,7 @@ ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* o
     ty_result result = ty_check_number(scene->context, "cells: longest", longest, 1, TY_GRID_SIDE_MAX);
     if (result != TY_OK) return result;
     media_extent(scene, out->lower, out->upper);
-    double extent = 0, density[3] = {0, 0, 0}, most = 0;
+    double extent = 0, density[3] = {0, 0, 0}, max_extent = 0;
     for (int32_t m = 0; m < view->medium_count; ++m) {
         double of_medium[3];
         voxel_density(&view->media[m], of_medium);
@@ -73,10 +74,10 @@ ty_result ty_grid_box_fit(const ty_scene* scene, int32_t longest, ty_grid_box* o
     for (int a = 0; a < 3; ++a) extent = fmax(extent, out->upper[a] - out->lower[a]);
     for (int a = 0; a < 3; ++a) {
         if (density[a] == 0) density[a] = longest / extent;
-        most = fmax(most, density[a] * (out->upper[a] - out->lower[a]));
+        max_extent = fmax(max_extent, density[a] * (out->upper[a] - out->lower[a]));
     }
     for (int a = 0; a < 3; ++a) {
-        const double cells = density[a] * (out->upper[a] - out->lower[a]) * fmin(1, longest / most);
+        const double cells = density[a] * (out->upper[a] - out->lower[a]) * fmin(1, longest / max_extent);
         out->size[a] = (int32_t)fmin(longest, fmax(1, ceil(cells * (1 - 1e-5))));
     }
     return TY_OK;
@@ -94,19 +95,19 @@ static ty_result check_box(ty_context* context, const ty_grid_box* box) {
 
 /* ---- storage ---- */
 
-static bool alike(const float rgb[3]) {
+static bool is_gray_color(const float rgb[3]) {
     return rgb[0] == rgb[1] && rgb[1] == rgb[2];
 }
 
 static bool medium_is_gray(const ty_medium_view* medium) {
-    if (medium->gray == 0 || !alike(medium->sigma_s) || medium->albedo_fields > 1) return false;
+    if (medium->gray == 0 || !is_gray_color(medium->sigma_s) || medium->albedo_fields > 1) return false;
     if (medium->gray_g == 0 && medium->has_g_field == 0) return false;
     for (int32_t i = 0; i < medium->transfer_count && medium->transfer_albedo != 0; ++i)
-        if (!alike(medium->transfer[i].albedo)) return false;
+        if (!is_gray_color(medium->transfer[i].albedo)) return false;
     return true;
 }
 
-static bool take_planes(ty_grid_medium* medium, float* planes[3], int32_t count) {
+static bool allocate_planes(ty_grid_medium* medium, float* planes[3], int32_t count) {
     for (int32_t c = 0; c < 3; ++c) {
         planes[c] =
             c < count ? ty_alloc_array(medium->context, medium->cells, sizeof **planes, true) : planes[count - 1];
@@ -115,7 +116,7 @@ static bool take_planes(ty_grid_medium* medium, float* planes[3], int32_t count)
     return true;
 }
 
-static void give_planes(const ty_grid_medium* medium, float* const planes[3], int32_t count) {
+static void free_planes(const ty_grid_medium* medium, float* const planes[3], int32_t count) {
     for (int32_t c = 0; c < count; ++c) ty_free_array(medium->context, planes[c], medium->cells, sizeof **planes);
 }
 
@@ -132,8 +133,8 @@ static ty_result new_medium(ty_context* context, const ty_grid_box* box, int32_t
     medium->cells = cells;
     medium->planes = planes;
     for (int a = 0; a < 3; ++a) medium->cell[a] = (box->upper[a] - box->lower[a]) / box->size[a];
-    if (!take_planes(medium, medium->extinction, planes) || !take_planes(medium, medium->scattering, planes) ||
-        !take_planes(medium, medium->g, planes) || (emits && !take_planes(medium, medium->emission, 3))) {
+    if (!allocate_planes(medium, medium->extinction, planes) || !allocate_planes(medium, medium->scattering, planes) ||
+        !allocate_planes(medium, medium->g, planes) || (emits && !allocate_planes(medium, medium->emission, 3))) {
         ty_grid_medium_destroy(medium);
         return TY_ERROR_MEMORY;
     }
@@ -143,10 +144,10 @@ static ty_result new_medium(ty_context* context, const ty_grid_box* box, int32_t
 
 void ty_grid_medium_destroy(ty_grid_medium* medium) {
     if (medium == NULL) return;
-    give_planes(medium, medium->extinction, medium->planes);
-    give_planes(medium, medium->scattering, medium->planes);
-    give_planes(medium, medium->g, medium->planes);
-    give_planes(medium, medium->emission, 3);
+    free_planes(medium, medium->extinction, medium->planes);
+    free_planes(medium, medium->scattering, medium->planes);
+    free_planes(medium, medium->g, medium->planes);
+    free_planes(medium, medium->emission, 3);
     ty_free_array(medium->context, medium, 1, sizeof *medium);
 }
 
@@ -157,13 +158,13 @@ typedef struct sample_job {
     const ty_medium_view* medium;
     const ty_grid* coverage; /* NULL: all of each cell */
     int32_t samples[3];      /* along a cell's sides */
-    bool even;               /* only_density_varies */
+    bool only_density;       /* only_density_varies */
     ty_aligned aligned;      /* where the density's means are had more quickly */
 } sample_job;
 
 /* Coefficients at a point, weighted by density and by g where they are for the mean cosine. */
 typedef struct cell_sums {
-    double extinction[3], scattering[3], turned[3], glow[3];
+    double extinction[3], scattering[3], scattering_g[3], emission[3];
 } cell_sums;
 
 /* Density at a point that is within the bounds; 0 past the last voxels' reach. */
@@ -179,15 +180,15 @@ static float density_at(const ty_medium_view* medium, ty_vec point) {
 }
 
 static void add_density(const ty_medium_view* medium, ty_vec point, double density, cell_sums* sums) {
-    float sigma_s[3], g[3], glow[3] = {0, 0, 0};
+    float sigma_s[3], g[3], emission[3] = {0, 0, 0};
     ty_medium_sigma_s(medium, point, sigma_s);
     ty_medium_g(medium, point, g);
-    if (medium->emits != 0) ty_medium_glow(medium, point, glow);
+    if (medium->emits != 0) ty_medium_glow(medium, point, emission);
     for (int c = 0; c < 3; ++c) {
         sums->extinction[c] += density * (double)medium->sigma_t[c];
         sums->scattering[c] += density * (double)sigma_s[c];
-        sums->turned[c] += density * (double)(sigma_s[c] * g[c]);
-        sums->glow[c] += density * (double)glow[c];
+        sums->scattering_g[c] += density * (double)(sigma_s[c] * g[c]);
+        sums->emission[c] += density * (double)emission[c];
     }
 }
 
@@ -211,7 +212,7 @@ static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
             p[a] = (float)(out->box.lower[a] + out->cell[a] * (cell[a] + (sub[a] + 0.5) / samples[a]));
         point = ty_vec_load(p);
         density += (double)density_at(job->medium, point);
-        if (job->even || !(density > 0)) continue;
+        if (job->only_density || !(density > 0)) continue;
         add_density(job->medium, point, density, &sums);
         density = 0;
     }
@@ -220,7 +221,7 @@ static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
 }
 
 /* The share of a cell within the medium's bounds. */
-static float covered_share(const sample_job* job, int32_t x, int64_t row) {
+static float covered_fraction(const sample_job* job, int32_t x, int64_t row) {
     const int32_t* size = job->out->box.size;
     if (job->coverage == NULL) return 1.0f;
     return ty_grid_voxel(job->coverage, x, (int32_t)(row % size[1]), (int32_t)(row / size[1]));
@@ -232,10 +233,10 @@ static void add_sums(const sample_job* job, size_t at, double weight, const cell
     for (int32_t c = 0; c < out->planes; ++c) {
         out->extinction[c][at] += (float)(weight * sums->extinction[c]);
         out->scattering[c][at] += (float)(weight * sums->scattering[c]);
-        out->g[c][at] += (float)(weight * sums->turned[c]);
+        out->g[c][at] += (float)(weight * sums->scattering_g[c]);
     }
     for (int32_t c = 0; c < 3 && job->medium->emits != 0; ++c)
-        out->emission[c][at] += (float)(4 * (double)TY_PI * weight * sums->glow[c]);
+        out->emission[c][at] += (float)(4 * (double)TY_PI * weight * sums->emission[c]);
 }
 
 /* Adds a medium to one row of cells. */
@@ -247,7 +248,7 @@ static void sample_row(void* user, int64_t index, int32_t worker) {
     const double each = 1.0 / (job->samples[0] * job->samples[1] * job->samples[2]);
     const unsigned state = ty_flush_denormals();
     for (cell[0] = 0; cell[0] < size[0]; ++cell[0]) {
-        const float covered = covered_share(job, cell[0], index);
+        const float covered = covered_fraction(job, cell[0], index);
         if (!(covered > 0.0f)) continue;
         const cell_sums sums = sample_cell(job, cell);
         add_sums(job, (size_t)index * (size_t)size[0] + (size_t)cell[0], (double)covered * each, &sums);
@@ -267,7 +268,7 @@ static void mean_row(void* user, int64_t index, int32_t worker) {
     for (int32_t x = 0; x < size[0]; ++x)
         if (density[x] > 0.0f)
             add_sums(job, (size_t)index * (size_t)size[0] + (size_t)x,
-                     (double)(density[x] * covered_share(job, x, index)), &sums);
+                     (double)(density[x] * covered_fraction(job, x, index)), &sums);
     ty_restore_denormals(state);
 }
 
@@ -289,7 +290,7 @@ static bool covers_all(const ty_scene* scene, int32_t index, const ty_grid_mediu
 
 static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium* out) {
     const ty_medium_view* medium = &ty_scene_get_view(scene)->media[index];
-    sample_job job = {.out = out, .medium = medium, .even = only_density_varies(medium)};
+    sample_job job = {.out = out, .medium = medium, .only_density = only_density_varies(medium)};
     double density[3];
     ty_grid* coverage = NULL;
     if (!covers_all(scene, index, out)) {
@@ -301,7 +302,7 @@ static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium
     voxel_density(medium, density);
     for (int a = 0; a < 3; ++a)
         job.samples[a] = (int32_t)fmin(SAMPLES_MAX, fmax(1, ceil(2 * density[a] * out->cell[a] * (1 - 1e-5))));
-    const ty_result result = job.even ? ty_aligned_create(out, medium, job.samples, &job.aligned) : TY_OK;
+    const ty_result result = job.only_density ? ty_aligned_create(out, medium, job.samples, &job.aligned) : TY_OK;
     if (result == TY_OK)
         ty_parallel_for(out->context, (int64_t)out->box.size[1] * out->box.size[2],
                         job.aligned.cells[0] != NULL ? mean_row : sample_row, &job);
@@ -344,13 +345,13 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
 
 /* g goes through the mean of scattering times g. */
 static ty_result resize_g(const ty_grid_medium* from, ty_grid_medium* to) {
-    float* turned = ty_alloc_array(from->context, from->cells, sizeof *turned, false);
-    if (turned == NULL) return TY_ERROR_MEMORY;
+    float* scattering_g = ty_alloc_array(from->context, from->cells, sizeof *scattering_g, false);
+    if (scattering_g == NULL) return TY_ERROR_MEMORY;
     for (int32_t c = 0; c < from->planes; ++c) {
-        for (size_t i = 0; i < from->cells; ++i) turned[i] = from->g[c][i] * from->scattering[c][i];
-        ty_grid_average(from->context, turned, from->box.size, to->box.size, to->g[c]);
+        for (size_t i = 0; i < from->cells; ++i) scattering_g[i] = from->g[c][i] * from->scattering[c][i];
+        ty_grid_average(from->context, scattering_g, from->box.size, to->box.size, to->g[c]);
     }
-    ty_free_array(from->context, turned, from->cells, sizeof *turned);
+    ty_free_array(from->context, scattering_g, from->cells, sizeof *scattering_g);
     divide_g(to);
     return TY_OK;
 }
@@ -378,26 +379,26 @@ ty_result ty_grid_medium_resize(const ty_grid_medium* medium, const int32_t size
     return TY_OK;
 }
 
-enum { REDUCED_AT_ONCE = 1 << 10 };
+enum { REDUCTION_CHUNK = 1 << 10 };
 
 typedef struct reduction {
     const ty_grid_medium* medium;
     int32_t order;
-    float share; /* times g^order */
+    float fraction; /* times g^order */
     float* const* planes;
 } reduction;
 
-static void reduce_some(void* user, int64_t index, int32_t worker) {
+static void reduce_chunk(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const reduction* job = user;
     const ty_grid_medium* medium = job->medium;
-    const size_t begin = (size_t)index * REDUCED_AT_ONCE, left = medium->cells - begin;
-    const size_t count = left < REDUCED_AT_ONCE ? left : REDUCED_AT_ONCE;
-    float forward[REDUCED_AT_ONCE];
+    const size_t begin = (size_t)index * REDUCTION_CHUNK, left = medium->cells - begin;
+    const size_t count = left < REDUCTION_CHUNK ? left : REDUCTION_CHUNK;
+    float forward[REDUCTION_CHUNK];
     for (int32_t c = 0; c < medium->planes; ++c) {
         const float *g = medium->g[c] + begin, *scattering = medium->scattering[c] + begin;
         const float* extinction = medium->extinction[c] + begin;
-        for (size_t i = 0; i < count; ++i) forward[i] = job->share * scattering[i];
+        for (size_t i = 0; i < count; ++i) forward[i] = job->fraction * scattering[i];
         for (int32_t l = 0; l < job->order; ++l)
             for (size_t i = 0; i < count; ++i) forward[i] *= g[i];
         for (size_t i = 0; i < count; ++i) job->planes[c][begin + i] = ty_maxf(0, extinction[i] - forward[i]);
@@ -405,14 +406,14 @@ static void reduce_some(void* user, int64_t index, int32_t worker) {
 }
 
 static void reduce(reduction job) {
-    const size_t chunks = (job.medium->cells + REDUCED_AT_ONCE - 1) / REDUCED_AT_ONCE;
-    ty_parallel_for(job.medium->context, (int64_t)chunks, reduce_some, &job);
+    const size_t chunks = (job.medium->cells + REDUCTION_CHUNK - 1) / REDUCTION_CHUNK;
+    ty_parallel_for(job.medium->context, (int64_t)chunks, reduce_chunk, &job);
 }
 
 void ty_grid_medium_reduce(const ty_grid_medium* medium, int32_t order, float* const planes[3]) {
     reduce((reduction){medium, order, 1, planes});
 }
 
-void ty_grid_medium_reduce_by(const ty_grid_medium* medium, float share, float* const planes[3]) {
-    reduce((reduction){medium, 0, share, planes});
+void ty_grid_medium_reduce_by(const ty_grid_medium* medium, float fraction, float* const planes[3]) {
+    reduce((reduction){medium, 0, fraction, planes});
 }

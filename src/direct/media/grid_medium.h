@@ -47,7 +47,7 @@ void ty_grid_medium_destroy(ty_grid_medium* medium);
  * of its cells. */
 void ty_grid_medium_reduce(const ty_grid_medium* medium, int32_t order, float* const planes[3]);
 /* The same with a share of what scatters that does not depend on g: sigma_t - share sigma_s. */
-void ty_grid_medium_reduce_by(const ty_grid_medium* medium, float share, float* const planes[3]);
+void ty_grid_medium_reduce_by(const ty_grid_medium* medium, float fraction, float* const planes[3]);
 
 /* Means of a plane of from_size cells over the cells of another size of the same box, weighted by overlap. */
 void ty_grid_average(ty_context* context, const float* from, const int32_t from_size[3], const int32_t to_size[3],

@@ -13,8 +13,8 @@
 
 /* Fluences U, R and S of a beam (or what is proportional to them), and the mean cosine of what came in. */
 typedef struct ty_forward {
-    float straight, kept, bent;
-    float cosine; /* 1: a line; 0..1 */
+    float phi_unscattered, phi_order_l, phi_next_order;
+    float mean_cosine; /* 1: a line; 0..1 */
 } ty_forward;
 
 /* A phase function whose peak counts as light that goes straight on, outside of which its first Legendre moments are
@@ -22,7 +22,7 @@ typedef struct ty_forward {
 enum { TY_FORWARD_BANDS_MAX = 12 };
 typedef struct ty_forward_fit {
     int32_t bands; /* 0: none, phase functions are cut after L bands instead (delta-M) */
-    float straight;
+    float forward_fraction;
     float moments[TY_FORWARD_BANDS_MAX];
 } ty_forward_fit;
 
@@ -56,7 +56,7 @@ TY_FN float ty_forward_lobe(float mu, float u, float r, float s, float spread) {
 /* What of the light that has scattered and kept its direction scatters once more in a medium of mean cosine g at cosine
  * mu, per scattering coefficient; below 0 where the diffuse light, to which it belongs, is more. */
 TY_FN float ty_forward_scattered(ty_forward light, float mu, float g) {
-    return ty_forward_lobe(mu, light.straight, light.kept, light.bent, light.cosine * g);
+    return ty_forward_lobe(mu, light.phi_unscattered, light.phi_order_l, light.phi_next_order, light.mean_cosine * g);
 }
 
 /* Terms of a series that falls off slowly at worst, and what b^L must be for its closed form to keep its digits. */
@@ -67,27 +67,27 @@ enum { TY_FORWARD_SERIES_TERMS = 16 };
  * below: the part of l < L. L = order >= 1. */
 TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* below) {
     const float x = g * b;
-    float before = 0.0f, now = 1.0f, of_g = 1.0f, of_x = 1.0f, of_b = 1.0f, low = 0.0f, tail = 0.0f;
+    float p_before = 0.0f, p_l = 1.0f, g_l = 1.0f, x_l = 1.0f, b_l = 1.0f, low_sum = 0.0f, tail = 0.0f;
     int32_t l = 0;
     *below = 0.0f;
     for (; l < order; ++l) {
-        const float weight = (float)(2 * l + 1) * now;
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
-        *below += weight * of_g;
-        low += weight * of_x;
-        before = now;
-        now = next;
-        of_g *= g;
-        of_x *= x;
-        of_b *= b;
+        const float weight = (float)(2 * l + 1) * p_l;
+        const float p_next = ((float)(2 * l + 1) * mu * p_l - (float)l * p_before) / (float)(l + 1);
+        *below += weight * g_l;
+        low_sum += weight * x_l;
+        p_before = p_l;
+        p_l = p_next;
+        g_l *= g;
+        x_l *= x;
+        b_l *= b;
     }
-    if (of_b > TY_FORWARD_MIN_POWER) return (4.0f * TY_PI * ty_hg(mu, x) - low) / of_b;
+    if (b_l > TY_FORWARD_MIN_POWER) return (4.0f * TY_PI * ty_hg(mu, x) - low_sum) / b_l;
     for (; l < order + TY_FORWARD_SERIES_TERMS; ++l) {
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
-        tail += (float)(2 * l + 1) * now * of_g;
-        before = now;
-        now = next;
-        of_g *= x;
+        const float p_next = ((float)(2 * l + 1) * mu * p_l - (float)l * p_before) / (float)(l + 1);
+        tail += (float)(2 * l + 1) * p_l * g_l;
+        p_before = p_l;
+        p_l = p_next;
+        g_l *= x;
     }
     return tail;
 }
@@ -98,9 +98,9 @@ TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* be
  * b^(l - L) from there on. */
 TY_FN float ty_forward_scattered_order(ty_forward light, float mu, float g, int32_t order) {
     float below;
-    const float tail =
-        ty_forward_tail(ty_forward_lobe_cosine(light.straight, light.kept, light.bent), mu, g, order, &below);
-    return ty_maxf(0.0f, light.kept - light.straight) * TY_INV_4PI * (below + tail);
+    const float tail = ty_forward_tail(
+        ty_forward_lobe_cosine(light.phi_unscattered, light.phi_order_l, light.phi_next_order), mu, g, order, &below);
+    return ty_maxf(0.0f, light.phi_order_l - light.phi_unscattered) * TY_INV_4PI * (below + tail);
 }
 
 /* How much of what is at cosine mu belongs to the peak. */
@@ -112,12 +112,12 @@ TY_FN float ty_forward_peak_weight(float mu) {
 
 /* The fitted phase function. */
 TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
-    float before = 0.0f, now = 1.0f, sum = 0.0f;
+    float p_before = 0.0f, p_l = 1.0f, sum = 0.0f;
     for (int32_t l = 0; l < fit->bands; ++l) {
-        sum += (float)(2 * l + 1) * fit->moments[l] * now;
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
-        before = now;
-        now = next;
+        sum += (float)(2 * l + 1) * fit->moments[l] * p_l;
+        const float p_next = ((float)(2 * l + 1) * mu * p_l - (float)l * p_before) / (float)(l + 1);
+        p_before = p_l;
+        p_l = p_next;
     }
     return TY_INV_4PI * sum;
 }
@@ -133,25 +133,26 @@ TY_FN float ty_forward_blended_phase(TY_GLOBAL const ty_forward_fit* fit, float 
  * of which the fit sees, along ways on which straight goes on, what R = U e^(straight n) does not stand for. From l = L
  * on, they are as in ty_forward_scattered_order. */
 TY_FN float ty_forward_fit_deficit(ty_forward light, float mu, float g, TY_GLOBAL const ty_forward_fit* fit) {
-    const float most = light.kept / ty_maxf(light.straight, 1e-30f);
-    const float n = ty_minf(TY_FORWARD_MAX_COLLISIONS, logf(ty_maxf(1.0f, most)) / fit->straight);
-    float before = 0.0f, now = 1.0f, of_g = 1.0f, sum = 0.0f, below;
+    const float ratio = light.phi_order_l / ty_maxf(light.phi_unscattered, 1e-30f);
+    const float n = ty_minf(TY_FORWARD_MAX_COLLISIONS, logf(ty_maxf(1.0f, ratio)) / fit->forward_fraction);
+    float p_before = 0.0f, p_l = 1.0f, g_l = 1.0f, sum = 0.0f, below;
     for (int32_t l = 0; l < fit->bands; ++l) {
-        const float d = fit->moments[l] + fit->straight, weight = (float)(2 * l + 1) * now;
-        sum += weight * (of_g * (expf(n * of_g) - 1.0f) - d * expf(n * d) + fit->straight * expf(n * fit->straight));
-        const float next = ((float)(2 * l + 1) * mu * now - (float)l * before) / (float)(l + 1);
-        before = now;
-        now = next;
-        of_g *= g;
+        const float d = fit->moments[l] + fit->forward_fraction, weight = (float)(2 * l + 1) * p_l;
+        sum += weight * (g_l * (expf(n * g_l) - 1.0f) - d * expf(n * d) +
+                         fit->forward_fraction * expf(n * fit->forward_fraction));
+        const float p_next = ((float)(2 * l + 1) * mu * p_l - (float)l * p_before) / (float)(l + 1);
+        p_before = p_l;
+        p_l = p_next;
+        g_l *= g;
     }
-    const float kept = expf(n * of_g) - 1.0f, bent = expf(n * of_g * g) - 1.0f;
-    const float tail = ty_forward_tail(kept > 0.0f ? bent / kept : g, mu, g, fit->bands, &below);
-    return light.straight * (ty_hg(mu, g) + TY_INV_4PI * (sum + kept * tail));
+    const float r = expf(n * g_l) - 1.0f, s = expf(n * g_l * g) - 1.0f;
+    const float tail = ty_forward_tail(r > 0.0f ? s / r : g, mu, g, fit->bands, &below);
+    return light.phi_unscattered * (ty_hg(mu, g) + TY_INV_4PI * (sum + r * tail));
 }
 
 /* What of the light that has not scattered does so, the same. */
 TY_FN float ty_forward_unscattered(ty_forward light, float mu, float g) {
-    return light.straight * ty_hg(mu, light.cosine * g);
+    return light.phi_unscattered * ty_hg(mu, light.mean_cosine * g);
 }
 
 #endif

@@ -14,9 +14,9 @@ typedef struct ty_light_fluence {
     ty_discrete_light sample;          /* TY_FLUENCE_DIRECTIONAL: its direction; TY_FLUENCE_POINT: its position */
     TY_GLOBAL const float* fluence[3]; /* per channel, W m^-2 */
     TY_GLOBAL const float*
-        straight[3]; /* TY_FLUENCE_DIRECTIONAL and _LAMP, where lobes is set: U of forward.k.h; fluence is R */
-    TY_GLOBAL const float* bent[3]; /* S */
-    int32_t lobes; /* L of forward.k.h, where these are there; 0: all of fluence comes along one line */
+        unscattered[3]; /* TY_FLUENCE_DIRECTIONAL and _LAMP, where lobe_order is set: U of forward.k.h; fluence is R */
+    TY_GLOBAL const float* next_order[3]; /* S */
+    int32_t lobe_order; /* L of forward.k.h, where these are there; 0: all of fluence comes along one line */
     TY_GLOBAL const float* flux[3][3]; /* TY_FLUENCE_P1: along x, y, z */
     int32_t shared;                    /* whether all channels are the first one's planes, times color (as in a
                                           ty_light_field of one plane) */
@@ -68,29 +68,29 @@ TY_FN float ty_cell_value(TY_GLOBAL const float* plane, const ty_cell_point* p) 
     return ty_lerp_exact(layer[0], layer[1], p->share[2]);
 }
 
-/* Which of a light's fluences passes: R (all of it, where there are no lobes), U and S. */
+/* Which of a light's fluences passes: R (all of it, where there are no lobe_order), U and S. */
 enum { TY_FLUENCE_ORDER_L = 0, TY_FLUENCE_UNSCATTERED = 1, TY_FLUENCE_NEXT_ORDER = 2, TY_FLUENCE_COUNT = 3 };
 
 /* What lights scatter along a way, per scattering coefficient. */
 typedef struct ty_single_radiance {
-    float first[3]; /* what scatters there for the first time; of lights without lobes, all of it */
+    float first[3]; /* what scatters there for the first time; of lights without lobe_order, all of it */
     float again[3]; /* what is part of the multiply scattered light, which may be below 0 */
     float aside[3]; /* with a fit: what of both is seen through what scatters nearly straight on, too */
 } ty_single_radiance;
 
-/* Of a light with lobes where phase functions are fitted: what goes about straight scatters by the fit, and is seen
- * through as much that does. Within the peak, what the fit lacks there comes to it; beyond it, where it is good for
- * what scatters often, the phase function is as it is. */
+/* Of a light with lobe_order where phase functions are fitted: what goes about straight scatters by the fit, and is
+ * seen through as much that does. Within the peak, what the fit lacks there comes to it; beyond it, where it is good
+ * for what scatters often, the phase function is as it is. */
 TY_FN void ty_single_fitted(ty_forward forward, float mu, float g, TY_GLOBAL const ty_forward_fit* fit, float color,
                             int32_t c, ty_single_radiance* sent) {
-    const float share = ty_forward_peak_weight(mu), straight = forward.straight * ty_hg(mu, g);
-    const float lacking = share > 0.0f ? share * ty_forward_fit_deficit(forward, mu, g, fit) : 0.0f;
-    sent->first[c] += color * straight;
-    sent->again[c] += color * (lacking - straight);
-    sent->aside[c] += color * forward.kept * ty_forward_blended_phase(fit, mu, g);
+    const float t = ty_forward_peak_weight(mu), unscattered = forward.phi_unscattered * ty_hg(mu, g);
+    const float lacking = t > 0.0f ? t * ty_forward_fit_deficit(forward, mu, g, fit) : 0.0f;
+    sent->first[c] += color * unscattered;
+    sent->again[c] += color * (lacking - unscattered);
+    sent->aside[c] += color * forward.phi_order_l * ty_forward_blended_phase(fit, mu, g);
 }
 
-/* A light with lobes: adds what its three fluences, times passing, scatter at cosine mu. */
+/* A light with lobe_order: adds what its three fluences, times passing, scatter at cosine mu. */
 TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_point* at, float mu,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
                                TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* sent) {
@@ -98,8 +98,8 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
     float fluence[TY_FLUENCE_COUNT][3];
     for (int32_t c = 0; c < planes; ++c) {
         fluence[TY_FLUENCE_ORDER_L][c] = ty_cell_value(light->fluence[c], at);
-        fluence[TY_FLUENCE_UNSCATTERED][c] = ty_cell_value(light->straight[c], at);
-        fluence[TY_FLUENCE_NEXT_ORDER][c] = ty_cell_value(light->bent[c], at);
+        fluence[TY_FLUENCE_UNSCATTERED][c] = ty_cell_value(light->unscattered[c], at);
+        fluence[TY_FLUENCE_NEXT_ORDER][c] = ty_cell_value(light->next_order[c], at);
     }
     for (int32_t c = 2; c >= 0; --c) {
         const int32_t plane = planes == 1 ? 0 : c;
@@ -112,24 +112,25 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
             continue;
         }
         sent->first[c] += color * ty_forward_unscattered(forward, mu, g[c]);
-        sent->again[c] += color * (light->lobes == 1 ? ty_forward_scattered(forward, mu, g[c])
-                                                     : ty_forward_scattered_order(forward, mu, g[c], light->lobes));
+        sent->again[c] +=
+            color * (light->lobe_order == 1 ? ty_forward_scattered(forward, mu, g[c])
+                                            : ty_forward_scattered_order(forward, mu, g[c], light->lobe_order));
     }
 }
 
 /* The cosine between light's way at a point and `way`. */
-TY_FN float ty_light_fluence_cosine(const ty_light_fluence* light, ty_vec point, ty_vec way) {
-    if (light->kind != TY_FLUENCE_POINT) return ty_dot(light->sample.direction, way);
+TY_FN float ty_light_fluence_cosine(const ty_light_fluence* light, ty_vec point, ty_vec omega) {
+    if (light->kind != TY_FLUENCE_POINT) return ty_dot(light->sample.direction, omega);
     const ty_vec off = ty_sub(point, light->sample.position);
-    return ty_dot(off, way) / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
+    return ty_dot(off, omega) / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
 }
 
 /* Adds the light that a point scatters along `way`. passing: times which the light's fluences are there. */
-TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, const ty_cell_point* at, ty_vec way,
+TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, const ty_cell_point* at, ty_vec omega,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
                                TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* sent) {
-    if (light->lobes != 0) {
-        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, way), passing, g, fit, sent);
+    if (light->lobe_order != 0) {
+        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, omega), passing, g, fit, sent);
         return;
     }
     const int32_t planes = light->shared != 0 ? 1 : 3;
@@ -137,8 +138,9 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
     for (int32_t c = 0; c < planes; ++c) {
         fluence[c] = ty_cell_value(light->fluence[c], at);
         if (light->kind == TY_FLUENCE_P1)
-            forward[c] = ty_cell_value(light->flux[c][0], at) * way.x + ty_cell_value(light->flux[c][1], at) * way.y +
-                         ty_cell_value(light->flux[c][2], at) * way.z;
+            forward[c] = ty_cell_value(light->flux[c][0], at) * omega.x +
+                         ty_cell_value(light->flux[c][1], at) * omega.y +
+                         ty_cell_value(light->flux[c][2], at) * omega.z;
     }
     for (int32_t c = 2; c >= 0 && light->shared != 0; --c) {
         fluence[c] = fluence[0] * light->color[c];
@@ -150,7 +152,7 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
             to[c] += passing[TY_FLUENCE_ORDER_L][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
     }
-    const float mu = ty_light_fluence_cosine(light, point, way);
+    const float mu = ty_light_fluence_cosine(light, point, omega);
     float phase = 0.0f;
     for (int32_t c = 0; c < 3; ++c) {
         if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);

@@ -7,32 +7,32 @@
 #include "scene/scene.h"
 
 /* Off cells' middles by this much, in cells, so that surfaces through middles are on one side of them. */
-static const double aside[3] = {1e-3, 0.7e-3, 0.4e-3};
+static const double offset[3] = {1e-3, 0.7e-3, 0.4e-3};
 
-typedef struct wall_job {
+typedef struct face_job {
     const ty_scene* scene;
     const ty_grid_medium* medium;
-    ty_boundary_faces* walls;
+    ty_boundary_faces* faces;
     double lower[3], upper[3]; /* around all surfaces */
     int32_t axis;
-} wall_job;
+} face_job;
 
-static size_t cell_at(const ty_boundary_faces* walls, const int32_t at[3]) {
-    return ((size_t)at[2] * (size_t)walls->size[1] + (size_t)at[1]) * (size_t)walls->size[0] + (size_t)at[0];
+static size_t cell_at(const ty_boundary_faces* faces, const int32_t at[3]) {
+    return ((size_t)at[2] * (size_t)faces->size[1] + (size_t)at[1]) * (size_t)faces->size[0] + (size_t)at[0];
 }
 
 /* From the middle of a cell to that of the next one along an axis, up or down. */
 static ty_ray ray_from(const ty_grid_medium* medium, const int32_t at[3], int axis, bool up) {
     ty_ray ray = {.far = (float)medium->cell[axis]};
     for (int a = 0; a < 3; ++a)
-        ray.origin[a] = (float)(medium->box.lower[a] + (at[a] + 0.5 + aside[a]) * medium->cell[a]);
+        ray.origin[a] = (float)(medium->box.lower[a] + (at[a] + 0.5 + offset[a]) * medium->cell[a]);
     ray.direction[axis] = up ? 1 : -1;
     return ray;
 }
 
 /* ---- closed faces ---- */
 
-static bool is_near(const wall_job* job, const ty_ray* first, float length) {
+static bool is_near(const face_job* job, const ty_ray* first, float length) {
     for (int a = 0; a < 3; ++a) {
         const double begin = (double)first->origin[a], end = begin + (a == job->axis ? (double)length : 0);
         if (end < job->lower[a] || begin > job->upper[a]) return false;
@@ -41,8 +41,8 @@ static bool is_near(const wall_job* job, const ty_ray* first, float length) {
 }
 
 /* The faces along a line of cells: `packet` of them from the one below cell `begin` on. */
-static void close_some(const wall_job* job, const int32_t line[3], int32_t begin, int32_t count) {
-    ty_boundary_faces* walls = job->walls;
+static void close_packet(const face_job* job, const int32_t line[3], int32_t begin, int32_t count) {
+    ty_boundary_faces* faces = job->faces;
     ty_ray rays[TY_PACKET];
     bool closed[TY_PACKET];
     int32_t at[3] = {line[0], line[1], line[2]};
@@ -55,22 +55,22 @@ static void close_some(const wall_job* job, const int32_t line[3], int32_t begin
     for (int32_t i = 0; i < count; ++i) {
         if (!closed[i]) continue;
         at[job->axis] = begin + i - 1;
-        if (at[job->axis] >= 0) walls->closed[cell_at(walls, at)] |= (uint8_t)(1 << (2 * job->axis + 1));
+        if (at[job->axis] >= 0) faces->closed[cell_at(faces, at)] |= (uint8_t)(1 << (2 * job->axis + 1));
         ++at[job->axis];
-        if (at[job->axis] < walls->size[job->axis]) walls->closed[cell_at(walls, at)] |= (uint8_t)(1 << 2 * job->axis);
+        if (at[job->axis] < faces->size[job->axis]) faces->closed[cell_at(faces, at)] |= (uint8_t)(1 << 2 * job->axis);
     }
 }
 
 static void close_lines(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const wall_job* job = user;
-    const int32_t* size = job->walls->size;
+    const face_job* job = user;
+    const int32_t* size = job->faces->size;
     const int32_t u = job->axis == 0 ? 1 : 0, v = job->axis == 2 ? 1 : 2, faces = size[job->axis] + 1;
     int32_t line[3] = {0, 0, 0};
     line[v] = (int32_t)index;
     for (line[u] = 0; line[u] < size[u]; ++line[u])
         for (int32_t begin = 0; begin < faces; begin += TY_PACKET)
-            close_some(job, line, begin, faces - begin < TY_PACKET ? faces - begin : TY_PACKET);
+            close_packet(job, line, begin, faces - begin < TY_PACKET ? faces - begin : TY_PACKET);
 }
 
 /* ---- sides ---- */
@@ -81,117 +81,118 @@ static int32_t count_bits(uint8_t bits) {
     return count;
 }
 
-static void count_sides(ty_boundary_faces* walls) {
-    const size_t rows = (size_t)walls->size[1] * (size_t)walls->size[2], cells = (size_t)walls->size[0];
+static void count_sides(ty_boundary_faces* faces) {
+    const size_t rows = (size_t)faces->size[1] * (size_t)faces->size[2], cells = (size_t)faces->size[0];
     for (size_t row = 0; row < rows; ++row) {
-        walls->first[row] = walls->count;
-        for (size_t i = 0; i < cells; ++i) walls->count += count_bits(walls->closed[row * cells + i]);
+        faces->first[row] = faces->count;
+        for (size_t i = 0; i < cells; ++i) faces->count += count_bits(faces->closed[row * cells + i]);
     }
-    walls->first[rows] = walls->count;
+    faces->first[rows] = faces->count;
 }
 
 /* The surface that a side is of; where the ray back from the next cell met it and this one does not, that. */
-static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty_boundary_side* side) {
+static void find_side(const face_job* job, const int32_t at[3], int32_t face, ty_boundary_side* side) {
     const ty_scene_view* view = &job->scene->view;
     const int axis = face / 2;
     const bool up = (face & 1) != 0;
     ty_ray ray = ray_from(job->medium, at, axis, up);
     ty_hit hit;
-    ty_vec origin = ty_vec_load(ray.origin), way = ty_vec_load(ray.direction);
-    bool met = ty_mesh_intersect(view->mesh, origin, way, ray.far, &hit);
+    ty_vec origin = ty_vec_load(ray.origin), omega = ty_vec_load(ray.direction);
+    bool occluded_fraction = ty_mesh_intersect(view->mesh, origin, omega, ray.far, &hit);
     float depth = hit.distance / ray.far;
-    if (!met) {
-        met = ty_mesh_intersect(view->mesh, ty_mad(origin, way, ray.far), ty_scale(way, -1), ray.far, &hit);
+    if (!occluded_fraction) {
+        occluded_fraction =
+            ty_mesh_intersect(view->mesh, ty_mad(origin, omega, ray.far), ty_scale(omega, -1), ray.far, &hit);
         depth = 1 - hit.distance / ray.far;
     }
-    *side = (ty_boundary_side){.position = origin, .normal = ty_scale(way, -1), .depth = 0.5f, .stairs = 1};
-    if (!met) return;
+    *side = (ty_boundary_side){.position = origin, .normal = ty_scale(omega, -1), .depth = 0.5f, .staircase_factor = 1};
+    if (!occluded_fraction) return;
     side->depth = depth;
     ty_surface_point point;
     ty_surfaces_fetch(view->surfaces, &hit, 1);
-    ty_surface_evaluate(&view->surfaces[hit.surface], &hit, way, &point);
+    ty_surface_evaluate(&view->surfaces[hit.surface], &hit, omega, &point);
     side->normal = point.facing;
     side->position = ty_hit_leave(&hit, point.facing);
-    side->stairs = fabsf(point.facing.x) + fabsf(point.facing.y) + fabsf(point.facing.z);
+    side->staircase_factor = fabsf(point.facing.x) + fabsf(point.facing.y) + fabsf(point.facing.z);
     for (int c = 0; c < 3; ++c) {
         side->albedo[c] = ty_minf(point.albedo[c], 1);
         side->emission[c] = point.light < 0 ? point.emission[c] : 0;
     }
 }
 
-static void take_row(void* user, int64_t row, int32_t worker) {
+static void find_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
-    const wall_job* job = user;
-    ty_boundary_faces* walls = job->walls;
-    int32_t side = walls->first[row], at[3] = {0, (int32_t)(row % walls->size[1]), (int32_t)(row / walls->size[1])};
-    if (side == walls->first[row + 1]) return;
-    for (; at[0] < walls->size[0]; ++at[0]) {
-        const uint8_t closed = walls->closed[cell_at(walls, at)];
+    const face_job* job = user;
+    ty_boundary_faces* faces = job->faces;
+    int32_t side = faces->first[row], at[3] = {0, (int32_t)(row % faces->size[1]), (int32_t)(row / faces->size[1])};
+    if (side == faces->first[row + 1]) return;
+    for (; at[0] < faces->size[0]; ++at[0]) {
+        const uint8_t closed = faces->closed[cell_at(faces, at)];
         for (uint8_t face = 0; face < 6; ++face) {
             if ((closed >> face & 1) == 0) continue;
-            walls->x[side] = at[0];
-            walls->face[side] = face;
-            take_side(job, at, face, &walls->sides[side++]);
+            faces->x[side] = at[0];
+            faces->face[side] = face;
+            find_side(job, at, face, &faces->sides[side++]);
         }
     }
 }
 
 /* ---- all ---- */
 
-static ty_result take_sides(wall_job* job) {
-    ty_boundary_faces* walls = job->walls;
-    count_sides(walls);
-    const size_t count = (size_t)walls->count;
-    walls->x = ty_alloc_array(walls->context, count, sizeof *walls->x, false);
-    walls->face = ty_alloc_array(walls->context, count, sizeof *walls->face, false);
-    walls->sides = ty_alloc_array(walls->context, count, sizeof *walls->sides, false);
-    if (walls->x == NULL || walls->face == NULL || walls->sides == NULL) return TY_ERROR_MEMORY;
-    ty_parallel_flushed(walls->context, (int64_t)walls->size[1] * walls->size[2], take_row, job);
+static ty_result find_sides(face_job* job) {
+    ty_boundary_faces* faces = job->faces;
+    count_sides(faces);
+    const size_t count = (size_t)faces->count;
+    faces->x = ty_alloc_array(faces->context, count, sizeof *faces->x, false);
+    faces->face = ty_alloc_array(faces->context, count, sizeof *faces->face, false);
+    faces->sides = ty_alloc_array(faces->context, count, sizeof *faces->sides, false);
+    if (faces->x == NULL || faces->face == NULL || faces->sides == NULL) return TY_ERROR_MEMORY;
+    ty_parallel_flushed(faces->context, (int64_t)faces->size[1] * faces->size[2], find_row, job);
     return TY_OK;
 }
 
-static size_t row_count(const ty_boundary_faces* walls) {
-    return (size_t)walls->size[1] * (size_t)walls->size[2];
+static size_t row_count(const ty_boundary_faces* faces) {
+    return (size_t)faces->size[1] * (size_t)faces->size[2];
 }
 
 ty_result ty_boundary_faces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_boundary_faces** out) {
     ty_context* context = scene->context;
     *out = NULL;
     if (scene->view.mesh == NULL) return TY_OK;
-    ty_boundary_faces* walls = ty_alloc_array(context, 1, sizeof *walls, true);
-    if (walls == NULL) return TY_ERROR_MEMORY;
-    walls->context = context;
-    memcpy(walls->size, medium->box.size, sizeof walls->size);
-    walls->first = ty_alloc_array(context, row_count(walls) + 1, sizeof *walls->first, false);
-    walls->closed = ty_alloc_array(context, medium->cells, 1, true);
-    ty_result result = walls->first != NULL && walls->closed != NULL ? TY_OK : TY_ERROR_MEMORY;
-    wall_job job = {.scene = scene, .medium = medium, .walls = walls};
+    ty_boundary_faces* faces = ty_alloc_array(context, 1, sizeof *faces, true);
+    if (faces == NULL) return TY_ERROR_MEMORY;
+    faces->context = context;
+    memcpy(faces->size, medium->box.size, sizeof faces->size);
+    faces->first = ty_alloc_array(context, row_count(faces) + 1, sizeof *faces->first, false);
+    faces->closed = ty_alloc_array(context, medium->cells, 1, true);
+    ty_result result = faces->first != NULL && faces->closed != NULL ? TY_OK : TY_ERROR_MEMORY;
+    face_job job = {.scene = scene, .medium = medium, .faces = faces};
     ty_scene_surface_extent(scene, job.lower, job.upper);
     for (; job.axis < 3 && result == TY_OK; ++job.axis)
-        ty_parallel_flushed(context, walls->size[job.axis == 2 ? 1 : 2], close_lines, &job);
-    if (result == TY_OK) result = take_sides(&job);
-    if (result != TY_OK || walls->count == 0)
-        ty_boundary_faces_destroy(walls);
+        ty_parallel_flushed(context, faces->size[job.axis == 2 ? 1 : 2], close_lines, &job);
+    if (result == TY_OK) result = find_sides(&job);
+    if (result != TY_OK || faces->count == 0)
+        ty_boundary_faces_destroy(faces);
     else
-        *out = walls;
+        *out = faces;
     return result;
 }
 
-void ty_boundary_faces_destroy(ty_boundary_faces* walls) {
-    if (walls == NULL) return;
-    ty_context* context = walls->context;
-    const size_t count = (size_t)walls->count;
-    ty_free_array(context, walls->first, row_count(walls) + 1, sizeof *walls->first);
-    ty_free_array(context, walls->closed, row_count(walls) * (size_t)walls->size[0], 1);
-    ty_free_array(context, walls->x, count, sizeof *walls->x);
-    ty_free_array(context, walls->face, count, sizeof *walls->face);
-    ty_free_array(context, walls->sides, count, sizeof *walls->sides);
-    ty_free_array(context, walls, 1, sizeof *walls);
+void ty_boundary_faces_destroy(ty_boundary_faces* faces) {
+    if (faces == NULL) return;
+    ty_context* context = faces->context;
+    const size_t count = (size_t)faces->count;
+    ty_free_array(context, faces->first, row_count(faces) + 1, sizeof *faces->first);
+    ty_free_array(context, faces->closed, row_count(faces) * (size_t)faces->size[0], 1);
+    ty_free_array(context, faces->x, count, sizeof *faces->x);
+    ty_free_array(context, faces->face, count, sizeof *faces->face);
+    ty_free_array(context, faces->sides, count, sizeof *faces->sides);
+    ty_free_array(context, faces, 1, sizeof *faces);
 }
 
 /* Of what a stair sends, the part 1 - 1 / stairs meets other stairs of its surface. */
-void ty_staircase_albedo(const ty_boundary_side* wall, float albedo, float* of_stairs, float* share) {
-    const float met = 1 - 1 / wall->stairs;
-    *of_stairs = albedo / (1 - met * (1 - albedo));
-    *share = 1 - *of_stairs * met;
+void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor) {
+    const float occluded_fraction = 1 - 1 / side->staircase_factor;
+    *effective_albedo = albedo / (1 - occluded_fraction * (1 - albedo));
+    *emission_factor = 1 - *effective_albedo * occluded_fraction;
 }

@@ -13,9 +13,9 @@ typedef struct ty_boundary_side {
     ty_vec position; /* m, off the surface by as much as rounding needs */
     ty_vec normal;   /* unit, towards the cell */
     float albedo[3];
-    float emission[3]; /* radiance of surfaces that no light of the scene stands for */
-    float depth;       /* from the cell's middle to the surface, in cells, 0..1 */
-    float stairs;      /* area of the faces that a slanted surface makes, to its own */
+    float emission[3];      /* radiance of surfaces that no light of the scene stands for */
+    float depth;            /* from the cell's middle to the surface, in cells, 0..1 */
+    float staircase_factor; /* area of the faces that a slanted surface makes, to its own */
 } ty_boundary_side;
 
 typedef struct ty_boundary_faces {
@@ -35,7 +35,7 @@ void ty_boundary_faces_destroy(ty_boundary_faces* walls);
 
 /* Stairs shade each other where the surface that they stand for does not. With this albedo, and `share` of what the
  * surface sends by itself, they look from afar as it does. */
-void ty_staircase_albedo(const ty_boundary_side* wall, float albedo, float* of_stairs, float* share);
+void ty_staircase_albedo(const ty_boundary_side* wall, float albedo, float* effective_albedo, float* emission_factor);
 
 /* Adds to irradiance[c], W m^-2, one number a side, what sources bring to walls, with shadows; extinction: less than
  * the medium's own, as many planes as it has. forward (NULL: not asked for): the part of it that the medium's own would
@@ -47,6 +47,6 @@ void ty_boundary_irradiance_add(const ty_scene* scene, const ty_boundary_faces* 
 /* Marks cells that no light can get to: of those that open faces join, all where none has a face in the box's own that
  * is open, a lamp (of the scene, not a stand-in) beside it, or emission. dark: one a cell. Errors: TY_ERROR_MEMORY. */
 ty_result ty_unlit_cells_find(const ty_scene* scene, const ty_boundary_faces* walls, const ty_grid_medium* medium,
-                              const ty_discrete_light* sources, int32_t count, uint8_t* dark);
+                              const ty_discrete_light* sources, int32_t count, uint8_t* unlit);
 
 #endif

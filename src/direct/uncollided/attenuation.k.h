@@ -13,9 +13,9 @@ TY_FN float ty_decay(float x) {
 }
 
 /* (1 - e^-x) / x for x >= 0, given e^-x. */
-TY_FN float ty_mean_decay(float x, float decay) {
+TY_FN float ty_mean_decay(float x, float attenuation) {
     const float series = 1.0f - x * (0.5f - x * (1.0f / 6.0f - x * (1.0f / 24.0f)));
-    return x < 0.03f ? series : (1.0f - decay) / ty_maxf(x, 0.03f);
+    return x < 0.03f ? series : (1.0f - attenuation) / ty_maxf(x, 0.03f);
 }
 
 /* The mean of three neighbours by their weights. */
@@ -24,8 +24,8 @@ TY_FN float ty_weighted_sum3(float a, float b, float c, const float weight[3]) {
 }
 
 /* Between two neighbours. */
-TY_FN float ty_lerp_exact(float first, float second, float share) {
-    return first * (1.0f - share) + second * share;
+TY_FN float ty_lerp_exact(float first, float second, float t) {
+    return first * (1.0f - t) + second * t;
 }
 
 #endif

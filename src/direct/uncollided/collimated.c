@@ -12,11 +12,11 @@ size_t ty_collimated_tubes(const ty_collimated* beam) {
 /* ---- geometry ---- */
 
 int32_t ty_collimated_sweep_axis(const ty_grid_medium* medium, ty_vec direction) {
-    const double way[3] = {(double)direction.x, (double)direction.y, (double)direction.z};
+    const double omega[3] = {(double)direction.x, (double)direction.y, (double)direction.z};
     int32_t w = 0;
     for (int32_t a = 1; a < 3; ++a)
-        if (fabs(way[a]) / medium->cell[a] > fabs(way[w]) / medium->cell[w]) w = a;
-    return 2 * w + (way[w] < 0);
+        if (fabs(omega[a]) / medium->cell[a] > fabs(omega[w]) / medium->cell[w]) w = a;
+    return 2 * w + (omega[w] < 0);
 }
 
 /* Which axes are u, v and w. Where w is the axis of rows, the cells are turned over (ty_collimated_sweep) so that u and
@@ -46,19 +46,19 @@ static double mean_overlap(double at, double from, double to) {
 }
 
 /* Where tubes are in each slab along u (0) or v (1): slope is how many cells they move from one to the next. */
-static void place_tubes(ty_collimated* beam, int32_t i, double slope) {
-    int32_t low = INT32_MAX, high = INT32_MIN;
+static void find_tube_shifts(ty_collimated* beam, int32_t i, double slope) {
+    int32_t min_shift = INT32_MAX, max_shift = INT32_MIN;
     for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
         const double from = slope * slab, to = slope * (slab + 1), whole = floor(fmin(from, to));
         float* weight = beam->weight[i][slab];
         beam->shift[i][slab] = (int32_t)whole;
         for (int cell = 0; cell < 3; ++cell) weight[cell] = (float)mean_overlap(whole + cell, from, to);
         weight[1] = 1 - weight[0] - weight[2];
-        low = beam->shift[i][slab] < low ? beam->shift[i][slab] : low;
-        high = beam->shift[i][slab] > high ? beam->shift[i][slab] : high;
+        min_shift = beam->shift[i][slab] < min_shift ? beam->shift[i][slab] : min_shift;
+        max_shift = beam->shift[i][slab] > max_shift ? beam->shift[i][slab] : max_shift;
     }
-    beam->first[i] = -high - 2;
-    beam->tubes[i] = beam->size[i] + high - low + 2;
+    beam->first[i] = -max_shift - 2;
+    beam->tubes[i] = beam->size[i] + max_shift - min_shift + 2;
 }
 
 /* ---- shadows of surfaces ---- */
@@ -67,9 +67,9 @@ typedef struct hit_job {
     const ty_mesh* mesh;
     const ty_grid_medium* medium;
     ty_collimated* beam;
-    double way[3], inverse[3];
-    double back; /* m from where tubes begin to where rays do, before everything */
-    ty_occlusion_box room;
+    double omega[3], inverse[3];
+    double start_distance; /* m from where tubes begin to where rays do, before everything */
+    ty_occlusion_box box;
 } hit_job;
 
 /* Where one of a tube's rays, two by two, meets the first slab's near side. */
@@ -83,16 +83,16 @@ static void ray_begin(const hit_job* job, int32_t column, int32_t row, int32_t r
     }
 }
 
-static float stop_of(const hit_job* job, const ty_hit* hit, const double begin[3], double enter) {
+static float occlusion_of(const hit_job* job, const ty_hit* hit, const double begin[3], double enter) {
     if (hit->surface < 0) return TY_FLOAT_MAX;
-    const double along = ((double)hit->position.x - begin[0]) * job->way[0] +
-                         ((double)hit->position.y - begin[1]) * job->way[1] +
-                         ((double)hit->position.z - begin[2]) * job->way[2];
+    const double along = ((double)hit->position.x - begin[0]) * job->omega[0] +
+                         ((double)hit->position.y - begin[1]) * job->omega[1] +
+                         ((double)hit->position.z - begin[2]) * job->omega[2];
     return along > enter ? (float)along : 0;
 }
 
-static ty_occlusion_span cut_span(const hit_job* job, ty_occlusion_span span, int32_t axis, const double begin[3]) {
-    return ty_occlusion_clip(span, &job->room, axis, begin[axis], job->inverse[axis]);
+static ty_occlusion_span clip_span(const hit_job* job, ty_occlusion_span span, int32_t axis, const double begin[3]) {
+    return ty_occlusion_clip(span, &job->box, axis, begin[axis], job->inverse[axis]);
 }
 
 /* At most a packet of tubes' rays, one of each tube, which begin along u apart. */
@@ -106,22 +106,22 @@ static void find_packet(const hit_job* job, int32_t column, int32_t count, int32
     ty_hit hits[TY_PACKET];
     ty_occlusion_span across = {-INFINITY, INFINITY};
     ray_begin(job, column, row, ray, begin[0]);
-    for (int i = 1; i < 3; ++i) across = cut_span(job, across, beam->axis[i], begin[0]);
+    for (int i = 1; i < 3; ++i) across = clip_span(job, across, beam->axis[i], begin[0]);
     for (int32_t i = 0; i < count; ++i) {
         ray_begin(job, column + i, row, ray, begin[traced]);
-        const ty_occlusion_span span = cut_span(job, across, beam->axis[0], begin[traced]);
+        const ty_occlusion_span span = clip_span(job, across, beam->axis[0], begin[traced]);
         out[i] = TY_OCCLUSION_UNDEFINED;
         if (!(span.enter < span.leave)) continue;
         enter[traced] = span.enter;
-        rays[traced].far = (float)(job->back + span.leave);
+        rays[traced].far = (float)(job->start_distance + span.leave);
         for (int a = 0; a < 3; ++a) {
-            rays[traced].origin[a] = (float)(begin[traced][a] - job->back * job->way[a]);
-            rays[traced].direction[a] = (float)job->way[a];
+            rays[traced].origin[a] = (float)(begin[traced][a] - job->start_distance * job->omega[a]);
+            rays[traced].direction[a] = (float)job->omega[a];
         }
         tube[traced++] = i;
     }
     if (traced > 0) ty_mesh_intersect_packet(job->mesh, rays, traced, hits);
-    for (int32_t i = 0; i < traced; ++i) out[tube[i]] = stop_of(job, &hits[i], begin[i], enter[i]);
+    for (int32_t i = 0; i < traced; ++i) out[tube[i]] = occlusion_of(job, &hits[i], begin[i], enter[i]);
 }
 
 static void find_hits(void* user, int64_t row, int32_t worker) {
@@ -143,18 +143,19 @@ static void fill_hits(void* user, int64_t ray, int32_t worker) {
 }
 
 /* How far the corner of a box farthest upstream of where tubes begin may be. */
-static double reach_back(const ty_grid_medium* medium, const double outside[2][3]) {
+static double start_distance_of(const ty_grid_medium* medium, const double outside[2][3]) {
     double square = 0;
     for (int a = 0; a < 3; ++a) {
-        const double low = fmin(medium->box.lower[a], outside[0][a]), high = fmax(medium->box.upper[a], outside[1][a]);
-        square += (high - low) * (high - low);
+        const double min_shift = fmin(medium->box.lower[a], outside[0][a]),
+                     max_shift = fmax(medium->box.upper[a], outside[1][a]);
+        square += (max_shift - min_shift) * (max_shift - min_shift);
     }
     return 2 * sqrt(square);
 }
 
 /* ---- memory ---- */
 
-static ty_result take_tables(ty_collimated* beam) {
+static ty_result allocate_tables(ty_collimated* beam) {
     const size_t slabs = (size_t)beam->size[2];
     for (int i = 0; i < 2; ++i) {
         beam->shift[i] = ty_alloc_array(beam->context, slabs, sizeof *beam->shift[i], false);
@@ -164,7 +165,7 @@ static ty_result take_tables(ty_collimated* beam) {
     return TY_OK;
 }
 
-static ty_result take_tubes(ty_collimated* beam, bool shadows) {
+static ty_result allocate_tubes(ty_collimated* beam, bool shadows) {
     for (int i = 0; i < 2; ++i) {
         beam->along[i] = ty_alloc_array(beam->context, ty_collimated_tubes(beam), sizeof *beam->along[i], false);
         if (beam->along[i] == NULL) return TY_ERROR_MEMORY;
@@ -188,26 +189,26 @@ ty_result ty_collimated_begin(const ty_scene_view* scene, const ty_grid_medium* 
                               ty_vec direction, ty_collimated* beam) {
     hit_job job = {.mesh = scene->mesh, .medium = medium, .beam = beam};
     const double length = sqrt((double)ty_dot(direction, direction));
-    job.way[0] = (double)direction.x / length;
-    job.way[1] = (double)direction.y / length;
-    job.way[2] = (double)direction.z / length;
+    job.omega[0] = (double)direction.x / length;
+    job.omega[1] = (double)direction.y / length;
+    job.omega[2] = (double)direction.z / length;
     *beam = (ty_collimated){.context = medium->context, .kernels = ty_direct_kernels_best()};
-    const int32_t way = ty_collimated_sweep_axis(medium, direction);
-    choose_axes(medium, way / 2, beam);
-    ty_result result = take_tables(beam);
+    const int32_t sweep = ty_collimated_sweep_axis(medium, direction);
+    choose_axes(medium, sweep / 2, beam);
+    ty_result result = allocate_tables(beam);
     if (result != TY_OK) return result;
     const int32_t w = beam->axis[2];
-    const double per_slab = medium->cell[w] / fabs(job.way[w]);
-    beam->backwards = way % 2 != 0;
+    const double per_slab = medium->cell[w] / fabs(job.omega[w]);
+    beam->backwards = sweep % 2 != 0;
     beam->length = (float)per_slab;
     beam->section = medium->cell[0] * medium->cell[1] * medium->cell[2] / per_slab;
     for (int32_t i = 0; i < 2; ++i)
-        place_tubes(beam, i, job.way[beam->axis[i]] * per_slab / medium->cell[beam->axis[i]]);
-    result = take_tubes(beam, scene->mesh != NULL);
+        find_tube_shifts(beam, i, job.omega[beam->axis[i]] * per_slab / medium->cell[beam->axis[i]]);
+    result = allocate_tubes(beam, scene->mesh != NULL);
     if (result != TY_OK || scene->mesh == NULL) return result;
-    job.back = reach_back(medium, outside);
-    job.room = ty_occlusion_box_of(medium);
-    for (int a = 0; a < 3; ++a) job.inverse[a] = ty_occlusion_inverse(job.way[a]);
+    job.start_distance = start_distance_of(medium, outside);
+    job.box = ty_occlusion_box_of(medium);
+    for (int a = 0; a < 3; ++a) job.inverse[a] = ty_occlusion_inverse(job.omega[a]);
     ty_parallel_for(beam->context, beam->tubes[1], find_hits, &job);
     ty_parallel_for(beam->context, TY_TUBE_RAYS, fill_hits, &job);
     return TY_OK;

@@ -47,9 +47,9 @@ typedef struct ty_collimated_batch {
     int32_t plane_count;
     float* planes[TY_TUBE_PLANES_MAX];
     float factor[TY_COLLIMATED_MAX][TY_TUBE_PLANES_MAX];
-    ty_transpose_scratch* room; /* NULL: of this pass alone */
-    ty_progress_meter* watch;   /* NULL: none */
-    double done, work;          /* for it: sources' worth before this, and of this */
+    ty_transpose_scratch* scratch; /* NULL: of this pass alone */
+    ty_progress_meter* meter;      /* NULL: none */
+    double done, work;             /* for it: sources' worth before this, and of this */
 } ty_collimated_batch;
 
 /* Errors: TY_ERROR_MEMORY; TY_CANCELLED. */

@@ -10,14 +10,14 @@ enum { BLOCK_ROWS = 16 };
 enum { CELLS_FOR_THREADS = 1 << 12 };
 
 typedef struct pass_job {
-    const ty_collimated_batch* of;
+    const ty_collimated_batch* batch;
     const float* extinction;        /* turned over where u and w change places */
     float* out[TY_TUBE_PLANES_MAX]; /* the same for planes: turned over, they are only of TY_TRANSPOSE_SIDE slabs */
     int32_t slab;                   /* in the beams' order */
     float* scratch;                 /* of the workers */
     size_t scratch_size;            /* of each */
-    ty_transpose_scratch* room;
-    float* turned; /* the room's; NULL: nothing needs turning */
+    ty_transpose_scratch* buffer;
+    float* transposed; /* the room's; NULL: nothing needs turning */
 } pass_job;
 
 /* ---- one slab ---- */
@@ -28,9 +28,9 @@ static size_t slab_offset(const ty_collimated* beam, int32_t slab) {
 
 /* Where a slab's cells are in job->out. */
 static size_t out_offset(const pass_job* job) {
-    const ty_collimated* beam = job->of->beams;
-    return job->turned != NULL ? beam->stride[2] * (size_t)(job->slab % TY_TRANSPOSE_SIDE)
-                               : slab_offset(beam, job->slab);
+    const ty_collimated* beam = job->batch->beams;
+    return job->transposed != NULL ? beam->stride[2] * (size_t)(job->slab % TY_TRANSPOSE_SIDE)
+                                   : slab_offset(beam, job->slab);
 }
 
 /* Extinction of row v of a slab; that of a row outside is `empty`. */
@@ -40,7 +40,7 @@ static const float* cell_row(const ty_collimated* beam, const float* slab, int32
 
 /* The row of tubes that has rows v, v + 1 and v + 2 of cells, v from -2 on. kept: whether its transmittance goes on,
  * which only one block of rows may see to. */
-static void pass_tubes(const pass_job* job, const ty_collimated* beam, int32_t v, bool kept, float* scratch,
+static void pass_tubes(const pass_job* job, const ty_collimated* beam, int32_t v, bool writes_out, float* scratch,
                        float* mean) {
     const int32_t slab = job->slab, width = beam->size[0] + 4;
     const float* cells = job->extinction + slab_offset(beam, slab);
@@ -52,7 +52,7 @@ static void pass_tubes(const pass_job* job, const ty_collimated* beam, int32_t v
         .length = beam->length,
         .start = beam->length * (float)slab,
         .in = beam->along[slab % 2] + at,
-        .out = kept ? beam->along[(slab + 1) % 2] + at : scratch + 6 * width,
+        .out = writes_out ? beam->along[(slab + 1) % 2] + at : scratch + 6 * width,
         .mean = mean,
         .blend = scratch + width,
     };
@@ -66,8 +66,8 @@ static void pass_tubes(const pass_job* job, const ty_collimated* beam, int32_t v
 /* Rows [begin, end) of a slab under one beam. scratch: a row without matter, one of means of rows, three rows of tubes,
  * one of cells, and one of tubes for what goes nowhere. */
 static void pass_rows(const pass_job* job, int32_t index, int32_t begin, int32_t end, float* scratch) {
-    const ty_collimated_batch* of = job->of;
-    const ty_collimated* beam = &of->beams[index];
+    const ty_collimated_batch* batch = job->batch;
+    const ty_collimated* beam = &batch->beams[index];
     const int32_t width = beam->size[0] + 4;
     for (int32_t v = begin - 2; v < end; ++v) {
         float* mean[3];
@@ -77,12 +77,12 @@ static void pass_rows(const pass_job* job, int32_t index, int32_t begin, int32_t
         ty_tube_cells cells = {
             .count = beam->size[0],
             .mean = {mean[0], mean[1], mean[2]},
-            .lit = scratch + 5 * width,
-            .plane_count = of->plane_count,
-            .factor = of->factor[index],
+            .transmittance = scratch + 5 * width,
+            .plane_count = batch->plane_count,
+            .factor = batch->factor[index],
         };
         const size_t at = out_offset(job) + beam->stride[1] * (size_t)v;
-        for (int32_t p = 0; p < of->plane_count; ++p) cells.planes[p] = job->out[p] + at;
+        for (int32_t p = 0; p < batch->plane_count; ++p) cells.planes[p] = job->out[p] + at;
         for (int32_t i = 0; i < 2; ++i) memcpy(cells.weight[i], beam->weight[i][job->slab], sizeof cells.weight[i]);
         beam->kernels->cells(&cells);
     }
@@ -90,26 +90,26 @@ static void pass_rows(const pass_job* job, int32_t index, int32_t begin, int32_t
 
 static void pass_block(void* user, int64_t block, int32_t worker) {
     const pass_job* job = user;
-    const int32_t begin = (int32_t)block * BLOCK_ROWS, rows = job->of->beams->size[1];
+    const int32_t begin = (int32_t)block * BLOCK_ROWS, rows = job->batch->beams->size[1];
     const int32_t end = rows - begin < BLOCK_ROWS ? rows : begin + BLOCK_ROWS;
     const unsigned state = ty_flush_denormals();
-    for (int32_t i = 0; i < job->of->count; ++i)
+    for (int32_t i = 0; i < job->batch->count; ++i)
         pass_rows(job, i, begin, end, job->scratch + job->scratch_size * (size_t)worker);
     ty_restore_denormals(state);
 }
 
 /* ---- cells turned over ---- */
 
-typedef struct turn_job {
+typedef struct transpose_job {
     const float* from;
     float* to;
     int32_t size[3]; /* of the medium */
-} turn_job;
+} transpose_job;
 
 /* One y: (x, z) to (z, x), in blocks that stay in the cache. */
-static void turn_layer(void* user, int64_t y, int32_t worker) {
+static void transpose_layer(void* user, int64_t y, int32_t worker) {
     (void)worker;
-    const turn_job* job = user;
+    const transpose_job* job = user;
     const size_t nx = (size_t)job->size[0], ny = (size_t)job->size[1], nz = (size_t)job->size[2];
     for (size_t z0 = 0; z0 < nz; z0 += TY_TRANSPOSE_SIDE)
         for (size_t x0 = 0; x0 < nx; x0 += TY_TRANSPOSE_SIDE)
@@ -119,31 +119,31 @@ static void turn_layer(void* user, int64_t y, int32_t worker) {
 }
 
 /* One y: adds the block of slabs that ends with the job's to the planes, and empties it. */
-static void turn_back(void* user, int64_t y, int32_t worker) {
+static void add_transposed(void* user, int64_t y, int32_t worker) {
     (void)worker;
     const pass_job* job = user;
-    const ty_collimated* beam = job->of->beams;
+    const ty_collimated* beam = job->batch->beams;
     const size_t nz = (size_t)beam->size[0], ny = (size_t)beam->size[1], nx = (size_t)beam->size[2];
     const size_t first = (size_t)(job->slab / TY_TRANSPOSE_SIDE * TY_TRANSPOSE_SIDE),
                  count = (size_t)job->slab + 1 - first;
-    const size_t low = beam->backwards ? nx - first - count : first;
+    const size_t first_column = beam->backwards ? nx - first - count : first;
     ty_transpose_block block = {.rows = (int32_t)count, .stride = nz * ny, .to_stride = nx * ny};
     block.backwards = beam->backwards;
-    for (int32_t p = 0; p < job->of->plane_count; ++p)
+    for (int32_t p = 0; p < job->batch->plane_count; ++p)
         for (size_t z = 0; z < nz; z += TY_TRANSPOSE_SIDE) {
             block.columns = (int32_t)(nz - z < TY_TRANSPOSE_SIDE ? nz - z : TY_TRANSPOSE_SIDE);
             block.from = job->out[p] + z + nz * (size_t)y;
-            block.to = job->of->planes[p] + low + nx * ((size_t)y + ny * z);
-            beam->kernels->turn(&block);
+            block.to = job->batch->planes[p] + first_column + nx * ((size_t)y + ny * z);
+            beam->kernels->transpose(&block);
         }
 }
 
 /* ---- all slabs ---- */
 
 static void pass_slab(pass_job* job) {
-    const ty_collimated* beam = job->of->beams;
+    const ty_collimated* beam = job->batch->beams;
     const int64_t blocks = (beam->size[1] + BLOCK_ROWS - 1) / BLOCK_ROWS;
-    if ((int64_t)beam->size[0] * beam->size[1] * job->of->count >= CELLS_FOR_THREADS) {
+    if ((int64_t)beam->size[0] * beam->size[1] * job->batch->count >= CELLS_FOR_THREADS) {
         ty_parallel_for(beam->context, blocks, pass_block, job);
         return;
     }
@@ -151,56 +151,59 @@ static void pass_slab(pass_job* job) {
 }
 
 static ty_result pass_slabs(pass_job* job) {
-    const ty_collimated* beam = job->of->beams;
+    const ty_collimated* beam = job->batch->beams;
     ty_result result = TY_OK;
     for (job->slab = 0; job->slab < beam->size[2] && result == TY_OK; ++job->slab) {
         pass_slab(job);
-        if (job->turned != NULL &&
+        if (job->transposed != NULL &&
             (job->slab % TY_TRANSPOSE_SIDE == TY_TRANSPOSE_SIDE - 1 || job->slab + 1 == beam->size[2]))
-            ty_parallel_for(beam->context, beam->size[1], turn_back, job);
-        if (job->of->watch != NULL)
-            result =
-                ty_progress_meter_report(job->of->watch, job->of->done + job->of->work * job->slab / beam->size[2]);
+            ty_parallel_for(beam->context, beam->size[1], add_transposed, job);
+        if (job->batch->meter != NULL)
+            result = ty_progress_meter_report(job->batch->meter,
+                                              job->batch->done + job->batch->work * job->slab / beam->size[2]);
     }
     return result;
 }
 
-void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* room) {
-    ty_free_array(context, room->floats, room->count, sizeof *room->floats);
-    *room = (ty_transpose_scratch){.floats = NULL};
+void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* buffer) {
+    ty_free_array(context, buffer->floats, buffer->count, sizeof *buffer->floats);
+    *buffer = (ty_transpose_scratch){.floats = NULL};
 }
 
-static ty_result fill_room(const pass_job* job, const ty_grid_medium* medium, size_t count) {
-    ty_context* context = job->of->beams->context;
-    ty_transpose_scratch* room = job->room;
-    ty_transpose_scratch_free(context, room);
-    room->floats = ty_alloc_array(context, count, sizeof *room->floats, true);
-    if (room->floats == NULL) return TY_ERROR_MEMORY;
-    room->count = count;
-    turn_job turn = {.from = job->of->extinction, .to = room->floats};
-    memcpy(turn.size, medium->box.size, sizeof turn.size);
-    ty_parallel_for(context, medium->box.size[1], turn_layer, &turn);
+static ty_result fill_buffer(const pass_job* job, const ty_grid_medium* medium, size_t count) {
+    ty_context* context = job->batch->beams->context;
+    ty_transpose_scratch* buffer = job->buffer;
+    ty_transpose_scratch_free(context, buffer);
+    buffer->floats = ty_alloc_array(context, count, sizeof *buffer->floats, true);
+    if (buffer->floats == NULL) return TY_ERROR_MEMORY;
+    buffer->count = count;
+    transpose_job transpose = {.from = job->batch->extinction, .to = buffer->floats};
+    memcpy(transpose.size, medium->box.size, sizeof transpose.size);
+    ty_parallel_for(context, medium->box.size[1], transpose_layer, &transpose);
     return TY_OK;
 }
 
 /* Where rows are along w, cells change places first. */
-static ty_result turn_over(pass_job* job, const ty_grid_medium* medium) {
-    const ty_collimated* beam = job->of->beams;
+static ty_result transpose_cells(pass_job* job, const ty_grid_medium* medium) {
+    const ty_collimated* beam = job->batch->beams;
     const size_t block = TY_TRANSPOSE_SIDE * (size_t)beam->size[0] * (size_t)beam->size[1];
-    const size_t count = medium->cells + block * (size_t)job->of->plane_count;
-    const ty_result result = job->room->count < count ? fill_room(job, medium, count) : TY_OK;
+    const size_t count = medium->cells + block * (size_t)job->batch->plane_count;
+    const ty_result result = job->buffer->count < count ? fill_buffer(job, medium, count) : TY_OK;
     if (result != TY_OK) return result;
-    job->turned = job->room->floats;
-    for (int32_t p = 0; p < job->of->plane_count; ++p) job->out[p] = job->turned + medium->cells + block * (size_t)p;
-    job->extinction = job->turned;
+    job->transposed = job->buffer->floats;
+    for (int32_t p = 0; p < job->batch->plane_count; ++p)
+        job->out[p] = job->transposed + medium->cells + block * (size_t)p;
+    job->extinction = job->transposed;
     return TY_OK;
 }
 
 ty_result ty_collimated_sweep(const ty_collimated_batch* beams, const ty_grid_medium* medium) {
     const ty_collimated* beam = beams->beams;
     ty_context* context = beam->context;
-    ty_transpose_scratch own = {.floats = NULL};
-    pass_job job = {.of = beams, .extinction = beams->extinction, .room = beams->room != NULL ? beams->room : &own};
+    ty_transpose_scratch temporary = {.floats = NULL};
+    pass_job job = {.batch = beams,
+                    .extinction = beams->extinction,
+                    .buffer = beams->scratch != NULL ? beams->scratch : &temporary};
     memcpy(job.out, beams->planes, sizeof job.out);
     int32_t widest = 0;
     for (int32_t i = 0; i < beams->count; ++i) {
@@ -213,9 +216,9 @@ ty_result ty_collimated_sweep(const ty_collimated_batch* beams, const ty_grid_me
     const size_t scratch_count = job.scratch_size * (size_t)ty_context_threads(context);
     job.scratch = ty_alloc_array(context, scratch_count, sizeof *job.scratch, true);
     ty_result result = job.scratch != NULL ? TY_OK : TY_ERROR_MEMORY;
-    if (result == TY_OK && beam->axis[2] == 0) result = turn_over(&job, medium);
+    if (result == TY_OK && beam->axis[2] == 0) result = transpose_cells(&job, medium);
     if (result == TY_OK) result = pass_slabs(&job);
-    ty_transpose_scratch_free(context, &own);
+    ty_transpose_scratch_free(context, &temporary);
     ty_free_array(context, job.scratch, scratch_count, sizeof *job.scratch);
     return result;
 }

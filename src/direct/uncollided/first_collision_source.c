@@ -8,22 +8,22 @@ void ty_scaled_extinction(const ty_grid_medium* medium, int32_t order, float* co
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < medium->cells; ++i) {
             const float g = ty_maxf(medium->g[p][i], 0.0f);
-            const float stays = order == 0 ? 0.0f : order == 1 ? g : g * g;
-            planes[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - stays * medium->scattering[p][i]);
+            const float kept_fraction = order == 0 ? 0.0f : order == 1 ? g : g * g;
+            planes[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - kept_fraction * medium->scattering[p][i]);
         }
 }
 
-typedef struct turned_job {
+typedef struct source_job {
     const ty_grid_medium* medium;
     const ty_light_fluence* lights;
     int32_t count, channel;
     bool reduced;
     float* out;
-} turned_job;
+} source_job;
 
 static void find_chunk(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const turned_job* job = user;
+    const source_job* job = user;
     const ty_grid_medium* medium = job->medium;
     const int32_t plane = medium->planes == 3 ? job->channel : 0;
     const float* scattering = medium->scattering[plane];
@@ -42,6 +42,6 @@ static void find_chunk(void* user, int64_t index, int32_t worker) {
 
 void ty_first_collision_source(const ty_grid_medium* medium, const ty_light_fluence* lights, int32_t count,
                                int32_t channel, bool reduced, float* out) {
-    turned_job job = {medium, lights, count, channel, reduced, out};
+    source_job job = {medium, lights, count, channel, reduced, out};
     ty_parallel_for(medium->context, (int64_t)((medium->cells + CHUNK - 1) / CHUNK), find_chunk, &job);
 }

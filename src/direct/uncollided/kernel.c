@@ -26,52 +26,52 @@ static void pass(const ty_tube_row* row) {
 #pragma omp simd
     for (int32_t t = 0; t < row->count + 2; ++t) {
         const float depth = ty_weighted_sum3(blend[t], blend[t + 1], blend[t + 2], weight) * length;
-        const float decay = ty_decay(depth);
-        mean[t] = in[t] * ty_mean_decay(depth, decay);
-        out[t] = in[t] * decay;
+        const float attenuation = ty_decay(depth);
+        mean[t] = in[t] * ty_mean_decay(depth, attenuation);
+        out[t] = in[t] * attenuation;
     }
 }
 
 /* The share of a slab that a ray is in before it meets a surface. */
-TY_FN float open_share(float hit, float start, float per_length) {
+TY_FN float visible_fraction(float hit, float start, float per_length) {
     return ty_clampf((hit - start) * per_length, 0.0f, 1.0f);
 }
 
 /* Takes away what surfaces shade of each tube. */
-static void shade(const ty_tube_row* row) {
+static void apply_shadows(const ty_tube_row* row) {
     const float *a = row->hit[0], *b = row->hit[1], *c = row->hit[2], *d = row->hit[3];
     const float start = row->start, per_length = 1.0f / row->length;
     float* mean = row->mean;
 #pragma omp simd
     for (int32_t t = 0; t < row->count + 2; ++t)
-        mean[t] *= 0.25f * (open_share(a[t], start, per_length) + open_share(b[t], start, per_length) +
-                            open_share(c[t], start, per_length) + open_share(d[t], start, per_length));
+        mean[t] *= 0.25f * (visible_fraction(a[t], start, per_length) + visible_fraction(b[t], start, per_length) +
+                            visible_fraction(c[t], start, per_length) + visible_fraction(d[t], start, per_length));
 }
 
 static void tubes(const ty_tube_row* row) {
     blend_rows(row);
     pass(row);
-    if (row->hit[0] != NULL) shade(row);
+    if (row->hit[0] != NULL) apply_shadows(row);
 }
 
 static void cells(const ty_tube_cells* c) {
     const float *first = c->mean[0], *second = c->mean[1], *third = c->mean[2];
     const float *u = c->weight[0], *v = c->weight[1];
-    float* lit = c->lit;
+    float* transmittance = c->transmittance;
 #pragma omp simd
     for (int32_t i = 0; i < c->count; ++i)
-        lit[i] = ty_weighted_sum3(ty_weighted_sum3(first[i + 2], first[i + 1], first[i], u),
-                                  ty_weighted_sum3(second[i + 2], second[i + 1], second[i], u),
-                                  ty_weighted_sum3(third[i + 2], third[i + 1], third[i], u), v);
+        transmittance[i] = ty_weighted_sum3(ty_weighted_sum3(first[i + 2], first[i + 1], first[i], u),
+                                            ty_weighted_sum3(second[i + 2], second[i + 1], second[i], u),
+                                            ty_weighted_sum3(third[i + 2], third[i + 1], third[i], u), v);
     for (int32_t p = 0; p < c->plane_count; ++p) {
         const float factor = c->factor[p];
         float* plane = c->planes[p];
 #pragma omp simd
-        for (int32_t i = 0; i < c->count; ++i) plane[i] += factor * lit[i];
+        for (int32_t i = 0; i < c->count; ++i) plane[i] += factor * transmittance[i];
     }
 }
 
-static void turn(const ty_transpose_block* b) {
+static void transpose(const ty_transpose_block* b) {
     float tile[TY_TRANSPOSE_SIDE][TY_TRANSPOSE_SIDE + 1];
     for (int32_t row = 0; row < b->rows; ++row) {
         float* from = b->from + b->stride * (size_t)row;
@@ -90,7 +90,7 @@ static void turn(const ty_transpose_block* b) {
 
 /* ---- lamps ---- */
 
-static void lamp_rays(const ty_ray_row* r) {
+static void trace_row(const ty_ray_row* r) {
     const float near = r->near, far = r->far, row = r->row, row_slope = r->row_slope;
     const float at = r->at[0], at_step = r->at[1], slope = r->slope[0], slope_step = r->slope[1];
     const int32_t last_u = r->size[0] - 1, last_v = r->size[1] - 1, step_u = r->stride[0], step_v = r->stride[1];
@@ -104,9 +104,9 @@ static void lamp_rays(const ty_ray_row* r) {
         const int32_t cell_u = (int32_t)u, cell_v = (int32_t)v;
         const int32_t base = cell_u * step_u + cell_v * step_v;
         const int32_t next_u = cell_u < last_u ? step_u : 0, next_v = cell_v < last_v ? step_v : 0;
-        const float share = u - (float)cell_u;
-        const float before = ty_lerp_exact(cells[base], cells[base + next_u], share);
-        const float after = ty_lerp_exact(cells[base + next_v], cells[base + next_v + next_u], share);
+        const float t = u - (float)cell_u;
+        const float before = ty_lerp_exact(cells[base], cells[base + next_u], t);
+        const float after = ty_lerp_exact(cells[base + next_v], cells[base + next_v + next_u], t);
         const float sigma = ty_lerp_exact(before, after, v - (float)cell_v);
         const float passed = near - entry[i];
         mean[i] = passed > 0.0f ? depth[i] / passed : sigma;
@@ -114,41 +114,40 @@ static void lamp_rays(const ty_ray_row* r) {
     }
 }
 
-static void lamp_blend(const ty_ray_row_blend* b) {
+static void blend_rays(const ty_ray_row_blend* b) {
     const float *a0 = b->mean[0], *a1 = b->mean[1], *b0 = b->mean[2], *b1 = b->mean[3];
-    const float row_share = b->row_share, far_share = b->far_share, along = b->along;
+    const float row_t = b->row_t, far_t = b->far_t, along = b->along;
     float* out = b->out;
 #pragma omp simd
     for (int32_t i = b->begin; i < b->end; ++i)
-        out[i] =
-            ty_lerp_exact(ty_lerp_exact(a0[i], a1[i], row_share), ty_lerp_exact(b0[i], b1[i], row_share), far_share);
+        out[i] = ty_lerp_exact(ty_lerp_exact(a0[i], a1[i], row_t), ty_lerp_exact(b0[i], b1[i], row_t), far_t);
     if (b->hit[0] == NULL) return;
     const float *before = b->hit[0], *after = b->hit[1];
-    float* open = b->open;
+    float* visible = b->visible;
 #pragma omp simd
     for (int32_t i = b->begin; i < b->end; ++i)
-        open[i] = ty_lerp_exact(before[i] > along ? 1.0f : 0.0f, after[i] > along ? 1.0f : 0.0f, row_share);
+        visible[i] = ty_lerp_exact(before[i] > along ? 1.0f : 0.0f, after[i] > along ? 1.0f : 0.0f, row_t);
 }
 
 /* The optical depth at a cell's middle, and what the cell makes of it. across: of u, v, w. */
-TY_FN float lamp_cell(const ty_cell_row_means* c, float off, float side, float mean, float extinction) {
+TY_FN float cell_mean(const ty_cell_row_means* c, float off, float side, float mean, float extinction) {
     const float per_distance = 1.0f / sqrtf(off * off + c->v * c->v + c->w * c->w);
     const float to[3] = {off * per_distance, c->v * per_distance, c->w * per_distance};
-    const float inside_u = c->beside != 0 ? c->w * side / off : TY_FLOAT_MAX;
+    const float inside_u = c->outside != 0 ? c->w * side / off : TY_FLOAT_MAX;
     const float inside = ty_minf(inside_u, c->inside);
-    const float share = ty_clampf(inside / c->w, 0.0f, 1.0f), outside = 1.0f - share;
+    const float t = ty_clampf(inside / c->w, 0.0f, 1.0f), outside = 1.0f - t;
     const bool by_u = inside_u < c->inside;
     ty_cell_depth d;
-    d.depth = mean * share / per_distance;
+    d.depth = mean * t / per_distance;
     d.extinction = extinction;
-    d.slope[0] = to[0] * share + (by_u ? outside / to[0] : 0.0f);
-    d.slope[1] = to[1] * share + (!by_u && c->across_v != 0 ? outside / to[1] : 0.0f);
-    d.slope[2] = to[2] * share + (!by_u && c->across_v == 0 ? outside / to[2] : 0.0f);
+    d.slope[0] = to[0] * t + (by_u ? outside / to[0] : 0.0f);
+    d.slope[1] = to[1] * t + (!by_u && c->across_v != 0 ? outside / to[1] : 0.0f);
+    d.slope[2] = to[2] * t + (!by_u && c->across_v == 0 ? outside / to[2] : 0.0f);
     return c->spread != 0 ? ty_cell_mean_falloff(&d, to, per_distance, c->cell)
                           : ty_cell_mean_transmittance(&d, c->cell);
 }
 
-static void lamp_cells(const ty_cell_row_means* cells) {
+static void cell_means(const ty_cell_row_means* cells) {
     const ty_cell_row_means c = *cells;
     const float last = (float)(c.rays - 1);
 #pragma omp simd
@@ -156,63 +155,65 @@ static void lamp_cells(const ty_cell_row_means* cells) {
         const float index = (float)i, at = ty_clampf(c.column[0] + c.column[1] * index, 0.0f, last);
         const int32_t whole = (int32_t)at, ray = whole < c.rays - 2 ? whole : c.rays - 2;
         const float mean = ty_lerp_exact(c.mean[ray], c.mean[ray + 1], at - (float)ray);
-        c.lit[i] = lamp_cell(&c, c.off[0] + c.off[1] * index, c.side[0] + c.side[1] * index, mean,
-                             c.extinction[(size_t)i * c.stride]);
+        c.transmittance[i] = cell_mean(&c, c.off[0] + c.off[1] * index, c.side[0] + c.side[1] * index, mean,
+                                       c.extinction[(size_t)i * c.stride]);
     }
-    if (c.open == NULL) return;
+    if (c.visible == NULL) return;
 #pragma omp simd
     for (int32_t i = c.begin; i < c.end; ++i) {
         const float at = ty_clampf(c.column[0] + c.column[1] * (float)i, 0.0f, last);
         const int32_t whole = (int32_t)at, ray = whole < c.rays - 2 ? whole : c.rays - 2;
-        c.lit[i] *= ty_lerp_exact(c.open[ray], c.open[ray + 1], at - (float)ray);
+        c.transmittance[i] *= ty_lerp_exact(c.visible[ray], c.visible[ray + 1], at - (float)ray);
     }
 }
 
-static void lamp_ways(const ty_cell_row_directions* ways) {
+static void directions(const ty_cell_row_directions* ways) {
     const ty_cell_row_directions w = *ways;
 #pragma omp simd
     for (int32_t i = w.begin; i < w.end; ++i) {
         const float off = w.off[0] + w.off[1] * (float)i;
         const float per_distance = 1.0f / sqrtf(off * off + w.v * w.v + w.w * w.w);
-        w.way[0][i] = off * per_distance;
-        w.way[1][i] = w.v * per_distance;
-        w.way[2][i] = w.w * per_distance;
+        w.omega[0][i] = off * per_distance;
+        w.omega[1][i] = w.v * per_distance;
+        w.omega[2][i] = w.w * per_distance;
         w.falloff[i] = per_distance * per_distance;
     }
     if (w.profile == TY_PROFILE_ISOTROPIC) return;
 #pragma omp simd
     for (int32_t i = w.begin; i < w.end; ++i)
-        w.falloff[i] *= ty_light_profile_at(
-            w.profile, w.light, w.way[0][i] * w.facing[0] + w.way[1][i] * w.facing[1] + w.way[2][i] * w.facing[2]);
+        w.falloff[i] *= ty_light_profile_at(w.profile, w.light,
+                                            w.omega[0][i] * w.axis_direction[0] + w.omega[1][i] * w.axis_direction[1] +
+                                                w.omega[2][i] * w.axis_direction[2]);
 }
 
-TY_FN void sum_lamp_row(const ty_cell_row_sum* s, size_t stride) {
-    const float *lit = s->lit, *falloff = s->falloff, color = s->color;
+TY_FN void add_light_row(const ty_cell_row_sum* s, size_t stride) {
+    const float *transmittance = s->transmittance, *falloff = s->falloff, color = s->color;
     float* fluence = s->fluence;
 #pragma omp simd
-    for (int32_t i = s->begin; i < s->end; ++i) fluence[(size_t)i * stride] += color * lit[i] * falloff[i];
+    for (int32_t i = s->begin; i < s->end; ++i) fluence[(size_t)i * stride] += color * transmittance[i] * falloff[i];
     for (int a = 0; a < 3 && s->flux[a] != NULL; ++a) {
-        const float* way = s->way[a];
+        const float* omega = s->omega[a];
         float* flux = s->flux[a];
 #pragma omp simd
-        for (int32_t i = s->begin; i < s->end; ++i) flux[(size_t)i * stride] += color * lit[i] * falloff[i] * way[i];
+        for (int32_t i = s->begin; i < s->end; ++i)
+            flux[(size_t)i * stride] += color * transmittance[i] * falloff[i] * omega[i];
     }
 }
 
-static void lamp_sum(const ty_cell_row_sum* s) {
+static void add_light(const ty_cell_row_sum* s) {
     if (s->stride == 1)
-        sum_lamp_row(s, 1);
+        add_light_row(s, 1);
     else
-        sum_lamp_row(s, s->stride);
+        add_light_row(s, s->stride);
 }
 
 const ty_direct_kernels TY_JOIN(ty_direct_kernels_, TY_ISA) = {
     .tubes = tubes,
     .cells = cells,
-    .turn = turn,
-    .lamp_rays = lamp_rays,
-    .lamp_blend = lamp_blend,
-    .lamp_cells = lamp_cells,
-    .lamp_ways = lamp_ways,
-    .lamp_sum = lamp_sum,
+    .transpose = transpose,
+    .trace_row = trace_row,
+    .blend_rows = blend_rays,
+    .cell_means = cell_means,
+    .directions = directions,
+    .add_light = add_light,
 };

@@ -29,7 +29,7 @@ typedef struct ty_tube_cells {
     int32_t count;
     float weight[2][3];
     const float* mean[3]; /* of the rows of tubes that have these cells as their first, second and third row */
-    float* lit;           /* scratch: mean transmittance of cells */
+    float* transmittance; /* scratch: mean transmittance of cells */
     int32_t plane_count;
     float* planes[TY_TUBE_PLANES_MAX]; /* what that is added to, times a factor each */
     const float* factor;
@@ -67,10 +67,10 @@ typedef struct ty_ray_row_blend {
     int32_t begin, end;   /* rays */
     const float* mean[4]; /* near before, near after, far before, far after */
     const float* hit[2];  /* how far along w each meets a surface, m; NULL: there is none */
-    float row_share, far_share;
-    float along; /* of the cells' middles, m along w */
-    float* out;  /* mean extinction */
-    float* open; /* share of the rays that get there */
+    float row_t, far_t;
+    float along;    /* of the cells' middles, m along w */
+    float* out;     /* mean extinction */
+    float* visible; /* share of the rays that get there */
 } ty_ray_row_blend;
 
 /* Cells of a row along u that one pyramid of a lamp's has; cell i is where two numbers say, first + i * second. */
@@ -81,16 +81,16 @@ typedef struct ty_cell_row_means {
     float off[2];            /* of the middle, m along u from the lamp */
     float v, w;              /* the same along v and w; w > 0 */
     float side[2];           /* middles, m along u from the box's side that is towards the lamp */
-    int32_t beside;          /* whether the lamp is beyond that side */
+    int32_t outside;         /* whether the lamp is beyond that side */
     float inside;            /* m along w from where rays enter the box across v or w */
     int32_t across_v;        /* whether it is across v */
     float cell[3];           /* sides along u, v, w, m */
     size_t stride;           /* floats from cell to cell */
     const float* extinction; /* of the row, 1/m */
     const float* mean;       /* of rays */
-    const float* open;       /* NULL: all are */
+    const float* visible;    /* NULL: all are */
     int32_t spread;          /* whether the mean is that of transmittance / r^2, times r^2 in the middle */
-    float* lit;              /* cell i's goes to lit[i] */
+    float* transmittance;    /* cell i's goes to lit[i] */
 } ty_cell_row_means;
 
 /* What comes to those cells without a medium. */
@@ -99,8 +99,8 @@ typedef struct ty_cell_row_directions {
     float off[2], v, w;         /* as above, but w has its sign */
     int32_t profile;            /* ty_light_profile */
     const ty_light_view* light; /* that a spot's falloff is read from */
-    float facing[3];            /* the lamp's direction along u, v, w */
-    float* way[3];              /* unit vectors from the lamp along u, v, w */
+    float axis_direction[3];    /* the lamp's direction along u, v, w */
+    float* omega[3];            /* unit vectors from the lamp along u, v, w */
     float* falloff;             /* of intensity, by direction and distance, 1/m^2 */
 } ty_cell_row_directions;
 
@@ -108,9 +108,9 @@ typedef struct ty_cell_row_sum {
     int32_t begin, end;
     size_t stride;
     float color;
-    const float* lit;
+    const float* transmittance;
     const float* falloff;
-    const float* way[3];
+    const float* omega[3];
     float* fluence; /* rows */
     float* flux[3]; /* along u, v, w; NULL: not asked for */
 } ty_cell_row_sum;
@@ -118,12 +118,12 @@ typedef struct ty_cell_row_sum {
 typedef struct ty_direct_kernels {
     void (*tubes)(const ty_tube_row* row);
     void (*cells)(const ty_tube_cells* cells);
-    void (*turn)(const ty_transpose_block* block);
-    void (*lamp_rays)(const ty_ray_row* rays);
-    void (*lamp_blend)(const ty_ray_row_blend* blend);
-    void (*lamp_cells)(const ty_cell_row_means* cells);
-    void (*lamp_ways)(const ty_cell_row_directions* ways);
-    void (*lamp_sum)(const ty_cell_row_sum* sum);
+    void (*transpose)(const ty_transpose_block* block);
+    void (*trace_row)(const ty_ray_row* rays);
+    void (*blend_rows)(const ty_ray_row_blend* blend);
+    void (*cell_means)(const ty_cell_row_means* cells);
+    void (*directions)(const ty_cell_row_directions* ways);
+    void (*add_light)(const ty_cell_row_sum* sum);
 } ty_direct_kernels;
 
 extern const ty_direct_kernels ty_direct_kernels_v1;

@@ -6,10 +6,10 @@
 #include <math.h>
 
 /* Relative difference up to which colors are multiples of each other. */
-static const float alike = 1e-6f;
+static const float color_tolerance = 1e-6f;
 
 /* A light is as good as a point from where it looks at most this large: its radius over the distance. */
-static const float point_like = 0.5f;
+static const float max_angular_radius = 0.5f;
 
 static float distance_to_box(const ty_grid_box* box, ty_vec p) {
     const float at[3] = {p.x, p.y, p.z};
@@ -25,7 +25,7 @@ static float distance_to_box(const ty_grid_box* box, ty_vec p) {
 static ty_light_group next_group(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
                                  int32_t count, int32_t first) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
-    ty_light_group g = {.first = first, .own = true};
+    ty_light_group g = {.first = first, .dedicated = true};
     const int32_t light = sources[first].light;
     ty_vec sum = ty_vec_make(0, 0, 0);
     /* What surfaces send of a light is not where that is. */
@@ -34,29 +34,30 @@ static ty_light_group next_group(const ty_scene* scene, const ty_grid_box* box, 
         ++g.count;
         sum = ty_add(sum, sources[i].position);
     }
-    g.middle = ty_scale(sum, 1.0f / (float)g.count);
+    g.center = ty_scale(sum, 1.0f / (float)g.count);
     if (sources[first].kind == TY_DISCRETE_DIRECTIONAL) {
-        g.own = g.count == 1 && lights->lights[light].kind == TY_KIND_DIRECTIONAL;
+        g.dedicated = g.count == 1 && lights->lights[light].kind == TY_KIND_DIRECTIONAL;
         return g;
     }
-    if (sources[first].is_virtual != 0) g.own = false;
-    if (sources[first].is_point != 0 || !g.own) return g;
+    if (sources[first].is_virtual != 0) g.dedicated = false;
+    if (sources[first].is_point != 0 || !g.dedicated) return g;
     float radius = 0;
     for (int32_t i = first; i < first + g.count; ++i) {
-        const ty_vec off = ty_sub(sources[i].position, g.middle);
+        const ty_vec off = ty_sub(sources[i].position, g.center);
         radius = ty_maxf(radius, sqrtf(ty_dot(off, off)));
     }
-    g.own = lights->lights[light].kind != TY_KIND_TRIANGLE && radius <= point_like * distance_to_box(box, g.middle);
+    g.dedicated =
+        lights->lights[light].kind != TY_KIND_TRIANGLE && radius <= max_angular_radius * distance_to_box(box, g.center);
     return g;
 }
 
 int32_t ty_light_groups_find(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
-                             int32_t count, int32_t most, ty_light_group* groups) {
-    int32_t found = 0, own = 0;
+                             int32_t count, int32_t max_dedicated, ty_light_group* groups) {
+    int32_t found = 0, dedicated = 0;
     for (int32_t i = 0; i < count; i += groups[found++].count) {
         groups[found] = next_group(scene, box, sources, count, i);
-        groups[found].own = groups[found].own && own < most;
-        if (groups[found].own) ++own;
+        groups[found].dedicated = groups[found].dedicated && dedicated < max_dedicated;
+        if (groups[found].dedicated) ++dedicated;
     }
     return found;
 }
@@ -64,20 +65,21 @@ int32_t ty_light_groups_find(const ty_scene* scene, const ty_grid_box* box, cons
 bool ty_discrete_lights_share_color(const ty_discrete_light* sources, int32_t count, const float color[3]) {
     for (int32_t i = 0; i < count; ++i)
         for (int c = 0; c < 3; ++c) {
-            const float* own = sources[i].color;
+            const float* dedicated = sources[i].color;
             const int d = (c + 1) % 3;
-            if (fabsf(own[c] * color[d] - own[d] * color[c]) > alike * ty_maxf(own[c] * color[d], own[d] * color[c]))
+            if (fabsf(dedicated[c] * color[d] - dedicated[d] * color[c]) >
+                color_tolerance * ty_maxf(dedicated[c] * color[d], dedicated[d] * color[c]))
                 return false;
         }
     return true;
 }
 
-ty_result ty_light_groups_field(const ty_discrete_light* sources, const ty_light_group* groups, int32_t count, bool own,
-                                const ty_grid_medium* medium, bool with_flux, ty_light_field** out) {
+ty_result ty_light_groups_field(const ty_discrete_light* sources, const ty_light_group* groups, int32_t count,
+                                bool dedicated, const ty_grid_medium* medium, bool with_flux, ty_light_field** out) {
     const float* color = sources[groups[0].first].color;
     bool shared = medium->planes == 1 && color[0] + color[1] + color[2] > 0;
     for (int32_t i = 0; i < count; ++i)
-        shared = shared && (groups[i].own != own ||
+        shared = shared && (groups[i].dedicated != dedicated ||
                             ty_discrete_lights_share_color(&sources[groups[i].first], groups[i].count, color));
     return shared ? ty_light_field_create_shared(medium, with_flux, color, out)
                   : ty_light_field_create(medium, with_flux, out);
@@ -90,7 +92,7 @@ ty_light_fluence ty_light_group_fluence(const ty_discrete_light* sources, const 
         const ty_discrete_light* source = &sources[group->first];
         light.kind = source->kind == TY_DISCRETE_DIRECTIONAL ? TY_FLUENCE_DIRECTIONAL : TY_FLUENCE_POINT;
         light.sample = *source;
-        if (light.kind == TY_FLUENCE_POINT) light.sample.position = group->middle;
+        if (light.kind == TY_FLUENCE_POINT) light.sample.position = group->center;
     }
     for (int c = 0; c < 3; ++c) {
         light.color[c] = field->planes == 1 ? field->color[c] : 1;

@@ -40,14 +40,14 @@ typedef struct near_ray {
     double at; /* m */
 } near_ray;
 
-static void begin_near_ray(const ty_point_light_job* lamp, const double way[3], near_ray* ray) {
+static void begin_near_ray(const ty_point_light_job* lamp, const double omega[3], near_ray* ray) {
     ray->at = 0;
     for (int a = 0; a < 3; ++a) {
         const double cell = lamp->medium->cell[a], low = lamp->lower[a] + cell * lamp->home[a];
         ray->cell[a] = 0;
-        ray->step[a] = way[a] > 0 ? 1 : -1;
-        ray->next[a] = way[a] > 0 ? (low + cell) / way[a] : way[a] < 0 ? low / way[a] : INFINITY;
-        ray->per_cell[a] = way[a] != 0 ? cell / fabs(way[a]) : INFINITY;
+        ray->step[a] = omega[a] > 0 ? 1 : -1;
+        ray->next[a] = omega[a] > 0 ? (low + cell) / omega[a] : omega[a] < 0 ? low / omega[a] : INFINITY;
+        ray->per_cell[a] = omega[a] != 0 ? cell / fabs(omega[a]) : INFINITY;
     }
 }
 
@@ -61,16 +61,16 @@ static bool step_near_ray(near_ray* ray) {
     return abs(ray->cell[a]) <= NEAR;
 }
 
-static void follow_near_ray(const ty_point_light_job* lamp, const double way[3], double weight, near_sums* sums) {
+static void follow_near_ray(const ty_point_light_job* lamp, const double omega[3], double weight, near_sums* sums) {
     const int32_t* size = lamp->medium->box.size;
     float depth[3] = {0, 0, 0};
     near_ray ray;
-    const ty_vec direction = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+    const ty_vec direction = ty_vec_make((float)omega[0], (float)omega[1], (float)omega[2]);
     const double end = (double)ty_point_light_visible_distance(lamp, direction, TY_FLOAT_MAX);
     weight *=
         (double)ty_light_profile_at(lamp->source->profile, lamp->light, ty_dot(direction, lamp->source->direction));
     if (!(weight > 0)) return;
-    begin_near_ray(lamp, way, &ray);
+    begin_near_ray(lamp, omega, &ray);
     do {
         const double leave = fmin(end, fmin(ray.next[0], fmin(ray.next[1], ray.next[2])));
         const int32_t x = lamp->home[0] + ray.cell[0], y = lamp->home[1] + ray.cell[1], z = lamp->home[2] + ray.cell[2];
@@ -84,7 +84,7 @@ static void follow_near_ray(const ty_point_light_job* lamp, const double way[3],
                 weight * (leave - ray.at) * (double)(ty_decay(depth[c]) * ty_mean_decay(through, decay));
             depth[c] += through;
             sums->light[slot][c][0] += light;
-            for (int a = 0; a < 3; ++a) sums->light[slot][c][1 + a] += light * way[a];
+            for (int a = 0; a < 3; ++a) sums->light[slot][c][1 + a] += light * omega[a];
         }
     } while (ray.at < end && step_near_ray(&ray));
 }
@@ -96,11 +96,11 @@ static void follow_near_rays(const ty_point_light_job* lamp, near_sums* sums) {
         const int32_t face = i / (side * side), w = face / 2;
         const double p = 2 * (i % side + 0.5) / side - 1, q = 2 * (i / side % side + 0.5) / side - 1;
         const double length = sqrt(1 + p * p + q * q);
-        double way[3];
-        way[w] = (face % 2 == 0 ? 1 : -1) / length;
-        way[(w + 1) % 3] = p / length;
-        way[(w + 2) % 3] = q / length;
-        follow_near_ray(lamp, way, 4.0 / (side * side) / (length * length * length), sums);
+        double omega[3];
+        omega[w] = (face % 2 == 0 ? 1 : -1) / length;
+        omega[(w + 1) % 3] = p / length;
+        omega[(w + 2) % 3] = q / length;
+        follow_near_ray(lamp, omega, 4.0 / (side * side) / (length * length * length), sums);
     }
 }
 

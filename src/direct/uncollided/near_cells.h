@@ -18,8 +18,8 @@ typedef struct ty_point_light_job {
     const ty_direct_kernels* kernels;
     float* scratch; /* of the workers */
     size_t scratch_size;
-    ty_progress_meter* watch;
-    double passed; /* of the work */
+    ty_progress_meter* meter;
+    double finished; /* of the work */
 } ty_point_light_job;
 
 /* How far a ray from the lamp goes before it meets a surface, m, at most `far`. */

@@ -19,8 +19,8 @@ ty_occlusion_box ty_occlusion_box_of(const ty_grid_medium* medium);
 #define TY_OCCLUSION_UNDEFINED (-1.0f)
 
 /* What ty_occlusion_clip takes of a ray's way along one axis. */
-static inline double ty_occlusion_inverse(double way) {
-    return way != 0 ? 1 / way : 1e300;
+static inline double ty_occlusion_inverse(double omega) {
+    return omega != 0 ? 1 / omega : 1e300;
 }
 
 /* Where a ray enters and leaves the room, m from its origin: empty where it passes it by. */
@@ -29,15 +29,15 @@ typedef struct ty_occlusion_span {
 } ty_occlusion_span;
 
 /* Cuts a span to the room along one axis, of which the ray's origin and way are given. */
-static inline ty_occlusion_span ty_occlusion_clip(ty_occlusion_span span, const ty_occlusion_box* room, int axis,
+static inline ty_occlusion_span ty_occlusion_clip(ty_occlusion_span span, const ty_occlusion_box* box, int axis,
                                                   double origin, double inverse) {
-    const double low = (room->lower[axis] - origin) * inverse, high = (room->upper[axis] - origin) * inverse;
+    const double low = (box->lower[axis] - origin) * inverse, high = (box->upper[axis] - origin) * inverse;
     return (ty_occlusion_span){ty_cell_max(span.enter, ty_cell_min(low, high)),
                                ty_cell_min(span.leave, ty_cell_max(low, high))};
 }
 
 /* Rows of rays' stops: those that pass the room by get that of the nearest in their row that does not, and rows of
  * which all do that of the next row. */
-void ty_occlusion_fill(float* stops, int32_t columns, int32_t rows);
+void ty_occlusion_fill(float* distances, int32_t columns, int32_t rows);
 
 #endif

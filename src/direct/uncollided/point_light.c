@@ -17,11 +17,11 @@ typedef struct cell_row {
     size_t first;    /* where the row begins, and how far cells are apart, in planes */
     size_t stride;
     double v, w; /* m from the lamp to the cells' middles; w > 0 */
-    float *mean, *open, *lit[3], *falloff, *way[3];
+    float *mean, *visible, *transmittance[3], *falloff, *omega[3];
 } cell_row;
 
 /* A cell's middle along an axis, m from the lamp. */
-static double middle_of(const ty_point_light_job* lamp, int32_t axis, int32_t cell) {
+static double center_of(const ty_point_light_job* lamp, int32_t axis, int32_t cell) {
     return lamp->lower[axis] + lamp->medium->cell[axis] * (cell + 0.5);
 }
 
@@ -33,21 +33,21 @@ static size_t cell_scratch(const ty_point_light_job* lamp) {
 }
 
 static void place_row(const ty_ray_lattice* l, int32_t slab, int32_t v, float* scratch, cell_row* row) {
-    const ty_point_light_job* lamp = l->of;
+    const ty_point_light_job* lamp = l->job;
     const int32_t* size = lamp->medium->box.size;
     const size_t stride[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
     const size_t rays = (size_t)l->count[0], cells = (size_t)size[l->axis[0]];
     *row = (cell_row){.l = l, .slab = slab, .cell = {0, v, ty_ray_lattice_cell(l, slab)}};
     row->stride = stride[l->axis[0]];
     row->first = stride[l->axis[1]] * (size_t)row->cell[1] + stride[l->axis[2]] * (size_t)row->cell[2];
-    row->v = middle_of(lamp, l->axis[1], row->cell[1]);
-    row->w = fabs(middle_of(lamp, l->axis[2], row->cell[2]));
+    row->v = center_of(lamp, l->axis[1], row->cell[1]);
+    row->w = fabs(center_of(lamp, l->axis[2], row->cell[2]));
     row->mean = scratch;
-    row->open = scratch + rays;
+    row->visible = scratch + rays;
     float* const next = scratch + 2 * rays;
     for (int i = 0; i < 3; ++i) {
-        row->lit[i] = next + (size_t)i * cells;
-        row->way[i] = next + (size_t)(3 + i) * cells;
+        row->transmittance[i] = next + (size_t)i * cells;
+        row->omega[i] = next + (size_t)(3 + i) * cells;
     }
     row->falloff = next + 6 * cells;
 }
@@ -56,7 +56,7 @@ static void place_row(const ty_ray_lattice* l, int32_t slab, int32_t v, float* s
 static bool is_owned(const cell_row* row, int32_t u) {
     const ty_ray_lattice* l = row->l;
     double off[3];
-    off[l->axis[0]] = fabs(middle_of(l->of, l->axis[0], u));
+    off[l->axis[0]] = fabs(center_of(l->job, l->axis[0], u));
     off[l->axis[1]] = fabs(row->v);
     off[l->axis[2]] = row->w;
     const int32_t w = off[0] >= off[1] && off[0] >= off[2] ? 0 : off[1] >= off[2] ? 1 : 2;
@@ -65,7 +65,7 @@ static bool is_owned(const cell_row* row, int32_t u) {
 
 /* The cells of the row that the pyramid has. */
 static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
-    const ty_point_light_job* lamp = row->l->of;
+    const ty_point_light_job* lamp = row->l->job;
     const int32_t u = row->l->axis[0], size = lamp->medium->box.size[u];
     const double low = lamp->lower[u], per_cell = 1 / lamp->medium->cell[u];
     *begin = (int32_t)fmax(0, fmin(size, floor((-row->w - low) * per_cell) - 1));
@@ -80,30 +80,30 @@ static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_
     const double near = ty_ray_lattice_plane(l, row->slab), far = fmin(l->far, ty_ray_lattice_plane(l, row->slab + 1));
     const size_t count = (size_t)l->count[0], rays = ty_ray_lattice_rays(l);
     int32_t at, first, last;
-    const float row_share = ty_ray_lattice_locate(l, 1, row->v / row->w, &at);
-    ty_ray_lattice_locate(l, 0, middle_of(l->of, l->axis[0], begin) / row->w, &first);
-    ty_ray_lattice_locate(l, 0, middle_of(l->of, l->axis[0], end - 1) / row->w, &last);
+    const float row_t = ty_ray_lattice_locate(l, 1, row->v / row->w, &at);
+    ty_ray_lattice_locate(l, 0, center_of(l->job, l->axis[0], begin) / row->w, &first);
+    ty_ray_lattice_locate(l, 0, center_of(l->job, l->axis[0], end - 1) / row->w, &last);
     ty_ray_row_blend blend = {
         .begin = first > 0 ? first - 1 : 0,
         .end = last + 3 < l->count[0] ? last + 3 : l->count[0],
-        .row_share = row_share,
-        .far_share = (float)fmin(fmax((row->w - near) / (far - near), 0), 1),
+        .row_t = row_t,
+        .far_t = (float)fmin(fmax((row->w - near) / (far - near), 0), 1),
         .along = (float)row->w,
         .out = row->mean,
-        .open = row->open,
+        .visible = row->visible,
     };
     for (size_t i = 0; i < 4; ++i)
         blend.mean[i] = l->mean[plane] + rays * ((size_t)row->slab + i / 2) + count * ((size_t)at + i % 2);
     for (size_t i = 0; i < 2 && l->hit != NULL; ++i) blend.hit[i] = l->hit + count * ((size_t)at + i);
-    l->of->kernels->lamp_blend(&blend);
+    l->job->kernels->blend_rows(&blend);
 }
 
 /* How far cells are along w from where rays enter the box through its end, or across v. */
 static double inside_of(const cell_row* row, bool* across_v) {
     const ty_ray_lattice* l = row->l;
     const int32_t v = l->axis[1], w = l->axis[2];
-    const ty_grid_medium* medium = l->of->medium;
-    const double lower = l->of->lower[v], upper = l->of->upper[v], cell = row->cell[1] + 0.5;
+    const ty_grid_medium* medium = l->job->medium;
+    const double lower = l->job->lower[v], upper = l->job->upper[v], cell = row->cell[1] + 0.5;
     const double by_w = l->entry > 0 ? medium->cell[w] * (l->begin + row->slab + 0.5) : row->w;
     double by_v = INFINITY;
     if (lower > 0) by_v = row->w * medium->cell[v] * cell / row->v;
@@ -115,25 +115,25 @@ static double inside_of(const cell_row* row, bool* across_v) {
 /* Means of cells [begin, end) of the row. */
 static void find_means(const cell_row* row, int32_t begin, int32_t end) {
     const ty_ray_lattice* l = row->l;
-    const ty_point_light_job* lamp = l->of;
+    const ty_point_light_job* lamp = l->job;
     const ty_grid_medium* medium = lamp->medium;
     const int32_t u = l->axis[0];
-    const double size = medium->cell[u], middle = middle_of(lamp, u, 0);
+    const double size = medium->cell[u], center = center_of(lamp, u, 0);
     bool across_v;
     ty_cell_row_means cells = {
         .begin = begin,
         .end = end,
         .rays = l->count[0],
-        .column = {(float)((middle / row->w - l->low[0]) / l->step[0]), (float)(size / row->w / l->step[0])},
-        .off = {(float)middle, (float)size},
+        .column = {(float)((center / row->w - l->low[0]) / l->step[0]), (float)(size / row->w / l->step[0])},
+        .off = {(float)center, (float)size},
         .v = (float)row->v,
         .w = (float)row->w,
         .side = {(float)(size * (lamp->lower[u] > 0 ? 0.5 : 0.5 - medium->box.size[u])), (float)size},
-        .beside = lamp->lower[u] > 0 || lamp->upper[u] < 0,
+        .outside = lamp->lower[u] > 0 || lamp->upper[u] < 0,
         .inside = (float)inside_of(row, &across_v),
         .stride = row->stride,
         .mean = row->mean,
-        .open = l->hit != NULL ? row->open : NULL,
+        .visible = l->hit != NULL ? row->visible : NULL,
         .spread = lamp->out.transmittance == NULL,
     };
     cells.across_v = across_v;
@@ -141,56 +141,57 @@ static void find_means(const cell_row* row, int32_t begin, int32_t end) {
     for (int32_t c = 0; c < medium->planes; ++c) {
         blend_rays(row, c, begin, end);
         cells.extinction = lamp->extinction[c] + row->first;
-        cells.lit = row->lit[c];
-        lamp->kernels->lamp_cells(&cells);
+        cells.transmittance = row->transmittance[c];
+        lamp->kernels->cell_means(&cells);
     }
 }
 
 static void add_light(const cell_row* row, int32_t begin, int32_t end) {
     const ty_ray_lattice* l = row->l;
-    const ty_point_light_job* lamp = l->of;
+    const ty_point_light_job* lamp = l->job;
     const ty_point_light_target* out = &lamp->out;
     const ty_vec direction = lamp->source->direction;
-    const float facing[3] = {direction.x, direction.y, direction.z};
-    const float middle = (float)middle_of(lamp, l->axis[0], 0), size = (float)lamp->medium->cell[l->axis[0]];
-    ty_cell_row_directions ways = {.begin = begin, .end = end, .off = {middle, size}, .v = (float)row->v};
-    ways.w = (float)(l->backwards ? -row->w : row->w);
-    ways.profile = lamp->source->profile;
-    ways.light = lamp->light;
-    ways.falloff = row->falloff;
+    const float axis_direction[3] = {direction.x, direction.y, direction.z};
+    const float center = (float)center_of(lamp, l->axis[0], 0), size = (float)lamp->medium->cell[l->axis[0]];
+    ty_cell_row_directions directions = {.begin = begin, .end = end, .off = {center, size}, .v = (float)row->v};
+    directions.w = (float)(l->backwards ? -row->w : row->w);
+    directions.profile = lamp->source->profile;
+    directions.light = lamp->light;
+    directions.falloff = row->falloff;
     for (int i = 0; i < 3; ++i) {
-        ways.facing[i] = facing[l->axis[i]];
-        ways.way[i] = row->way[i];
+        directions.axis_direction[i] = axis_direction[l->axis[i]];
+        directions.omega[i] = row->omega[i];
     }
-    lamp->kernels->lamp_ways(&ways);
+    lamp->kernels->directions(&directions);
     for (int32_t c = 0; c < out->planes; ++c) {
         ty_cell_row_sum sum = {.begin = begin, .end = end, .stride = row->stride, .falloff = row->falloff};
         sum.color = out->color[c];
-        sum.lit = row->lit[c < lamp->medium->planes ? c : 0];
+        sum.transmittance = row->transmittance[c < lamp->medium->planes ? c : 0];
         sum.fluence = out->fluence[c] + row->first;
         for (int i = 0; i < 3 && out->flux != NULL; ++i) {
-            sum.way[i] = row->way[i];
+            sum.omega[i] = row->omega[i];
             sum.flux[i] = out->flux[c][l->axis[i]] + row->first;
         }
-        lamp->kernels->lamp_sum(&sum);
+        lamp->kernels->add_light(&sum);
     }
 }
 
 static void light_cells(const cell_row* row, int32_t begin, int32_t end) {
     if (begin >= end) return;
-    float* const* transmittance = row->l->of->out.transmittance;
+    float* const* transmittance = row->l->job->out.transmittance;
     find_means(row, begin, end);
     if (transmittance == NULL) {
         add_light(row, begin, end);
         return;
     }
-    for (int32_t c = 0; c < row->l->of->medium->planes; ++c)
-        for (int32_t u = begin; u < end; ++u) transmittance[c][row->first + row->stride * (size_t)u] = row->lit[c][u];
+    for (int32_t c = 0; c < row->l->job->medium->planes; ++c)
+        for (int32_t u = begin; u < end; ++u)
+            transmittance[c][row->first + row->stride * (size_t)u] = row->transmittance[c][u];
 }
 
 /* All but what rays from cell to cell find better. */
 static void light_row(const cell_row* row) {
-    const ty_point_light_job* lamp = row->l->of;
+    const ty_point_light_job* lamp = row->l->job;
     const int32_t* axis = row->l->axis;
     int32_t begin, end, near[2], cell[3];
     find_owned(row, &begin, &end);
@@ -209,7 +210,7 @@ static void light_row(const cell_row* row) {
 /* One v: rows of all slabs. */
 static void light_rows(void* user, int64_t v, int32_t worker) {
     const ty_ray_lattice* l = user;
-    float* scratch = l->of->scratch + l->of->scratch_size * (size_t)worker;
+    float* scratch = l->job->scratch + l->job->scratch_size * (size_t)worker;
     const unsigned state = ty_flush_denormals();
     for (int32_t slab = 0; slab < l->slabs; ++slab) {
         cell_row row;
@@ -224,8 +225,8 @@ static void light_rows(void* user, int64_t v, int32_t worker) {
 static ty_result light_pyramid(ty_point_light_job* lamp, int32_t w, bool backwards) {
     const ty_grid_medium* medium = lamp->medium;
     const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
-    ty_ray_lattice before = {.of = lamp},
-                   l = {.of = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+    ty_ray_lattice before = {.job = lamp},
+                   l = {.job = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
     l.entry = fmax(0, from);
     ty_result result = TY_OK;
     int32_t begin = (int32_t)fmin(medium->box.size[w], fmax(0, floor(-from / medium->cell[w])));
@@ -236,42 +237,42 @@ static ty_result light_pyramid(ty_point_light_job* lamp, int32_t w, bool backwar
         ty_ray_lattice_end(&before);
         before = l;
         l.hit = l.mean[0] = l.mean[1] = l.mean[2] = NULL;
-        lamp->passed += 1.0 / 6 * before.slabs / medium->box.size[w];
-        if (result == TY_OK) result = ty_progress_meter_report(lamp->watch, fmin(lamp->passed, 1));
+        lamp->finished += 1.0 / 6 * before.slabs / medium->box.size[w];
+        if (result == TY_OK) result = ty_progress_meter_report(lamp->meter, fmin(lamp->finished, 1));
     }
     ty_ray_lattice_end(&before);
     return result;
 }
 
-static void place_lamp(ty_point_light_job* lamp) {
+static void place_point(ty_point_light_job* lamp) {
     const ty_discrete_light* source = lamp->source;
     const ty_grid_medium* medium = lamp->medium;
     const double position[3] = {(double)source->position.x, (double)source->position.y, (double)source->position.z};
-    double least = INFINITY;
+    double min_side = INFINITY;
     for (int a = 0; a < 3; ++a) {
         lamp->lower[a] = medium->box.lower[a] - position[a];
         lamp->upper[a] = medium->box.upper[a] - position[a];
         lamp->home[a] = (int32_t)fmin(fmax(floor(-lamp->lower[a] / medium->cell[a]), -1e6), 1e6);
-        least = fmin(least, medium->cell[a]);
+        min_side = fmin(min_side, medium->cell[a]);
     }
-    if (source->is_point == 0) lamp->lift = (float)(1e-3 * least);
+    if (source->is_point == 0) lamp->lift = (float)(1e-3 * min_side);
 }
 
 ty_result ty_point_light_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
                              const ty_discrete_light* source, const ty_point_light_target* out,
-                             ty_progress_meter* watch) {
+                             ty_progress_meter* meter) {
     ty_point_light_job lamp = {
         .scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
     const size_t threads = (size_t)ty_context_threads(medium->context);
     lamp.light = &scene->lights.lights[source->light];
     lamp.kernels = ty_direct_kernels_best();
-    lamp.watch = watch;
-    place_lamp(&lamp);
+    lamp.meter = meter;
+    place_point(&lamp);
     lamp.scratch_size = cell_scratch(&lamp);
     lamp.scratch = ty_alloc_array(medium->context, lamp.scratch_size * threads, sizeof *lamp.scratch, false);
     if (lamp.scratch == NULL) return TY_ERROR_MEMORY;
     ty_result result = TY_OK;
-    for (int32_t way = 0; way < 6 && result == TY_OK; ++way) result = light_pyramid(&lamp, way / 2, way % 2 != 0);
+    for (int32_t face = 0; face < 6 && result == TY_OK; ++face) result = light_pyramid(&lamp, face / 2, face % 2 != 0);
     if (result == TY_OK && out->transmittance == NULL) result = ty_near_cells_add(&lamp);
     ty_free_array(medium->context, lamp.scratch, lamp.scratch_size * threads, sizeof *lamp.scratch);
     return result;

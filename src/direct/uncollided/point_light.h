@@ -20,6 +20,6 @@ typedef struct ty_point_light_target {
 /* extinction: as many planes as the medium has. Errors: TY_ERROR_MEMORY; TY_CANCELLED. */
 ty_result ty_point_light_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
                              const ty_discrete_light* source, const ty_point_light_target* out,
-                             ty_progress_meter* watch);
+                             ty_progress_meter* meter);
 
 #endif

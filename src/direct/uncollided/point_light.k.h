@@ -15,26 +15,29 @@ typedef struct ty_cell_depth {
 
 /* The mean of the transmittance over a cell with sides cell[3]: exact where the depth is linear. */
 TY_FN float ty_cell_mean_transmittance(const ty_cell_depth* d, const float cell[3]) {
-    float most = -d->depth, mean = 1.0f; /* the exponent in the lightest corner, and the mean relative to there */
+    float max_exponent = -d->depth,
+          mean = 1.0f; /* the exponent in the lightest corner, and the mean relative to there */
     for (int32_t a = 0; a < 3; ++a) {
         const float across = d->extinction * fabsf(d->slope[a]) * cell[a];
-        most += 0.5f * across;
+        max_exponent += 0.5f * across;
         mean *= ty_mean_decay(across, ty_decay(across));
     }
-    const float lightest = most > 0.0f ? ty_expf(most) : ty_decay(-most);
-    return ty_minf(1.0f, lightest * mean);
+    const float brightest = max_exponent > 0.0f ? ty_expf(max_exponent) : ty_decay(-max_exponent);
+    return ty_minf(1.0f, brightest * mean);
 }
 
 /* The mean of transmittance / r^2 over a cell, relative to 1 / r^2 in its middle, to second order in the cell's size
  * over r; within bounds where a cell is so long that this does not hold. to: unit, from the lamp. */
-TY_FN float ty_cell_mean_falloff(const ty_cell_depth* d, const float to[3], float per_distance, const float cell[3]) {
-    float spread = 1.0f;
+TY_FN float ty_cell_mean_falloff(const ty_cell_depth* d, const float omega[3], float per_distance,
+                                 const float cell[3]) {
+    float ratio = 1.0f;
     for (int32_t a = 0; a < 3; ++a) {
-        const float square = to[a] * to[a];
-        const float bent = d->extinction * (4.0f * to[a] * d->slope[a] - (1.0f - square));
-        spread += cell[a] * cell[a] * (1.0f / 24.0f) * per_distance * ((8.0f * square - 2.0f) * per_distance + bent);
+        const float square = omega[a] * omega[a];
+        const float curvature = d->extinction * (4.0f * omega[a] * d->slope[a] - (1.0f - square));
+        ratio +=
+            cell[a] * cell[a] * (1.0f / 24.0f) * per_distance * ((8.0f * square - 2.0f) * per_distance + curvature);
     }
-    return ty_cell_mean_transmittance(d, cell) * ty_clampf(spread, 0.0f, 4.0f);
+    return ty_cell_mean_transmittance(d, cell) * ty_clampf(ratio, 0.0f, 4.0f);
 }
 
 #endif

@@ -10,17 +10,17 @@ ty_progress_meter ty_progress_meter_begin(ty_progress_fn progress, void* user, i
     return (ty_progress_meter){.progress = progress, .user = user, .count = count, .begun = now, .reported = now};
 }
 
-ty_result ty_progress_meter_report(ty_progress_meter* watch, double part) {
-    if (watch->progress == NULL) return TY_OK;
-    const double now = ty_wall_seconds(), seconds = now - watch->begun;
-    if (now - watch->reported < report_interval) return TY_OK;
-    watch->reported = now;
-    const double fraction = (watch->done + part) / watch->count;
+ty_result ty_progress_meter_report(ty_progress_meter* meter, double part) {
+    if (meter->progress == NULL) return TY_OK;
+    const double now = ty_wall_seconds(), seconds = now - meter->begun;
+    if (now - meter->reported < report_interval) return TY_OK;
+    meter->reported = now;
+    const double fraction = (meter->done + part) / meter->count;
     const ty_progress progress = {
         .stage = "direct light",
         .fraction = fraction,
         .seconds = seconds,
         .remaining = fraction > 0.005 ? seconds * (1 - fraction) / fraction : -1,
     };
-    return watch->progress(watch->user, &progress) ? TY_OK : TY_CANCELLED;
+    return meter->progress(meter->user, &progress) ? TY_OK : TY_CANCELLED;
 }

@@ -13,6 +13,6 @@ typedef struct ty_progress_meter {
 
 ty_progress_meter ty_progress_meter_begin(ty_progress_fn progress, void* user, int32_t count);
 /* Tells how far things are, if it is time to; part: of the source at work. TY_CANCELLED when the caller wishes. */
-ty_result ty_progress_meter_report(ty_progress_meter* watch, double part);
+ty_result ty_progress_meter_report(ty_progress_meter* meter, double fraction);
 
 #endif

@@ -22,27 +22,28 @@ static int32_t rays_max(const ty_point_light_job* lamp, int32_t axis) {
 }
 
 size_t ty_ray_lattice_scratch(const ty_point_light_job* lamp) {
-    size_t most = 0;
-    for (int32_t a = 0; a < 3; ++a) most = rays_max(lamp, a) > (int32_t)most ? (size_t)rays_max(lamp, a) : most;
-    return most * (size_t)(1 + lamp->medium->planes);
+    size_t max_count = 0;
+    for (int32_t a = 0; a < 3; ++a)
+        max_count = rays_max(lamp, a) > (int32_t)max_count ? (size_t)rays_max(lamp, a) : max_count;
+    return max_count * (size_t)(1 + lamp->medium->planes);
 }
 
 void ty_ray_lattice_end(ty_ray_lattice* l) {
-    ty_context* context = l->of->medium->context;
-    for (int32_t c = 0; c < l->of->medium->planes; ++c)
+    ty_context* context = l->job->medium->context;
+    for (int32_t c = 0; c < l->job->medium->planes; ++c)
         ty_free_array(context, l->mean[c], value_count(l), sizeof *l->mean[c]);
     ty_free_array(context, l->hit, ty_ray_lattice_rays(l), sizeof *l->hit);
     l->slabs = 0;
     l->hit = l->mean[0] = l->mean[1] = l->mean[2] = NULL;
 }
 
-static ty_result take_lattice(ty_ray_lattice* l) {
-    const ty_grid_medium* medium = l->of->medium;
+static ty_result allocate_lattice(ty_ray_lattice* l) {
+    const ty_grid_medium* medium = l->job->medium;
     for (int32_t c = 0; c < medium->planes; ++c) {
         l->mean[c] = ty_alloc_array(medium->context, value_count(l), sizeof *l->mean[c], true);
         if (l->mean[c] == NULL) return TY_ERROR_MEMORY;
     }
-    if (l->of->scene->mesh == NULL) return TY_OK;
+    if (l->job->scene->mesh == NULL) return TY_OK;
     l->hit = ty_alloc_array(medium->context, ty_ray_lattice_rays(l), sizeof *l->hit, false);
     return l->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
@@ -51,14 +52,14 @@ static ty_result take_lattice(ty_ray_lattice* l) {
 
 double ty_ray_lattice_plane(const ty_ray_lattice* l, int32_t slab) {
     const int32_t w = l->axis[2];
-    const double cell = l->of->medium->cell[w];
-    const double from = l->backwards ? -l->of->upper[w] : l->of->lower[w];
+    const double cell = l->job->medium->cell[w];
+    const double from = l->backwards ? -l->job->upper[w] : l->job->lower[w];
     return fmax(l->near, from + cell * (l->begin + slab));
 }
 
 int32_t ty_ray_lattice_cell(const ty_ray_lattice* l, int32_t slab) {
     const int32_t at = l->begin + slab;
-    return l->backwards ? l->of->medium->box.size[l->axis[2]] - 1 - at : at;
+    return l->backwards ? l->job->medium->box.size[l->axis[2]] - 1 - at : at;
 }
 
 float ty_ray_lattice_locate(const ty_ray_lattice* l, int32_t along, double tangent, int32_t* i) {
@@ -71,21 +72,21 @@ float ty_ray_lattice_locate(const ty_ray_lattice* l, int32_t along, double tange
 static bool place_rays(ty_ray_lattice* l) {
     for (int i = 0; i < 2; ++i) {
         const int32_t a = l->axis[i];
-        const double low = l->of->lower[a], high = l->of->upper[a];
+        const double low = l->job->lower[a], high = l->job->upper[a];
         const double at_low = low < 0 ? l->near : l->far, at_high = high > 0 ? l->near : l->far;
         l->low[i] = at_low > 0 ? fmax(-1, low / at_low) : -1;
         const double end = at_high > 0 ? fmin(1, high / at_high) : 1;
         if (!(end > l->low[i])) return false;
-        const double rays = ceil((end - l->low[i]) * l->far / l->of->medium->cell[a]) + 1;
-        l->count[i] = (int32_t)fmin(fmax(2, rays), rays_max(l->of, a));
+        const double rays = ceil((end - l->low[i]) * l->far / l->job->medium->cell[a]) + 1;
+        l->count[i] = (int32_t)fmin(fmax(2, rays), rays_max(l->job, a));
         l->step[i] = (end - l->low[i]) / (l->count[i] - 1);
     }
     return true;
 }
 
 bool ty_ray_lattice_place(ty_ray_lattice* l, int32_t begin) {
-    const int32_t size = l->of->medium->box.size[l->axis[2]];
-    const double cell = l->of->medium->cell[l->axis[2]];
+    const int32_t size = l->job->medium->box.size[l->axis[2]];
+    const double cell = l->job->medium->cell[l->axis[2]];
     l->begin = begin;
     l->near = 0;
     l->near = ty_ray_lattice_plane(l, 0);
@@ -107,13 +108,13 @@ static double entry_of(double p, double low, double high) {
 typedef struct trace_job {
     ty_ray_lattice* l;
     const ty_ray_lattice* before;
-    ty_occlusion_box room;
+    ty_occlusion_box box;
 } trace_job;
 
-static float between_rays(const ty_ray_lattice* l, const float* plane, const int32_t at[2], const float share[2]) {
+static float interpolate_rays(const ty_ray_lattice* l, const float* plane, const int32_t at[2], const float t[2]) {
     const float* row = plane + (size_t)at[1] * (size_t)l->count[0] + (size_t)at[0];
     const float* next = row + l->count[0];
-    return ty_lerp_exact(ty_lerp_exact(row[0], row[1], share[0]), ty_lerp_exact(next[0], next[1], share[0]), share[1]);
+    return ty_lerp_exact(ty_lerp_exact(row[0], row[1], t[0]), ty_lerp_exact(next[0], next[1], t[0]), t[1]);
 }
 
 /* Where rays of a row enter the box, m along w from where the box begins, and their depths up to the lattice's near
@@ -121,21 +122,21 @@ static float between_rays(const ty_ray_lattice* l, const float* plane, const int
  * outer cells did. Nothing there is lit, and between a ray there and one inside values stay right. */
 static void begin_row(const trace_job* job, double q, float* entry, float* const depth[3]) {
     const ty_ray_lattice *l = job->l, *before = job->before;
-    const ty_point_light_job* lamp = l->of;
+    const ty_point_light_job* lamp = l->job;
     const int32_t u = l->axis[0], v = l->axis[1], planes = lamp->medium->planes;
     const double from = fmax(l->entry, entry_of(q, lamp->lower[v], lamp->upper[v]));
     int32_t at[2] = {0, 0};
-    float share[2] = {0, 0};
-    if (before->slabs > 0) share[1] = ty_ray_lattice_locate(before, 1, q, &at[1]);
+    float t[2] = {0, 0};
+    if (before->slabs > 0) t[1] = ty_ray_lattice_locate(before, 1, q, &at[1]);
     for (int32_t i = 0; i < l->count[0]; ++i) {
         const double p = l->low[0] + l->step[0] * i, enters = fmax(from, entry_of(p, lamp->lower[u], lamp->upper[u]));
         entry[i] = (float)(enters - l->entry);
         for (int32_t c = 0; c < planes; ++c) depth[c][i] = 0;
         if (before->slabs == 0 || !(l->near > enters)) continue;
-        share[0] = ty_ray_lattice_locate(before, 0, p, &at[0]);
+        t[0] = ty_ray_lattice_locate(before, 0, p, &at[0]);
         const size_t last = ty_ray_lattice_rays(before) * (size_t)before->slabs;
         for (int32_t c = 0; c < planes; ++c)
-            depth[c][i] = between_rays(before, before->mean[c] + last, at, share) * (float)(l->near - enters);
+            depth[c][i] = interpolate_rays(before, before->mean[c] + last, at, t) * (float)(l->near - enters);
     }
 }
 
@@ -148,7 +149,7 @@ static void find_beside(double first, double step, int32_t size, int32_t count, 
 
 /* The row of rays of tangent q through slab `slab`; past the last there is only a far side. */
 static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) {
-    const ty_point_light_job* lamp = l->of;
+    const ty_point_light_job* lamp = l->job;
     const ty_grid_medium* medium = lamp->medium;
     const int32_t u = l->axis[0], v = l->axis[1];
     const double near = ty_ray_lattice_plane(l, slab);
@@ -174,19 +175,20 @@ static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) 
 }
 
 /* A ray's stop, as a distance along w. */
-static float stop_along(const trace_job* job, double p, double q) {
+static float occlusion_along(const trace_job* job, double p, double q) {
     const ty_ray_lattice* l = job->l;
-    const ty_vec lamp = l->of->source->position;
-    const double length = sqrt(1 + p * p + q * q), place[3] = {(double)lamp.x, (double)lamp.y, (double)lamp.z};
-    double way[3];
+    const ty_vec lamp = l->job->source->position;
+    const double length = sqrt(1 + p * p + q * q), position[3] = {(double)lamp.x, (double)lamp.y, (double)lamp.z};
+    double omega[3];
     ty_occlusion_span span = {0, INFINITY};
-    way[l->axis[0]] = p / length;
-    way[l->axis[1]] = q / length;
-    way[l->axis[2]] = (l->backwards ? -1 : 1) / length;
-    for (int a = 0; a < 3; ++a) span = ty_occlusion_clip(span, &job->room, a, place[a], ty_occlusion_inverse(way[a]));
+    omega[l->axis[0]] = p / length;
+    omega[l->axis[1]] = q / length;
+    omega[l->axis[2]] = (l->backwards ? -1 : 1) / length;
+    for (int a = 0; a < 3; ++a)
+        span = ty_occlusion_clip(span, &job->box, a, position[a], ty_occlusion_inverse(omega[a]));
     if (!(span.enter < span.leave)) return TY_OCCLUSION_UNDEFINED;
-    const ty_vec toward = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
-    const float leave = (float)span.leave, reach = ty_point_light_visible_distance(l->of, toward, leave);
+    const ty_vec direction = ty_vec_make((float)omega[0], (float)omega[1], (float)omega[2]);
+    const float leave = (float)span.leave, reach = ty_point_light_visible_distance(l->job, direction, leave);
     if (!(reach < leave)) return TY_FLOAT_MAX;
     return (double)reach > span.enter ? reach / (float)length : 0;
 }
@@ -194,7 +196,7 @@ static float stop_along(const trace_job* job, double p, double q) {
 static void trace_row(void* user, int64_t row, int32_t worker) {
     const trace_job* job = user;
     ty_ray_lattice* l = job->l;
-    const ty_point_light_job* lamp = l->of;
+    const ty_point_light_job* lamp = l->job;
     const ty_grid_medium* medium = lamp->medium;
     const double q = l->low[1] + l->step[1] * (double)row;
     const size_t size = (size_t)medium->box.size[0], count = (size_t)l->count[0], first = (size_t)row * count;
@@ -211,19 +213,19 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
             rays.cells = lamp->extinction[c] + per_slab[l->axis[2]] * (size_t)cell;
             rays.depth = depth[c];
             rays.mean = l->mean[c] + ty_ray_lattice_rays(l) * (size_t)slab + first;
-            lamp->kernels->lamp_rays(&rays);
+            lamp->kernels->trace_row(&rays);
         }
     }
     for (size_t i = 0; i < count && l->hit != NULL; ++i)
-        l->hit[first + i] = stop_along(job, l->low[0] + l->step[0] * (double)i, q);
+        l->hit[first + i] = occlusion_along(job, l->low[0] + l->step[0] * (double)i, q);
     ty_restore_denormals(state);
 }
 
 ty_result ty_ray_lattice_trace(ty_ray_lattice* l, const ty_ray_lattice* before) {
-    const ty_result result = take_lattice(l);
+    const ty_result result = allocate_lattice(l);
     if (result != TY_OK) return result;
-    trace_job job = {.l = l, .before = before, .room = ty_occlusion_box_of(l->of->medium)};
-    ty_parallel_for(l->of->medium->context, l->count[1], trace_row, &job);
+    trace_job job = {.l = l, .before = before, .box = ty_occlusion_box_of(l->job->medium)};
+    ty_parallel_for(l->job->medium->context, l->count[1], trace_row, &job);
     if (l->hit != NULL) ty_occlusion_fill(l->hit, l->count[0], l->count[1]);
     return TY_OK;
 }

@@ -10,7 +10,7 @@
 
 /* p and q are tangents along the axes u and v. */
 typedef struct ty_ray_lattice {
-    const ty_point_light_job* of;
+    const ty_point_light_job* job;
     int32_t axis[3];        /* u, v, w */
     bool backwards;         /* along w */
     int32_t slabs, begin;   /* of the length; the first, counted along w */

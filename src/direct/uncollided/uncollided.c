@@ -64,12 +64,12 @@ typedef struct add_job {
     const ty_grid_medium* medium;
     float* const* extinction;
     ty_light_field* field;
-    ty_transpose_scratch* room; /* of each plane of the medium; NULL: none is kept */
-    ty_progress_meter watch;
+    ty_transpose_scratch* buffer; /* of each plane of the medium; NULL: none is kept */
+    ty_progress_meter meter;
 } add_job;
 
 /* A source's color in units of the planes of a field. */
-static void color_in(const ty_light_field* field, const ty_discrete_light* source, float color[3]) {
+static void color_of_planes(const ty_light_field* field, const ty_discrete_light* source, float color[3]) {
     memcpy(color, source->color, 3 * sizeof *color);
     if (field->planes == 3) return;
     color[0] = (source->color[0] + source->color[1] + source->color[2]) /
@@ -77,14 +77,14 @@ static void color_in(const ty_light_field* field, const ty_discrete_light* sourc
 }
 
 /* A scene without anything but a light that nobody looks at. */
-static const ty_light_view no_light;
-static const ty_scene_view bare = {.lights = {.lights = &no_light, .count = 1}};
+static const ty_light_view unused_light;
+static const ty_scene_view empty_scene = {.lights = {.lights = &unused_light, .count = 1}};
 
 /* scene: whose surfaces throw shadows; NULL: none. */
-static ty_result begin_beam(const ty_scene* scene, const ty_grid_medium* medium, const ty_discrete_light* source,
-                            ty_collimated* beam) {
+static ty_result begin_collimated(const ty_scene* scene, const ty_grid_medium* medium, const ty_discrete_light* source,
+                                  ty_collimated* beam) {
     double outside[2][3] = {{0}};
-    if (scene == NULL) return ty_collimated_begin(&bare, medium, outside, source->direction, beam);
+    if (scene == NULL) return ty_collimated_begin(&empty_scene, medium, outside, source->direction, beam);
     ty_scene_surface_extent(scene, outside[0], outside[1]);
     return ty_collimated_begin(ty_scene_get_view(scene), medium, outside, source->direction, beam);
 }
@@ -101,72 +101,73 @@ static void choose_planes(const add_job* job, const ty_discrete_light* const* so
             if (plane == NULL) continue;
             beams->planes[beams->plane_count] = plane;
             for (int32_t i = 0; i < beams->count; ++i) {
-                const ty_vec way = sources[i]->direction;
-                const float along[4] = {1, way.x, way.y, way.z};
+                const ty_vec omega = sources[i]->direction;
+                const float direction[4] = {1, omega.x, omega.y, omega.z};
                 float color[3];
-                color_in(field, sources[i], color);
-                beams->factor[i][beams->plane_count] = color[c] * along[a + 1];
+                color_of_planes(field, sources[i], color);
+                beams->factor[i][beams->plane_count] = color[c] * direction[a + 1];
             }
             ++beams->plane_count;
         }
 }
 
 /* Beams of one way. */
-static ty_result add_beams(add_job* job, const ty_discrete_light* const* sources, int32_t count) {
+static ty_result add_collimated(add_job* job, const ty_discrete_light* const* sources, int32_t count) {
     ty_collimated passing[TY_COLLIMATED_MAX];
-    ty_collimated_batch beams = {.beams = passing, .watch = &job->watch};
+    ty_collimated_batch beams = {.beams = passing, .meter = &job->meter};
     ty_result result = TY_OK;
     for (int32_t begun = 0; begun < count && result == TY_OK; ++begun, ++beams.count)
-        result = begin_beam(job->scene, job->medium, sources[begun], &passing[begun]);
+        result = begin_collimated(job->scene, job->medium, sources[begun], &passing[begun]);
     for (int32_t p = 0; p < job->medium->planes && result == TY_OK; ++p) {
         beams.extinction = job->extinction[p];
-        beams.room = job->room != NULL ? &job->room[p] : NULL;
+        beams.scratch = job->buffer != NULL ? &job->buffer[p] : NULL;
         beams.work = (double)count / job->medium->planes;
         beams.done = p * beams.work;
         choose_planes(job, sources, p, &beams);
         result = ty_collimated_sweep(&beams, job->medium);
     }
     for (int32_t i = 0; i < beams.count; ++i) ty_collimated_end(&passing[i]);
-    job->watch.done += count;
+    job->meter.done += count;
     return result;
 }
 
 /* All beams, those together that go through the cells alike. */
-static ty_result add_all_beams(add_job* job, const ty_discrete_light* sources, int32_t count) {
+static ty_result add_all_collimated(add_job* job, const ty_discrete_light* sources, int32_t count) {
     ty_result result = TY_OK;
-    for (int32_t way = 0; way < 6; ++way) {
+    for (int32_t sweep = 0; sweep < 6; ++sweep) {
         const ty_discrete_light* together[TY_COLLIMATED_MAX];
         int32_t found = 0;
         for (int32_t i = 0; i < count && result == TY_OK; ++i) {
             if (sources[i].kind != TY_DISCRETE_DIRECTIONAL ||
-                ty_collimated_sweep_axis(job->medium, sources[i].direction) != way)
+                ty_collimated_sweep_axis(job->medium, sources[i].direction) != sweep)
                 continue;
             together[found++] = &sources[i];
             if (found < TY_COLLIMATED_MAX) continue;
-            result = add_beams(job, together, found);
+            result = add_collimated(job, together, found);
             found = 0;
         }
-        if (found > 0 && result == TY_OK) result = add_beams(job, together, found);
+        if (found > 0 && result == TY_OK) result = add_collimated(job, together, found);
     }
     return result;
 }
 
-static ty_result pass_beam(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
-                           const ty_discrete_light* source, float* const planes[3], ty_collimated_power* power) {
+static ty_result sweep_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
+                                     const ty_discrete_light* source, float* const planes[3],
+                                     ty_collimated_power* power) {
     ty_collimated beam;
     ty_collimated_batch beams = {.beams = &beam, .count = 1, .plane_count = 1, .factor = {{1}}};
-    ty_result result = begin_beam(scene, medium, source, &beam);
-    double passed[3][2] = {{0}};
+    ty_result result = begin_collimated(scene, medium, source, &beam);
+    double power_of_plane[3][2] = {{0}};
     for (int32_t p = 0; p < medium->planes && result == TY_OK; ++p) {
         memset(planes[p], 0, medium->cells * sizeof *planes[p]);
         beams.planes[0] = planes[p];
         beams.extinction = extinction[p];
         result = ty_collimated_sweep(&beams, medium);
-        if (result == TY_OK && power != NULL) result = ty_collimated_power_of(&beam, passed[p]);
+        if (result == TY_OK && power != NULL) result = ty_collimated_power_of(&beam, power_of_plane[p]);
     }
     for (int32_t c = 0; c < 3 && power != NULL; ++c) {
-        power->entering[c] = passed[medium->planes == 3 ? c : 0][0];
-        power->leaving[c] = passed[medium->planes == 3 ? c : 0][1];
+        power->entering[c] = power_of_plane[medium->planes == 3 ? c : 0][0];
+        power->leaving[c] = power_of_plane[medium->planes == 3 ? c : 0][1];
     }
     ty_collimated_end(&beam);
     return result;
@@ -174,30 +175,30 @@ static ty_result pass_beam(const ty_scene* scene, const ty_grid_medium* medium, 
 
 /* ---- all ---- */
 
-static ty_result add_lamp(add_job* job, const ty_discrete_light* source) {
+static ty_result add_point(add_job* job, const ty_discrete_light* source) {
     ty_light_field* field = job->field;
     ty_point_light_target out = {
         .planes = field->planes, .fluence = field->fluence, .flux = field->flux[0][0] != NULL ? field->flux : NULL};
-    color_in(field, source, out.color);
+    color_of_planes(field, source, out.color);
     const ty_result result =
-        ty_point_light_add(ty_scene_get_view(job->scene), job->medium, job->extinction, source, &out, &job->watch);
-    ++job->watch.done;
+        ty_point_light_add(ty_scene_get_view(job->scene), job->medium, job->extinction, source, &out, &job->meter);
+    ++job->meter.done;
     return result;
 }
 
 ty_result ty_uncollided_add_reusing(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
                                     const ty_discrete_light* sources, int32_t count, ty_light_field* field,
-                                    ty_transpose_scratch room[3], ty_progress_fn progress, void* progress_user) {
+                                    ty_transpose_scratch buffer[3], ty_progress_fn progress, void* progress_user) {
     if (ty_scene_get_view(scene) == NULL) return TY_ERROR_ARGUMENT;
     add_job job = {.scene = scene,
                    .medium = medium,
                    .extinction = extinction != NULL ? extinction : medium->extinction,
                    .field = field,
-                   .room = room,
-                   .watch = ty_progress_meter_begin(progress, progress_user, count)};
-    ty_result result = add_all_beams(&job, sources, count);
+                   .buffer = buffer,
+                   .meter = ty_progress_meter_begin(progress, progress_user, count)};
+    ty_result result = add_all_collimated(&job, sources, count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i)
-        if (sources[i].kind == TY_DISCRETE_POINT) result = add_lamp(&job, &sources[i]);
+        if (sources[i].kind == TY_DISCRETE_POINT) result = add_point(&job, &sources[i]);
     return result;
 }
 
@@ -212,11 +213,12 @@ ty_result ty_uncollided_add(const ty_scene* scene, const ty_grid_medium* medium,
     return ty_uncollided_add_with_progress(scene, medium, extinction, sources, count, field, NULL, NULL);
 }
 
-static ty_result pass_lamp(const ty_scene_view* view, const ty_grid_medium* medium, float* const extinction[3],
-                           const ty_discrete_light* source, float* const planes[3]) {
+static ty_result point_transmittance(const ty_scene_view* view, const ty_grid_medium* medium,
+                                     float* const extinction[3], const ty_discrete_light* source,
+                                     float* const planes[3]) {
     const ty_point_light_target out = {.transmittance = planes};
-    ty_progress_meter watch = ty_progress_meter_begin(NULL, NULL, 1);
-    return ty_point_light_add(view, medium, extinction, source, &out, &watch);
+    ty_progress_meter meter = ty_progress_meter_begin(NULL, NULL, 1);
+    return ty_point_light_add(view, medium, extinction, source, &out, &meter);
 }
 
 ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
@@ -225,13 +227,14 @@ ty_result ty_uncollided_transmittance(const ty_scene* scene, const ty_grid_mediu
     const ty_scene_view* view = ty_scene_get_view(scene);
     if (view == NULL) return TY_ERROR_ARGUMENT;
     if (extinction == NULL) extinction = medium->extinction;
-    if (source->kind == TY_DISCRETE_DIRECTIONAL) return pass_beam(scene, medium, extinction, source, planes, power);
-    return pass_lamp(view, medium, extinction, source, planes);
+    if (source->kind == TY_DISCRETE_DIRECTIONAL)
+        return sweep_transmittance(scene, medium, extinction, source, planes, power);
+    return point_transmittance(view, medium, extinction, source, planes);
 }
 
 ty_result ty_uncollided_in_media(const ty_grid_medium* medium, const ty_discrete_light* source,
                                  float* const planes[3]) {
     if (source->kind == TY_DISCRETE_DIRECTIONAL)
-        return pass_beam(NULL, medium, medium->extinction, source, planes, NULL);
-    return pass_lamp(&bare, medium, medium->extinction, source, planes);
+        return sweep_transmittance(NULL, medium, medium->extinction, source, planes, NULL);
+    return point_transmittance(&empty_scene, medium, medium->extinction, source, planes);
 }

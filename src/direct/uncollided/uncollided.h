@@ -52,7 +52,7 @@ ty_result ty_uncollided_add_with_progress(const ty_scene* scene, const ty_grid_m
  * use. */
 ty_result ty_uncollided_add_reusing(const ty_scene* scene, const ty_grid_medium* medium, float* const extinction[3],
                                     const ty_discrete_light* sources, int32_t count, ty_light_field* field,
-                                    ty_transpose_scratch room[3], ty_progress_fn progress, void* progress_user);
+                                    ty_transpose_scratch scratch[3], ty_progress_fn progress, void* progress_user);
 
 /* Means over cells of the transmittance from one source, 0 in the shadow of surfaces: times color (for lamps, over
  * distance squared) it is the fluence, with shadows as sharp as the medium's cells. planes: as many as the medium has.

@@ -17,17 +17,18 @@ static ty_result light_groups(ty_fld_job* job, float* const extinction[3], const
     job->progress.share = share / ty_maxf(1, (float)count);
     for (int32_t i = 0; i < count && result == TY_OK; ++i) {
         const ty_light_group* group = &groups[i];
-        ty_light_field** field = group->own ? &light->beam[light->light_count] : many;
+        ty_light_field** field = group->dedicated ? &light->beam[light->light_count] : many;
         result = ty_part_show(&job->progress, "direct light");
         if (result == TY_OK && *field == NULL)
-            result = ty_light_groups_field(job->sources.items, group->own ? group : groups, group->own ? 1 : count,
-                                           group->own, job->fine, !group->own, field);
+            result = ty_light_groups_field(job->sources.items, group->dedicated ? group : groups,
+                                           group->dedicated ? 1 : count, group->dedicated, job->fine, !group->dedicated,
+                                           field);
         if (result == TY_OK)
             result =
                 ty_uncollided_add_with_progress(job->scene, job->fine, extinction, &job->sources.items[group->first],
                                                 group->count, *field, ty_part_report, &job->progress);
         job->progress.from += job->progress.share;
-        if (result == TY_OK && group->own)
+        if (result == TY_OK && group->dedicated)
             light->lights[light->light_count++] = ty_light_group_fluence(job->sources.items, group, *field);
     }
     job->progress.from = from;

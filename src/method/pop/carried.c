@@ -86,7 +86,7 @@ static void carry_plane(void* user, int64_t plane, int32_t worker) {
     const carried_job* job = user;
     const ty_grid_medium* medium = job->fine;
     const int32_t p = medium->planes == 3 ? (int32_t)plane : 0;
-    const float *bent = job->light->bent[plane], *extinction = medium->extinction[p];
+    const float *bent = job->light->next_order[plane], *extinction = medium->extinction[p];
     const carried_plane* out = &job->planes[plane];
     for (size_t i = 0; i < medium->cells; ++i) {
         const float g = ty_maxf(0.0f, medium->g[p][i]), scattered = (1.0f - g) * medium->scattering[p][i];
@@ -102,7 +102,7 @@ static void carry_plane(void* user, int64_t plane, int32_t worker) {
 static void find_overlap(void* user, int64_t plane, int32_t worker) {
     (void)worker;
     const carried_job* job = user;
-    const float *kept = job->light->fluence[plane], *bent = job->light->bent[plane];
+    const float *kept = job->light->fluence[plane], *bent = job->light->next_order[plane];
     for (size_t i = 0; i < job->fine->cells; ++i) job->planes[plane].source[i] = kept[i] - bent[i];
 }
 

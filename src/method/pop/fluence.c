@@ -25,7 +25,7 @@ static void add_sharp(const fluence_job* job, const int32_t cell[3], int c, doub
         const ty_light_fluence* single = &light->lights[l];
         const int32_t plane = single->shared != 0 ? 0 : c;
         const float* kept = single->fluence[plane];
-        const float* straight = single->lobes != 0 ? single->straight[plane] : kept;
+        const float* straight = single->lobe_order != 0 ? single->unscattered[plane] : kept;
         ty_coverage_add(&light->fine_box, axes, &kept, 1, (double)single->color[c], fluence);
         ty_coverage_add(&light->fine_box, axes, &straight, 1, (double)single->color[c], uncollided);
     }
@@ -114,7 +114,7 @@ static void add_sharp_radiance(const ty_pop* light, ty_vec point, ty_vec way, fl
     const ty_cell_point place = locate(&light->fine_box, point);
     for (int32_t l = 0; l < light->light_count; ++l) {
         ty_single_radiance sent = {{0}, {0}, {0}};
-        if (light->lights[l].lobes == 0) continue;
+        if (light->lights[l].lobe_order == 0) continue;
         ty_single_with_lobe(&light->lights[l], &place, ty_light_fluence_cosine(&light->lights[l], point, way), whole,
                             straight_on, &none, &sent);
         for (int c = 0; c < 3; ++c) radiance[c] += sent.again[c];

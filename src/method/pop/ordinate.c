@@ -78,7 +78,7 @@ static ty_result add_environments(ordinate_list* list, const float* importance) 
     const ty_pop_def* pop = list->def;
     const ty_environment_clusters_def def = {.count = pop->ordinates,
                                              .prefilter = pop->prefilter,
-                                             .by_share = pop->mode == TY_POP_MODE_PUBLISHED,
+                                             .by_solid_angle = pop->mode == TY_POP_MODE_PUBLISHED,
                                              .seed = pop->seed,
                                              .importance = importance,
                                              .width = TY_POP_IMPORTANCE_WIDTH,

@@ -31,12 +31,12 @@ static void describe(const ty_discrete_light* source, ty_light_field* const fiel
         (ty_light_fluence){.kind = source->kind == TY_DISCRETE_DIRECTIONAL ? TY_FLUENCE_DIRECTIONAL : TY_FLUENCE_POINT,
                            .sample = *source,
                            .shared = kept->planes == 1,
-                           .lobes = fields[TY_FLUENCE_UNSCATTERED] != NULL};
+                           .lobe_order = fields[TY_FLUENCE_UNSCATTERED] != NULL};
     for (int c = 0; c < 3; ++c) {
         out->color[c] = kept->planes == 1 ? kept->color[c] : 1;
         out->fluence[c] = kept->fluence[c];
-        out->straight[c] = out->lobes != 0 ? fields[TY_FLUENCE_UNSCATTERED]->fluence[c] : NULL;
-        out->bent[c] = out->lobes != 0 ? fields[TY_FLUENCE_NEXT_ORDER]->fluence[c] : NULL;
+        out->unscattered[c] = out->lobe_order != 0 ? fields[TY_FLUENCE_UNSCATTERED]->fluence[c] : NULL;
+        out->next_order[c] = out->lobe_order != 0 ? fields[TY_FLUENCE_NEXT_ORDER]->fluence[c] : NULL;
     }
 }
 
@@ -80,7 +80,7 @@ static ty_result find_extinctions(ty_pop_job* job, float* extinction[TY_FLUENCE_
 }
 
 static bool is_carried(const ty_light_fluence* light) {
-    return light->kind == TY_FLUENCE_DIRECTIONAL && light->lobes != 0;
+    return light->kind == TY_FLUENCE_DIRECTIONAL && light->lobe_order != 0;
 }
 
 /* How much of the light of sharp beams has a second moment; the rest has the first alone. All of it leaves too little

@@ -12,12 +12,12 @@ static const double sqrt_four_pi = 3.5449077018110318;
 /* Walls send light one way, of which phase functions make more than of what has scattered: so many bands are kept for
  * the eye that what is left of g^l is about this, but no more than directions tell apart; three at least, which is what
  * surfaces that are slanted take. */
-static const double least_power = 0.02;
-enum { LEAST_KEPT = 3, MOST_KEPT = 6 };
+static const double min_power = 0.02;
+enum { MIN_OUTPUT_BANDS = 3, MAX_OUTPUT_BANDS = 6 };
 
-static int32_t bands_for_walls(const ty_dom_job* job, double g) {
-    const double most = fmin(MOST_KEPT, fmax(LEAST_KEPT, sqrt(job->set->count / 2.0)));
-    return (int32_t)fmin(most, fmax(LEAST_KEPT, g > 0 ? ceil(log(least_power) / log(g)) : 0));
+static int32_t bands_for_boundary(const ty_dom_job* job, double g) {
+    const double max_bands = fmin(MAX_OUTPUT_BANDS, fmax(MIN_OUTPUT_BANDS, sqrt(job->set->count / 2.0)));
+    return (int32_t)fmin(max_bands, fmax(MIN_OUTPUT_BANDS, g > 0 ? ceil(log(min_power) / log(g)) : 0));
 }
 
 ty_result ty_dom_find_boundary(ty_dom_job* job) {
@@ -28,8 +28,8 @@ ty_result ty_dom_find_boundary(ty_dom_job* job) {
     double g = 0;
     for (int32_t p = 0; p < light->planes; ++p)
         for (size_t i = 0; i < light->cells; ++i) g = fmax(g, fabs((double)light->g[p][i]));
-    const int32_t kept = bands_for_walls(job, g);
-    if (kept > light->output_bands) light->output_bands = kept;
+    const int32_t output_bands = bands_for_boundary(job, g);
+    if (output_bands > light->output_bands) light->output_bands = output_bands;
     return result;
 }
 
@@ -64,36 +64,37 @@ bool ty_dom_is_within_boundary(const ty_dom_job* job, ty_vec point) {
 }
 
 /* What each side gets, of all channels, and the part of it that has scattered nearly straight on. */
-typedef struct wall_sums {
-    float *all[3], *forward[3];
-} wall_sums;
+typedef struct side_irradiance {
+    float *total[3], *forward[3];
+} side_irradiance;
 
-enum { SUMS = 6 };
+enum { IRRADIANCES = 6 };
 
-static void light_walls(const ty_dom_job* job, float* const extinction[3], const wall_sums* sums) {
+static void add_irradiance(const ty_dom_job* job, float* const extinction[3], const side_irradiance* sums) {
     ty_boundary_irradiance_add(job->scene, job->boundary, job->coarse, extinction, job->sources.items,
-                               job->sources.count, sums->all, job->light->isotropic ? NULL : sums->forward);
+                               job->sources.count, sums->total, job->light->isotropic ? NULL : sums->forward);
 }
 
-static float in_units(const ty_dom* light, float* const rgb[3], int32_t channel, int32_t side) {
+static float in_channel_units(const ty_dom* light, float* const rgb[3], int32_t channel, int32_t side) {
     const float total = light->color[0] + light->color[1] + light->color[2];
     return light->shared ? (rgb[0][side] + rgb[1][side] + rgb[2][side]) / total : rgb[channel][side];
 }
 
 /* What walls send besides what they reflect of light that ordinates carry, in units of the channels. */
-static void send_light(const ty_dom_job* job, int32_t channel, const wall_sums* sums) {
+static void find_radiance(const ty_dom_job* job, int32_t channel, const side_irradiance* sums) {
     const ty_dom* light = job->light;
     for (int32_t i = 0; i < job->boundary->count; ++i) {
         const ty_boundary_side* side = &job->boundary->sides[i];
-        const float arrived = in_units(light, sums->all, channel, i);
-        float share;
-        ty_staircase_albedo(side, side->albedo[channel], &job->wall_albedo[channel][i], &share);
-        job->wall_radiance[channel][i] = share * (side->albedo[channel] * arrived / TY_PI + side->emission[channel]);
-        light->wall_forward[channel][i] = in_units(light, sums->forward, channel, i);
+        const float irradiance = in_channel_units(light, sums->total, channel, i);
+        float emission_factor;
+        ty_staircase_albedo(side, side->albedo[channel], &job->wall_albedo[channel][i], &emission_factor);
+        job->wall_radiance[channel][i] =
+            emission_factor * (side->albedo[channel] * irradiance / TY_PI + side->emission[channel]);
+        light->wall_forward[channel][i] = in_channel_units(light, sums->forward, channel, i);
     }
 }
 
-static ty_result take_memory(ty_dom_job* job, float** reduced, float** irradiance) {
+static ty_result allocate_memory(ty_dom_job* job, float** scaled, float** irradiance) {
     ty_context* context = job->context;
     const size_t count = (size_t)job->boundary->count, cells = job->coarse->cells;
     for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
@@ -105,13 +106,13 @@ static ty_result take_memory(ty_dom_job* job, float** reduced, float** irradianc
             job->light->wall_forward[c] == NULL)
             return TY_ERROR_MEMORY;
     }
-    *reduced = ty_alloc_array(context, cells, sizeof(float) * (size_t)job->coarse->planes, false);
-    *irradiance = ty_alloc_array(context, count, sizeof(float) * SUMS, true);
-    return *reduced != NULL && *irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
+    *scaled = ty_alloc_array(context, cells, sizeof(float) * (size_t)job->coarse->planes, false);
+    *irradiance = ty_alloc_array(context, count, sizeof(float) * IRRADIANCES, true);
+    return *scaled != NULL && *irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
 /* Nothing comes from cells that no light gets to, whatever fine cells at their edges have. */
-static ty_result darken(ty_dom_job* job) {
+static ty_result find_unlit(ty_dom_job* job) {
     ty_dom* light = job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
     light->unlit = ty_alloc_array(job->context, light->cells, 1, false);
@@ -125,32 +126,32 @@ static ty_result darken(ty_dom_job* job) {
     return TY_OK;
 }
 
-static ty_result light_all_walls(ty_dom_job* job) {
-    float *reduced = NULL, *irradiance = NULL;
+static ty_result light_faces(ty_dom_job* job) {
+    float *scaled = NULL, *irradiance = NULL;
     if (job->boundary == NULL) return TY_OK;
     const size_t count = (size_t)job->boundary->count, cells = job->coarse->cells;
-    ty_result result = take_memory(job, &reduced, &irradiance);
+    ty_result result = allocate_memory(job, &scaled, &irradiance);
     if (result == TY_OK) result = ty_dom_correct_cut_cells(job);
-    if (result == TY_OK) result = darken(job);
+    if (result == TY_OK) result = find_unlit(job);
     if (result == TY_OK) {
-        wall_sums sums;
+        side_irradiance sums;
         for (size_t c = 0; c < 3; ++c) {
-            sums.all[c] = irradiance + count * c;
+            sums.total[c] = irradiance + count * c;
             sums.forward[c] = irradiance + count * (3 + c);
         }
-        float* planes[3] = {reduced, NULL, NULL};
-        for (int32_t p = 1; p < job->coarse->planes; ++p) planes[p] = reduced + cells * (size_t)p;
+        float* planes[3] = {scaled, NULL, NULL};
+        for (int32_t p = 1; p < job->coarse->planes; ++p) planes[p] = scaled + cells * (size_t)p;
         ty_grid_medium_reduce(job->coarse, job->light->bands, planes);
-        light_walls(job, planes, &sums);
-        for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) send_light(job, c, &sums);
+        add_irradiance(job, planes, &sums);
+        for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) find_radiance(job, c, &sums);
     }
-    ty_free_array(job->context, reduced, cells, sizeof(float) * (size_t)job->coarse->planes);
-    ty_free_array(job->context, irradiance, count, sizeof(float) * SUMS);
+    ty_free_array(job->context, scaled, cells, sizeof(float) * (size_t)job->coarse->planes);
+    ty_free_array(job->context, irradiance, count, sizeof(float) * IRRADIANCES);
     return result;
 }
 
 ty_result ty_dom_light_boundary(ty_dom_job* job) {
-    const ty_result result = light_all_walls(job);
+    const ty_result result = light_faces(job);
     return result == TY_OK ? ty_dom_find_incident_radiance(job) : result;
 }
 
@@ -165,7 +166,7 @@ bool ty_dom_boundary_is_dark(const ty_dom_job* job, int32_t channel) {
 /* ---- ordinates ---- */
 
 /* sent: what they send besides what they reflect. */
-static ty_ordinates_walls walls_of(const ty_dom_job* job, int32_t channel, const float* sent) {
+static ty_ordinates_walls ordinates_walls_of(const ty_dom_job* job, int32_t channel, const float* emission) {
     const ty_boundary_faces* walls = job->boundary;
     if (walls == NULL) return (ty_ordinates_walls){.count = 0};
     return (ty_ordinates_walls){.count = walls->count,
@@ -173,18 +174,18 @@ static ty_ordinates_walls walls_of(const ty_dom_job* job, int32_t channel, const
                                 .x = walls->x,
                                 .face = walls->face,
                                 .albedo = job->wall_albedo[channel],
-                                .emission = sent};
+                                .emission = emission};
 }
 
 /* Planes of the problem without scattering. */
-typedef struct bare_planes {
+typedef struct absorbing_planes {
     float *extinction, *zeros;
     const float* source[1];
     float* moments[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
-} bare_planes;
+} absorbing_planes;
 
 /* What light that walls sent and that has not scattered yet will: into q_lm. Returns it, W. */
-static double scatter_first(ty_dom_job* job, int32_t channel, float* const* moments) {
+static double add_first_collisions(ty_dom_job* job, int32_t channel, float* const* moments) {
     const ty_dom* light = job->light;
     const int32_t plane = light->planes == 3 ? channel : 0;
     const float *scattering = job->coarse->scattering[plane], *g = job->coarse->g[plane];
@@ -200,8 +201,8 @@ static double scatter_first(ty_dom_job* job, int32_t channel, float* const* mome
     return sum * sqrt_four_pi * job->coarse->cell[0] * job->coarse->cell[1] * job->coarse->cell[2];
 }
 
-static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, bare_planes* planes,
-                       ty_dom_boundary_power* power) {
+static ty_result solve_without_scattering(ty_dom_job* job, int32_t channel, ty_ordinates_def* def,
+                                          absorbing_planes* planes, ty_dom_boundary_power* power) {
     ty_dom* light = job->light;
     const int32_t plane = light->planes == 3 ? channel : 0;
     const float *sigma = job->coarse->extinction[plane], *scattering = job->coarse->scattering[plane];
@@ -217,12 +218,12 @@ static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, 
     def->source = planes->source;
     def->source_terms = 1;
     def->start = NULL;
-    def->walls = walls_of(job, channel, job->wall_radiance[channel]);
+    def->walls = ordinates_walls_of(job, channel, job->wall_radiance[channel]);
     def->inflow = job->incident_radiance[channel];
     if (def->inflow != NULL) def->last = NULL;
     const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
     if (result != TY_OK) return result;
-    const double scattered = scatter_first(job, channel, planes->moments);
+    const double scattered = add_first_collisions(job, channel, planes->moments);
     *power = (ty_dom_boundary_power){.emitted = stats.walls_emitted + stats.entering - scattered,
                                      .absorbed = stats.absorbed - scattered,
                                      .by_walls = stats.walls_absorbed,
@@ -239,13 +240,13 @@ ty_result ty_dom_solve_boundary_light(ty_dom_job* job, int32_t channel, const ty
     const size_t terms = (size_t)(light->output_bands * light->output_bands), cells = light->cells;
     *power = (ty_dom_boundary_power){.converged = true};
     if (ty_dom_boundary_is_dark(job, channel)) return TY_OK;
-    bare_planes planes = {.extinction = ty_alloc_array(job->context, cells, sizeof(float), false),
-                          .zeros = ty_alloc_array(job->context, cells, sizeof(float), true)};
+    absorbing_planes planes = {.extinction = ty_alloc_array(job->context, cells, sizeof(float), false),
+                               .zeros = ty_alloc_array(job->context, cells, sizeof(float), true)};
     light->wall_moments[channel] = ty_alloc_array(job->context, cells, terms * sizeof(float), true);
-    ty_ordinates_def bare = *def;
+    ty_ordinates_def unscattered = *def;
     ty_result result = TY_ERROR_MEMORY;
     if (planes.extinction != NULL && planes.zeros != NULL && light->wall_moments[channel] != NULL)
-        result = carry(job, channel, &bare, &planes, power);
+        result = solve_without_scattering(job, channel, &unscattered, &planes, power);
     ty_free_array(job->context, planes.extinction, cells, sizeof(float));
     ty_free_array(job->context, planes.zeros, cells, sizeof(float));
     return result;
@@ -256,7 +257,7 @@ ty_result ty_dom_set_reflection(ty_dom_job* job, int32_t channel, ty_ordinates_d
     if (job->boundary == NULL) return TY_OK;
     *none = ty_alloc_array(job->context, (size_t)job->boundary->count, sizeof(float), true);
     if (*none == NULL) return TY_ERROR_MEMORY;
-    def->walls = walls_of(job, channel, *none);
+    def->walls = ordinates_walls_of(job, channel, *none);
     def->walls.arrived = job->light->wall_irradiance[channel];
     return TY_OK;
 }

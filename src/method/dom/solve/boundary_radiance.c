@@ -13,86 +13,87 @@ enum { RAYS = 16 };
 /* Of a sequence that fills a square evenly: one over powers of the root of x^3 = x + 1. */
 static const double step_u = 0.7548776662466927, step_v = 0.5698402909980532;
 
-typedef struct inflow {
+typedef struct boundary_job {
     ty_dom_job* job;
-    ty_boundary_faces met; /* surfaces that rays met, as sides of walls: of direction d from d RAYS on */
+    ty_boundary_faces surfaces; /* surfaces that rays met, as sides of walls: of direction d from d RAYS on */
     float* irradiance[3];
-} inflow;
+} boundary_job;
 
 /* Where one of a direction's rays enters the box. */
-static void entry(const ty_dom_job* job, int32_t direction, int32_t ray, double at[3]) {
+static void ray_entry(const ty_dom_job* job, int32_t direction, int32_t ray, double at[3]) {
     const ty_grid_box* box = &job->coarse->box;
-    double edge[3], way[3], share[3], sum = 0;
+    double edge[3], omega[3], weight[3], sum = 0;
     for (int a = 0; a < 3; ++a) {
         edge[a] = box->upper[a] - box->lower[a];
-        way[a] = (double)job->set->direction[a][direction];
+        omega[a] = (double)job->set->direction[a][direction];
     }
-    for (int a = 0; a < 3; ++a) sum += share[a] = fabs(way[a]) * edge[(a + 1) % 3] * edge[(a + 2) % 3];
-    double place = (ray + 0.5) / RAYS * sum;
+    for (int a = 0; a < 3; ++a) sum += weight[a] = fabs(omega[a]) * edge[(a + 1) % 3] * edge[(a + 2) % 3];
+    double position = (ray + 0.5) / RAYS * sum;
     int axis = 0;
-    for (; axis < 2 && place > share[axis]; ++axis) place -= share[axis];
+    for (; axis < 2 && position > weight[axis]; ++axis) position -= weight[axis];
     const double u = (ray + 1) * step_u, v = (ray + 1) * step_v;
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-    at[axis] = way[axis] > 0 ? box->lower[axis] : box->upper[axis];
+    at[axis] = omega[axis] > 0 ? box->lower[axis] : box->upper[axis];
     at[b] = box->lower[b] + edge[b] * (u - floor(u));
     at[c] = box->lower[c] + edge[c] * (v - floor(v));
 }
 
 /* What a ray back from there meets; albedo 0: nothing, or a wall of the box. */
-static void meet(const inflow* in, int32_t direction, int32_t ray, ty_boundary_side* wall) {
+static void trace_ray(const boundary_job* in, int32_t direction, int32_t ray, ty_boundary_side* side) {
     const ty_scene_view* view = &in->job->scene->view;
     const ty_ordinate_set* set = in->job->set;
-    const ty_vec back =
+    const ty_vec direction_back =
         ty_vec_make(-set->direction[0][direction], -set->direction[1][direction], -set->direction[2][direction]);
     double at[3];
     float from[3];
     ty_hit hit;
-    entry(in->job, direction, ray, at);
+    ray_entry(in->job, direction, ray, at);
     for (int a = 0; a < 3; ++a) from[a] = (float)at[a];
-    *wall = (ty_boundary_side){.position = ty_vec_load(from), .normal = ty_scale(back, -1)};
-    if (!ty_mesh_intersect(view->mesh, ty_vec_load(from), back, TY_FLOAT_MAX, &hit)) return;
+    *side = (ty_boundary_side){.position = ty_vec_load(from), .normal = ty_scale(direction_back, -1)};
+    if (!ty_mesh_intersect(view->mesh, ty_vec_load(from), direction_back, TY_FLOAT_MAX, &hit)) return;
     if (ty_dom_is_within_boundary(in->job, hit.position)) return;
     ty_surface_point point;
-    ty_surface_evaluate(&view->surfaces[hit.surface], &hit, back, &point);
-    wall->normal = point.facing;
-    wall->position = ty_hit_leave(&hit, point.facing);
+    ty_surface_evaluate(&view->surfaces[hit.surface], &hit, direction_back, &point);
+    side->normal = point.facing;
+    side->position = ty_hit_leave(&hit, point.facing);
     for (int c = 0; c < 3; ++c) {
-        wall->albedo[c] = ty_minf(point.albedo[c], 1);
-        wall->emission[c] = point.light < 0 ? point.emission[c] : 0;
+        side->albedo[c] = ty_minf(point.albedo[c], 1);
+        side->emission[c] = point.light < 0 ? point.emission[c] : 0;
     }
 }
 
-static void meet_all(void* user, int64_t direction, int32_t worker) {
+static void trace_rays(void* user, int64_t direction, int32_t worker) {
     (void)worker;
-    const inflow* in = user;
-    for (int32_t ray = 0; ray < RAYS; ++ray) meet(in, (int32_t)direction, ray, &in->met.sides[direction * RAYS + ray]);
+    const boundary_job* in = user;
+    for (int32_t ray = 0; ray < RAYS; ++ray)
+        trace_ray(in, (int32_t)direction, ray, &in->surfaces.sides[direction * RAYS + ray]);
 }
 
 /* Sources whose reflections no virtual lamps stand for. */
-static void light_met(const inflow* in) {
+static void light_surfaces(const boundary_job* in) {
     const ty_dom_job* job = in->job;
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     for (int32_t i = 0; i < job->sources.count; ++i) {
         const ty_discrete_light* source = &job->sources.items[i];
         const int32_t kind = lights->lights[source->light].kind;
-        const bool apart = kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
-        if (source->is_virtual == 0 && apart) continue;
-        ty_boundary_irradiance_add(job->scene, &in->met, job->coarse, job->coarse->extinction, source, 1,
+        const bool has_vpls = kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
+        if (source->is_virtual == 0 && has_vpls) continue;
+        ty_boundary_irradiance_add(job->scene, &in->surfaces, job->coarse, job->coarse->extinction, source, 1,
                                    in->irradiance, NULL);
     }
 }
 
 /* In units of a channel. */
-static float radiance_of(const inflow* in, int32_t channel, size_t ray) {
-    const ty_boundary_side* wall = &in->met.sides[ray];
+static float radiance_of(const boundary_job* in, int32_t channel, size_t ray) {
+    const ty_boundary_side* side = &in->surfaces.sides[ray];
     const ty_dom* light = in->job->light;
-    float sent[3];
-    for (int c = 0; c < 3; ++c) sent[c] = wall->albedo[c] / TY_PI * in->irradiance[c][ray] + wall->emission[c];
-    if (!light->shared) return sent[channel];
-    return (sent[0] + sent[1] + sent[2]) / (light->color[0] + light->color[1] + light->color[2]);
+    float radiance[3];
+    for (int c = 0; c < 3; ++c) radiance[c] = side->albedo[c] / TY_PI * in->irradiance[c][ray] + side->emission[c];
+    if (!light->shared) return radiance[channel];
+    return (radiance[0] + radiance[1] + radiance[2]) / (light->color[0] + light->color[1] + light->color[2]);
 }
 
-static ty_result take_inflow(const inflow* in) {
+static ty_result average_radiance(const boundary_job* in) {
     ty_dom_job* job = in->job;
     for (int32_t c = 0; c < ty_dom_channels(job->light); ++c) {
         job->incident_radiance[c] = ty_alloc_array(job->context, TY_ORDINATES_MAX, sizeof(float), true);
@@ -129,17 +130,17 @@ bool ty_dom_surfaces_are_gray(const ty_dom_job* job) {
 ty_result ty_dom_find_incident_radiance(ty_dom_job* job) {
     if (!ty_dom_has_outer_surfaces(job)) return TY_OK;
     const size_t count = (size_t)job->set->count * RAYS;
-    inflow in = {.job = job, .met = {.context = job->context, .count = (int32_t)count}};
-    in.met.sides = ty_alloc_array(job->context, count, sizeof *in.met.sides, false);
+    boundary_job in = {.job = job, .surfaces = {.context = job->context, .count = (int32_t)count}};
+    in.surfaces.sides = ty_alloc_array(job->context, count, sizeof *in.surfaces.sides, false);
     float* irradiance = ty_alloc_array(job->context, 3 * count, sizeof *irradiance, true);
-    ty_result result = in.met.sides != NULL && irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
+    ty_result result = in.surfaces.sides != NULL && irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
     for (size_t c = 0; c < 3; ++c) in.irradiance[c] = irradiance + c * count;
     if (result == TY_OK) {
-        ty_parallel_for(job->context, job->set->count, meet_all, &in);
-        light_met(&in);
-        result = take_inflow(&in);
+        ty_parallel_for(job->context, job->set->count, trace_rays, &in);
+        light_surfaces(&in);
+        result = average_radiance(&in);
     }
-    ty_free_array(job->context, in.met.sides, count, sizeof *in.met.sides);
+    ty_free_array(job->context, in.surfaces.sides, count, sizeof *in.surfaces.sides);
     ty_free_array(job->context, irradiance, 3 * count, sizeof *irradiance);
     return result;
 }

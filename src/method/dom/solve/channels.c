@@ -8,7 +8,7 @@
 
 /* Channels are solved side by side, one thread each, by few threads and on boxes of at most so many cells: a stage of a
  * sweep through a small box is over before other threads have woken up. What is left over has all threads. */
-enum { SIDE_BY_SIDE_THREADS = 4, SIDE_BY_SIDE_CELLS = 1 << 16 };
+enum { MAX_CONCURRENT_THREADS = 4, MAX_CONCURRENT_CELLS = 1 << 16 };
 
 struct scattering;
 
@@ -19,7 +19,7 @@ typedef struct channel_solve {
     void* memory;
     double done; /* of it, 0..1 */
     ty_ordinates_stats stats;
-    ty_dom_boundary_power walls;
+    ty_dom_boundary_power boundary;
     ty_result result;
 } channel_solve;
 
@@ -27,9 +27,9 @@ typedef struct channel_solve {
 typedef struct scattering {
     ty_dom_job* job;
     channel_solve solves[3];
-    int32_t count;   /* of them */
-    int32_t beside;  /* how many are solved side by side */
-    void* memory[3]; /* of as many */
+    int32_t count;      /* of them */
+    int32_t concurrent; /* how many are solved side by side */
+    void* memory[3];    /* of as many */
     size_t memory_size;
     pthread_mutex_t lock; /* guards what follows, and how much of each is done */
     bool cancelled;
@@ -53,7 +53,7 @@ static ty_result check_start(const ty_dom_job* job) {
                    (int)has[0], (int)has[1], (int)has[2], (int)needs[0], (int)needs[1], (int)needs[2]);
 }
 
-static ty_result take_start(const ty_dom_job* job, int32_t channel, start_planes* out) {
+static ty_result allocate_start(const ty_dom_job* job, int32_t channel, start_planes* out) {
     const ty_dom *light = job->light, *start = job->def->start;
     const size_t terms = term_count(light->bands);
     out->floats = NULL;
@@ -77,24 +77,24 @@ static int32_t brightest(const ty_dom* light) {
 }
 
 /* Of a solve that had as many beside it, with itself: on the clock its sweeps took a share of what they did. */
-static void note_solve(ty_dom_job* job, const channel_solve* solve, int32_t beside) {
+static void note_solve(ty_dom_job* job, const channel_solve* solve, int32_t concurrent) {
     const ty_dom* light = job->light;
     const ty_ordinates_stats* solved = &solve->stats;
     ty_dom_stats* stats = &job->stats;
     const int32_t channel = solve->channel, end = light->shared ? 3 : channel + 1;
-    const ty_dom_boundary_power* walls = &solve->walls;
-    stats->converged = stats->converged && solved->converged && walls->converged;
-    stats->sweep_seconds += (solved->sweep_seconds + walls->sweep_seconds) / beside;
-    stats->bytes = fmax(stats->bytes, solved->bytes * beside);
+    const ty_dom_boundary_power* boundary = &solve->boundary;
+    stats->converged = stats->converged && solved->converged && boundary->converged;
+    stats->sweep_seconds += (solved->sweep_seconds + boundary->sweep_seconds) / concurrent;
+    stats->bytes = fmax(stats->bytes, solved->bytes * concurrent);
     for (int32_t c = channel; c < end; ++c) {
         const double factor = (double)light->color[c];
-        stats->sweeps[c] = solved->sweeps + walls->sweeps;
+        stats->sweeps[c] = solved->sweeps + boundary->sweeps;
         stats->cycles[c] = solved->cycles;
         stats->change[c] = solved->change;
-        stats->emitted[c] = factor * (solved->emitted + walls->emitted);
-        stats->absorbed[c] = factor * (solved->absorbed + walls->absorbed);
-        stats->absorbed_by_surfaces[c] = factor * (solved->walls_absorbed + walls->by_walls);
-        stats->leaving[c] = factor * (solved->leaving + walls->leaving);
+        stats->emitted[c] = factor * (solved->emitted + boundary->emitted);
+        stats->absorbed[c] = factor * (solved->absorbed + boundary->absorbed);
+        stats->absorbed_by_surfaces[c] = factor * (solved->walls_absorbed + boundary->by_walls);
+        stats->leaving[c] = factor * (solved->leaving + boundary->leaving);
     }
 }
 
@@ -114,7 +114,7 @@ static bool report(void* user, const ty_progress* part) {
 }
 
 /* All but the planes. */
-static ty_ordinates_def define(const ty_dom_job* job) {
+static ty_ordinates_def define_solve(const ty_dom_job* job) {
     const ty_dom* light = job->light;
     const ty_dom_def* dom = job->def;
     ty_ordinates_def def = ty_default_ordinates_def();
@@ -142,7 +142,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     float* moments[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
     for (size_t t = 0; t < terms; ++t) source[t] = job->source[channel] + light->cells * t;
     for (size_t t = 0; t < kept; ++t) moments[t] = light->moments[channel] + light->cells * t;
-    ty_ordinates_def def = define(job);
+    ty_ordinates_def def = define_solve(job);
     def.extinction = job->coarse->extinction[plane];
     def.scattering = job->coarse->scattering[plane];
     def.g = job->coarse->g[plane];
@@ -152,11 +152,11 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;
-    float* none = NULL;
-    ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->walls);
-    if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &none);
+    float* zeros = NULL;
+    ty_result result = ty_dom_solve_boundary_light(solve->all->job, channel, &def, &solve->boundary);
+    if (result == TY_OK) result = ty_dom_set_reflection(solve->all->job, channel, &def, &zeros);
     if (result == TY_OK) result = ty_ordinates_solve(job->context, &def, moments, NULL, 0, &solve->stats);
-    if (none != NULL) ty_free_array(job->context, none, (size_t)job->boundary->count, sizeof *none);
+    if (zeros != NULL) ty_free_array(job->context, zeros, (size_t)job->boundary->count, sizeof *zeros);
     return result;
 }
 
@@ -166,7 +166,7 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     const ty_dom_job* job = solve->all->job;
     const ty_dom* light = job->light;
     start_planes start;
-    solve->result = take_start(job, light->shared ? brightest(light) : solve->channel, &start);
+    solve->result = allocate_start(job, light->shared ? brightest(light) : solve->channel, &start);
     if (solve->result != TY_OK) return;
     solve->result = solve_from(solve, &start);
     ty_free_array(job->context, start.floats, start.floats != NULL ? light->cells : 0,
@@ -181,7 +181,7 @@ static bool is_dark(const ty_dom_job* job, int32_t channel) {
 }
 
 /* Whether cells may be diffusion's. */
-static bool is_thick(const ty_dom_job* job, int32_t channel) {
+static bool has_diffusive_cells(const ty_dom_job* job, int32_t channel) {
     const double* cell = job->coarse->cell;
     const float* extinction = job->coarse->extinction[job->light->planes == 3 ? channel : 0];
     const double longest = fmax(fmax(cell[0], cell[1]), cell[2]);
@@ -200,28 +200,28 @@ static ty_result choose_channels(scattering* all) {
             ty_alloc_array(job->context, light->cells, term_count(light->output_bands) * sizeof(float), dark);
         if (light->moments[c] == NULL) return TY_ERROR_MEMORY;
         if (dark) continue;
-        if (is_thick(job, c))
+        if (has_diffusive_cells(job, c))
             light->face_fluence[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
-        if (is_thick(job, c) && light->face_fluence[c] == NULL) return TY_ERROR_MEMORY;
+        if (has_diffusive_cells(job, c) && light->face_fluence[c] == NULL) return TY_ERROR_MEMORY;
         all->solves[all->count++] = (channel_solve){.all = all, .channel = c};
     }
     return TY_OK;
 }
 
-static int32_t count_beside(const scattering* all) {
+static int32_t count_concurrent(const scattering* all) {
     const int32_t threads = ty_context_threads(all->job->context);
-    if (threads > SIDE_BY_SIDE_THREADS || all->job->light->cells > SIDE_BY_SIDE_CELLS) return 1;
+    if (threads > MAX_CONCURRENT_THREADS || all->job->light->cells > MAX_CONCURRENT_CELLS) return 1;
     return threads < all->count ? threads : all->count;
 }
 
 /* Memory of as many solves as there are at a time, which the next ones have as well: new pages are made by the system,
  * and all of them are blank at first. */
-static ty_result take_memory(scattering* all) {
+static ty_result allocate_memory(scattering* all) {
     if (all->count == 0) return TY_OK;
-    const ty_ordinates_def def = define(all->job);
-    all->beside = count_beside(all);
+    const ty_ordinates_def def = define_solve(all->job);
+    all->concurrent = count_concurrent(all);
     all->memory_size = ty_ordinates_memory(&def);
-    for (int32_t i = 0; i < all->beside; ++i) {
+    for (int32_t i = 0; i < all->concurrent; ++i) {
         all->memory[i] = ty_alloc_array(all->job->context, all->memory_size, 1, false);
         if (all->memory[i] == NULL) return TY_ERROR_MEMORY;
     }
@@ -229,13 +229,13 @@ static ty_result take_memory(scattering* all) {
 }
 
 static void free_memory(scattering* all) {
-    for (int32_t i = 0; i < all->beside; ++i)
+    for (int32_t i = 0; i < all->concurrent; ++i)
         if (all->memory[i] != NULL) ty_free_array(all->job->context, all->memory[i], all->memory_size, 1);
 }
 
 /* The solves from `first` on, as many as there are side by side; a single one has all threads. */
 static ty_result solve_some(scattering* all, int32_t first) {
-    const int32_t left = all->count - first, count = left < all->beside ? left : all->beside;
+    const int32_t left = all->count - first, count = left < all->concurrent ? left : all->concurrent;
     for (int32_t i = 0; i < count; ++i) all->solves[first + i].memory = all->memory[i];
     ty_parallel_for(all->job->context, count, solve_channel, &all->solves[first]);
     ty_result result = TY_OK;
@@ -253,8 +253,8 @@ ty_result ty_dom_solve_channels(ty_dom_job* job) {
     job->stats.converged = true;
     pthread_mutex_init(&all.lock, NULL);
     if (result == TY_OK) result = choose_channels(&all);
-    if (result == TY_OK) result = take_memory(&all);
-    for (int32_t i = 0; i < all.count && result == TY_OK; i += all.beside) result = solve_some(&all, i);
+    if (result == TY_OK) result = allocate_memory(&all);
+    for (int32_t i = 0; i < all.count && result == TY_OK; i += all.concurrent) result = solve_some(&all, i);
     free_memory(&all);
     pthread_mutex_destroy(&all.lock);
     return result;

@@ -8,12 +8,12 @@
 #include <string.h>
 
 /* Fine cells that a surface cuts, or that are partly in its shadow, are no farther from it than about this. */
-static const double OFF = 2;
+static const double FINE_OFFSET = 2;
 
 /* Layers between surfaces and the box's faces, in fine cells, and how much surfaces face them: others cut cells askew.
  */
-#define LEAST_LAYER 1e-2f
-#define LEAST_FACING 0.9f
+#define MIN_LAYER 1e-2f
+#define MIN_FACING 0.9f
 
 typedef struct cut_job {
     ty_dom_job* job;
@@ -31,14 +31,14 @@ static void sum_lights(const ty_dom* light, size_t cells, float* sum) {
 }
 
 /* In the middle of a cell; some fine cells off towards `way` (unit), which are on one side of surfaces. */
-static float middle_of(const cut_job* cut, const int32_t cell[3], ty_vec way) {
+static float fluence_at(const cut_job* cut, const int32_t cell[3], ty_vec omega) {
     const ty_dom* light = cut->job->light;
-    const float off[3] = {way.x, way.y, way.z};
+    const float off[3] = {omega.x, omega.y, omega.z};
     size_t at = 0;
     for (int a = 2; a >= 0; --a) {
         const int32_t size = light->fine_box.size[a];
-        const double place = (cell[a] + 0.5) * size / light->box.size[a] + OFF * (double)off[a];
-        at = at * (size_t)size + (size_t)fmin(fmax(place, 0), size - 1);
+        const double position = (cell[a] + 0.5) * size / light->box.size[a] + FINE_OFFSET * (double)off[a];
+        at = at * (size_t)size + (size_t)fmin(fmax(position, 0), size - 1);
     }
     return cut->fine[at];
 }
@@ -46,12 +46,12 @@ static float middle_of(const cut_job* cut, const int32_t cell[3], ty_vec way) {
 /* How much of a cell is behind a plane, which is at `depth` cells from its middle along an axis: what the plane cuts
  * off its farthest corner is a tetrahedron, less those beyond the cell's other faces. normal: times the cell's edges.
  */
-static float behind_plane(const double normal[3], int axis, double depth) {
+static float fraction_behind_plane(const double normal[3], int axis, double depth) {
     double m[3], reach = 0, volume = 0;
     for (int a = 0; a < 3; ++a) m[a] = fabs(normal[a]);
-    const double most = fmax(m[0], fmax(m[1], m[2]));
+    const double max_outside = fmax(m[0], fmax(m[1], m[2]));
     for (int a = 0; a < 3; ++a) {
-        m[a] = fmax(m[a], 1e-2 * most);
+        m[a] = fmax(m[a], 1e-2 * max_outside);
         reach += m[a] / 2;
     }
     const double off = reach - m[axis] * depth;
@@ -66,47 +66,47 @@ static float behind_plane(const double normal[3], int axis, double depth) {
 
 /* Of a cell, the part behind a side's surface that is before the cell there: where a surface has several sides of the
  * cell, by how much it faces each. */
-static float behind_side(const ty_dom_job* job, int32_t side) {
-    const ty_boundary_side* wall = &job->boundary->sides[side];
+static float fraction_behind_side(const ty_dom_job* job, int32_t side) {
+    const ty_boundary_side* boundary_side = &job->boundary->sides[side];
     const double* edge = job->coarse->cell;
-    const double normal[3] = {(double)wall->normal.x * edge[0], (double)wall->normal.y * edge[1],
-                              (double)wall->normal.z * edge[2]};
+    const double normal[3] = {(double)boundary_side->normal.x * edge[0], (double)boundary_side->normal.y * edge[1],
+                              (double)boundary_side->normal.z * edge[2]};
     const int axis = job->boundary->face[side] / 2;
     const double sum = fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]);
     if (!(fabs(normal[axis]) > 0.05 * sum)) return 0;
-    return (float)(fabs(normal[axis]) / sum) * behind_plane(normal, axis, (double)wall->depth);
+    return (float)(fabs(normal[axis]) / sum) * fraction_behind_plane(normal, axis, (double)boundary_side->depth);
 }
 
 /* Gives a share of a cell's source to the one behind a face. */
-static void give(const cut_job* cut, size_t at, size_t next, float share) {
+static void move_source(const cut_job* cut, size_t at, size_t next, float fraction) {
     const ty_dom* light = cut->job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
         for (size_t t = 0; t < terms; ++t) {
             float* source = cut->job->source[c] + t * light->cells;
-            source[next] += share * source[at];
+            source[next] += fraction * source[at];
         }
 }
 
-static void keep(const cut_job* cut, size_t at, float share) {
+static void scale_source(const cut_job* cut, size_t at, float fraction) {
     const ty_dom* light = cut->job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
-        for (size_t t = 0; t < terms; ++t) cut->job->source[c][t * light->cells + at] *= share;
+        for (size_t t = 0; t < terms; ++t) cut->job->source[c][t * light->cells + at] *= fraction;
 }
 
 /* The fine cell so many from the box's face that a side is in, on the line through the middle of the side's cell. */
-static float fine_from_face(const cut_job* cut, const int32_t cell[3], int face, int32_t off) {
+static float fine_fluence_from_face(const cut_job* cut, const int32_t cell[3], int face, int32_t off) {
     const ty_dom* light = cut->job->light;
     size_t at = 0;
     for (int a = 2; a >= 0; --a) {
         const int32_t size = light->fine_box.size[a];
-        int32_t place = (int32_t)((cell[a] + 0.5) * size / light->box.size[a]);
+        int32_t position = (int32_t)((cell[a] + 0.5) * size / light->box.size[a]);
         if (a == face / 2) {
             const int32_t within = off < size ? off : size - 1;
-            place = (face & 1) != 0 ? size - 1 - within : within;
+            position = (face & 1) != 0 ? size - 1 - within : within;
         }
-        at = at * (size_t)size + (size_t)place;
+        at = at * (size_t)size + (size_t)position;
     }
     return cut->fine[at];
 }
@@ -114,22 +114,22 @@ static float fine_from_face(const cut_job* cut, const int32_t cell[3], int face,
 /* How much of what a cell has is between the box's face and a surface before it: what there is more than if the light
  * inside began at the surface, but no more than the outermost fine cell tells of, lest a lamp near the surface counts.
  * Fine cells next to the one that the surface is in have some of both sides. */
-static float outside_of(const cut_job* cut, const int32_t cell[3], int32_t side) {
+static float fraction_outside(const cut_job* cut, const int32_t cell[3], int32_t side) {
     const ty_dom* light = cut->job->light;
     const ty_vec normal = cut->job->boundary->sides[side].normal;
     const int face = cut->job->boundary->face[side];
     const float facing = fabsf(face / 2 == 0 ? normal.x : face / 2 == 1 ? normal.y : normal.z);
     const float across = (float)light->fine_box.size[face / 2] / (float)light->box.size[face / 2];
     const float layer = (0.5f - cut->job->boundary->sides[side].depth) * across;
-    if (!(layer > LEAST_LAYER && facing > LEAST_FACING)) return 0;
+    if (!(layer > MIN_LAYER && facing > MIN_FACING)) return 0;
     const int32_t mixed = (int32_t)ceilf(layer) + 1;
     float all = 0, before = 0;
     for (int32_t i = 0; (float)i < across; ++i)
-        all += ty_minf(1, across - (float)i) * fine_from_face(cut, cell, face, i);
-    for (int32_t i = 0; i < mixed; ++i) before += fine_from_face(cut, cell, face, i);
-    const float outside = before - ((float)mixed - layer) * fine_from_face(cut, cell, face, mixed);
-    const float most = ty_maxf(layer + 0.5f, 1) * fine_from_face(cut, cell, face, 0);
-    return all > 0 ? ty_clampf(ty_minf(outside, most) / all, 0, 1) : 0;
+        all += ty_minf(1, across - (float)i) * fine_fluence_from_face(cut, cell, face, i);
+    for (int32_t i = 0; i < mixed; ++i) before += fine_fluence_from_face(cut, cell, face, i);
+    const float outside = before - ((float)mixed - layer) * fine_fluence_from_face(cut, cell, face, mixed);
+    const float max_outside = ty_maxf(layer + 0.5f, 1) * fine_fluence_from_face(cut, cell, face, 0);
+    return all > 0 ? ty_clampf(ty_minf(outside, max_outside) / all, 0, 1) : 0;
 }
 
 static bool is_outside(const cut_job* cut, const int32_t cell[3], int32_t face) {
@@ -137,11 +137,11 @@ static bool is_outside(const cut_job* cut, const int32_t cell[3], int32_t face) 
 }
 
 /* The sides [first, end) are those of one cell. */
-static void leave_outside(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
-    float kept = 1;
+static void remove_outside(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
+    float remaining = 1;
     for (int32_t side = first; side < end; ++side)
-        if (is_outside(cut, cell, cut->job->boundary->face[side])) kept *= 1 - outside_of(cut, cell, side);
-    if (kept < 1) keep(cut, at, kept);
+        if (is_outside(cut, cell, cut->job->boundary->face[side])) remaining *= 1 - fraction_outside(cut, cell, side);
+    if (remaining < 1) scale_source(cut, at, remaining);
 }
 
 /* The same sides. */
@@ -149,33 +149,33 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
     const ty_boundary_faces* walls = cut->job->boundary;
     const int32_t* size = walls->size;
     const ptrdiff_t steps[3] = {1, size[0], (ptrdiff_t)size[0] * size[1]};
-    float light[6], all = 0, left = 1;
-    ty_vec away = ty_vec_make(0, 0, 0);
+    float light[6], all = 0, rest = 1;
+    ty_vec normal_sum = ty_vec_make(0, 0, 0);
     for (int32_t side = first; side < end; ++side) {
-        const int axis = walls->face[side] / 2, way = (walls->face[side] & 1) != 0 ? 1 : -1;
+        const int axis = walls->face[side] / 2, sign = (walls->face[side] & 1) != 0 ? 1 : -1;
         int32_t next[3] = {cell[0], cell[1], cell[2]};
-        next[axis] += way;
+        next[axis] += sign;
         light[side - first] = 0;
         if (next[axis] < 0 || next[axis] >= size[axis]) continue;
-        const float behind = behind_side(cut->job, side);
+        const float behind = fraction_behind_side(cut->job, side);
         const ty_vec normal = walls->sides[side].normal;
-        light[side - first] = behind * middle_of(cut, next, ty_scale(normal, -1));
-        away = ty_add(away, normal);
+        light[side - first] = behind * fluence_at(cut, next, ty_scale(normal, -1));
+        normal_sum = ty_add(normal_sum, normal);
         all += light[side - first];
-        left -= behind;
+        rest -= behind;
     }
     if (!(all > 0)) return;
-    const float square = ty_dot(away, away);
-    all += ty_maxf(0, left) * middle_of(cut, cell, square > 0 ? ty_scale(away, 1 / sqrtf(square)) : away);
-    float kept = 1;
+    const float square = ty_dot(normal_sum, normal_sum);
+    all += ty_maxf(0, rest) * fluence_at(cut, cell, square > 0 ? ty_scale(normal_sum, 1 / sqrtf(square)) : normal_sum);
+    float remaining = 1;
     for (int32_t side = first; side < end; ++side) {
-        const float share = light[side - first] / all;
+        const float fraction = light[side - first] / all;
         const ptrdiff_t step = steps[walls->face[side] / 2];
-        if (!(share > 0)) continue;
-        give(cut, at, (size_t)((ptrdiff_t)at + ((walls->face[side] & 1) != 0 ? step : -step)), share);
-        kept -= share;
+        if (!(fraction > 0)) continue;
+        move_source(cut, at, (size_t)((ptrdiff_t)at + ((walls->face[side] & 1) != 0 ? step : -step)), fraction);
+        remaining -= fraction;
     }
-    keep(cut, at, ty_maxf(0, kept));
+    scale_source(cut, at, ty_maxf(0, remaining));
 }
 
 static void cut_cells(const cut_job* cut) {
@@ -186,7 +186,7 @@ static void cut_cells(const cut_job* cut) {
             const int32_t cell[3] = {walls->x[side], (int32_t)(row % walls->size[1]), (int32_t)(row / walls->size[1])};
             for (end = side; end < walls->first[row + 1] && walls->x[end] == cell[0];) ++end;
             const size_t at = (size_t)row * (size_t)walls->size[0] + (size_t)cell[0];
-            leave_outside(cut, cell, at, side, end);
+            remove_outside(cut, cell, at, side, end);
             cut_cell(cut, cell, at, side, end);
         }
 }

@@ -10,14 +10,14 @@
  * Where they are thicker than so many mean free paths they are finer, up to twice: what is within them is not known,
  * and light that leaves dense things leaves from the first mean free path. Media with edges are as
  * dense as they get where they begin: two mean free paths, up to three times, which is as fine as voxels. */
-enum { SHARE = 3, LEAST_CELLS = 24, MOST_CELLS = 64, THICK = 4, MOST_TIMES = 2 };
-enum { EDGED_CELLS = 96, EDGED_THICK = 2, EDGED_TIMES = 3 };
+enum { FINE_PER_CELL = 3, MIN_CELLS = 24, MAX_CELLS = 64, MAX_THICKNESS = 4, MAX_REFINEMENT = 2 };
+enum { MAX_EDGED_CELLS = 96, MAX_EDGED_THICKNESS = 2, MAX_EDGED_REFINEMENT = 3 };
 
 /* Cells of uncollided light for each voxel's side where media have edges, as long as these are no more along a side:
  * the latter where lights are many, each of which is followed through all cells. */
-enum { EDGES = 2, MOST_EDGED = 256, MOST_EDGED_MANY = 192 };
+enum { EDGE_REFINEMENT = 2, MAX_FINE_FEW_LIGHTS = 256, MAX_FINE_MANY_LIGHTS = 192 };
 
-static bool is_beam_or_lamp(int32_t kind) {
+static bool is_directional_or_point(int32_t kind) {
     return kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
 }
 
@@ -25,85 +25,87 @@ static bool is_beam_or_lamp(int32_t kind) {
 static bool has_few_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
     for (int32_t i = 0; i < lights->count; ++i)
-        if (!is_beam_or_lamp(lights->lights[i].kind)) return false;
+        if (!is_directional_or_point(lights->lights[i].kind)) return false;
     return lights->count <= TY_DOM_DEDICATED_MAX;
 }
 
 /* How much of an environment's light a cell of 1.4 degrees may bring at most where it is to be seen through a fit's
  * peak: a sun among it is too sharp for the map it is seen on. */
-static const double most_in_cell = 0.02;
+static const double max_cell_fraction = 0.02;
 
 static bool is_soft(const ty_environment_view* environment) {
-    double most = 0, sum = 0;
+    double max = 0, sum = 0;
     if (environment->pixels == NULL) return true;
     for (int32_t i = 0; i < environment->cells_width * environment->cells_height; ++i) {
         const float* color = environment->cells[i].color;
-        const double bright = (double)(color[0] + color[1] + color[2]);
-        most = fmax(most, bright);
-        sum += bright;
+        const double luminous = (double)(color[0] + color[1] + color[2]);
+        max = fmax(max, luminous);
+        sum += luminous;
     }
-    return most <= most_in_cell * sum;
+    return max <= max_cell_fraction * sum;
 }
 
 /* Whether all light is few beams or lamps, and soft environments. */
 static bool has_fitted_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
-    int32_t own = 0;
+    int32_t dedicated = 0;
     for (int32_t i = 0; i < lights->count; ++i) {
         const ty_light_view* light = &lights->lights[i];
         const bool environment = light->kind == TY_KIND_ENVIRONMENT;
-        if (environment ? !is_soft(&light->environment) : !is_beam_or_lamp(light->kind)) return false;
-        own += environment ? 0 : 1;
+        if (environment ? !is_soft(&light->environment) : !is_directional_or_point(light->kind)) return false;
+        dedicated += environment ? 0 : 1;
     }
-    return own <= TY_DOM_DEDICATED_MAX;
+    return dedicated <= TY_DOM_DEDICATED_MAX;
 }
 
 /* ---- bands ---- */
 
 static double largest_g(const ty_grid_medium* medium) {
-    double most = 0;
+    double max = 0;
     for (int32_t p = 0; p < medium->planes; ++p)
-        for (size_t i = 0; i < medium->cells; ++i) most = fmax(most, fabs((double)medium->g[p][i]));
-    return most;
+        for (size_t i = 0; i < medium->cells; ++i) max = fmax(max, fabs((double)medium->g[p][i]));
+    return max;
 }
 
 /* What of the light that scatters may be left to the peak that goes straight on, where directions are enough. */
-static const double peak = 0.2;
+static const double max_peak = 0.2;
 
 /* Below this it need not be told from light that has not scattered. */
-static const double least_peak = 0.02;
+static const double min_lobe_peak = 0.02;
 
 static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
-    const int32_t most = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
+    const int32_t max = exact / 2 + 1 < TY_DOM_BANDS_MAX ? exact / 2 + 1 : TY_DOM_BANDS_MAX;
     if (job->def->bands > 0) return job->def->bands;
     if (!(g > 0)) return 1;
-    return (int32_t)fmin(most, fmax(2, ceil(log(peak) / log(g))));
+    return (int32_t)fmin(max, fmax(2, ceil(log(max_peak) / log(g))));
 }
 
 /* Relative difference up to which mean cosines are the same: they are means of many. */
-static const double alike = 1e-4;
+static const double g_tolerance = 1e-4;
 
-static bool is_all(const ty_grid_medium* medium, double g) {
+static bool is_uniform_g(const ty_grid_medium* medium, double g) {
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < medium->cells; ++i)
-            if (medium->scattering[p][i] > 0 && fabs((double)medium->g[p][i] / g - 1) > alike) return false;
+            if (medium->scattering[p][i] > 0 && fabs((double)medium->g[p][i] / g - 1) > g_tolerance) return false;
     return true;
 }
 
 /* Where the bands are not enough: what is done about area lights, surfaces and media that glow is for phase functions
  * that are cut. */
-static bool is_fitted(const ty_dom_job* job, double g) {
-    return pow(g, job->light->bands) > peak + alike && job->coarse->emission[0] == NULL &&
-           ty_scene_get_view(job->scene)->mesh == NULL && has_fitted_lights(job->scene) && is_all(job->fine, g) &&
-           is_all(job->coarse, g);
+static bool may_fit(const ty_dom_job* job, double g) {
+    return pow(g, job->light->bands) > max_peak + g_tolerance && job->coarse->emission[0] == NULL &&
+           ty_scene_get_view(job->scene)->mesh == NULL && has_fitted_lights(job->scene) && is_uniform_g(job->fine, g) &&
+           is_uniform_g(job->coarse, g);
 }
 
 /* Moments of a fit fall off to next to nothing, so that directions bear more than of cut ones: as many as they are. */
 static void fit_bands(ty_dom_job* job, double g) {
     ty_dom* light = job->light;
-    if (!is_fitted(job, g)) return;
-    const int32_t borne = (int32_t)lround(sqrt(job->set->count));
-    const int32_t bands = job->def->bands > 0 ? job->def->bands : borne < TY_DOM_BANDS_MAX ? borne : TY_DOM_BANDS_MAX;
+    if (!may_fit(job, g)) return;
+    const int32_t supported = (int32_t)lround(sqrt(job->set->count));
+    const int32_t bands = job->def->bands > 0            ? job->def->bands
+                          : supported < TY_DOM_BANDS_MAX ? supported
+                                                         : TY_DOM_BANDS_MAX;
     if (bands < TY_DOM_MIN_FITTED_BANDS) return;
     light->bands = bands;
     ty_dom_fit_phase(g, bands, &light->fit);
@@ -111,7 +113,7 @@ static void fit_bands(ty_dom_job* job, double g) {
 
 /* Bands of moments that are kept for the eye, which phase functions tell apart as far as g^l is worth it; two for
  * surfaces. */
-enum { LEAST_KEPT = 2 };
+enum { MIN_OUTPUT_BANDS = 2 };
 
 static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     ty_dom* light = job->light;
@@ -119,8 +121,8 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
     light->isotropic = !(g > 0);
     light->bands = choose_bands(job, g, exact);
     fit_bands(job, g);
-    light->has_lobes = pow(g, light->bands) > least_peak;
-    light->output_bands = light->bands < LEAST_KEPT ? LEAST_KEPT : light->bands;
+    light->has_lobes = pow(g, light->bands) > min_lobe_peak;
+    light->output_bands = light->bands < MIN_OUTPUT_BANDS ? MIN_OUTPUT_BANDS : light->bands;
     job->stats.bands = light->bands;
     job->stats.directions = job->set->count;
 }
@@ -128,8 +130,8 @@ static void choose_all_bands(ty_dom_job* job, int32_t exact) {
 /* ---- cells ---- */
 
 static int32_t longest_side(const int32_t size[3]) {
-    const int32_t most = size[0] > size[1] ? size[0] : size[1];
-    return most > size[2] ? most : size[2];
+    const int32_t max = size[0] > size[1] ? size[0] : size[1];
+    return max > size[2] ? max : size[2];
 }
 
 /* Extinction where light scatters, in the mean of all that does, 1/m. */
@@ -144,18 +146,18 @@ static double mean_extinction(const ty_grid_medium* medium) {
 }
 
 /* times: cells of uncollided light for each that there would be without edges. */
-static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, int32_t times) {
+static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, int32_t refinement) {
     const ty_grid_box* box = &fine->box;
     if (def->resolution > 0) return def->resolution;
-    int32_t cells = longest_side(box->size) / (SHARE * times);
+    int32_t cells = longest_side(box->size) / (FINE_PER_CELL * refinement);
     double longest = 0;
     for (int a = 0; a < 3; ++a) longest = fmax(longest, box->upper[a] - box->lower[a]);
-    const double thickness = mean_extinction(fine) * longest / fmax(cells, LEAST_CELLS);
-    const bool edged = times > 1;
-    const int32_t most = edged ? EDGED_CELLS : MOST_CELLS;
-    cells =
-        (int32_t)(cells * fmin(edged ? EDGED_TIMES : MOST_TIMES, fmax(1, thickness / (edged ? EDGED_THICK : THICK))));
-    return cells < LEAST_CELLS ? LEAST_CELLS : cells > most ? most : cells;
+    const double thickness = mean_extinction(fine) * longest / fmax(cells, MIN_CELLS);
+    const bool edged = refinement > 1;
+    const int32_t max = edged ? MAX_EDGED_CELLS : MAX_CELLS;
+    cells = (int32_t)(cells * fmin(edged ? MAX_EDGED_REFINEMENT : MAX_REFINEMENT,
+                                   fmax(1, thickness / (edged ? MAX_EDGED_THICKNESS : MAX_THICKNESS))));
+    return cells < MIN_CELLS ? MIN_CELLS : cells > max ? max : cells;
 }
 
 /* Whether transfer functions make densities of values, whose edges are sharper than voxels. */
@@ -167,10 +169,10 @@ static bool has_edges(const ty_scene* scene) {
 }
 
 /* How many cells of uncollided light there are for each of a box. */
-static int32_t find_times(const ty_dom_job* job, const int32_t size[3]) {
-    const int32_t most = has_few_lights(job->scene) ? MOST_EDGED : MOST_EDGED_MANY;
-    const bool finer = job->def->direct == 0 && EDGES * longest_side(size) <= most && has_edges(job->scene);
-    return finer ? EDGES : 1;
+static int32_t find_refinement(const ty_dom_job* job, const int32_t size[3]) {
+    const int32_t max = has_few_lights(job->scene) ? MAX_FINE_FEW_LIGHTS : MAX_FINE_MANY_LIGHTS;
+    const bool finer = job->def->direct == 0 && EDGE_REFINEMENT * longest_side(size) <= max && has_edges(job->scene);
+    return finer ? EDGE_REFINEMENT : 1;
 }
 
 static ty_result sample(ty_dom_job* job) {
@@ -180,11 +182,11 @@ static ty_result sample(ty_dom_job* job) {
     if (def->direct == 0 && longest < def->resolution) longest = def->resolution;
     ty_result result = ty_grid_box_fit(job->scene, longest, &box);
     if (result != TY_OK) return result;
-    const int32_t times = find_times(job, box.size);
-    for (int a = 0; a < 3; ++a) box.size[a] *= times;
+    const int32_t refinement = find_refinement(job, box.size);
+    for (int a = 0; a < 3; ++a) box.size[a] *= refinement;
     result = ty_grid_medium_create(job->scene, &box, &job->fine);
     if (result != TY_OK) return result;
-    ty_grid_box_cut(&box, choose_cells(def, job->fine, times), size);
+    ty_grid_box_cut(&box, choose_cells(def, job->fine, refinement), size);
     return ty_grid_medium_resize(job->fine, size, &job->coarse);
 }
 

@@ -9,12 +9,12 @@
 
 /* Angle about the peak that is left out; relative errors beyond it count by the solid angle they are of, and those
  * straight back by this as well. Angles that are looked at. */
-static const double peak_angle = 0.7, least_weight = 0.02;
+static const double peak_angle = 0.7, min_weight = 0.02;
 enum { ANGLES = 400 };
 
 /* Bands that are right, whatever those beyond are: with the third, light spreads sideways as far as it does in all. An
  * odd number of them, since an even one makes pictures dimmer; more where enough are left over. */
-static int32_t right_bands(int32_t bands) {
+static int32_t exact_bands(int32_t bands) {
     return bands < TY_DOM_BANDS_MAX ? 3 : 5;
 }
 
@@ -24,9 +24,9 @@ typedef struct normal {
     int32_t count;
 } normal;
 
-static void add_row(normal* n, const double* row, double wanted, double weight) {
+static void add_row(normal* n, const double* row, double target, double weight) {
     for (int32_t i = 0; i < n->count; ++i) {
-        n->b[i] += weight * row[i] * wanted;
+        n->b[i] += weight * row[i] * target;
         for (int32_t j = 0; j < n->count; ++j) n->a[i][j] += weight * row[i] * row[j];
     }
 }
@@ -53,35 +53,35 @@ static void solve(normal* n, double* x) {
 /* (2 l + 1) P_l(mu) / (4 pi p(mu)), l < bands. */
 static void relative_terms(double mu, double g, int32_t bands, double* terms) {
     const double phase = 4 * (double)TY_PI * (double)ty_hg((float)mu, (float)g);
-    double before = 0, now = 1;
+    double p_before = 0, p_l = 1;
     for (int32_t l = 0; l < bands; ++l) {
-        terms[l] = (2 * l + 1) * now / phase;
-        const double next = ((2 * l + 1) * mu * now - l * before) / (l + 1);
-        before = now;
-        now = next;
+        terms[l] = (2 * l + 1) * p_l / phase;
+        const double p_next = ((2 * l + 1) * mu * p_l - l * p_before) / (l + 1);
+        p_before = p_l;
+        p_l = p_next;
     }
 }
 
 void ty_dom_fit_phase(double g, int32_t bands, ty_forward_fit* out) {
-    const int32_t right = right_bands(bands);
-    normal n = {.count = bands - right + 1};
+    const int32_t exact = exact_bands(bands);
+    normal n = {.count = bands - exact + 1};
     double terms[TY_DOM_BANDS_MAX], x[TY_DOM_BANDS_MAX];
     for (int32_t i = 0; i < ANGLES; ++i) {
         const double angle = peak_angle + ((double)TY_PI - peak_angle) * (i + 0.5) / ANGLES;
         relative_terms(cos(angle), g, bands, terms);
         /* What light that goes straight on has no part in: c_l is c_0 less 1 - g^l. */
-        double wanted = 1;
-        for (int32_t l = 1; l < right; ++l) {
-            wanted += (1 - pow(g, l)) * terms[l];
+        double target = 1;
+        for (int32_t l = 1; l < exact; ++l) {
+            target += (1 - pow(g, l)) * terms[l];
             terms[0] += terms[l];
         }
-        for (int32_t l = right; l < bands; ++l) terms[l - right + 1] = terms[l];
-        add_row(&n, terms, wanted, sin(angle) + least_weight);
+        for (int32_t l = exact; l < bands; ++l) terms[l - exact + 1] = terms[l];
+        add_row(&n, terms, target, sin(angle) + min_weight);
     }
     solve(&n, x);
     out->bands = bands;
-    out->straight = (float)(1 - x[0]);
+    out->forward_fraction = (float)(1 - x[0]);
     out->moments[0] = (float)x[0];
-    for (int32_t l = 1; l < right; ++l) out->moments[l] = (float)(x[0] - (1 - pow(g, l)));
-    for (int32_t l = right; l < bands; ++l) out->moments[l] = (float)x[l - right + 1];
+    for (int32_t l = 1; l < exact; ++l) out->moments[l] = (float)(x[0] - (1 - pow(g, l)));
+    for (int32_t l = exact; l < bands; ++l) out->moments[l] = (float)x[l - exact + 1];
 }

@@ -47,25 +47,25 @@ typedef struct add_job {
     ty_dom_job* job;
     const ty_dom_collimated_batch* beams;
     int32_t channel, plane;
-    float share[TERMS_MAX][TY_DOM_BATCH]; /* of what scatters, for each term: (g^l - g^L) b^l Y_lm, or c_l b^l Y_lm */
+    float weight[TERMS_MAX][TY_DOM_BATCH]; /* of what scatters, for each term: (g^l - g^L) b^l Y_lm, or c_l b^l Y_lm */
 } add_job;
 
 /* g: of the medium, of which the light that goes straight on is left out. */
-static void find_shares(add_job* add, float g) {
+static void find_weights(add_job* add, float g) {
     const ty_dom_collimated_batch* beams = add->beams;
     const int32_t bands = add->job->light->bands;
     const ty_forward_fit* fit = &add->job->light->fit;
-    float straight = 1;
-    for (int32_t l = 0; l < bands; ++l) straight *= g;
+    float forward = 1;
+    for (int32_t l = 0; l < bands; ++l) forward *= g;
     for (int32_t i = 0; i < beams->count; ++i) {
         const ty_discrete_light* source = beams->sources[i];
-        const double way[3] = {(double)source->direction.x, (double)source->direction.y, (double)source->direction.z};
+        const double omega[3] = {(double)source->direction.x, (double)source->direction.y, (double)source->direction.z};
         double y[TERMS_MAX];
-        float power = 1, spread = beams->factor[i][add->channel];
-        ty_harmonics_at(way, bands, y);
-        for (int32_t l = 0; l < bands; ++l, power *= g, spread *= source->mean_cosine)
+        float power = 1, b_l = beams->factor[i][add->channel];
+        ty_harmonics_at(omega, bands, y);
+        for (int32_t l = 0; l < bands; ++l, power *= g, b_l *= source->mean_cosine)
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
-                add->share[t][i] = (fit->bands > 0 ? fit->moments[l] : power - straight) * spread * (float)y[t];
+                add->weight[t][i] = (fit->bands > 0 ? fit->moments[l] : power - forward) * b_l * (float)y[t];
     }
 }
 
@@ -80,9 +80,9 @@ static void add_row(void* user, int64_t row, int32_t worker) {
         float* out = ty_dom_plane(light, add->job->source[add->channel], t) + at;
         for (int32_t i = 0; i < beams->count; ++i) {
             const float* from = beams->scattered[add->plane] + light->cells * (size_t)i + at;
-            const float share = add->share[t][i];
+            const float weight = add->weight[t][i];
 #pragma omp simd
-            for (int32_t x = 0; x < width; ++x) out[x] += share * from[x];
+            for (int32_t x = 0; x < width; ++x) out[x] += weight * from[x];
         }
     }
 }
@@ -93,7 +93,7 @@ void ty_dom_collimated_batch_flush(ty_dom_job* job, ty_dom_collimated_batch* bea
     for (int32_t c = 0; c < ty_dom_channels(light) && beams->count > 0; ++c) {
         add.channel = c;
         add.plane = job->fine->planes == 3 ? c : 0;
-        find_shares(&add, scratch->g[add.plane]);
+        find_weights(&add, scratch->g[add.plane]);
         ty_parallel_for(job->context, (int64_t)light->box.size[1] * light->box.size[2], add_row, &add);
     }
     beams->count = 0;

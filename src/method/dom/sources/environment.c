@@ -14,56 +14,56 @@
 #include <string.h>
 
 /* Pieces that an environment is cut into; texels along the side of an octahedral map of ways. */
-enum { PIECES = 1024, SIDE = TY_DOM_ENVIRONMENT_SIDE };
+enum { ENV_CLUSTERS = 1024, SIDE = TY_DOM_ENVIRONMENT_SIDE };
 /* Steps of a table of lobes over the sine of half the angle. */
 enum { STEPS = 256 };
 /* Places within a piece. */
 enum { RINGS = 4, PER_RING = 8 };
 /* What parts without extent count as, in 1 less the mean cosine. */
-static const float least_spread = 1e-4f;
+static const float min_spread = 1e-4f;
 
 /* ---- pieces ---- */
 
 /* Adds a piece's brightness to the nearest parts', by a bell as wide as each of these. */
-static void share_out(const ty_dom* light, int32_t of, ty_dom_env_cluster* piece) {
+static void find_neighbours(const ty_dom* light, int32_t of, ty_dom_env_cluster* region) {
     float best[TY_DOM_ENV_NEIGHBOURS] = {0}, sum = 0;
-    memset(piece->neighbour, 0, sizeof piece->neighbour);
+    memset(region->neighbour, 0, sizeof region->neighbour);
     for (int32_t i = 0; i < light->cluster_count; ++i) {
-        const ty_dom_light_cluster* part = &light->clusters[i];
-        if (!part->environment || part->sample.light != of) continue;
-        const float spread = ty_maxf(least_spread, 1 - part->sample.mean_cosine),
-                    off = 1 - ty_dot(part->sample.direction, piece->omega);
-        float weight = expf(-ty_minf(80, off / spread));
+        const ty_dom_light_cluster* cluster = &light->clusters[i];
+        if (!cluster->environment || cluster->sample.light != of) continue;
+        const float sums = ty_maxf(min_spread, 1 - cluster->sample.mean_cosine),
+                    off = 1 - ty_dot(cluster->sample.direction, region->omega);
+        float weight = expf(-ty_minf(80, off / sums));
         int32_t at = i;
         for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) {
             if (!(weight > best[k])) continue;
             const float other = best[k];
-            const int32_t other_at = piece->neighbour[k];
+            const int32_t other_at = region->neighbour[k];
             best[k] = weight;
-            piece->neighbour[k] = at;
+            region->neighbour[k] = at;
             weight = other;
             at = other_at;
         }
     }
     for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) sum += best[k];
-    for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) piece->weight[k] = sum > 0 ? best[k] / sum : 0;
+    for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) region->weight[k] = sum > 0 ? best[k] / sum : 0;
 }
 
 /* One environment's pieces. */
-static ty_result cut(const ty_dom_job* job, int32_t of, ty_discrete_light_set* parts, double* spread) {
-    const ty_environment_clusters_def def = {.count = PIECES, .prefilter = 1};
+static ty_result find_env_clusters(const ty_dom_job* job, int32_t of, ty_discrete_light_set* parts, double* sums) {
+    const ty_environment_clusters_def def = {.count = ENV_CLUSTERS, .prefilter = 1};
     ty_dom* light = job->light;
     parts->count = 0;
     const ty_result result = ty_environment_clusters_add(job->scene, &def, of, parts);
     for (int32_t i = 0; i < parts->count && result == TY_OK; ++i) {
-        const ty_discrete_light* part = &parts->items[i];
-        ty_dom_env_cluster* piece = &light->env_clusters[light->env_count++];
-        const float bright = part->color[0] + part->color[1] + part->color[2];
-        piece->omega = part->direction;
-        memcpy(piece->color, part->color, sizeof piece->color);
-        share_out(light, of, piece);
-        spread[0] += (double)bright;
-        spread[1] += (double)(bright * part->mean_cosine);
+        const ty_discrete_light* cluster = &parts->items[i];
+        ty_dom_env_cluster* region = &light->env_clusters[light->env_count++];
+        const float color_sum = cluster->color[0] + cluster->color[1] + cluster->color[2];
+        region->omega = cluster->direction;
+        memcpy(region->color, cluster->color, sizeof region->color);
+        find_neighbours(light, of, region);
+        sums[0] += (double)color_sum;
+        sums[1] += (double)(color_sum * cluster->mean_cosine);
     }
     return result;
 }
@@ -83,19 +83,19 @@ static void find_mean_g(const ty_grid_medium* medium, float g[3]) {
 ty_result ty_dom_environment_find(ty_dom_job* job) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     ty_dom* light = job->light;
-    double spread[2] = {0, 0};
+    double sums[2] = {0, 0};
     for (int32_t i = 0; i < lights->count; ++i)
-        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) light->env_capacity += PIECES;
+        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) light->env_capacity += ENV_CLUSTERS;
     if (light->env_capacity == 0) return TY_OK;
     light->env_clusters = ty_alloc_array(job->context, (size_t)light->env_capacity, sizeof *light->env_clusters, false);
     if (light->env_clusters == NULL) return TY_ERROR_MEMORY;
     ty_discrete_light_set parts;
-    ty_result result = ty_discrete_light_set_create(job->context, "dom", PIECES, &parts);
+    ty_result result = ty_discrete_light_set_create(job->context, "dom", ENV_CLUSTERS, &parts);
     for (int32_t i = 0; i < lights->count && result == TY_OK; ++i)
-        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) result = cut(job, i, &parts, spread);
+        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) result = find_env_clusters(job, i, &parts, sums);
     ty_discrete_light_set_destroy(job->context, &parts);
     find_mean_g(job->coarse, light->mean_g);
-    light->env_cosine = spread[0] > 0 ? (float)(spread[1] / spread[0]) : 1;
+    light->env_cosine = sums[0] > 0 ? (float)(sums[1] / sums[0]) : 1;
     return result;
 }
 
@@ -105,27 +105,27 @@ void ty_dom_environment_destroy(ty_dom* light) {
 
 /* ---- ways ---- */
 
-static ty_vec way_of(const ty_dom* light, const double eye[3], const int32_t cell[3]) {
-    double way[3];
-    ty_dom_direction_to_eye(light, cell, eye, way);
-    return ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+static ty_vec direction_of(const ty_dom* light, const double eye[3], const int32_t cell[3]) {
+    double omega[3];
+    ty_dom_direction_to_eye(light, cell, eye, omega);
+    return ty_vec_make((float)omega[0], (float)omega[1], (float)omega[2]);
 }
 
 /* Numbers the texels that cells' ways to the eye are among. */
 static void number_texels(const ty_dom* light, const double eye[3], ty_dom_environment* sky) {
     const int32_t* size = light->box.size;
     int32_t cell[3];
-    for (int32_t i = 0; i < SIDE * SIDE; ++i) sky->number[i] = -1;
+    for (int32_t i = 0; i < SIDE * SIDE; ++i) sky->index[i] = -1;
     for (cell[2] = 0; cell[2] < size[2]; ++cell[2])
         for (cell[1] = 0; cell[1] < size[1]; ++cell[1])
             for (cell[0] = 0; cell[0] < size[0]; ++cell[0]) {
                 int32_t texel[4];
-                float share[4];
-                ty_octahedral_around(SIDE, way_of(light, eye, cell), texel, share);
+                float t[4];
+                ty_octahedral_around(SIDE, direction_of(light, eye, cell), texel, t);
                 for (int32_t k = 0; k < 4; ++k) {
-                    if (sky->number[texel[k]] >= 0) continue;
-                    sky->texel[sky->ways] = texel[k];
-                    sky->number[texel[k]] = sky->ways++;
+                    if (sky->index[texel[k]] >= 0) continue;
+                    sky->texel[sky->directions] = texel[k];
+                    sky->index[texel[k]] = sky->directions++;
                 }
             }
 }
@@ -158,25 +158,25 @@ typedef struct weigh_job {
     const lobe_table* lobes; /* of each plane */
 } weigh_job;
 
-static void weigh_way(void* user, int64_t number, int32_t worker) {
+static void weigh_direction(void* user, int64_t number, int32_t worker) {
     (void)worker;
     const weigh_job* job = user;
     const ty_dom* light = job->light;
     const int32_t texel = job->sky->texel[number];
-    const ty_vec way = ty_octahedral_texel(SIDE, texel);
+    const ty_vec omega = ty_octahedral_texel(SIDE, texel);
     ty_dom_environment_weight* weights = job->sky->weights + (size_t)number * (size_t)light->cluster_count;
     memset(weights, 0, sizeof *weights * (size_t)light->cluster_count);
     for (int32_t i = 0; i < light->env_count; ++i) {
-        const ty_dom_env_cluster* piece = &light->env_clusters[i];
-        const float at = sqrtf(ty_maxf(0, 0.5f * (1 - ty_dot(piece->omega, way)))) * STEPS;
+        const ty_dom_env_cluster* region = &light->env_clusters[i];
+        const float at = sqrtf(ty_maxf(0, 0.5f * (1 - ty_dot(region->omega, omega)))) * STEPS;
         const int32_t step = at < STEPS ? (int32_t)at : STEPS;
-        const float share = at - (float)step;
+        const float t = at - (float)step;
         for (int32_t c = 0; c < 3; ++c) {
             const lobe_table* table = &job->lobes[light->cluster_planes == 3 ? c : 0];
             for (int32_t n = 0; n < TY_DOM_ENVIRONMENT_LOBES; ++n) {
-                const float lobe = piece->color[c] * ty_lerpf(table->lobe[step][n], table->lobe[step + 1][n], share);
+                const float lobe = region->color[c] * ty_lerpf(table->lobe[step][n], table->lobe[step + 1][n], t);
                 for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k)
-                    weights[piece->neighbour[k]].lobe[n][c] += piece->weight[k] * lobe;
+                    weights[region->neighbour[k]].lobe[n][c] += region->weight[k] * lobe;
             }
         }
     }
@@ -186,14 +186,14 @@ ty_result ty_dom_environment_evaluate(const ty_dom* light, const double eye[3], 
     *sky = (ty_dom_environment){.weights = NULL};
     if (light->env_count == 0) return TY_OK;
     number_texels(light, eye, sky);
-    sky->count = (size_t)sky->ways * (size_t)light->cluster_count;
+    sky->count = (size_t)sky->directions * (size_t)light->cluster_count;
     sky->weights = ty_alloc_array(light->context, sky->count, sizeof *sky->weights, false);
     lobe_table* lobes = ty_alloc_array(light->context, 3, sizeof *lobes, false);
     if (sky->weights != NULL && lobes != NULL) {
         for (int32_t p = 0; p < light->cluster_planes; ++p)
             fill_lobes(light, light->mean_g[p] * light->env_cosine, &lobes[p]);
         weigh_job job = {light, sky, lobes};
-        ty_parallel_for(light->context, sky->ways, weigh_way, &job);
+        ty_parallel_for(light->context, sky->directions, weigh_direction, &job);
     }
     const bool whole = sky->weights != NULL && lobes != NULL;
     ty_free_array(light->context, lobes, 3, sizeof *lobes);
@@ -216,27 +216,27 @@ static void blur_texel(void* user, int64_t texel, int32_t worker) {
     (void)worker;
     const blur_job* job = user;
     const ty_dom* light = job->light;
-    const ty_vec look = ty_octahedral_texel(TY_DOM_ENVIRONMENT_SIDE, (int32_t)texel);
+    const ty_vec wi = ty_octahedral_texel(TY_DOM_ENVIRONMENT_SIDE, (int32_t)texel);
     float* out = job->map + 3 * texel;
     for (int c = 0; c < 3; ++c) out[c] = 0;
     for (int32_t i = 0; i < light->env_count; ++i) {
-        const ty_dom_env_cluster* piece = &light->env_clusters[i];
-        const float at = sqrtf(ty_maxf(0, 0.5f * (1 + ty_dot(piece->omega, look)))) * STEPS;
+        const ty_dom_env_cluster* region = &light->env_clusters[i];
+        const float at = sqrtf(ty_maxf(0, 0.5f * (1 + ty_dot(region->omega, wi)))) * STEPS;
         const int32_t step = at < STEPS ? (int32_t)at : STEPS;
         const float* kernel = job->kernel + step;
-        const float share = ty_lerpf(kernel[0], kernel[1], at - (float)step);
-        for (int c = 0; c < 3; ++c) out[c] += share * piece->color[c];
+        const float t = ty_lerpf(kernel[0], kernel[1], at - (float)step);
+        for (int c = 0; c < 3; ++c) out[c] += t * region->color[c];
     }
 }
 
 /* What scatters within the peak, about a piece as large as they are in the mean: points would show one by one. */
-static float within_peak(const ty_dom* light, float mu) {
+static float peak_kernel(const ty_dom* light, float mu) {
     const float sine = sqrtf(ty_maxf(0, 1 - mu * mu)), g = light->mean_g[0];
     float sum = 0;
     for (int32_t i = 0; i < RINGS * PER_RING; ++i) {
-        const float turned = 2 * TY_PI * ((float)(i % PER_RING) + 0.5f) / PER_RING;
+        const float azimuth = 2 * TY_PI * ((float)(i % PER_RING) + 0.5f) / PER_RING;
         const float up = 1 - 2 * (1 - light->env_cosine) * ((float)(i / PER_RING) + 0.5f) / RINGS;
-        const float to = ty_clampf(mu * up + sine * sqrtf(ty_maxf(0, 1 - up * up)) * cosf(turned), -1, 1);
+        const float to = ty_clampf(mu * up + sine * sqrtf(ty_maxf(0, 1 - up * up)) * cosf(azimuth), -1, 1);
         sum += ty_maxf(0, ty_hg(to, g) - ty_forward_blended_phase(&light->fit, to, g));
     }
     return sum;
@@ -247,7 +247,7 @@ void ty_dom_environment_blur(const ty_dom* light, float* map) {
     double sum = 0;
     for (int32_t i = 0; i < STEPS + 2; ++i) {
         const float sine = ty_minf(1, (float)i / STEPS);
-        kernel[i] = within_peak(light, 1 - 2 * sine * sine);
+        kernel[i] = peak_kernel(light, 1 - 2 * sine * sine);
         /* The sphere's share of a step of this sine: 4 pi times the change of its square. */
         sum += 8 * (double)(TY_PI * kernel[i] * sine / STEPS);
     }
@@ -258,27 +258,27 @@ void ty_dom_environment_blur(const ty_dom* light, float* map) {
 
 /* ---- looking ---- */
 
-void ty_dom_environment_lookup(const ty_dom* light, const ty_dom_environment* sky, ty_vec way,
+void ty_dom_environment_lookup(const ty_dom* light, const ty_dom_environment* sky, ty_vec omega,
                                ty_dom_environment_view* view) {
     int32_t texel[4];
-    view->lobes = light->has_lobes;
-    ty_octahedral_around(SIDE, way, texel, view->share);
+    view->has_lobes = light->has_lobes;
+    ty_octahedral_around(SIDE, omega, texel, view->t);
     for (int32_t k = 0; k < 4; ++k)
-        view->weights[k] = sky->weights + (size_t)sky->number[texel[k]] * (size_t)light->cluster_count;
+        view->weights[k] = sky->weights + (size_t)sky->index[texel[k]] * (size_t)light->cluster_count;
 }
 
-float ty_dom_environment_radiance(const ty_dom_environment_view* view, int32_t part, int32_t channel,
+float ty_dom_environment_radiance(const ty_dom_environment_view* view, int32_t cluster, int32_t channel,
                                   const ty_forward* forward) {
-    const float lost = view->lobes ? ty_maxf(0, forward->kept - forward->straight) : 0;
-    const float b =
-        ty_forward_lobe_cosine(forward->straight, forward->kept, forward->bent) * (TY_DOM_ENVIRONMENT_LOBES - 1);
+    const float lost = view->has_lobes ? ty_maxf(0, forward->phi_order_l - forward->phi_unscattered) : 0;
+    const float b = ty_forward_lobe_cosine(forward->phi_unscattered, forward->phi_order_l, forward->phi_next_order) *
+                    (TY_DOM_ENVIRONMENT_LOBES - 1);
     const int32_t n = b < TY_DOM_ENVIRONMENT_LOBES - 1 ? (int32_t)b : TY_DOM_ENVIRONMENT_LOBES - 2;
     float line = 0, first = 0, second = 0;
     for (int32_t k = 0; k < 4; ++k) {
-        const ty_dom_environment_weight* weight = &view->weights[k][part];
-        line += view->share[k] * weight->lobe[TY_DOM_ENVIRONMENT_LOBES - 1][channel];
-        first += view->share[k] * weight->lobe[n][channel];
-        second += view->share[k] * weight->lobe[n + 1][channel];
+        const ty_dom_environment_weight* weight = &view->weights[k][cluster];
+        line += view->t[k] * weight->lobe[TY_DOM_ENVIRONMENT_LOBES - 1][channel];
+        first += view->t[k] * weight->lobe[n][channel];
+        second += view->t[k] * weight->lobe[n + 1][channel];
     }
-    return forward->straight * line + lost * ty_lerpf(first, second, b - (float)n);
+    return forward->phi_unscattered * line + lost * ty_lerpf(first, second, b - (float)n);
 }

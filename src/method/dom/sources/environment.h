@@ -21,14 +21,14 @@ typedef struct ty_dom_environment_weight {
 typedef struct ty_dom_environment {
     ty_dom_environment_weight* weights; /* way by way, of each part; NULL: there are no environments */
     size_t count;
-    int32_t ways, texel[TY_DOM_ENVIRONMENT_TEXELS],
-        number[TY_DOM_ENVIRONMENT_TEXELS]; /* texels that are ways, and which ones */
+    int32_t directions, texel[TY_DOM_ENVIRONMENT_TEXELS],
+        index[TY_DOM_ENVIRONMENT_TEXELS]; /* texels that are ways, and which ones */
 } ty_dom_environment;
 
 typedef struct ty_dom_environment_view {
     const ty_dom_environment_weight* weights[4];
-    float share[4];
-    bool lobes; /* whether there is light that has scattered and kept its direction */
+    float t[4];
+    bool has_lobes; /* whether there is light that has scattered and kept its direction */
 } ty_dom_environment_view;
 
 /* Weights of all parts for an eye. Errors: TY_ERROR_MEMORY; ty_dom_environment_free may follow. */
@@ -41,7 +41,7 @@ void ty_dom_environment_blur(const ty_dom* light, float* map);
 
 /* Along the way from a cell of ordinates to the eye; then what a part is turned into of which U, R and S arrive, times
  * 4 pi. */
-void ty_dom_environment_lookup(const ty_dom* light, const ty_dom_environment* sky, ty_vec way,
+void ty_dom_environment_lookup(const ty_dom* light, const ty_dom_environment* sky, ty_vec omega,
                                ty_dom_environment_view* view);
 float ty_dom_environment_radiance(const ty_dom_environment_view* view, int32_t part, int32_t channel,
                                   const ty_forward* forward);

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Relative difference up to which colors are multiples of each other. */
-static const float alike = 1e-6f;
+static const float color_tolerance = 1e-6f;
 
 /* ---- colors ---- */
 
@@ -26,12 +26,12 @@ static void emission_color(const ty_grid_medium* medium, float color[3]) {
         for (int c = 0; c < 3; ++c) color[c] = medium->emission[c] != NULL ? medium->emission[c][i] : 0;
 }
 
-static bool emission_shares(const ty_grid_medium* medium, const float color[3]) {
+static bool emission_shares_color(const ty_grid_medium* medium, const float color[3]) {
     for (int c = 0; c < 3 && medium->emission[0] != NULL; ++c) {
         const int d = (c + 1) % 3;
         for (size_t i = 0; i < medium->cells; ++i) {
             const float a = medium->emission[c][i] * color[d], b = medium->emission[d][i] * color[c];
-            if (fabsf(a - b) > alike * ty_maxf(a, b)) return false;
+            if (fabsf(a - b) > color_tolerance * ty_maxf(a, b)) return false;
         }
     }
     return true;
@@ -106,7 +106,7 @@ ty_result ty_dom_collect_lights(ty_dom_job* job) {
         memcpy(color, job->sources.items[0].color, sizeof color);
     else
         emission_color(job->coarse, color);
-    light->shared = !is_black(color) && light->planes == 1 && emission_shares(job->coarse, color) &&
+    light->shared = !is_black(color) && light->planes == 1 && emission_shares_color(job->coarse, color) &&
                     ty_dom_boundary_is_gray(job) &&
                     ty_discrete_lights_share_color(job->sources.items, job->sources.count, color);
     for (int c = 0; c < 3; ++c) light->color[c] = light->shared ? color[c] : 1;

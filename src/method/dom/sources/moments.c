@@ -13,27 +13,27 @@ enum { CHUNK = 1 << 15, TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 
 /* A lamp's light has one direction in all of a cell whose diagonal is at most this much of its distance; a fine cell
  * nearer to it than this many of its sides is looked at in NEAR_POINTS^3 points. */
-static const double one_way = 0.25, near_sides = 2.5;
+static const double max_diagonal = 0.25, near_distance = 2.5;
 enum { NEAR_POINTS = 4 };
 
 /* Relative difference up to which mean cosines are the same: they are means of many. */
-static const float alike = 1e-5f;
+static const float g_tolerance = 1e-5f;
 
 /* ---- memory ---- */
 
 /* Whether all that scatters on a plane of fine cells has the same g, and which. */
-static bool find_g(const ty_grid_medium* fine, int32_t plane, float* g) {
+static bool find_uniform_g(const ty_grid_medium* fine, int32_t plane, float* g) {
     const float* scattering = fine->scattering[plane];
     size_t first = 0;
     while (first < fine->cells && !(scattering[first] > 0)) ++first;
     *g = first < fine->cells ? fine->g[plane][first] : 0;
     for (size_t i = first; i < fine->cells; ++i)
-        if (scattering[i] > 0 && fabsf(fine->g[plane][i] - *g) > alike) return false;
+        if (scattering[i] > 0 && fabsf(fine->g[plane][i] - *g) > g_tolerance) return false;
     return true;
 }
 
 ty_result ty_dom_scratch_create(const ty_dom_job* job, ty_dom_scratch* scratch) {
-    for (int32_t p = 0; p < job->fine->planes; ++p) scratch->uniform[p] = find_g(job->fine, p, &scratch->g[p]);
+    for (int32_t p = 0; p < job->fine->planes; ++p) scratch->uniform[p] = find_uniform_g(job->fine, p, &scratch->g[p]);
     scratch->scattered = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
     scratch->means = ty_alloc_array(job->context, job->coarse->cells, TY_DOM_MEANS * sizeof(float), false);
     return scratch->scattered != NULL && scratch->means != NULL ? TY_OK : TY_ERROR_MEMORY;
@@ -51,13 +51,13 @@ typedef struct add_job {
     ty_dom_job* job;
     ty_dom_scratch* scratch;
     const ty_light_fluence* single;
-    float cosine;              /* of beams, about their direction */
-    const float* fluence;      /* of fine cells */
-    const float* scattering;   /* of the medium there */
-    const float* g;            /* and its mean cosines */
-    bool uniform;              /* whether all that scatters has the same */
-    float power[TY_DOM_MEANS]; /* where uniform: g^l, or what a fit has in place of it, the last of what goes straight
-                                  on; else 1 */
+    float cosine;                    /* of beams, about their direction */
+    const float* fluence;            /* of fine cells */
+    const float* scattering;         /* of the medium there */
+    const float* g;                  /* and its mean cosines */
+    bool uniform;                    /* whether all that scatters has the same */
+    float coefficient[TY_DOM_MEANS]; /* where uniform: g^l, or what a fit has in place of it, the last of what goes
+                                  straight on; else 1 */
     int32_t channel_count, channels[3];
     float factor[3]; /* of the fluence, for each */
 } add_job;
@@ -68,18 +68,18 @@ static void scatter_chunk(void* user, int64_t index, int32_t worker) {
     const add_job* add = user;
     const size_t begin = (size_t)index * CHUNK, cells = add->job->fine->cells;
     const size_t end = cells - begin < CHUNK ? cells : begin + CHUNK;
-    float* turned = add->scratch->scattered;
-    for (size_t i = begin; i < end; ++i) turned[i] = add->scattering[i] * add->fluence[i];
+    float* scattered = add->scratch->scattered;
+    for (size_t i = begin; i < end; ++i) scattered[i] = add->scattering[i] * add->fluence[i];
 }
 
 /* The same times g once more. */
-static void turn_chunk(void* user, int64_t index, int32_t worker) {
+static void multiply_g_chunk(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const add_job* add = user;
     const size_t begin = (size_t)index * CHUNK, cells = add->job->fine->cells;
     const size_t end = cells - begin < CHUNK ? cells : begin + CHUNK;
-    float* turned = add->scratch->scattered;
-    for (size_t i = begin; i < end; ++i) turned[i] *= add->g[i];
+    float* scattered = add->scratch->scattered;
+    for (size_t i = begin; i < end; ++i) scattered[i] *= add->g[i];
 }
 
 /* means[l]: of sigma_s g^l times the fluence, l up to L; if g is the same everywhere, of l = 0 alone. */
@@ -87,7 +87,7 @@ static void find_means(const add_job* add) {
     const ty_dom_job* job = add->job;
     const int64_t chunks = (int64_t)((job->fine->cells + CHUNK - 1) / CHUNK);
     for (int32_t l = 0; l <= (add->uniform ? 0 : job->light->bands); ++l) {
-        ty_parallel_for(job->context, chunks, l == 0 ? scatter_chunk : turn_chunk, (void*)add);
+        ty_parallel_for(job->context, chunks, l == 0 ? scatter_chunk : multiply_g_chunk, (void*)add);
         ty_grid_average(job->context, add->scratch->scattered, job->fine->box.size, job->coarse->box.size,
                         add->scratch->means + job->coarse->cells * (size_t)l);
     }
@@ -100,75 +100,75 @@ static const float* means_of(const add_job* add, int32_t l) {
 
 /* ---- moments of lamps ---- */
 
-static void find_middle(const ty_grid_medium* medium, const int32_t cell[3], double at[3]) {
+static void find_center(const ty_grid_medium* medium, const int32_t cell[3], double at[3]) {
     for (int a = 0; a < 3; ++a) at[a] = medium->box.lower[a] + (cell[a] + 0.5) * medium->cell[a];
 }
 
-static double unit_from(const double lamp[3], const double at[3], double way[3]) {
+static double unit_from(const double position[3], const double at[3], double omega[3]) {
     double square = 0;
     for (int a = 0; a < 3; ++a) {
-        way[a] = at[a] - lamp[a];
-        square += way[a] * way[a];
+        omega[a] = at[a] - position[a];
+        square += omega[a] * omega[a];
     }
     const double length = sqrt(square);
-    for (int a = 0; a < 3; ++a) way[a] = length > 0 ? way[a] / length : 0;
+    for (int a = 0; a < 3; ++a) omega[a] = length > 0 ? omega[a] / length : 0;
     return length;
 }
 
 /* How bright the lamp is that way: of most of a cell about a spot, or a lamp on a surface, it is dark. */
-static double profile_of(const add_job* add, const double way[3]) {
+static double intensity_of(const add_job* add, const double omega[3]) {
     const ty_discrete_light* source = &add->single->sample;
     const ty_light_view* light = &ty_scene_get_view(add->job->scene)->lights.lights[source->light];
-    const ty_vec to = ty_vec_make((float)way[0], (float)way[1], (float)way[2]);
+    const ty_vec to = ty_vec_make((float)omega[0], (float)omega[1], (float)omega[2]);
     return (double)ty_light_profile_at(source->profile, light, ty_dot(source->direction, to));
 }
 
 /* The mean of harmonics over a fine cell about the lamp or next to it, weighted by its light without media. */
-static void near_harmonics(const add_job* add, const double lamp[3], const double middle[3], double* y) {
+static void near_harmonics(const add_job* add, const double position[3], const double center[3], double* y) {
     const double* cell = add->job->fine->cell;
     const int32_t bands = add->job->light->bands;
-    double own[TERMS_MAX], weight = 0;
+    double own[TERMS_MAX], total = 0;
     memset(y, 0, sizeof *y * (size_t)(bands * bands));
     for (int p = 0; p < NEAR_POINTS * NEAR_POINTS * NEAR_POINTS; ++p) {
         const int index[3] = {p % NEAR_POINTS, p / NEAR_POINTS % NEAR_POINTS, p / (NEAR_POINTS * NEAR_POINTS)};
-        double at[3], way[3];
-        for (int a = 0; a < 3; ++a) at[a] = middle[a] + cell[a] * ((index[a] + 0.5) / NEAR_POINTS - 0.5);
-        const double distance = unit_from(lamp, at, way);
+        double at[3], omega[3];
+        for (int a = 0; a < 3; ++a) at[a] = center[a] + cell[a] * ((index[a] + 0.5) / NEAR_POINTS - 0.5);
+        const double distance = unit_from(position, at, omega);
         if (!(distance > 0)) continue;
-        const double share = profile_of(add, way) / (distance * distance);
-        ty_harmonics_at(way, bands, own);
-        for (int32_t t = 0; t < bands * bands; ++t) y[t] += share * own[t];
-        weight += share;
+        const double weight = intensity_of(add, omega) / (distance * distance);
+        ty_harmonics_at(omega, bands, own);
+        for (int32_t t = 0; t < bands * bands; ++t) y[t] += weight * own[t];
+        total += weight;
     }
-    for (int32_t t = 0; t < bands * bands && weight > 0; ++t) y[t] /= weight;
+    for (int32_t t = 0; t < bands * bands && total > 0; ++t) y[t] /= total;
 }
 
 /* One fine cell's part of a coarse one's moments. */
-static void add_fine_cell(const add_job* add, const double lamp[3], const int32_t index[3], double share,
+static void add_fine_cell(const add_job* add, const double position[3], const int32_t index[3], double weight,
                           double* moments) {
     const ty_grid_medium* fine = add->job->fine;
     const int32_t bands = add->job->light->bands;
     const int32_t* size = fine->box.size;
     const size_t i = (size_t)index[0] + (size_t)size[0] * ((size_t)index[1] + (size_t)size[1] * (size_t)index[2]);
-    const double sent = share * (double)add->scattering[i] * (double)add->fluence[i], g = (double)add->g[i];
-    double middle[3], way[3], y[TERMS_MAX];
-    if (!(sent > 0)) return;
-    find_middle(fine, index, middle);
-    const double distance = unit_from(lamp, middle, way);
-    if (distance < near_sides * fmax(fine->cell[0], fmax(fine->cell[1], fine->cell[2])))
-        near_harmonics(add, lamp, middle, y);
+    const double collisions = weight * (double)add->scattering[i] * (double)add->fluence[i], g = (double)add->g[i];
+    double center[3], omega[3], y[TERMS_MAX];
+    if (!(collisions > 0)) return;
+    find_center(fine, index, center);
+    const double distance = unit_from(position, center, omega);
+    if (distance < near_distance * fmax(fine->cell[0], fmax(fine->cell[1], fine->cell[2])))
+        near_harmonics(add, position, center, y);
     else
-        ty_harmonics_at(way, bands, y);
-    const double straight = add->uniform ? (double)add->power[bands] : pow(g, bands);
-    double power = 1;
-    for (int32_t l = 0; l < bands; ++l, power *= g) {
-        const double turned = (add->uniform ? (double)add->power[l] : power) - straight;
-        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] += sent * turned * y[t];
+        ty_harmonics_at(omega, bands, y);
+    const double forward = add->uniform ? (double)add->coefficient[bands] : pow(g, bands);
+    double coefficient = 1;
+    for (int32_t l = 0; l < bands; ++l, coefficient *= g) {
+        const double scattered = (add->uniform ? (double)add->coefficient[l] : coefficient) - forward;
+        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] += collisions * scattered * y[t];
     }
 }
 
 /* A coarse cell about a lamp, fine cell by fine cell. */
-static void add_near(const add_job* add, const double lamp[3], const int32_t cell[3], double* moments) {
+static void add_near_cell(const add_job* add, const double position[3], const int32_t cell[3], double* moments) {
     const ty_grid_box* box = &add->job->coarse->box;
     const ty_coverage_box cells = {box->lower, box->upper, box->size};
     ty_coverage axes[3];
@@ -178,23 +178,23 @@ static void add_near(const add_job* add, const double lamp[3], const int32_t cel
         for (int32_t j = axes[1].first; j < axes[1].first + axes[1].count; ++j)
             for (int32_t i = axes[0].first; i < axes[0].first + axes[0].count; ++i) {
                 const int32_t index[3] = {i, j, k};
-                const double share = ty_coverage_fraction(&axes[0], i) * ty_coverage_fraction(&axes[1], j) *
-                                     ty_coverage_fraction(&axes[2], k);
-                if (share > 0) add_fine_cell(add, lamp, index, share, moments);
+                const double weight = ty_coverage_fraction(&axes[0], i) * ty_coverage_fraction(&axes[1], j) *
+                                      ty_coverage_fraction(&axes[2], k);
+                if (weight > 0) add_fine_cell(add, position, index, weight, moments);
             }
 }
 
 /* A cell that light crosses one way. */
-static void add_far(const add_job* add, const double* y, size_t cell, double* moments) {
+static void add_far_cell(const add_job* add, const double* y, size_t cell, double* moments) {
     const int32_t bands = add->job->light->bands;
-    const double straight = (double)(add->power[bands] * means_of(add, bands)[cell]);
+    const double forward = (double)(add->coefficient[bands] * means_of(add, bands)[cell]);
     for (int32_t l = 0; l < bands; ++l) {
-        const double turned = (double)(add->power[l] * means_of(add, l)[cell]) - straight;
-        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] = turned * y[t];
+        const double scattered = (double)(add->coefficient[l] * means_of(add, l)[cell]) - forward;
+        for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) moments[t] = scattered * y[t];
     }
 }
 
-static void keep_moments(const add_job* add, size_t cell, const double* moments) {
+static void store_moments(const add_job* add, size_t cell, const double* moments) {
     const ty_dom* light = add->job->light;
     for (int32_t n = 0; n < add->channel_count; ++n) {
         float* source = add->job->source[add->channels[n]] + cell;
@@ -203,54 +203,54 @@ static void keep_moments(const add_job* add, size_t cell, const double* moments)
     }
 }
 
-static void add_lamp_row(void* user, int64_t row, int32_t worker) {
+static void add_point_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const add_job* add = user;
     const ty_grid_medium* coarse = add->job->coarse;
     const int32_t* size = coarse->box.size;
-    const double lamp[3] = {(double)add->single->sample.position.x, (double)add->single->sample.position.y,
-                            (double)add->single->sample.position.z};
+    const double position[3] = {(double)add->single->sample.position.x, (double)add->single->sample.position.y,
+                                (double)add->single->sample.position.z};
     const double* side = coarse->cell;
     const double diagonal = sqrt(side[0] * side[0] + side[1] * side[1] + side[2] * side[2]);
     double moments[TERMS_MAX];
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
-        double middle[3], way[3], y[TERMS_MAX];
+        double center[3], omega[3], y[TERMS_MAX];
         if (!(add->scratch->means[at] > 0)) continue;
-        find_middle(coarse, cell, middle);
-        if (diagonal > one_way * unit_from(lamp, middle, way)) {
-            add_near(add, lamp, cell, moments);
+        find_center(coarse, cell, center);
+        if (diagonal > max_diagonal * unit_from(position, center, omega)) {
+            add_near_cell(add, position, cell, moments);
         } else {
-            ty_harmonics_at(way, add->job->light->bands, y);
-            add_far(add, y, at, moments);
+            ty_harmonics_at(omega, add->job->light->bands, y);
+            add_far_cell(add, y, at, moments);
         }
-        keep_moments(add, at, moments);
+        store_moments(add, at, moments);
     }
 }
 
 /* ---- moments of beams ---- */
 
-static void add_beam_row(void* user, int64_t row, int32_t worker) {
+static void add_directional_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const add_job* add = user;
     ty_dom* light = add->job->light;
     const int32_t width = light->box.size[0], bands = light->bands;
-    const double way[3] = {(double)add->single->sample.direction.x, (double)add->single->sample.direction.y,
-                           (double)add->single->sample.direction.z};
+    const double omega[3] = {(double)add->single->sample.direction.x, (double)add->single->sample.direction.y,
+                             (double)add->single->sample.direction.z};
     const size_t at = (size_t)row * (size_t)width;
-    const float* straight = means_of(add, bands) + at;
-    float spread = 1;
+    const float* forward = means_of(add, bands) + at;
+    float b_l = 1;
     double y[TERMS_MAX];
-    ty_harmonics_at(way, add->job->light->bands, y);
-    for (int32_t n = 0; n < add->channel_count; ++n, spread = 1)
-        for (int32_t l = 0; l < bands; ++l, spread *= add->cosine) {
-            const float* sent = means_of(add, l) + at;
+    ty_harmonics_at(omega, add->job->light->bands, y);
+    for (int32_t n = 0; n < add->channel_count; ++n, b_l = 1)
+        for (int32_t l = 0; l < bands; ++l, b_l *= add->cosine) {
+            const float* collisions = means_of(add, l) + at;
             for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
-                const float factor = add->factor[n] * spread * (float)y[t];
-                const float more = factor * add->power[l], less = factor * add->power[bands];
+                const float factor = add->factor[n] * b_l * (float)y[t];
+                const float plus = factor * add->coefficient[l], minus = factor * add->coefficient[bands];
                 float* out = add->job->source[add->channels[n]] + light->cells * (size_t)t + at;
-                for (int32_t i = 0; i < width; ++i) out[i] += more * sent[i] - less * straight[i];
+                for (int32_t i = 0; i < width; ++i) out[i] += plus * collisions[i] - minus * forward[i];
             }
         }
 }
@@ -275,14 +275,14 @@ static void choose_channels(add_job* add, const ty_light_field* field, int32_t p
     }
 }
 
-static void find_powers(add_job* add, float g) {
+static void find_coefficients(add_job* add, float g) {
     const ty_dom* light = add->job->light;
-    add->power[0] = 1;
-    for (int32_t l = 1; l < TY_DOM_MEANS; ++l) add->power[l] = add->uniform ? add->power[l - 1] * g : 1;
+    add->coefficient[0] = 1;
+    for (int32_t l = 1; l < TY_DOM_MEANS; ++l) add->coefficient[l] = add->uniform ? add->coefficient[l - 1] * g : 1;
     if (light->fit.bands == 0) return;
-    const float straight = light->fit.straight;
-    for (int32_t l = 0; l < light->bands; ++l) add->power[l] = straight + light->fit.moments[l];
-    add->power[light->bands] = straight;
+    const float forward = light->fit.forward_fraction;
+    for (int32_t l = 0; l < light->bands; ++l) add->coefficient[l] = forward + light->fit.moments[l];
+    add->coefficient[light->bands] = forward;
 }
 
 void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, const ty_light_fluence* single,
@@ -297,9 +297,10 @@ void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, c
         add.scattering = fine->scattering[plane];
         add.g = fine->g[plane];
         add.uniform = scratch->uniform[plane] || light->fit.bands > 0;
-        find_powers(&add, scratch->g[plane]);
+        find_coefficients(&add, scratch->g[plane]);
         choose_channels(&add, field, p);
         find_means(&add);
-        ty_parallel_for(job->context, rows, single->kind == TY_FLUENCE_POINT ? add_lamp_row : add_beam_row, &add);
+        ty_parallel_for(job->context, rows, single->kind == TY_FLUENCE_POINT ? add_point_row : add_directional_row,
+                        &add);
     }
 }

@@ -11,36 +11,36 @@ typedef struct direct_job {
     ty_dom_job* job;
     float* extinction[TY_FLUENCE_COUNT][3]; /* of fine cells, for each fluence of a light */
     ty_dom_scratch scratch;
-    ty_light_field* one; /* of one source that has no field of its own */
-    float* coarse[3];    /* its means on the cells of ordinates, as many as it has planes */
+    ty_light_field* field; /* of one source that has no field of its own */
+    float* coarse[3];      /* its means on the cells of ordinates, as many as it has planes */
     ty_dom_collimated_batch beams;
-    ty_transpose_scratch room[3];
+    ty_transpose_scratch transpose_scratch[3];
     ty_light_group* groups;
     int32_t group_count;
 } direct_job;
 
 /* room: NULL: none is kept. */
 static ty_result light_field(direct_job* direct, int32_t fluence, const ty_discrete_light* sources, int32_t count,
-                             ty_light_field* field, ty_transpose_scratch* room) {
+                             ty_light_field* field, ty_transpose_scratch* transpose_scratch) {
     ty_dom_job* job = direct->job;
-    return ty_uncollided_add_reusing(job->scene, job->fine, direct->extinction[fluence], sources, count, field, room,
-                                     ty_part_report, &job->progress);
+    return ty_uncollided_add_reusing(job->scene, job->fine, direct->extinction[fluence], sources, count, field,
+                                     transpose_scratch, ty_part_report, &job->progress);
 }
 
 /* Fluences beside the one that counts as uncollided. */
-static void describe_lobes(const ty_dom* light, ty_light_field* const fields[TY_FLUENCE_COUNT],
-                           ty_light_fluence* single) {
+static void describe_lobe(const ty_dom* light, ty_light_field* const fields[TY_FLUENCE_COUNT],
+                          ty_light_fluence* single) {
     if (!light->has_lobes) return;
-    single->lobes = light->bands;
+    single->lobe_order = light->bands;
     for (int c = 0; c < 3; ++c) {
-        single->straight[c] = fields[TY_FLUENCE_UNSCATTERED]->fluence[c];
-        single->bent[c] = fields[TY_FLUENCE_NEXT_ORDER]->fluence[c];
+        single->unscattered[c] = fields[TY_FLUENCE_UNSCATTERED]->fluence[c];
+        single->next_order[c] = fields[TY_FLUENCE_NEXT_ORDER]->fluence[c];
     }
 }
 
 /* A light's fluences on the cells of ordinates. */
-static ty_result average_own(direct_job* direct, const ty_light_group* group, ty_light_field* const* fields,
-                             ty_light_field** out) {
+static ty_result average_dedicated(direct_job* direct, const ty_light_group* group, ty_light_field* const* fields,
+                                   ty_light_field** out) {
     const ty_dom_job* job = direct->job;
     for (int32_t f = 0; f < TY_FLUENCE_COUNT; ++f) {
         if (ty_light_groups_field(job->sources.items, group, 1, true, job->coarse, false, &out[f]) != TY_OK)
@@ -52,7 +52,7 @@ static ty_result average_own(direct_job* direct, const ty_light_group* group, ty
     return TY_OK;
 }
 
-static ty_result light_own(direct_job* direct, const ty_light_group* group) {
+static ty_result light_dedicated(direct_job* direct, const ty_light_group* group) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
     ty_light_field** fields = light->fields[light->fluence_count];
@@ -64,10 +64,10 @@ static ty_result light_own(direct_job* direct, const ty_light_group* group) {
             result = light_field(direct, f, &job->sources.items[group->first], group->count, fields[f], NULL);
     }
     if (result == TY_OK && light->has_lobes)
-        result = average_own(direct, group, fields, light->coarse_fields[light->fluence_count]);
+        result = average_dedicated(direct, group, fields, light->coarse_fields[light->fluence_count]);
     if (result != TY_OK) return result;
     *single = ty_light_group_fluence(job->sources.items, group, fields[TY_FLUENCE_ORDER_L]);
-    describe_lobes(light, fields, single);
+    describe_lobe(light, fields, single);
     ++light->fluence_count;
     const double begun = ty_wall_seconds();
     ty_dom_add_first_collisions(job, fields[TY_FLUENCE_ORDER_L], single, 1, &direct->scratch);
@@ -78,23 +78,23 @@ static ty_result light_own(direct_job* direct, const ty_light_group* group) {
 enum { CHUNK = 1 << 15 };
 
 typedef struct sum_job {
-    const ty_light_field* one;
-    ty_light_field* all;
+    const ty_light_field* field;
+    ty_light_field* aggregate;
 } sum_job;
 
 static void sum_chunk(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sum_job* sum = user;
-    const size_t begin = (size_t)index * CHUNK, cells = sum->all->cells;
+    const size_t begin = (size_t)index * CHUNK, cells = sum->aggregate->cells;
     const size_t end = cells - begin < CHUNK ? cells : begin + CHUNK;
-    const float *from = sum->one->color, *to = sum->all->color;
-    for (int32_t p = 0; p < sum->all->planes; ++p) {
-        const float* one = sum->one->fluence[sum->one->planes == 3 ? p : 0];
-        float* all = sum->all->fluence[p];
-        const float factor = sum->one->planes == 3   ? 1
-                             : sum->all->planes == 3 ? from[p]
-                                                     : (from[0] + from[1] + from[2]) / (to[0] + to[1] + to[2]);
-        for (size_t i = begin; i < end; ++i) all[i] += factor * one[i];
+    const float *from = sum->field->color, *to = sum->aggregate->color;
+    for (int32_t p = 0; p < sum->aggregate->planes; ++p) {
+        const float* field = sum->field->fluence[sum->field->planes == 3 ? p : 0];
+        float* aggregate = sum->aggregate->fluence[p];
+        const float factor = sum->field->planes == 3       ? 1
+                             : sum->aggregate->planes == 3 ? from[p]
+                                                           : (from[0] + from[1] + from[2]) / (to[0] + to[1] + to[2]);
+        for (size_t i = begin; i < end; ++i) aggregate[i] += factor * field[i];
     }
 }
 
@@ -103,45 +103,45 @@ static void clear_field(ty_light_field* field) {
 }
 
 /* What one source of many brings to ordinates, and to the parts that are seen. */
-static void spread_one(direct_job* direct, const ty_discrete_light* source) {
+static void add_first_collisions(direct_job* direct, const ty_discrete_light* source) {
     ty_dom_job* job = direct->job;
-    const ty_light_field* one = direct->one;
-    const ty_light_group group = {.first = 0, .count = 1, .middle = source->position};
-    if (source->kind == TY_DISCRETE_DIRECTIONAL && ty_dom_collimated_batch_accepts(&direct->scratch, one)) {
-        ty_dom_collimated_batch_take(job, &direct->beams, source, one, &direct->scratch, direct->coarse);
+    const ty_light_field* field = direct->field;
+    const ty_light_group group = {.first = 0, .count = 1, .center = source->position};
+    if (source->kind == TY_DISCRETE_DIRECTIONAL && ty_dom_collimated_batch_accepts(&direct->scratch, field)) {
+        ty_dom_collimated_batch_take(job, &direct->beams, source, field, &direct->scratch, direct->coarse);
     } else {
-        const ty_light_fluence single = ty_light_group_fluence(source, &group, one);
-        ty_dom_add_first_collisions(job, one, &single, source->mean_cosine, &direct->scratch);
-        for (int32_t p = 0; p < one->planes && direct->coarse[p] != NULL; ++p)
-            ty_grid_average(job->context, one->fluence[p], job->fine->box.size, job->coarse->box.size,
+        const ty_light_fluence single = ty_light_group_fluence(source, &group, field);
+        ty_dom_add_first_collisions(job, field, &single, source->mean_cosine, &direct->scratch);
+        for (int32_t p = 0; p < field->planes && direct->coarse[p] != NULL; ++p)
+            ty_grid_average(job->context, field->fluence[p], job->fine->box.size, job->coarse->box.size,
                             direct->coarse[p]);
     }
-    if (!job->light->isotropic) ty_dom_clusters_add(job, source, one->planes, direct->coarse);
+    if (!job->light->isotropic) ty_dom_clusters_add(job, source, field->planes, direct->coarse);
 }
 
 /* One source of many. */
-static ty_result light_one(direct_job* direct, const ty_discrete_light* source, ty_light_field* all) {
+static ty_result light_sample(direct_job* direct, const ty_discrete_light* source, ty_light_field* aggregate) {
     ty_dom_job* job = direct->job;
-    ty_light_field* one = direct->one;
-    clear_field(one);
-    if (one->planes == 1) memcpy(one->color, source->color, sizeof one->color);
-    const ty_result result = light_field(direct, TY_FLUENCE_ORDER_L, source, 1, one, direct->room);
+    ty_light_field* field = direct->field;
+    clear_field(field);
+    if (field->planes == 1) memcpy(field->color, source->color, sizeof field->color);
+    const ty_result result = light_field(direct, TY_FLUENCE_ORDER_L, source, 1, field, direct->transpose_scratch);
     if (result != TY_OK) return result;
-    sum_job sum = {one, all};
-    ty_parallel_for(job->context, (int64_t)((all->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
+    sum_job sum = {field, aggregate};
+    ty_parallel_for(job->context, (int64_t)((aggregate->cells + CHUNK - 1) / CHUNK), sum_chunk, &sum);
     const double begun = ty_wall_seconds();
-    spread_one(direct, source);
+    add_first_collisions(direct, source);
     job->stats.source_seconds += ty_wall_seconds() - begun;
     return TY_OK;
 }
 
 /* Memory of lights that have no field of their own. */
-static ty_result take_many(direct_job* direct) {
+static ty_result allocate_aggregate(direct_job* direct) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
     const float* any = job->sources.items[0].color;
-    ty_result result = job->fine->planes == 1 ? ty_light_field_create_shared(job->fine, false, any, &direct->one)
-                                              : ty_light_field_create(job->fine, false, &direct->one);
+    ty_result result = job->fine->planes == 1 ? ty_light_field_create_shared(job->fine, false, any, &direct->field)
+                                              : ty_light_field_create(job->fine, false, &direct->field);
     if (result == TY_OK)
         result = ty_light_groups_field(job->sources.items, direct->groups, direct->group_count, false, job->fine, false,
                                        &light->aggregate);
@@ -154,28 +154,29 @@ static ty_result take_many(direct_job* direct) {
     return result;
 }
 
-static ty_result light_many(direct_job* direct, const ty_light_group* group) {
+static ty_result light_aggregate(direct_job* direct, const ty_light_group* group) {
     ty_dom_job* job = direct->job;
-    ty_result result = job->light->aggregate == NULL ? take_many(direct) : TY_OK;
+    ty_result result = job->light->aggregate == NULL ? allocate_aggregate(direct) : TY_OK;
     for (int32_t i = 0; i < group->count && result == TY_OK; ++i)
-        result = light_one(direct, &job->sources.items[group->first + i], job->light->aggregate);
+        result = light_sample(direct, &job->sources.items[group->first + i], job->light->aggregate);
     return result;
 }
 
-static ty_result light_groups(direct_job* direct) {
+static ty_result light_all_groups(direct_job* direct) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
-    const double from = job->progress.from, share = job->progress.share;
+    const double from = job->progress.from, fraction = job->progress.share;
     ty_result result = TY_OK;
     for (int32_t i = 0; i < direct->group_count && result == TY_OK; ++i) {
         const ty_light_group* group = &direct->groups[i];
-        job->progress.share = share / ty_maxf(1, (float)direct->group_count);
+        job->progress.share = fraction / ty_maxf(1, (float)direct->group_count);
         result = ty_part_show(&job->progress, "direct light");
-        if (result == TY_OK) result = group->own ? light_own(direct, group) : light_many(direct, group);
+        if (result == TY_OK)
+            result = group->dedicated ? light_dedicated(direct, group) : light_aggregate(direct, group);
         job->progress.from += job->progress.share;
     }
     job->progress.from = from;
-    job->progress.share = share;
+    job->progress.share = fraction;
     if (result != TY_OK || light->aggregate == NULL) return result;
     ty_dom_collimated_batch_flush(job, &direct->beams, &direct->scratch);
     if (!light->isotropic) {
@@ -204,20 +205,20 @@ static void add_emission(ty_dom_job* job) {
         }
 }
 
-static ty_result take_extinction(direct_job* direct, int32_t fluence, int32_t order) {
+static ty_result allocate_extinction(direct_job* direct, int32_t fluence, int32_t order) {
     ty_dom_job* job = direct->job;
     for (int32_t p = 0; p < job->fine->planes; ++p) {
         direct->extinction[fluence][p] = ty_alloc_array(job->context, job->fine->cells, sizeof(float), false);
         if (direct->extinction[fluence][p] == NULL) return TY_ERROR_MEMORY;
     }
     if (fluence == TY_FLUENCE_ORDER_L && job->light->fit.bands > 0)
-        ty_grid_medium_reduce_by(job->fine, job->light->fit.straight, direct->extinction[fluence]);
+        ty_grid_medium_reduce_by(job->fine, job->light->fit.forward_fraction, direct->extinction[fluence]);
     else
         ty_grid_medium_reduce(job->fine, order, direct->extinction[fluence]);
     return TY_OK;
 }
 
-static ty_result take_memory(direct_job* direct) {
+static ty_result allocate_memory(direct_job* direct) {
     ty_dom_job* job = direct->job;
     const ty_dom* light = job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
@@ -227,9 +228,9 @@ static ty_result take_memory(direct_job* direct) {
     }
     for (int32_t p = 0; p < job->fine->planes; ++p)
         direct->extinction[TY_FLUENCE_UNSCATTERED][p] = job->fine->extinction[p];
-    const ty_result result = take_extinction(direct, TY_FLUENCE_ORDER_L, light->bands);
+    const ty_result result = allocate_extinction(direct, TY_FLUENCE_ORDER_L, light->bands);
     if (result != TY_OK ||
-        (light->has_lobes && take_extinction(direct, TY_FLUENCE_NEXT_ORDER, light->bands + 1) != TY_OK))
+        (light->has_lobes && allocate_extinction(direct, TY_FLUENCE_NEXT_ORDER, light->bands + 1) != TY_OK))
         return TY_ERROR_MEMORY;
     direct->groups = ty_alloc_array(job->context, (size_t)job->sources.count, sizeof *direct->groups, false);
     return direct->groups != NULL ? ty_dom_scratch_create(job, &direct->scratch) : TY_ERROR_MEMORY;
@@ -245,19 +246,19 @@ static void free_memory(direct_job* direct) {
     }
     for (int c = 0; c < 3; ++c) {
         ty_free_array(job->context, direct->coarse[c], job->light->cells, sizeof(float));
-        ty_transpose_scratch_free(job->context, &direct->room[c]);
+        ty_transpose_scratch_free(job->context, &direct->transpose_scratch[c]);
     }
     ty_dom_collimated_batch_destroy(job, &direct->beams);
-    ty_light_field_destroy(direct->one);
+    ty_light_field_destroy(direct->field);
 }
 
 ty_result ty_dom_find_uncollided(ty_dom_job* job) {
     direct_job direct = {.job = job};
-    ty_result result = take_memory(&direct);
+    ty_result result = allocate_memory(&direct);
     if (result == TY_OK) {
         direct.group_count = ty_light_groups_find(job->scene, &job->fine->box, job->sources.items, job->sources.count,
                                                   TY_DOM_DEDICATED_MAX, direct.groups);
-        result = light_groups(&direct);
+        result = light_all_groups(&direct);
     }
     if (result == TY_OK) add_emission(job);
     free_memory(&direct);

@@ -86,19 +86,19 @@ ty_result ty_dom_radiance(const ty_dom* light, const double point[3], const floa
     if (result != TY_OK) return result;
     memset(radiance, 0, 3 * sizeof *radiance * (size_t)count);
     if (is_outside(&light->box, point)) return TY_OK;
-    const ty_cell_point place = locate(&light->box, point);
+    const ty_cell_point point_in_cells = locate(&light->box, point);
     for (int32_t c = 0; c < ty_dom_channels(light); ++c)
         for (int32_t t = 0; t < terms; ++t)
-            moments[c][t] = ty_cell_value(ty_dom_plane(light, light->moments[c], t), &place);
+            moments[c][t] = ty_cell_value(ty_dom_plane(light, light->moments[c], t), &point_in_cells);
     for (int32_t d = 0; d < count; ++d) {
-        const float* way = directions + 3 * d;
-        const double w[3] = {(double)way[0], (double)way[1], (double)way[2]};
+        const float* omega = directions + 3 * d;
+        const double w[3] = {(double)omega[0], (double)omega[1], (double)omega[2]};
         double y[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
         ty_harmonics_at(w, light->output_bands, y);
         for (int32_t c = 0; c < 3; ++c) {
-            const float* of = moments[light->shared ? 0 : c];
+            const float* plane = moments[light->shared ? 0 : c];
             double sum = 0;
-            for (int32_t t = 0; t < terms; ++t) sum += (double)of[t] * y[t];
+            for (int32_t t = 0; t < terms; ++t) sum += (double)plane[t] * y[t];
             radiance[3 * d + c] = (float)sum * light->color[c];
         }
     }

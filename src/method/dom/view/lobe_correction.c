@@ -13,19 +13,19 @@
 enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 
 /* What a lobe's moment falls off by from L to L + 1, at least; and the scale, at most. */
-static const double least_cosine = 0.05, most_scale = 2;
+static const double min_cosine = 0.05, max_scale = 2;
 
-typedef struct mend_job {
+typedef struct correct_job {
     const ty_dom* light;
     const double* eye;
-    float* const* seen;
-} mend_job;
+    float* const* radiance;
+} correct_job;
 
 /* One light's lobe in a cell. */
 typedef struct lobe {
-    double way[3]; /* that its light goes */
-    double kept;   /* R - U */
-    double cosine; /* b */
+    double omega[3]; /* that its light goes */
+    double order_l;  /* R - U */
+    double cosine;   /* b */
 } lobe;
 
 static double channel_factor(const ty_dom* light, const ty_light_field* field, int32_t channel) {
@@ -35,14 +35,15 @@ static double channel_factor(const ty_dom* light, const ty_light_field* field, i
            (double)(light->color[0] + light->color[1] + light->color[2]);
 }
 
-static void find_way(const ty_dom* light, const ty_light_fluence* single, const int32_t cell[3], double way[3]) {
+static void find_direction(const ty_dom* light, const ty_light_fluence* single, const int32_t cell[3],
+                           double omega[3]) {
     const ty_discrete_light* sample = &single->sample;
     const ty_vec place = single->kind == TY_FLUENCE_POINT ? sample->position : sample->direction;
     const double toward[3] = {(double)place.x, (double)place.y, (double)place.z};
-    for (int a = 0; a < 3; ++a) way[a] = toward[a];
+    for (int a = 0; a < 3; ++a) omega[a] = toward[a];
     if (single->kind == TY_FLUENCE_DIRECTIONAL) return;
-    ty_dom_direction_to_eye(light, cell, toward, way);
-    for (int a = 0; a < 3; ++a) way[a] = -way[a];
+    ty_dom_direction_to_eye(light, cell, toward, omega);
+    for (int a = 0; a < 3; ++a) omega[a] = -omega[a];
 }
 
 /* The lobes of a cell that are more than nothing. */
@@ -51,15 +52,15 @@ static int32_t find_lobes(const ty_dom* light, const int32_t cell[3], size_t at,
     int32_t count = 0;
     for (int32_t i = 0; i < light->fluence_count; ++i) {
         const ty_light_fluence* single = &light->fluences[i];
-        if (single->lobes == 0) continue;
+        if (single->lobe_order == 0) continue;
         ty_light_field* const* fields = light->coarse_fields[i];
         const int32_t plane = fields[0]->planes == 3 ? channel : 0;
         const float r = fields[TY_FLUENCE_ORDER_L]->fluence[plane][at],
                     u = fields[TY_FLUENCE_UNSCATTERED]->fluence[plane][at];
         if (!(r > u)) continue;
         lobe* out = &lobes[count++];
-        find_way(light, single, cell, out->way);
-        out->kept = channel_factor(light, fields[0], channel) * (double)(r - u);
+        find_direction(light, single, cell, out->omega);
+        out->order_l = channel_factor(light, fields[0], channel) * (double)(r - u);
         out->cosine = (double)ty_forward_lobe_cosine(u, r, fields[TY_FLUENCE_NEXT_ORDER]->fluence[plane][at]);
     }
     return count;
@@ -69,35 +70,35 @@ static int32_t find_lobes(const ty_dom* light, const int32_t cell[3], size_t at,
  */
 static double find_scale(const ty_dom* light, size_t at, int32_t channel, const lobe* lobes, int32_t count) {
     const int32_t first = (light->bands - 1) * (light->bands - 1), terms = light->bands * light->bands;
-    double has[TERMS_MAX], expected[TERMS_MAX], y[TERMS_MAX], product = 0, square = 0;
+    double moments[TERMS_MAX], expected[TERMS_MAX], y[TERMS_MAX], product = 0, square = 0;
     for (int32_t t = first; t < terms; ++t) {
-        has[t] = (double)ty_dom_plane(light, light->moments[channel], t)[at];
+        moments[t] = (double)ty_dom_plane(light, light->moments[channel], t)[at];
         expected[t] = 0;
     }
     for (int32_t i = 0; i < count; ++i) {
-        ty_harmonics_at(lobes[i].way, light->bands, y);
+        ty_harmonics_at(lobes[i].omega, light->bands, y);
         for (int32_t t = first; t < terms; ++t) {
-            has[t] += lobes[i].kept * y[t];
-            expected[t] += lobes[i].kept / fmax(lobes[i].cosine, least_cosine) * y[t];
+            moments[t] += lobes[i].order_l * y[t];
+            expected[t] += lobes[i].order_l / fmax(lobes[i].cosine, min_cosine) * y[t];
         }
     }
     for (int32_t t = first; t < terms; ++t) {
-        product += has[t] * expected[t];
+        product += moments[t] * expected[t];
         square += expected[t] * expected[t];
     }
-    return square > 0 ? fmin(most_scale, fmax(0, product / square)) : 1;
+    return square > 0 ? fmin(max_scale, fmax(0, product / square)) : 1;
 }
 
-static void mend_row(void* user, int64_t row, int32_t worker) {
+static void correct_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
-    const mend_job* job = user;
+    const correct_job* job = user;
     const ty_dom* light = job->light;
     const int32_t* size = light->box.size;
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
-        double way[3];
-        ty_dom_direction_to_eye(light, cell, job->eye, way);
+        double omega[3];
+        ty_dom_direction_to_eye(light, cell, job->eye, omega);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             lobe lobes[TY_DOM_DEDICATED_MAX];
             const int32_t count = find_lobes(light, cell, at, c, lobes);
@@ -105,17 +106,17 @@ static void mend_row(void* user, int64_t row, int32_t worker) {
             const double scale = find_scale(light, at, c, lobes, count);
             const float g = light->g[light->planes == 3 ? c : 0][at];
             for (int32_t n = 0; n < count; ++n) {
-                const double* from = lobes[n].way;
-                const double mu = from[0] * way[0] + from[1] * way[1] + from[2] * way[2];
+                const double* from = lobes[n].omega;
+                const double mu = from[0] * omega[0] + from[1] * omega[1] + from[2] * omega[2];
                 float below;
                 const float tail = ty_forward_tail((float)lobes[n].cosine, (float)mu, g, light->bands, &below);
-                job->seen[c][at] += (float)((scale - 1) * lobes[n].kept) * TY_INV_4PI * tail;
+                job->radiance[c][at] += (float)((scale - 1) * lobes[n].order_l) * TY_INV_4PI * tail;
             }
         }
     }
 }
 
-void ty_dom_correct_lobes(const ty_dom* light, const double eye[3], float* const seen[3]) {
-    mend_job job = {light, eye, seen};
-    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], mend_row, &job);
+void ty_dom_correct_lobes(const ty_dom* light, const double eye[3], float* const radiance[3]) {
+    correct_job job = {light, eye, radiance};
+    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], correct_row, &job);
 }

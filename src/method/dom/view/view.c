@@ -15,65 +15,67 @@ static const double harmonic_0 = 0.28209479177387814, harmonic_1 = 0.48860251190
 
 /* Fields that are made for one image. */
 typedef struct fields {
-    ty_source_field seen, surfaces;
-    float* sent[3];                     /* radiance that cells send to the eye per scattering coefficient */
+    ty_source_field collided, surfaces;
+    float* collided_radiance[3];        /* radiance that cells send to the eye per scattering coefficient */
     float* incident[3][TY_FIELD_TERMS]; /* radiance by direction, for surfaces */
     ty_light_fluence lights[TY_DOM_DEDICATED_MAX + 1];
     ty_cuts* cuts;   /* surfaces between cells; NULL: there are none */
     uint8_t* hidden; /* cells behind surfaces; NULL: there are none */
     size_t fine_cells;
     float* blurred; /* environments behind media, with a fit */
-    float* many[3]; /* of fine cells: what lights without fields of their own send to the eye, times 4 pi */
+    float*
+        aggregate_radiance[3]; /* of fine cells: what lights without fields of their own send to the eye, times 4 pi */
 } fields;
 
 /* ---- what cells send ---- */
 
-typedef struct send_job {
+typedef struct collided_job {
     const ty_dom* light;
     const double* eye;
     float* const* out;
-} send_job;
+} collided_job;
 
-void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double way[3]) {
+void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double omega[3]) {
     double square = 0;
     for (int a = 0; a < 3; ++a) {
         const double side = (light->box.upper[a] - light->box.lower[a]) / light->box.size[a];
-        way[a] = eye[a] - (light->box.lower[a] + (cell[a] + 0.5) * side);
-        square += way[a] * way[a];
+        omega[a] = eye[a] - (light->box.lower[a] + (cell[a] + 0.5) * side);
+        square += omega[a] * omega[a];
     }
-    for (int a = 0; a < 3; ++a) way[a] = square > 0 ? way[a] / sqrt(square) : a == 2;
+    for (int a = 0; a < 3; ++a) omega[a] = square > 0 ? omega[a] / sqrt(square) : a == 2;
 }
 
 /* Of the fluence that a thick cell's faces show an eye, what it is more than the cell's mean. */
-static double seen_more(const ty_dom* light, int32_t channel, size_t cell, const double way[3]) {
+static double face_excess(const ty_dom* light, int32_t channel, size_t cell, const double omega[3]) {
     double sum = 0, weights = 0;
     if (light->face_fluence[channel] == NULL) return 0;
     for (int face = 0; face < 6; ++face) {
-        const double seen = (double)light->face_fluence[channel][6 * cell + (size_t)face];
-        const double weight = (face & 1) != 0 ? way[face / 2] : -way[face / 2];
-        if (seen < 0 || weight <= 0) continue;
-        sum += weight * seen;
+        const double collided = (double)light->face_fluence[channel][6 * cell + (size_t)face];
+        const double weight = (face & 1) != 0 ? omega[face / 2] : -omega[face / 2];
+        if (collided < 0 || weight <= 0) continue;
+        sum += weight * collided;
         weights += weight;
     }
     return weights > 0 ? sum / weights - (double)light->moments[channel][cell] : 0;
 }
 
-static void send_row(void* user, int64_t row, int32_t worker) {
+static void collided_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
-    const send_job* job = user;
+    const collided_job* job = user;
     const ty_dom* light = job->light;
     const int32_t* size = light->box.size;
     for (int32_t i = 0; i < size[0]; ++i) {
         const int32_t cell[3] = {i, (int32_t)(row % size[1]), (int32_t)(row / size[1])};
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
-        double way[3], y[TERMS_MAX];
-        ty_dom_direction_to_eye(light, cell, job->eye, way);
-        ty_harmonics_at(way, light->output_bands, y);
+        double omega[3], y[TERMS_MAX];
+        ty_dom_direction_to_eye(light, cell, job->eye, omega);
+        ty_harmonics_at(omega, light->output_bands, y);
         for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
             const float* surfaces = light->wall_moments[c];
             const ty_forward_fit* fit = light->fit.bands > 0 ? &light->fit : NULL;
-            double sum = y[0] * seen_more(light, c, at, way) * (fit != NULL ? (double)fit->moments[0] : 1), of_g = 1;
+            double sum = y[0] * face_excess(light, c, at, omega) * (fit != NULL ? (double)fit->moments[0] : 1),
+                   of_g = 1;
             for (int32_t l = 0; l < light->output_bands; ++l, of_g *= g) {
                 const double power = fit != NULL ? (double)fit->moments[l] : of_g;
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
@@ -86,18 +88,19 @@ static void send_row(void* user, int64_t row, int32_t worker) {
     }
 }
 
-static ty_result make_seen(const ty_dom* light, const double eye[3], fields* f) {
-    f->seen = (ty_source_field){.box = light->box, .term_count = 1, .shared = light->shared};
+static ty_result make_collided(const ty_dom* light, const double eye[3], fields* f) {
+    f->collided = (ty_source_field){.box = light->box, .term_count = 1, .shared = light->shared};
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        f->sent[c] = ty_alloc_array(light->context, light->cells, sizeof(float), false);
-        if (f->sent[c] == NULL) return TY_ERROR_MEMORY;
-        f->seen.terms[c][0] = f->sent[c];
+        f->collided_radiance[c] = ty_alloc_array(light->context, light->cells, sizeof(float), false);
+        if (f->collided_radiance[c] == NULL) return TY_ERROR_MEMORY;
+        f->collided.terms[c][0] = f->collided_radiance[c];
     }
-    memcpy(f->seen.color, light->color, sizeof f->seen.color);
-    send_job job = {light, eye, f->sent};
-    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], send_row, &job);
-    if (light->has_lobes && light->fit.bands == 0) ty_dom_correct_lobes(light, eye, f->sent);
-    for (int32_t c = 0; c < ty_dom_channels(light); ++c) ty_dom_fill_hidden(light, f->cuts, f->hidden, f->sent[c]);
+    memcpy(f->collided.color, light->color, sizeof f->collided.color);
+    collided_job job = {light, eye, f->collided_radiance};
+    ty_parallel_for(light->context, (int64_t)light->box.size[1] * light->box.size[2], collided_row, &job);
+    if (light->has_lobes && light->fit.bands == 0) ty_dom_correct_lobes(light, eye, f->collided_radiance);
+    for (int32_t c = 0; c < ty_dom_channels(light); ++c)
+        ty_dom_fill_hidden(light, f->cuts, f->hidden, f->collided_radiance[c]);
     return TY_OK;
 }
 
@@ -128,18 +131,18 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
 
 /* ---- lights that have no field of their own ---- */
 
-typedef struct many_job {
+typedef struct aggregate_job {
     const ty_dom* light;
     const ty_light_fluence* single;
-    float* const* sent; /* of the cells of ordinates: what such light is turned into for the eye */
-    float* const* all;  /* and how much of it there is */
-    float* const* out;  /* of fine cells */
-} many_job;
+    float* const* collided_radiance; /* of the cells of ordinates: what such light is turned into for the eye */
+    float* const* fluence;           /* and how much of it there is */
+    float* const* out;               /* of fine cells */
+} aggregate_job;
 
 /* Their fluence on fine cells, times what becomes of it on the cells of ordinates. */
-static void many_row(void* user, int64_t row, int32_t worker) {
+static void aggregate_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
-    const many_job* job = user;
+    const aggregate_job* job = user;
     const ty_dom* light = job->light;
     const int32_t *size = light->fine_box.size, *coarse = light->box.size;
     for (int32_t i = 0; i < size[0]; ++i) {
@@ -147,15 +150,16 @@ static void many_row(void* user, int64_t row, int32_t worker) {
         const size_t at = (size_t)row * (size_t)size[0] + (size_t)i;
         float cells[3];
         for (int a = 0; a < 3; ++a) cells[a] = (float)((cell[a] + 0.5) * coarse[a] / size[a]);
-        const ty_cell_point place = ty_cell_locate(coarse, ty_vec_load(cells));
+        const ty_cell_point point = ty_cell_locate(coarse, ty_vec_load(cells));
         for (int32_t c = 0; c < (job->single->shared != 0 ? 1 : 3); ++c) {
-            const float sent = ty_cell_value(job->sent[c], &place), all = ty_cell_value(job->all[c], &place);
-            job->out[c][at] = all > 0 ? ty_maxf(0, sent / all) * job->single->fluence[c][at] : 0;
+            const float collided_radiance = ty_cell_value(job->collided_radiance[c], &point),
+                        fluence = ty_cell_value(job->fluence[c], &point);
+            job->out[c][at] = fluence > 0 ? ty_maxf(0, collided_radiance / fluence) * job->single->fluence[c][at] : 0;
         }
     }
 }
 
-static ty_result take_planes(const ty_dom* light, int32_t count, size_t cells, float* planes[3]) {
+static ty_result allocate_planes(const ty_dom* light, int32_t count, size_t cells, float* planes[3]) {
     for (int32_t c = 0; c < count; ++c) {
         planes[c] = ty_alloc_array(light->context, cells, sizeof(float), false);
         if (planes[c] == NULL) return TY_ERROR_MEMORY;
@@ -168,21 +172,22 @@ static void free_planes(const ty_dom* light, size_t cells, float* const planes[3
 }
 
 /* Fields of fine cells in place of those of TY_FLUENCE_P1, which know no direction. */
-static ty_result make_many(const ty_dom* light, const double eye[3], fields* f) {
+static ty_result make_aggregate(const ty_dom* light, const double eye[3], fields* f) {
     ty_light_fluence* single = &f->lights[light->fluence_count - 1];
     const int32_t channels = single->shared != 0 ? 1 : 3;
-    float *sent[3] = {NULL}, *all[3] = {NULL};
-    ty_result result = take_planes(light, channels, f->fine_cells, f->many);
-    if (result == TY_OK) result = take_planes(light, channels, light->cells, sent);
-    if (result == TY_OK) result = take_planes(light, channels, light->cells, all);
-    if (result == TY_OK) result = ty_dom_evaluate_clusters(light, eye, channels, sent, all);
+    float *collided_radiance[3] = {NULL}, *fluence[3] = {NULL};
+    ty_result result = allocate_planes(light, channels, f->fine_cells, f->aggregate_radiance);
+    if (result == TY_OK) result = allocate_planes(light, channels, light->cells, collided_radiance);
+    if (result == TY_OK) result = allocate_planes(light, channels, light->cells, fluence);
+    if (result == TY_OK) result = ty_dom_evaluate_clusters(light, eye, channels, collided_radiance, fluence);
     if (result == TY_OK) {
-        many_job job = {light, single, sent, all, f->many};
-        ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], many_row, &job);
-        for (int32_t c = 0; c < channels; ++c) single->fluence[c] = f->many[c];
+        aggregate_job job = {light, single, collided_radiance, fluence, f->aggregate_radiance};
+        ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], aggregate_row,
+                        &job);
+        for (int32_t c = 0; c < channels; ++c) single->fluence[c] = f->aggregate_radiance[c];
     }
-    free_planes(light, light->cells, sent);
-    free_planes(light, light->cells, all);
+    free_planes(light, light->cells, collided_radiance);
+    free_planes(light, light->cells, fluence);
     return result;
 }
 
@@ -190,7 +195,7 @@ static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f
     memcpy(f->lights, light->fluences, sizeof f->lights);
     if (light->aggregate == NULL) return TY_OK;
     f->lights[light->fluence_count - 1].kind = TY_FLUENCE_ISOTROPIC;
-    return light->isotropic ? TY_OK : make_many(light, eye, f);
+    return light->isotropic ? TY_OK : make_aggregate(light, eye, f);
 }
 
 /* What of environments is seen through a fit's peak. */
@@ -209,8 +214,8 @@ static void free_fields(const ty_dom* light, fields* f) {
     ty_free_array(light->context, f->hidden, light->cells, 1);
     ty_free_array(light->context, f->blurred, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float));
     for (int c = 0; c < 3; ++c) {
-        ty_free_array(light->context, f->sent[c], light->cells, sizeof(float));
-        ty_free_array(light->context, f->many[c], f->fine_cells, sizeof(float));
+        ty_free_array(light->context, f->collided_radiance[c], light->cells, sizeof(float));
+        ty_free_array(light->context, f->aggregate_radiance[c], f->fine_cells, sizeof(float));
         for (int t = 0; t < TY_FIELD_TERMS; ++t)
             ty_free_array(light->context, f->incident[c][t], light->cells, sizeof(float));
     }
@@ -222,7 +227,7 @@ static ty_result make_fields(const ty_dom* light, const ty_scene* scene, const d
     f->fine_cells = (size_t)fine[0] * (size_t)fine[1] * (size_t)fine[2];
     ty_result result = ty_cuts_find(light->context, light->boundary, &light->box, &f->cuts);
     if (result == TY_OK) result = ty_dom_find_hidden(light, scene, eye, &f->hidden);
-    if (result == TY_OK) result = make_seen(light, eye, f);
+    if (result == TY_OK) result = make_collided(light, eye, f);
     if (result == TY_OK && surfaces) result = make_incident(light, f);
     if (result == TY_OK) result = make_lights(light, eye, f);
     if (result == TY_OK) result = make_blurred(light, f);
@@ -242,7 +247,7 @@ ty_result ty_dom_march(const ty_dom* light, const ty_scene* scene, const ty_dom_
     march.light_count = light->fluence_count;
     march.reduced = light->bands;
     march.fit = light->fit.bands > 0 ? &light->fit : NULL;
-    march.field = &f.seen;
+    march.field = &f.collided;
     march.surface_field = surfaces ? &f.surfaces : NULL;
     march.guided = 0;
     march.keeps_means = true;

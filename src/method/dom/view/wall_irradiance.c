@@ -3,31 +3,33 @@
 #include "solve/harmonics.h"
 
 /* Faces of cells get what the surfaces do where these are no more slanted than this. */
-static const float least_slant = 1.03f;
+static const float min_slant = 1.03f;
 
 /* What arrives on a slanted surface, of a cell's moments: harmonics about its normal times those of the cosine. */
 static float irradiance_of(const ty_dom* light, int32_t channel, size_t cell, ty_vec normal) {
     static const double cosine[] = {TY_PI, TY_PI * 2 / 3, TY_PI / 4, 0, -TY_PI / 24, 0};
-    const double way[3] = {-(double)normal.x, -(double)normal.y, -(double)normal.z};
+    const double omega[3] = {-(double)normal.x, -(double)normal.y, -(double)normal.z};
     double y[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX], sum = 0;
     const int32_t bands = light->output_bands < 6 ? light->output_bands : 6;
-    ty_harmonics_at(way, bands, y);
+    ty_harmonics_at(omega, bands, y);
     for (int32_t l = 0; l < bands; ++l)
         for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t)
             sum += cosine[l] * y[t] * (double)ty_dom_plane(light, light->moments[channel], t)[cell];
     return ty_maxf(0, (float)sum);
 }
 
-static void turn(const ty_dom* light, int32_t channel, int32_t side, size_t cell, float* const terms[TY_FIELD_TERMS]) {
-    const ty_boundary_side* wall = &light->boundary->sides[side];
-    const float normal[3] = {wall->normal.x, wall->normal.y, wall->normal.z};
-    float along = 0, wanted = light->wall_irradiance[channel][side];
-    if (wall->stairs > least_slant) wanted = irradiance_of(light, channel, cell, wall->normal);
-    wanted += light->wall_forward[channel][side];
+static void match_side(const ty_dom* light, int32_t channel, int32_t side, size_t cell,
+                       float* const terms[TY_FIELD_TERMS]) {
+    const ty_boundary_side* boundary_side = &light->boundary->sides[side];
+    const float normal[3] = {boundary_side->normal.x, boundary_side->normal.y, boundary_side->normal.z};
+    float along = 0, target = light->wall_irradiance[channel][side];
+    if (boundary_side->staircase_factor > min_slant)
+        target = irradiance_of(light, channel, cell, boundary_side->normal);
+    target += light->wall_forward[channel][side];
     for (int a = 0; a < 3; ++a) along += terms[1 + a][cell] * normal[a];
     /* pi (even - 2/3 along) is what first moments bring. */
-    const float more = 1.5f * (terms[0][cell] - wanted / TY_PI) - along;
-    for (int a = 0; a < 3; ++a) terms[1 + a][cell] += more * normal[a];
+    const float difference = 1.5f * (terms[0][cell] - target / TY_PI) - along;
+    for (int a = 0; a < 3; ++a) terms[1 + a][cell] += difference * normal[a];
 }
 
 void ty_dom_match_wall_irradiance(const ty_dom* light, int32_t channel, float* const terms[TY_FIELD_TERMS]) {
@@ -36,5 +38,5 @@ void ty_dom_match_wall_irradiance(const ty_dom* light, int32_t channel, float* c
     const int64_t rows = (int64_t)walls->size[1] * walls->size[2];
     for (int64_t row = 0; row < rows; ++row)
         for (int32_t side = walls->first[row]; side < walls->first[row + 1]; ++side)
-            turn(light, channel, side, (size_t)row * (size_t)walls->size[0] + (size_t)walls->x[side], terms);
+            match_side(light, channel, side, (size_t)row * (size_t)walls->size[0] + (size_t)walls->x[side], terms);
 }
