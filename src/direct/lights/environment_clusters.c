@@ -1,4 +1,4 @@
-/* Environment light, cut into parts. */
+/* Clusters of an environment light, by recursive splits of its latitude-longitude table. */
 #include "direct/lights/environment_clusters.h"
 
 #include "base/context.h"
@@ -7,21 +7,22 @@
 #include "scene/environment_map.k.h"
 #include "scene/scene.h"
 
-/* Places along each side of a part where it may be cut. */
+/* Candidate split positions along each side of a region. */
 enum { MAX_SPLITS = 24 };
 
-/* Of a cell's mass, the part that importance does not decide: nothing bright is left to one part. */
+/* Minimum importance relative to its maximum: no bright region is left to one cluster. */
 static const double MIN_IMPORTANCE = 0.03;
 
-/* Importance counts to the power N / (N + 8): a few parts must stand for all light, whichever is seen most. */
+/* Importance is raised to the power N / (N + 8) for N clusters: a few clusters have to represent all light, seen or
+ * not. */
 static const double IMPORTANCE_HALF_COUNT = 8;
 
 static const double pi = 3.14159265358979323846;
 
-/* Sums over a stretch of the sphere. */
+/* Sums over a rectangle of the latitude-longitude table. */
 typedef struct moments {
     double color[3];    /* irradiance, W m^-2 */
-    double flow[3];     /* luminance times the direction one looks along */
+    double flow[3];     /* first moment: luminance times the direction towards the light */
     double mass;        /* luminance times importance */
     double solid_angle; /* sr */
 } moments;
@@ -29,17 +30,17 @@ typedef struct moments {
 typedef struct table_job {
     const ty_environment_view* environment;
     const ty_environment_clusters_def* def;
-    double power;         /* of importance */
+    double power;         /* exponent of the importance */
     int32_t size[2];      /* cells */
-    moments* sums;        /* (size[0] + 1) x (size[1] + 1): first of cells, then of all up to a corner */
-    int32_t shift;        /* of columns: where the sphere is cut open */
-    double min_luminance; /* luminance that differences of sums cannot be told from 0 by */
+    moments* sums;        /* summed-area table, (size[0] + 1) x (size[1] + 1); at first one entry per cell */
+    int32_t shift;        /* column at which the sphere is cut open */
+    double min_luminance; /* luminance below the rounding error of differences of the table */
 } table_job;
 
 typedef struct region {
     int32_t from[2], to[2]; /* cells */
     moments sum;
-    double gain; /* light times the change of direction that a cut makes of it; 0: there is none */
+    double gain; /* luminance-weighted gain of mean vector length by the best split; 0: no split */
     int32_t axis, split;
 } region;
 
@@ -91,7 +92,7 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
     }
 }
 
-/* Turns sums of cells into sums of all cells up to a corner. */
+/* Replaces sums of cells by sums of all cells up to each corner. */
 static void accumulate(const table_job* job) {
     const size_t row = (size_t)job->size[0] + 1;
     for (size_t i = 0; i < row; ++i) job->sums[i] = (moments){.mass = 0};
@@ -115,8 +116,8 @@ static moments sum_of(const table_job* job, const int32_t from[2], const int32_t
 
 /* ---- parts ---- */
 
-/* Where a part is best cut: the lengths of the halves' mean vectors say how much light goes which way. Ties go to cuts
- * along the first axis, so that rounding does not decide. */
+/* Finds the split that maximises the sum of the halves' mean vector lengths. Ties go to the first axis, so that
+ * rounding does not decide. */
 static void find_split(const table_job* job, region* p) {
     const double lum = luminance(p->sum.color), whole_length = length_of(p->sum.flow);
     double best = whole_length + 1e-7 * lum;
@@ -147,7 +148,7 @@ static void split(const table_job* job, region* p, region* rest) {
     find_split(job, rest);
 }
 
-/* Cuts the part whose cut gains most, again and again. */
+/* Splits the region of the largest gain until there are max_regions. */
 static int32_t split_regions(const table_job* job, region* regions, int32_t max_regions) {
     int32_t count = 1;
     regions[0] = (region){.to = {job->size[0], job->size[1]}};
@@ -163,7 +164,8 @@ static int32_t split_regions(const table_job* job, region* regions, int32_t max_
     return count;
 }
 
-/* The table sums what lookups blend, or misses it between cells: the light's own mean is what counts. */
+/* Scales the sums to the environment's own mean: bilinear lookups blend neighbouring texels, which the table does not.
+ */
 static void find_scale(const table_job* job, const moments* all, double scale[3]) {
     for (int c = 0; c < 3; ++c) {
         const double total = 4 * pi * (double)job->environment->constant[c];

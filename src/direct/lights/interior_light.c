@@ -2,14 +2,14 @@
 
 #include <math.h>
 
-/* Measured: a point light in the middle of a ball of 2 to 3.3 mean free paths radius (docs/method/fld.md). */
+/* Measured for a point light at the center of a ball with a radius of 2 to 3.3 mean free paths (docs/method/fld.md). */
 static const double interior_max_flux = 0.8;
 
 static double mean_color(const float rgb[3]) {
     return (double)(rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
-/* Half of the box's surface: no side of a direction shows more. */
+/* Half of the box's surface area, an upper bound of its projected area. */
 static double half_surface_area(const ty_grid_box* box) {
     double edge[3];
     for (int a = 0; a < 3; ++a) edge[a] = box->upper[a] - box->lower[a];

@@ -1,33 +1,33 @@
-/* Virtual point lights, chosen from reflective shadow maps. */
+/* Virtual point lights clustered from reflective shadow maps. */
 #include "direct/lights/vpl.h"
 
 #include "base/context.h"
 #include "direct/shadow/shadow_map.h"
 #include "scene/scene.h"
 
-/* Surfaces farther from the medium than this many of its longest sides are left out of directional lights' maps. */
+/* Surfaces farther from the medium than this multiple of its longest side are left out of directional lights' maps. */
 static const double MAX_DISTANCE = 8;
 
-/* Lights whose maps are of full size; more of them share as many texels. */
+/* Number of lights with full-size maps; more lights share the same total number of texels. */
 enum { FULL_MAPS = 16, MIN_SIDE = 16 };
 
-/* What texels are sorted by: positions in sides of the medium's box, and normals, of which opposite ones are a side
- * apart. */
+/* Dimensions that texels are clustered in: positions in units of the box's longest side, and normals, scaled so that
+ * opposite ones are 1 apart. */
 enum { KEYS = 6 };
 
-/* A texel whose light can meet the medium. */
+/* A texel that faces the medium. */
 typedef struct vpl_texel {
     const ty_shadow_texel* texel;
     float key[KEYS];
     int32_t light;
-    double weight; /* luminance as far as it matters to the medium */
+    double weight; /* luminance times cosine over square distance */
 } vpl_texel;
 
-/* Sums over the texels that a VPL stands for. */
+/* Sums over the texels of one VPL. */
 typedef struct cluster {
     double flux[3];
-    double solid_angle;                    /* of its surfaces, as seen from the medium, sr */
-    double position_sum[3], luminance_sum; /* sums of luminance times position, and of luminance */
+    double solid_angle;                    /* of its surfaces as seen from the medium, sr */
+    double position_sum[3], luminance_sum; /* sum of luminance times position, and of luminance */
 } cluster;
 
 typedef struct vpl_list {
@@ -37,7 +37,7 @@ typedef struct vpl_list {
     ty_shadow_map** maps;
     int32_t map_count;
     ty_vec center, half_side; /* of the medium's box */
-    float longest;            /* side of it, m */
+    float longest;            /* longest side, m */
     vpl_texel* texels;
     size_t texel_count;
     ty_discrete_light_set* out;
@@ -58,8 +58,8 @@ static double clamped_square_distance(const vpl_list* list, ty_vec off) {
     return fmax((double)ty_dot(off, off), 0.25 * (double)(list->longest * list->longest));
 }
 
-/* Luminance, times the cosine law towards the medium, not below a tenth, over the square of the distance, not within
- * the medium's size; 0 where the surface faces away from all of it. */
+/* Luminance times the cosine towards the medium (at least 0.1) over the square of the distance (at least half of the
+ * box); 0 where the surface faces away from the whole box. */
 static double weight_of(const vpl_list* list, const ty_shadow_texel* texel) {
     const ty_vec off = ty_sub(list->center, texel->position), n = texel->normal, half_side = list->half_side;
     const float luminance_sum = luminance(texel);
@@ -83,7 +83,7 @@ static void list_map(vpl_list* list, const ty_shadow_map* map) {
 
 /* ---- shares: texels near one another that face alike ---- */
 
-/* Along which key texels differ most; *total: of their weights. */
+/* The key with the largest weighted variance. *total: sum of the weights. */
 static int32_t widest_key(const vpl_texel* texels, size_t count, double* total) {
     double sum[KEYS] = {0}, square[KEYS] = {0};
     int32_t widest = 0;
@@ -109,7 +109,8 @@ static void swap(vpl_texel* a, vpl_texel* b) {
     *b = kept;
 }
 
-/* Brings texels into order along a key as far as it takes to find how many of the first have a weight together. */
+/* Partially sorts texels along a key (quickselect by weight); returns the number of texels with the given total weight.
+ */
 static size_t split_by_weight(vpl_texel* texels, size_t count, int32_t key, double weight) {
     size_t begin = 0, end = count;
     double passed = 0;
@@ -156,7 +157,7 @@ static void add_to_cluster(const vpl_list* list, const ty_shadow_texel* texel, c
     group->luminance_sum += luminance_sum;
 }
 
-/* The texel next to the middle of their light. */
+/* The texel nearest to the luminance-weighted mean position. */
 static const vpl_texel* nearest_of(const cluster* group, const vpl_texel* texels, size_t count) {
     const vpl_texel* nearest = texels;
     double min_square = INFINITY;
@@ -173,8 +174,8 @@ static const vpl_texel* nearest_of(const cluster* group, const vpl_texel* texels
     return nearest;
 }
 
-/* Light of a share comes, for the medium, from as much of the sphere as its surfaces take of it: its mean cosine is
- * 1 - w / N as for environments, with w / N that part. */
+/* Mean cosine 1 - w / N as for environments, w / N being the fraction of the sphere that the cluster's surfaces subtend
+ * at the medium. */
 static float cosine_of(const vpl_list* list, double solid_angle) {
     return (float)pow(1 - fmin(1, solid_angle / (4 * 3.14159265358979323846)), list->def->prefilter);
 }
@@ -198,7 +199,7 @@ static void add_vpl(vpl_list* list, const vpl_texel* texels, size_t count) {
     for (int c = 0; c < 3; ++c) vpl->color[c] = (float)group.flux[c] / TY_PI;
 }
 
-/* Shares texels out among `wanted` VPLs, by halves. */
+/* Partitions texels into max_count clusters of about equal weight, by recursive halving. */
 static void split_texels(vpl_list* list, vpl_texel* texels, size_t count, size_t max_count) {
     if (max_count <= 1) {
         add_vpl(list, texels, count);
@@ -270,7 +271,7 @@ static ty_result make_maps(vpl_list* list, int32_t lights, float* const* extinct
     return TY_OK;
 }
 
-/* What reaches surfaces is all light that keeps its direction, where media are reduced. */
+/* The maps' light is attenuated by the delta-scaled extinction where list->def->reduced is set. */
 static ty_result make_attenuated_maps(vpl_list* list, int32_t lights) {
     const ty_grid_medium* medium = list->medium;
     ty_context* context = medium->context;

@@ -1,4 +1,4 @@
-/* Separable means of voxels. */
+/* Separable cell means of grids whose axes are those of the cells. */
 #include "direct/media/aligned.h"
 
 #include "base/context.h"
@@ -10,7 +10,7 @@ static bool is_aligned(const ty_medium_view* medium) {
     return true;
 }
 
-/* Negative densities count as 0 at every point, which means do not know of. */
+/* True if a voxel is negative: lookups clamp each sample at 0, which separable means cannot. */
 static bool has_negative(const ty_medium_view* medium) {
     const int32_t* bricks = medium->grid.bricks;
     const size_t count = (size_t)bricks[0] * (size_t)bricks[1] * (size_t)bricks[2];
@@ -19,7 +19,7 @@ static bool has_negative(const ty_medium_view* medium) {
     return false;
 }
 
-/* Cell `index` along axis a. */
+/* Weights of the voxels along axis a for cell `index`; false if they do not fit. */
 static bool find_weights(const ty_grid_medium* out, const ty_medium_view* medium, int32_t samples, int a, int32_t index,
                          ty_aligned_cell* cell) {
     const float *map = medium->to_index, last = (float)medium->grid.size[a];
@@ -79,7 +79,7 @@ void ty_aligned_destroy(const ty_grid_medium* out, ty_aligned* aligned) {
     aligned->scratch = NULL;
 }
 
-/* Adds a row of voxels times weight to sum, which begins with the voxel before the first and ends two past the last. */
+/* Adds a row of voxels times weight to sum, which starts one voxel before the first and ends two past the last. */
 static void add_voxels(const ty_grid_view* grid, int32_t j, int32_t k, float weight, float* sum) {
     const int32_t nx = grid->size[0], ny = grid->size[1], nz = grid->size[2];
     const bool outside = j < 0 || k < 0 || j >= ny || k >= nz;

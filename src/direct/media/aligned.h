@@ -1,4 +1,4 @@
-/* Means of a density grid over cells whose axes are the grid's: a few products instead of many lookups. */
+/* Means of a density grid over cells with the same axes, by three one-dimensional filters instead of many lookups. */
 #ifndef TY_DIRECT_MEDIA_ALIGNED_H
 #define TY_DIRECT_MEDIA_ALIGNED_H
 
@@ -7,23 +7,23 @@
 
 enum { TY_ALIGNED_VOXELS = 20 };
 
-/* How much of each voxel along an axis a cell holds, on the mean over its sample points. */
+/* Weights of the voxels along one axis in the mean over a cell's sample points. */
 typedef struct ty_aligned_cell {
     int32_t first, count;
     float weight[TY_ALIGNED_VOXELS];
 } ty_aligned_cell;
 
 typedef struct ty_aligned {
-    ty_aligned_cell* cells[3]; /* per axis; NULL: the grid is not aligned, or what is sampled not linear in it */
-    float* scratch;            /* of the workers */
-    size_t scratch_size;       /* of each */
+    ty_aligned_cell* cells[3]; /* per axis; NULL: the grid is not aligned, or the density is not linear in it */
+    float* scratch;            /* of all workers */
+    size_t scratch_size;       /* floats of each worker */
 } ty_aligned;
 
-/* samples: points along a cell's sides, at most two a voxel and 16. Errors: TY_ERROR_MEMORY. */
+/* samples: points along a cell's sides, at most two per voxel and 16. Errors: TY_ERROR_MEMORY. */
 ty_result ty_aligned_create(const ty_grid_medium* out, const ty_medium_view* medium, const int32_t samples[3],
                             ty_aligned* aligned);
 void ty_aligned_destroy(const ty_grid_medium* out, ty_aligned* aligned);
-/* The mean densities of row (y, z) of cells, in the worker's scratch. */
+/* Mean densities of row (y, z) of cells, in the worker's scratch. */
 const float* ty_aligned_row(const ty_aligned* aligned, const ty_grid_medium* out, const ty_medium_view* medium,
                             int32_t y, int32_t z, int32_t worker);
 

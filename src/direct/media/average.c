@@ -1,4 +1,4 @@
-/* Means of one cut of a box over the cells of another. */
+/* Overlap-weighted means of cells over other cells of the same box. */
 #include "base/float_mode.h"
 #include "base/context.h"
 #include "direct/media/grid_medium.h"
@@ -12,10 +12,10 @@ typedef struct average_job {
     int32_t from_size[3], to_size[3];
 } average_job;
 
-/* The stretch of old cells that a new one covers, and how much of the new one each end fills. */
+/* The range of source cells that a target cell covers, and the target's bounds. */
 typedef struct overlap {
     int32_t begin, end;
-    double lower, upper, scale; /* of the new cell in old ones; new cells per old one */
+    double lower, upper, scale; /* target cell in source cells; target cells per source cell */
 } overlap;
 
 static overlap overlap_of(int32_t index, int32_t from, int32_t to) {
@@ -29,16 +29,16 @@ static overlap overlap_of(int32_t index, int32_t from, int32_t to) {
     return o;
 }
 
-/* The share of the new cell that old cell `at` is. */
+/* The fraction of the target cell that source cell `at` covers. */
 static double weight_of(const overlap* o, int32_t at) {
     const double lower = at < o->lower ? o->lower : at, upper = at + 1 > o->upper ? o->upper : at + 1;
     return (upper - lower) * o->scale;
 }
 
-/* Old cells of a row whose means across are made together. */
+/* Source cells of a row that are averaged across rows at a time. */
 enum { BLOCK = 1024 };
 
-/* Means of a block of old cells, from x on, over the rows that y and z cover. */
+/* Means over the rows that y and z cover, for a block of source cells from x on. */
 typedef struct block_means {
     double plain[BLOCK], weighted[BLOCK];
 } block_means;
@@ -61,7 +61,7 @@ static void mean_across(const average_job* job, const overlap* y, const overlap*
         }
 }
 
-/* Adds a block's part to the new cells that it touches; to begins with the first one. */
+/* Adds a block's contribution to the target cells that it overlaps; `to` is the first target cell of the row. */
 static void add_along(const average_job* job, int32_t x, int32_t count, const double sum[BLOCK], float* to) {
     const int32_t from_size = job->from_size[0], to_size = job->to_size[0];
     const int32_t times = from_size % to_size == 0 && x == 0 && count == from_size ? from_size / to_size : 0;

@@ -1,4 +1,4 @@
-/* Rays from cell to cell of a medium. */
+/* Traversal of a medium's cells along a ray (3D DDA). */
 #ifndef TY_DIRECT_MEDIA_CELL_RAY_H
 #define TY_DIRECT_MEDIA_CELL_RAY_H
 
@@ -7,12 +7,12 @@
 #include <math.h>
 
 typedef struct ty_cell_ray {
-    double at, end;              /* m along the ray */
-    double next[3], per_cell[3]; /* where it leaves its cell along each axis, and how far it is through one, m */
+    double at, end;              /* current and last distance, m along the ray */
+    double next[3], per_cell[3]; /* distance to the next cell boundary along each axis, and between boundaries, m */
     int32_t cell[3], step[3];
 } ty_cell_ray;
 
-/* fmin and fmax where nothing is NaN; those are calls. */
+/* fmin and fmax without NaN handling, which the compiler inlines. */
 static inline double ty_cell_min(double a, double b) {
     return a < b ? a : b;
 }
@@ -21,7 +21,7 @@ static inline double ty_cell_max(double a, double b) {
     return a > b ? a : b;
 }
 
-/* Cuts the ray, [at, end], to the box; false where it misses. */
+/* Clips the ray's range [at, end] to the box; false where it misses. */
 static inline bool ty_cell_ray_clip(const ty_grid_box* box, const double origin[3], const double omega[3],
                                     ty_cell_ray* ray) {
     for (int a = 0; a < 3; ++a) {
@@ -36,7 +36,7 @@ static inline bool ty_cell_ray_clip(const ty_grid_box* box, const double origin[
     return ray->at < ray->end;
 }
 
-/* Finds the cell of the ray's first point, which is in the box. */
+/* Initialises the traversal at the ray's first point, which is in the box. */
 static inline void ty_cell_ray_begin(const ty_grid_medium* medium, const double origin[3], const double omega[3],
                                      ty_cell_ray* ray) {
     for (int a = 0; a < 3; ++a) {
@@ -50,7 +50,7 @@ static inline void ty_cell_ray_begin(const ty_grid_medium* medium, const double 
     }
 }
 
-/* Where the ray leaves its cell or ends. */
+/* Distance at which the ray leaves its cell or ends. */
 static inline double ty_cell_ray_leave(const ty_cell_ray* ray) {
     return ty_cell_min(ray->end, ty_cell_min(ray->next[0], ty_cell_min(ray->next[1], ray->next[2])));
 }
@@ -60,7 +60,7 @@ static inline size_t ty_cell_ray_index(const ty_grid_medium* medium, const ty_ce
     return (size_t)ray->cell[0] + (size_t)medium->box.size[0] * row;
 }
 
-/* Moves on to the next cell; false past the box or the end. */
+/* Advances to the next cell; false past the box or the end. */
 static inline bool ty_cell_ray_advance(const ty_grid_medium* medium, ty_cell_ray* ray) {
     const int xy = ray->next[0] < ray->next[1] ? 0 : 1;
     const int a = ray->next[xy] < ray->next[2] ? xy : 2;

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-/* Cell `index` of `count` from lower to upper; a cell without extent is a point, and the upper face is part of the box.
- */
+/* Coverage along an axis by cell `index` of `count` from lower to upper. A cell without extent is a point; the upper
+ * face belongs to the box. */
 static ty_coverage cover_along(const ty_grid_box* box, int axis, double lower, double upper, int32_t index,
                                int32_t count) {
     const double per_metre = box->size[axis] / (box->upper[axis] - box->lower[axis]);

@@ -14,8 +14,8 @@ enum { COVERAGE_SAMPLES = 4, SAMPLES_MAX = 16 };
 
 /* ---- the box ---- */
 
-/* Widens density[3], voxels per metre along the axes, to those of a grid whose index space the world is mapped to. */
-/* Cells along the longest side where none are asked for. */
+/* Raises density[3], voxels per metre along the world's axes, to at least that of a grid with this transform. */
+/* Cells along the longest side by default, with and without voxels. */
 enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64 };
 
 static void raise_density(const float to_index[12], double density[3]) {
@@ -26,7 +26,7 @@ static void raise_density(const float to_index[12], double density[3]) {
     }
 }
 
-/* Voxels per metre along the axes, of the finest of a medium's grids; 0 without any. */
+/* Voxels per metre along the axes of the finest of a medium's grids; 0 without grids. */
 static void voxel_density(const ty_medium_view* medium, double density[3]) {
     for (int a = 0; a < 3; ++a) density[a] = 0;
     if (medium->has_grid != 0) raise_density(medium->to_index, density);
@@ -156,18 +156,18 @@ void ty_grid_medium_destroy(ty_grid_medium* medium) {
 typedef struct sample_job {
     ty_grid_medium* out;
     const ty_medium_view* medium;
-    const ty_grid* coverage; /* NULL: all of each cell */
-    int32_t samples[3];      /* along a cell's sides */
-    bool only_density;       /* only_density_varies */
-    ty_aligned aligned;      /* where the density's means are had more quickly */
+    const ty_grid* coverage; /* fraction of each cell within the bounds; NULL: 1 */
+    int32_t samples[3];      /* points along a cell's sides */
+    bool only_density;       /* coefficients vary by density alone */
+    ty_aligned aligned;      /* separable means of the density where its cells are not NULL */
 } sample_job;
 
-/* Coefficients at a point, weighted by density and by g where they are for the mean cosine. */
+/* Coefficients at a point, weighted by density; scattering_g is sigma_s g. */
 typedef struct cell_sums {
     double extinction[3], scattering[3], scattering_g[3], emission[3];
 } cell_sums;
 
-/* Density at a point that is within the bounds; 0 past the last voxels' reach. */
+/* Density at a point within the bounds; 0 beyond the reach of the outer voxels. */
 static float density_at(const ty_medium_view* medium, ty_vec point) {
     if (medium->has_grid == 0) return 1.0f;
     const ty_vec p = ty_map_point(medium->to_index, point);
@@ -192,13 +192,13 @@ static void add_density(const ty_medium_view* medium, ty_vec point, double densi
     }
 }
 
-/* Whether coefficients at density 1 are the same everywhere. */
+/* True if coefficients at density 1 are constant in space. */
 static bool only_density_varies(const ty_medium_view* medium) {
     return medium->albedo_fields == 0 && medium->transfer_albedo == 0 && medium->has_g_field == 0 &&
            medium->has_temperature == 0;
 }
 
-/* Sums over a cell's points. */
+/* Sums over a cell's sample points. */
 static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
     const ty_grid_medium* out = job->out;
     const int32_t* samples = job->samples;
@@ -220,14 +220,14 @@ static cell_sums sample_cell(const sample_job* job, const int32_t cell[3]) {
     return sums;
 }
 
-/* The share of a cell within the medium's bounds. */
+/* The fraction of a cell within the medium's bounds. */
 static float covered_fraction(const sample_job* job, int32_t x, int64_t row) {
     const int32_t* size = job->out->box.size;
     if (job->coverage == NULL) return 1.0f;
     return ty_grid_voxel(job->coverage, x, (int32_t)(row % size[1]), (int32_t)(row / size[1]));
 }
 
-/* Adds sums to a cell; g holds scattering times g until the end. */
+/* Adds sums to a cell; g holds sigma_s g until divide_g. */
 static void add_sums(const sample_job* job, size_t at, double weight, const cell_sums* sums) {
     ty_grid_medium* out = job->out;
     for (int32_t c = 0; c < out->planes; ++c) {
@@ -239,7 +239,7 @@ static void add_sums(const sample_job* job, size_t at, double weight, const cell
         out->emission[c][at] += (float)(4 * (double)TY_PI * weight * sums->emission[c]);
 }
 
-/* Adds a medium to one row of cells. */
+/* Adds a medium to one row of cells by point samples. */
 static void sample_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const sample_job* job = user;
@@ -256,7 +256,7 @@ static void sample_row(void* user, int64_t index, int32_t worker) {
     ty_restore_denormals(state);
 }
 
-/* The same where only density varies, along the axes of cells. */
+/* Adds a medium of which only the density varies to one row of cells, by separable means. */
 static void mean_row(void* user, int64_t index, int32_t worker) {
     const sample_job* job = user;
     const int32_t* size = job->out->box.size;
@@ -272,7 +272,7 @@ static void mean_row(void* user, int64_t index, int32_t worker) {
     ty_restore_denormals(state);
 }
 
-/* Whether all of the cells are within a medium's bounds, by a box whose axes are theirs. */
+/* True if all cells lie within a medium's bounds, for boxes with the axes of the cells. */
 static bool covers_all(const ty_scene* scene, int32_t index, const ty_grid_medium* out) {
     const ty_medium_view* medium = &ty_scene_get_view(scene)->media[index];
     if (medium->bounds == TY_BOUNDED_NOT) return true;
@@ -311,7 +311,7 @@ static ty_result add_medium(const ty_scene* scene, int32_t index, ty_grid_medium
     return result;
 }
 
-/* From scattering times g to g. */
+/* Replaces sigma_s g by g. */
 static void divide_g(ty_grid_medium* medium) {
     for (int32_t c = 0; c < medium->planes; ++c)
         for (size_t i = 0; i < medium->cells; ++i)
@@ -343,7 +343,7 @@ ty_result ty_grid_medium_create(const ty_scene* scene, const ty_grid_box* box, t
 
 /* ---- other cells ---- */
 
-/* g goes through the mean of scattering times g. */
+/* Averages g with the weight sigma_s. */
 static ty_result resize_g(const ty_grid_medium* from, ty_grid_medium* to) {
     float* scattering_g = ty_alloc_array(from->context, from->cells, sizeof *scattering_g, false);
     if (scattering_g == NULL) return TY_ERROR_MEMORY;
@@ -384,7 +384,7 @@ enum { REDUCTION_CHUNK = 1 << 10 };
 typedef struct reduction {
     const ty_grid_medium* medium;
     int32_t order;
-    float fraction; /* times g^order */
+    float fraction; /* factor of g^order */
     float* const* planes;
 } reduction;
 

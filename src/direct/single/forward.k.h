@@ -1,35 +1,36 @@
-/* Light that keeps the direction it came in with, and what of it scatters once more.
+/* Collided light that still travels in the forward lobe of a beam, and its next scattering.
  *
- * Of a beam e^-tau goes straight through, tau the integral of sigma_t. What has scattered n times has the moments
- * g^(n l) about the beam; over the Poisson number of scatterings the l-th is e^-tau_l, tau_l of sigma_t - g^l sigma_s
- * (the exact form of what Elek et al. 2014, Eq. 4, have for g -> 1). Diffusion, which knows two moments, is exact to
- * them if what it is not given stays with the beam as both fluence and flux: R = e^-tau_1, the reduced beam. So light
- * that has scattered and kept its direction is R - U (U = e^-tau) with the moments (R - U), (R - U), S - U, ...,
- * S = e^-tau_2: of b = (S - U) / (R - U) to the power l - 1, the lobe ((R - U) / b) (HG(b) - (1 - b) / (4 pi)). */
+ * Unscattered light falls off as U = e^-tau, tau being the integral of sigma_t. After n collisions the l-th Legendre
+ * moment of the radiance about the beam is g^(n l); the Poisson mean over n gives e^-tau_l with tau_l the integral of
+ * sigma_t - g^l sigma_s (exact form of Eq. 4, Elek 2014, which holds for g -> 1). Diffusion solves for two moments. It
+ * stays exact in both if the light that is withheld from its source is the reduced beam R = e^-tau_1, as fluence and as
+ * flux (similarity; Joseph, Wiscombe and Weinman 1976). So the collided light in the forward lobe has the moments R -
+ * U, R - U, S - U, ... with S = e^-tau_2. With b = (S - U) / (R - U), moment l is taken as (R - U) b^(l - 1): the lobe
+ * ((R - U) / b) (HG(b) - (1 - b) / (4 pi)). */
 #ifndef TY_DIRECT_SINGLE_FORWARD_K_H
 #define TY_DIRECT_SINGLE_FORWARD_K_H
 
 #include "scene/phase.k.h"
 
-/* Fluences U, R and S of a beam (or what is proportional to them), and the mean cosine of what came in. */
+/* Fluences U, R and S of a beam, in a common unit, and the mean cosine of the light before the medium. */
 typedef struct ty_forward {
     float phi_unscattered, phi_order_l, phi_next_order;
-    float mean_cosine; /* 1: a line; 0..1 */
+    float mean_cosine; /* 0..1; 1: a line */
 } ty_forward;
 
-/* A phase function whose peak counts as light that goes straight on, outside of which its first Legendre moments are
- * fitted to it: c_l, l < bands. */
+/* Delta-fit of a phase function (Hu et al. 2000): a forward fraction f counts as unscattered, and Legendre moments c_l,
+ * l < bands, fit the phase function outside of its peak. */
 enum { TY_FORWARD_BANDS_MAX = 12 };
 typedef struct ty_forward_fit {
-    int32_t bands; /* 0: none, phase functions are cut after L bands instead (delta-M) */
+    int32_t bands; /* 0: no fit; phase functions are truncated after L bands (delta-M, Wiscombe 1977) */
     float forward_fraction;
     float moments[TY_FORWARD_BANDS_MAX];
 } ty_forward_fit;
 
-/* Scatterings in the mean after which hardly any light goes about straight, and whose power floats still hold. */
+/* Mean number of collisions after which hardly any light is left in the peak; e to this power fits a float. */
 #define TY_FORWARD_MAX_COLLISIONS 80.0f
 
-/* Cosines up to which there is nothing of a peak, and from which all of it is. */
+/* Cosines at which the weight of the peak begins to rise, and at which it is 1. */
 #define TY_FORWARD_PEAK_BEGIN 0.7f
 #define TY_FORWARD_PEAK_FULL 0.9f
 
@@ -40,31 +41,31 @@ TY_FN float ty_hg_slope(float mu, float x) {
     return ((2.0f * mu - x) * (1.0f + u + base) - x * (1.0f + u)) / ((1.0f + u) * cube);
 }
 
-/* The mean cosine of light that has scattered and kept its direction (above): u, r, s are U, R, S. */
+/* Mean cosine b = (S - U) / (R - U) of the collided light in the lobe; u, r, s are U, R, S. */
 TY_FN float ty_forward_lobe_cosine(float u, float r, float s) {
     return ty_clampf((s - u) / ty_maxf(r - u, 1e-20f), 0.0f, 1.0f);
 }
 
-/* Its radiance at cosine mu about the direction, scattered once more by `spread` (a phase function's mean cosine, or of
- * the light that comes in, or their product). Its moments are right; far from the direction it may be a little below 0,
- * which the diffusion's light makes up for. */
+/* Radiance of the lobe at cosine mu, after one more scattering with mean cosine `spread` (of the phase function, of the
+ * incident light, or their product). Its first moments are exact; far from the axis it may be slightly negative, which
+ * the diffuse light compensates. */
 TY_FN float ty_forward_lobe(float mu, float u, float r, float s, float spread) {
     const float x = ty_forward_lobe_cosine(u, r, s) * spread;
     return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * ty_hg_slope(mu, x));
 }
 
-/* What of the light that has scattered and kept its direction scatters once more in a medium of mean cosine g at cosine
- * mu, per scattering coefficient; below 0 where the diffuse light, to which it belongs, is more. */
+/* Lobe light scattered once more in a medium of mean cosine g at cosine mu, per scattering coefficient. It may be
+ * negative, as the diffuse light that it belongs to is larger. */
 TY_FN float ty_forward_scattered(ty_forward light, float mu, float g) {
     return ty_forward_lobe(mu, light.phi_unscattered, light.phi_order_l, light.phi_next_order, light.mean_cosine * g);
 }
 
-/* Terms of a series that falls off slowly at worst, and what b^L must be for its closed form to keep its digits. */
+/* Number of terms of the slowly convergent series, and the smallest b^L for which its closed form keeps its digits. */
 enum { TY_FORWARD_SERIES_TERMS = 16 };
 #define TY_FORWARD_MIN_POWER 1e-2f
 
-/* Moments of 1 up to l = L and b^(l - L) from there on, scattered once by a mean cosine g at cosine mu, times 4 pi;
- * below: the part of l < L. L = order >= 1. */
+/* 4 pi times the scattering at cosine mu, by mean cosine g, of a lobe with moments 1 for l <= L and b^(l - L) above.
+ * below: the sum over l < L. L = order >= 1. */
 TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* below) {
     const float x = g * b;
     float p_before = 0.0f, p_l = 1.0f, g_l = 1.0f, x_l = 1.0f, b_l = 1.0f, low_sum = 0.0f, tail = 0.0f;
@@ -92,10 +93,9 @@ TY_FN float ty_forward_tail(float b, float mu, float g, int32_t order, float* be
     return tail;
 }
 
-/* As ty_forward_scattered, of a line of light where others know not one moment but those of l < L, to which R, of
- * sigma_t - g^L sigma_s, is given in full (delta-M); S is that of L + 1. Light that has scattered and kept its
- * direction then has the moments R - U up to l = L and, as it has b = (S - U) / (R - U) of that at the next, (R - U)
- * b^(l - L) from there on. */
+/* Like ty_forward_scattered, for a solver of L moments that is given R with tau of sigma_t - g^L sigma_s in full
+ * (delta-M); S has order L + 1. The collided light in the lobe has the moments R - U for l <= L, and (R - U) b^(l - L)
+ * above, with b = (S - U) / (R - U). */
 TY_FN float ty_forward_scattered_order(ty_forward light, float mu, float g, int32_t order) {
     float below;
     const float tail = ty_forward_tail(
@@ -103,14 +103,14 @@ TY_FN float ty_forward_scattered_order(ty_forward light, float mu, float g, int3
     return ty_maxf(0.0f, light.phi_order_l - light.phi_unscattered) * TY_INV_4PI * (below + tail);
 }
 
-/* How much of what is at cosine mu belongs to the peak. */
+/* Weight of the peak at cosine mu. */
 TY_FN float ty_forward_peak_weight(float mu) {
     const float x =
         ty_clampf((mu - TY_FORWARD_PEAK_BEGIN) * (1.0f / (TY_FORWARD_PEAK_FULL - TY_FORWARD_PEAK_BEGIN)), 0.0f, 1.0f);
     return x * x * (3.0f - 2.0f * x);
 }
 
-/* The fitted phase function. */
+/* The fitted phase function: sum of (2 l + 1) c_l P_l(mu) / (4 pi). */
 TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
     float p_before = 0.0f, p_l = 1.0f, sum = 0.0f;
     for (int32_t l = 0; l < fit->bands; ++l) {
@@ -122,16 +122,16 @@ TY_FN float ty_forward_fitted(TY_GLOBAL const ty_forward_fit* fit, float mu) {
     return TY_INV_4PI * sum;
 }
 
-/* What is seen through what scatters nearly straight on: the phase function beside the peak, and in it the fit. */
+/* The phase function outside of the peak, blended into the fit within it. */
 TY_FN float ty_forward_blended_phase(TY_GLOBAL const ty_forward_fit* fit, float mu, float g) {
     const float phase = ty_hg(mu, g);
     return phase + ty_forward_peak_weight(mu) * (ty_forward_fitted(fit, mu) - phase);
 }
 
-/* What light along a line scatters at cosine mu beyond what a fit says of it, per scattering coefficient. After n
- * scatterings in the mean, moments of what goes that way are U e^(g^l n), of the fit U e^(d_l n), d_l = c_l + straight,
- * of which the fit sees, along ways on which straight goes on, what R = U e^(straight n) does not stand for. From l = L
- * on, they are as in ty_forward_scattered_order. */
+/* Scattering of a beam at cosine mu that the fit lacks, per scattering coefficient. After n collisions on average the
+ * l-th moment of the radiance along the beam is U e^(g^l n). The fit gives U e^(d_l n) with d_l = c_l + f. Of this, R =
+ * U e^(f n) counts as unscattered and is carried separately, so only the difference reaches the eye from the fit.
+ * Moments from l = L on are those of ty_forward_scattered_order. */
 TY_FN float ty_forward_fit_deficit(ty_forward light, float mu, float g, TY_GLOBAL const ty_forward_fit* fit) {
     const float ratio = light.phi_order_l / ty_maxf(light.phi_unscattered, 1e-30f);
     const float n = ty_minf(TY_FORWARD_MAX_COLLISIONS, logf(ty_maxf(1.0f, ratio)) / fit->forward_fraction);
@@ -150,7 +150,7 @@ TY_FN float ty_forward_fit_deficit(ty_forward light, float mu, float g, TY_GLOBA
     return light.phi_unscattered * (ty_hg(mu, g) + TY_INV_4PI * (sum + r * tail));
 }
 
-/* What of the light that has not scattered does so, the same. */
+/* Unscattered light, scattered for the first time at cosine mu. */
 TY_FN float ty_forward_unscattered(ty_forward light, float mu, float g) {
     return light.phi_unscattered * ty_hg(mu, light.mean_cosine * g);
 }

@@ -1,4 +1,4 @@
-/* Light on cells that scatters once, with the phase function as it is. */
+/* Single scattering of fluence on cells, with the exact phase function. */
 #ifndef TY_DIRECT_SINGLE_SINGLE_K_H
 #define TY_DIRECT_SINGLE_SINGLE_K_H
 
@@ -8,36 +8,34 @@
 #include "scene/medium.k.h"
 #include "scene/phase.k.h"
 
-/* Uncollided light of one source, or of many together. */
+/* Uncollided fluence of one light, or of many lights together. */
 typedef struct ty_light_fluence {
-    int32_t kind;                      /* one of the below */
-    ty_discrete_light sample;          /* TY_FLUENCE_DIRECTIONAL: its direction; TY_FLUENCE_POINT: its position */
-    TY_GLOBAL const float* fluence[3]; /* per channel, W m^-2 */
-    TY_GLOBAL const float*
-        unscattered[3]; /* TY_FLUENCE_DIRECTIONAL and _LAMP, where lobe_order is set: U of forward.k.h; fluence is R */
-    TY_GLOBAL const float* next_order[3]; /* S */
-    int32_t lobe_order; /* L of forward.k.h, where these are there; 0: all of fluence comes along one line */
-    TY_GLOBAL const float* flux[3][3]; /* TY_FLUENCE_P1: along x, y, z */
-    int32_t shared;                    /* whether all channels are the first one's planes, times color (as in a
-                                          ty_light_field of one plane) */
+    int32_t kind;                          /* one of the kinds below */
+    ty_discrete_light sample;              /* of TY_FLUENCE_DIRECTIONAL and TY_FLUENCE_POINT */
+    TY_GLOBAL const float* fluence[3];     /* per channel, W m^-2 */
+    TY_GLOBAL const float* unscattered[3]; /* where lobe_order is set: U of forward.k.h, and fluence is R */
+    TY_GLOBAL const float* next_order[3];  /* likewise S */
+    int32_t lobe_order;                    /* L of forward.k.h; 0: all of the fluence travels along one line */
+    TY_GLOBAL const float* flux[3][3];     /* TY_FLUENCE_P1: along x, y, z */
+    int32_t shared; /* all channels are the first one's planes times color, as in a ty_light_field of one plane */
     float color[3];
 } ty_light_fluence;
 
-/* Of TY_FLUENCE_P1 only the mean direction is known: light scatters as (fluence + 3 g flux . way) / (4 pi), not below
- * 0, which is exact for isotropic scattering. TY_FLUENCE_ISOTROPIC scatters as fluence / (4 pi), whatever g is: it is
- * made so for an eye. */
+/* TY_FLUENCE_P1 knows two moments: radiance scatters as (fluence + 3 g flux . omega) / (4 pi), clamped at 0, which is
+ * exact for isotropic scattering. TY_FLUENCE_ISOTROPIC scatters as fluence / (4 pi) for any g: it is made for one eye.
+ */
 enum { TY_FLUENCE_DIRECTIONAL = 0, TY_FLUENCE_POINT = 1, TY_FLUENCE_P1 = 2, TY_FLUENCE_ISOTROPIC = 3 };
 
-/* A channel's fluence of a light, without its factor. */
+/* A channel's plane of fluence; *factor: its scale. */
 TY_FN TY_GLOBAL const float* ty_light_fluence_plane(const ty_light_fluence* light, int32_t channel, float* factor) {
     *factor = light->color[channel];
     return light->fluence[light->shared != 0 ? 0 : channel];
 }
 
-/* A point between the middles of cells; beyond the outer ones light is as it is there. */
+/* Trilinear interpolation between cell centers; constant beyond the outer ones. */
 typedef struct ty_cell_point {
-    size_t base;    /* the lowest of eight cells */
-    size_t step[3]; /* to the next along each axis, 0 at the upper edge */
+    size_t base;    /* lowest of the eight cells */
+    size_t step[3]; /* offset to the next cell along each axis, 0 at the upper edge */
     float share[3];
 } ty_cell_point;
 
@@ -68,19 +66,19 @@ TY_FN float ty_cell_value(TY_GLOBAL const float* plane, const ty_cell_point* p) 
     return ty_lerp_exact(layer[0], layer[1], p->share[2]);
 }
 
-/* Which of a light's fluences passes: R (all of it, where there are no lobe_order), U and S. */
+/* The fluences R (the whole fluence where lobe_order is 0), U and S. */
 enum { TY_FLUENCE_ORDER_L = 0, TY_FLUENCE_UNSCATTERED = 1, TY_FLUENCE_NEXT_ORDER = 2, TY_FLUENCE_COUNT = 3 };
 
-/* What lights scatter along a way, per scattering coefficient. */
+/* Radiance scattered into a direction, per scattering coefficient. */
 typedef struct ty_single_radiance {
-    float first[3]; /* what scatters there for the first time; of lights without lobe_order, all of it */
-    float again[3]; /* what is part of the multiply scattered light, which may be below 0 */
-    float aside[3]; /* with a fit: what of both is seen through what scatters nearly straight on, too */
+    float first[3]; /* first collision; for fluences without a lobe, all of it */
+    float again[3]; /* correction of the multiply scattered light, may be negative */
+    float aside[3]; /* with a fit: light of both that reaches the eye behind the peak's scattering, too */
 } ty_single_radiance;
 
-/* Of a light with lobe_order where phase functions are fitted: what goes about straight scatters by the fit, and is
- * seen through as much that does. Within the peak, what the fit lacks there comes to it; beyond it, where it is good
- * for what scatters often, the phase function is as it is. */
+/* A beam with a lobe where phase functions are fitted. Light within the peak scatters by the fit, and its path to the
+ * eye is delta-scaled alike. Within the peak the deficit of the fit is added; outside of it, where the fit is good for
+ * multiple scattering, the exact phase function is used. */
 TY_FN void ty_single_fitted(ty_forward forward, float mu, float g, TY_GLOBAL const ty_forward_fit* fit, float color,
                             int32_t c, ty_single_radiance* sent) {
     const float t = ty_forward_peak_weight(mu), unscattered = forward.phi_unscattered * ty_hg(mu, g);
@@ -90,7 +88,7 @@ TY_FN void ty_single_fitted(ty_forward forward, float mu, float g, TY_GLOBAL con
     sent->aside[c] += color * forward.phi_order_l * ty_forward_blended_phase(fit, mu, g);
 }
 
-/* A light with lobe_order: adds what its three fluences, times passing, scatter at cosine mu. */
+/* Adds the scattering at cosine mu of a fluence with a lobe. passing: transmittances of its three parts. */
 TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_point* at, float mu,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
                                TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* sent) {
@@ -118,14 +116,14 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
     }
 }
 
-/* The cosine between light's way at a point and `way`. */
+/* The cosine between the light's direction of travel at a point and omega. */
 TY_FN float ty_light_fluence_cosine(const ty_light_fluence* light, ty_vec point, ty_vec omega) {
     if (light->kind != TY_FLUENCE_POINT) return ty_dot(light->sample.direction, omega);
     const ty_vec off = ty_sub(point, light->sample.position);
     return ty_dot(off, omega) / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
 }
 
-/* Adds the light that a point scatters along `way`. passing: times which the light's fluences are there. */
+/* Adds the radiance that a point scatters along omega. passing: factors of the light's fluences there. */
 TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, const ty_cell_point* at, ty_vec omega,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
                                TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* sent) {

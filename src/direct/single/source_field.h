@@ -1,4 +1,4 @@
-/* Source fields: what every volume method hands to the marcher. */
+/* The field of multiply scattered light that every volume method hands to the marcher. */
 #ifndef TY_DIRECT_SINGLE_SOURCE_FIELD_H
 #define TY_DIRECT_SINGLE_SOURCE_FIELD_H
 
@@ -7,18 +7,18 @@
 enum { TY_FIELD_TERMS = 4 };
 
 /* Multiply scattered light on a box of cells, as means over cells. The radiance (W m^-2 sr^-1) that travels along a
- * unit vector `way` is terms[c][0] + (terms[c][1], terms[c][2], terms[c][3]) . way, so terms[c][0] is fluence / (4 pi)
- * and the rest are 3 flux / (4 pi). What a medium of mean cosine g sends along `way` per metre and per scattering
- * coefficient is terms[c][0] + g (terms[c][1], terms[c][2], terms[c][3]) . way and a third moment that follows from
- * them (docs/marching.md), not below 0. Outside of the box there is none. Surfaces in it are lit by it as it is. Arrays
- * belong to whoever made the field. */
+ * unit vector omega is terms[c][0] + (terms[c][1], terms[c][2], terms[c][3]) . omega: terms[c][0] is fluence / (4 pi),
+ * the others are 3 flux / (4 pi). A medium of mean cosine g scatters into omega, per metre and scattering coefficient,
+ * terms[c][0] + g (terms[c][1], terms[c][2], terms[c][3]) . omega and a third moment derived from them
+ * (docs/marching.md), clamped at 0. Outside of the box the field is 0. Surfaces are lit by the radiance itself. Arrays
+ * belong to the caller. */
 typedef struct ty_source_field {
     ty_grid_box box;
-    int32_t term_count;                    /* 1: alike in all directions; 4 */
+    int32_t term_count;                    /* 1: isotropic; 4 */
     const float* terms[3][TY_FIELD_TERMS]; /* per channel, x fastest */
-    bool shared; /* whether all channels are the first one's terms, times color: the others' are not looked at */
+    bool shared; /* all channels are the first one's terms times color, and the others' are not read */
     float color[3];
-    const float* guide; /* extinction of the cells, mean of the channels, 1/m; NULL: no guided upsampling */
+    const float* guide; /* mean extinction over channels, 1/m; NULL: no bilateral upsampling */
 } ty_source_field;
 
 #endif

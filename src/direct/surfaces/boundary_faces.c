@@ -1,4 +1,4 @@
-/* Which faces of cells surfaces close, by rays from middle to middle, and what they are made of. */
+/* Closed faces, found by rays between cell centers, and the surfaces that close them. */
 #include "direct/surfaces/boundary_faces.h"
 
 #include "base/context.h"
@@ -6,14 +6,14 @@
 #include "scene/fetch.h"
 #include "scene/scene.h"
 
-/* Off cells' middles by this much, in cells, so that surfaces through middles are on one side of them. */
+/* Offset of rays from cell centers, in cells, so that a surface through the centers lies on one side of them. */
 static const double offset[3] = {1e-3, 0.7e-3, 0.4e-3};
 
 typedef struct face_job {
     const ty_scene* scene;
     const ty_grid_medium* medium;
     ty_boundary_faces* faces;
-    double lower[3], upper[3]; /* around all surfaces */
+    double lower[3], upper[3]; /* of all surfaces */
     int32_t axis;
 } face_job;
 
@@ -21,7 +21,7 @@ static size_t cell_at(const ty_boundary_faces* faces, const int32_t at[3]) {
     return ((size_t)at[2] * (size_t)faces->size[1] + (size_t)at[1]) * (size_t)faces->size[0] + (size_t)at[0];
 }
 
-/* From the middle of a cell to that of the next one along an axis, up or down. */
+/* The ray from a cell's center to that of the next cell along an axis. */
 static ty_ray ray_from(const ty_grid_medium* medium, const int32_t at[3], int axis, bool up) {
     ty_ray ray = {.far = (float)medium->cell[axis]};
     for (int a = 0; a < 3; ++a)
@@ -40,7 +40,7 @@ static bool is_near(const face_job* job, const ty_ray* first, float length) {
     return true;
 }
 
-/* The faces along a line of cells: `packet` of them from the one below cell `begin` on. */
+/* Tests `count` faces along a line of cells, from the lower face of cell `begin` on. */
 static void close_packet(const face_job* job, const int32_t line[3], int32_t begin, int32_t count) {
     ty_boundary_faces* faces = job->faces;
     ty_ray rays[TY_PACKET];
@@ -90,7 +90,7 @@ static void count_sides(ty_boundary_faces* faces) {
     faces->first[rows] = faces->count;
 }
 
-/* The surface that a side is of; where the ray back from the next cell met it and this one does not, that. */
+/* The surface of a side. Where only the opposite ray from the next cell hits it, that hit is used. */
 static void find_side(const face_job* job, const int32_t at[3], int32_t face, ty_boundary_side* side) {
     const ty_scene_view* view = &job->scene->view;
     const int axis = face / 2;
@@ -190,7 +190,7 @@ void ty_boundary_faces_destroy(ty_boundary_faces* faces) {
     ty_free_array(context, faces, 1, sizeof *faces);
 }
 
-/* Of what a stair sends, the part 1 - 1 / stairs meets other stairs of its surface. */
+/* The fraction 1 - 1 / staircase_factor of the light that a stair sends meets other stairs of its surface. */
 void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor) {
     const float occluded_fraction = 1 - 1 / side->staircase_factor;
     *effective_albedo = albedo / (1 - occluded_fraction * (1 - albedo));

@@ -1,4 +1,4 @@
-/* Uncollided light on walls, and cells that no light gets to. */
+/* Irradiance of uncollided light on boundary faces, and cells that no light reaches. */
 #include "direct/surfaces/boundary_faces.h"
 
 #include "base/context.h"
@@ -16,11 +16,11 @@ typedef struct light_job {
     float* const* extinction;
     const ty_discrete_light* sources;
     int32_t count;
-    float offset; /* of points on surfaces, m */
+    float offset; /* of shadow rays from the points of surface lights, m */
     float *const *irradiance, *const *forward;
 } light_job;
 
-/* Irradiance that a source would bring to a wall if nothing were between them, per color; the ray to it. */
+/* Irradiance of a source on a side without occlusion and attenuation, per color. *ray: from the side to the source. */
 static float unoccluded_irradiance(const light_job* job, const ty_discrete_light* source, const ty_boundary_side* side,
                                    ty_ray* ray) {
     ty_vec wi = ty_scale(source->direction, -1);
@@ -48,7 +48,7 @@ static float unoccluded_irradiance(const light_job* job, const ty_discrete_light
     return unoccluded * ty_maxf(0, ty_dot(wi, side->normal));
 }
 
-/* One source's light on a few sides. */
+/* Adds one source's irradiance on a packet of sides. */
 static void light_sides(const light_job* job, const ty_discrete_light* source, int32_t begin, int32_t end) {
     ty_ray rays[TY_PACKET];
     bool shadowed[TY_PACKET];
@@ -105,7 +105,7 @@ void ty_boundary_irradiance_add(const ty_scene* scene, const ty_boundary_faces* 
 typedef struct flood {
     const ty_boundary_faces* faces;
     uint8_t* unlit;
-    int32_t* cells; /* that are to be looked at */
+    int32_t* cells; /* stack of cells whose neighbours are still to be visited */
     int32_t count;
 } flood;
 
@@ -115,7 +115,7 @@ static void reach(flood* f, size_t cell) {
     f->cells[f->count++] = (int32_t)cell;
 }
 
-/* From all cells reached on through open faces. */
+/* Flood fill from all reached cells through open faces. */
 static void spread(flood* f) {
     const int32_t* size = f->faces->size;
     const int32_t steps[3] = {1, size[0], size[0] * size[1]};
@@ -130,7 +130,7 @@ static void spread(flood* f) {
     }
 }
 
-/* Cells at the box's open faces, and that emit. */
+/* Reaches cells at open faces of the box, and emissive cells. */
 static void reach_open(flood* f, const ty_grid_medium* medium) {
     const int32_t* size = f->faces->size;
     for (size_t i = 0; i < medium->cells; ++i) {
@@ -145,7 +145,7 @@ static void reach_open(flood* f, const ty_grid_medium* medium) {
     }
 }
 
-/* The cells about a lamp whose middles it shines on. */
+/* Reaches the cells around a point light whose centers it sees. */
 static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* medium, const ty_discrete_light* source) {
     const float position[3] = {source->position.x, source->position.y, source->position.z};
     const float normal[3] = {source->direction.x, source->direction.y, source->direction.z};

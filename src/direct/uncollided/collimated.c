@@ -1,4 +1,4 @@
-/* Where a beam's tubes are, and how far they get before they meet a surface. */
+/* Geometry of the tubes of parallel light, and their occlusion by surfaces. */
 #include "direct/uncollided/collimated.h"
 
 #include "base/context.h"
@@ -19,8 +19,8 @@ int32_t ty_collimated_sweep_axis(const ty_grid_medium* medium, ty_vec direction)
     return 2 * w + (omega[w] < 0);
 }
 
-/* Which axes are u, v and w. Where w is the axis of rows, the cells are turned over (ty_collimated_sweep) so that u and
- * w change places. */
+/* Chooses the axes u, v and w. Where w is the axis of rows, cells are transposed (ty_collimated_sweep) so that u and w
+ * change places. */
 static void choose_axes(const ty_grid_medium* medium, int32_t w, ty_collimated* beam) {
     beam->axis[0] = w == 0 ? 2 : 0;
     beam->axis[1] = w == 1 ? 2 : 1;
@@ -32,20 +32,20 @@ static void choose_axes(const ty_grid_medium* medium, int32_t w, ty_collimated* 
     beam->stride[2] = w == 1 ? row : row * (size_t)beam->size[1];
 }
 
-/* The integral up to x of 1 - |x|, which is what a tube and a cell of width 1 at a distance x overlap. */
+/* The integral up to x of max(0, 1 - |x|), the overlap of a tube and a cell of width 1 at distance x. */
 static double overlap_integral(double x) {
     if (x <= -1) return 0;
     if (x >= 1) return 1;
     return x < 0 ? 0.5 * (1 + x) * (1 + x) : 1 - 0.5 * (1 - x) * (1 - x);
 }
 
-/* What cell `at` has of a tube that moves from `from` to `to`, on the mean over the way. */
+/* Mean overlap of cell `at` with a tube whose position moves from `from` to `to`. */
 static double mean_overlap(double at, double from, double to) {
     if (fabs(to - from) < 1e-6) return fmax(0, 1 - fabs(at - 0.5 * (from + to)));
     return (overlap_integral(at - from) - overlap_integral(at - to)) / (to - from);
 }
 
-/* Where tubes are in each slab along u (0) or v (1): slope is how many cells they move from one to the next. */
+/* Tube shifts in each slab along u (0) or v (1). slope: cells per slab. */
 static void find_tube_shifts(ty_collimated* beam, int32_t i, double slope) {
     int32_t min_shift = INT32_MAX, max_shift = INT32_MIN;
     for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
@@ -68,11 +68,11 @@ typedef struct hit_job {
     const ty_grid_medium* medium;
     ty_collimated* beam;
     double omega[3], inverse[3];
-    double start_distance; /* m from where tubes begin to where rays do, before everything */
+    double start_distance; /* m by which shadow rays start upstream of all surfaces */
     ty_occlusion_box box;
 } hit_job;
 
-/* Where one of a tube's rays, two by two, meets the first slab's near side. */
+/* The point where one of a tube's 2 x 2 rays meets the near side of the first slab. */
 static void ray_begin(const hit_job* job, int32_t column, int32_t row, int32_t ray, double at[3]) {
     const ty_collimated* beam = job->beam;
     const double cells[3] = {column + beam->first[0] + 0.25 + 0.5 * (ray % 2),
@@ -95,7 +95,7 @@ static ty_occlusion_span clip_span(const hit_job* job, ty_occlusion_span span, i
     return ty_occlusion_clip(span, &job->box, axis, begin[axis], job->inverse[axis]);
 }
 
-/* At most a packet of tubes' rays, one of each tube, which begin along u apart. */
+/* Traces one ray each of up to a packet of adjacent tubes. */
 static void find_packet(const hit_job* job, int32_t column, int32_t count, int32_t row, int32_t ray) {
     const ty_collimated* beam = job->beam;
     float* out =
@@ -135,14 +135,14 @@ static void find_hits(void* user, int64_t row, int32_t worker) {
     ty_restore_denormals(state);
 }
 
-/* One of the tubes' rays. */
+/* Fills in the undefined distances of one of the tubes' rays. */
 static void fill_hits(void* user, int64_t ray, int32_t worker) {
     (void)worker;
     const ty_collimated* beam = ((const hit_job*)user)->beam;
     ty_occlusion_fill(beam->hit + ty_collimated_tubes(beam) * (size_t)ray, beam->tubes[0], beam->tubes[1]);
 }
 
-/* How far the corner of a box farthest upstream of where tubes begin may be. */
+/* An upper bound of the distance from the tubes' start to the most upstream corner of a box. */
 static double start_distance_of(const ty_grid_medium* medium, const double outside[2][3]) {
     double square = 0;
     for (int a = 0; a < 3; ++a) {

@@ -1,23 +1,23 @@
-/* Beams in tubes, slab by slab. */
+/* Sweeps of parallel light through slabs of cells. */
 #include "base/context.h"
 #include "base/float_mode.h"
 #include "direct/uncollided/collimated.h"
 
-/* Rows whose cells stay in the cache while beam after beam adds to them. */
+/* Rows of cells that stay in the cache while all directions add to them. */
 enum { BLOCK_ROWS = 16 };
 
-/* Slabs of fewer cells, times beams, are gone through by one thread: handing them to others takes longer. */
+/* Slabs with fewer cells times directions are swept by one thread: waking others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 12 };
 
 typedef struct pass_job {
     const ty_collimated_batch* batch;
-    const float* extinction;        /* turned over where u and w change places */
-    float* out[TY_TUBE_PLANES_MAX]; /* the same for planes: turned over, they are only of TY_TRANSPOSE_SIDE slabs */
-    int32_t slab;                   /* in the beams' order */
-    float* scratch;                 /* of the workers */
-    size_t scratch_size;            /* of each */
+    const float* extinction;        /* transposed where u and w change places */
+    float* out[TY_TUBE_PLANES_MAX]; /* planes to add to; where transposed, blocks of TY_TRANSPOSE_SIDE slabs */
+    int32_t slab;                   /* in the order of travel */
+    float* scratch;                 /* of all workers */
+    size_t scratch_size;            /* floats of each worker */
     ty_transpose_scratch* buffer;
-    float* transposed; /* the room's; NULL: nothing needs turning */
+    float* transposed; /* the buffer's cells; NULL: no transposition */
 } pass_job;
 
 /* ---- one slab ---- */
@@ -26,20 +26,20 @@ static size_t slab_offset(const ty_collimated* beam, int32_t slab) {
     return beam->stride[2] * (size_t)(beam->backwards ? beam->size[2] - 1 - slab : slab);
 }
 
-/* Where a slab's cells are in job->out. */
+/* Offset of a slab's cells in job->out. */
 static size_t out_offset(const pass_job* job) {
     const ty_collimated* beam = job->batch->beams;
     return job->transposed != NULL ? beam->stride[2] * (size_t)(job->slab % TY_TRANSPOSE_SIDE)
                                    : slab_offset(beam, job->slab);
 }
 
-/* Extinction of row v of a slab; that of a row outside is `empty`. */
+/* Extinction of row v of a slab, or `empty` outside of the box. */
 static const float* cell_row(const ty_collimated* beam, const float* slab, int32_t v, const float* empty) {
     return v >= 0 && v < beam->size[1] ? slab + beam->stride[1] * (size_t)v : empty;
 }
 
-/* The row of tubes that has rows v, v + 1 and v + 2 of cells, v from -2 on. kept: whether its transmittance goes on,
- * which only one block of rows may see to. */
+/* Advances the row of tubes over rows v, v + 1 and v + 2 of cells, v from -2 on. writes_out: stores the transmittance
+ * behind the slab, which only one block of rows may do. */
 static void pass_tubes(const pass_job* job, const ty_collimated* beam, int32_t v, bool writes_out, float* scratch,
                        float* mean) {
     const int32_t slab = job->slab, width = beam->size[0] + 4;
@@ -63,8 +63,8 @@ static void pass_tubes(const pass_job* job, const ty_collimated* beam, int32_t v
     beam->kernels->tubes(&tubes);
 }
 
-/* Rows [begin, end) of a slab under one beam. scratch: a row without matter, one of means of rows, three rows of tubes,
- * one of cells, and one of tubes for what goes nowhere. */
+/* Sweeps rows [begin, end) of a slab for one direction. scratch: an empty row, a row of blended extinction, three rows
+ * of tubes, a row of cells, and a row of tubes for discarded output. */
 static void pass_rows(const pass_job* job, int32_t index, int32_t begin, int32_t end, float* scratch) {
     const ty_collimated_batch* batch = job->batch;
     const ty_collimated* beam = &batch->beams[index];
@@ -106,7 +106,7 @@ typedef struct transpose_job {
     int32_t size[3]; /* of the medium */
 } transpose_job;
 
-/* One y: (x, z) to (z, x), in blocks that stay in the cache. */
+/* Transposes the layer y from (x, z) to (z, x), in blocks that fit the cache. */
 static void transpose_layer(void* user, int64_t y, int32_t worker) {
     (void)worker;
     const transpose_job* job = user;
@@ -118,7 +118,7 @@ static void transpose_layer(void* user, int64_t y, int32_t worker) {
                     job->to[z + nz * ((size_t)y + ny * x)] = job->from[x + nx * ((size_t)y + ny * z)];
 }
 
-/* One y: adds the block of slabs that ends with the job's to the planes, and empties it. */
+/* Transposes the last block of slabs in layer y back, adds it to the planes, and clears it. */
 static void add_transposed(void* user, int64_t y, int32_t worker) {
     (void)worker;
     const pass_job* job = user;
@@ -183,7 +183,7 @@ static ty_result fill_buffer(const pass_job* job, const ty_grid_medium* medium, 
     return TY_OK;
 }
 
-/* Where rows are along w, cells change places first. */
+/* Transposes the cells where rows are along w. */
 static ty_result transpose_cells(pass_job* job, const ty_grid_medium* medium) {
     const ty_collimated* beam = job->batch->beams;
     const size_t block = TY_TRANSPOSE_SIDE * (size_t)beam->size[0] * (size_t)beam->size[1];
@@ -225,7 +225,7 @@ ty_result ty_collimated_sweep(const ty_collimated_batch* beams, const ty_grid_me
 
 /* ---- power ---- */
 
-/* The slab after which a tube's column (or row) overlaps no cells any more; -1: it never did. */
+/* The last slab in which a tube's column (or row) overlaps cells; -1: none. */
 static int32_t last_slab(const ty_collimated* beam, int32_t i, int32_t tube) {
     int32_t last = -1;
     for (int32_t slab = 0; slab < beam->size[2]; ++slab) {
@@ -235,7 +235,7 @@ static int32_t last_slab(const ty_collimated* beam, int32_t i, int32_t tube) {
     return last;
 }
 
-/* Tubes begin with 1 and keep what they had in the last slab that they were in; surfaces do not count. */
+/* Tubes start with transmittance 1 and keep the one behind their last slab; surfaces are ignored. */
 ty_result ty_collimated_power_of(const ty_collimated* beam, double power[2]) {
     int32_t* last = ty_alloc_array(beam->context, (size_t)beam->tubes[0], sizeof *last, false);
     if (last == NULL) return TY_ERROR_MEMORY;

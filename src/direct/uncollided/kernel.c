@@ -1,4 +1,4 @@
-/* Row loops over the items of beam.k.h and lamp.k.h; built once per instruction set, with TY_ISA naming it. */
+/* Row loops of parallel light and point lights, built once per instruction set, with TY_ISA naming it. */
 #include "direct/uncollided/kernel.h"
 #include "direct/lights/discrete_light.h"
 
@@ -7,7 +7,7 @@
 
 /* ---- beams ---- */
 
-/* Mean extinction of the three rows that tubes overlap, with two empty cells at either end. */
+/* Weighted mean extinction of the three rows below a row of tubes, with two empty cells at either end. */
 static void blend_rows(const ty_tube_row* row) {
     const int32_t count = row->count;
     const float *a = row->cells[0], *b = row->cells[1], *c = row->cells[2];
@@ -32,12 +32,12 @@ static void pass(const ty_tube_row* row) {
     }
 }
 
-/* The share of a slab that a ray is in before it meets a surface. */
+/* The fraction of a slab that a ray crosses before it meets a surface. */
 TY_FN float visible_fraction(float hit, float start, float per_length) {
     return ty_clampf((hit - start) * per_length, 0.0f, 1.0f);
 }
 
-/* Takes away what surfaces shade of each tube. */
+/* Scales each tube's mean transmittance by the visible fraction of its rays. */
 static void apply_shadows(const ty_tube_row* row) {
     const float *a = row->hit[0], *b = row->hit[1], *c = row->hit[2], *d = row->hit[3];
     const float start = row->start, per_length = 1.0f / row->length;
@@ -129,7 +129,7 @@ static void blend_rays(const ty_ray_row_blend* b) {
         visible[i] = ty_lerp_exact(before[i] > along ? 1.0f : 0.0f, after[i] > along ? 1.0f : 0.0f, row_t);
 }
 
-/* The optical depth at a cell's middle, and what the cell makes of it. across: of u, v, w. */
+/* Mean over a cell, from the optical depth and its gradient at the center. */
 TY_FN float cell_mean(const ty_cell_row_means* c, float off, float side, float mean, float extinction) {
     const float per_distance = 1.0f / sqrtf(off * off + c->v * c->v + c->w * c->w);
     const float to[3] = {off * per_distance, c->v * per_distance, c->w * per_distance};

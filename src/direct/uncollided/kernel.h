@@ -1,107 +1,109 @@
-/* The row loops of beams and lamps, built once per instruction set. */
+/* The row loops of parallel light and point lights, built once per instruction set. */
 #ifndef TY_DIRECT_UNCOLLIDED_KERNEL_H
 #define TY_DIRECT_UNCOLLIDED_KERNEL_H
 
 #include "direct/uncollided/point_light.k.h"
 
-/* Rays along each tube that find where surfaces are. */
+/* Shadow rays per tube. */
 enum { TY_TUBE_RAYS = 4 };
 
-/* Planes that a beam may add to at once: fluence and flux of three channels. */
+/* Maximum number of planes to add to: fluence and flux of three channels. */
 enum { TY_TUBE_PLANES_MAX = 12 };
 
-/* Tubes through a slab: tube t of a row overlaps its cells t - 2, t - 1 and t. */
+/* A row of tubes through a slab: tube t overlaps cells t - 2, t - 1 and t. */
 typedef struct ty_tube_row {
-    int32_t count;                  /* cells in a row; tubes are two more */
+    int32_t count;                  /* cells in a row; there are two more tubes */
     float weight[2][3];             /* of each tube's three cells, and three rows */
-    float length;                   /* of a tube within the slab, m */
-    float start;                    /* how far the slab's near side is along the tubes, m */
+    float length;                   /* path length of a tube within the slab, m */
+    float start;                    /* distance to the slab's near side along the tubes, m */
     const float* cells[3];          /* extinction of the three rows, 1/m */
-    const float* hit[TY_TUBE_RAYS]; /* how far along each tube its rays meet a surface, m; NULL: there is none */
-    const float* in;                /* transmittance of each tube up to the slab, surfaces ignored */
-    float* out;                     /* and up to its far side */
-    float* mean;                    /* transmittance over the slab, times the share of it before surfaces */
+    const float* hit[TY_TUBE_RAYS]; /* distance to the first surface on each tube's rays, m; NULL: no surfaces */
+    const float* in;                /* transmittance of each tube before the slab, without surfaces */
+    float* out;                     /* transmittance behind the slab */
+    float* mean;                    /* mean transmittance over the slab times the visible fraction */
     float* blend;                   /* scratch, count + 4 */
 } ty_tube_row;
 
-/* Cells of a slab. */
+/* A row of cells of a slab. */
 typedef struct ty_tube_cells {
     int32_t count;
     float weight[2][3];
-    const float* mean[3]; /* of the rows of tubes that have these cells as their first, second and third row */
+    const float* mean[3]; /* rows of tubes whose first, second and third row of cells this is */
     float* transmittance; /* scratch: mean transmittance of cells */
     int32_t plane_count;
-    float* planes[TY_TUBE_PLANES_MAX]; /* what that is added to, times a factor each */
+    float* planes[TY_TUBE_PLANES_MAX]; /* to add the transmittance to, times a factor each */
     const float* factor;
 } ty_tube_cells;
 
-/* A block of cells to add to a plane in which rows and columns have changed places; leaves zeros behind. */
+/* A block of cells that is transposed, added to a plane, and cleared. */
 enum { TY_TRANSPOSE_SIDE = 16 };
 typedef struct ty_transpose_block {
-    int32_t rows, columns; /* of `from`, each TY_TRANSPOSE_SIDE at most */
+    int32_t rows, columns; /* of `from`, each at most TY_TRANSPOSE_SIDE */
     float* from;
-    size_t stride;     /* floats from row to row */
-    float* to;         /* where the first row is a column */
-    size_t to_stride;  /* floats from row to row there */
-    int32_t backwards; /* whether the last row of `from` is the first column */
+    size_t stride;     /* floats between rows */
+    float* to;         /* destination, in which the first row is a column */
+    size_t to_stride;  /* floats between its rows */
+    int32_t backwards; /* the last row of `from` is the first column */
 } ty_transpose_block;
 
-/* A row of a lamp's lattice of rays through one slab of cells. Lengths are m along w from where the box begins; ray i
- * is where two numbers say, first + i * second. */
+/* A row of a point light's lattice of rays through one slab of cells. Lengths are m along w from the box's near end.
+ * Pairs are linear in the ray's index: first + i * second. */
 typedef struct ty_ray_row {
     int32_t begin, end;
-    float near, far; /* of the slab */
-    float at[2];     /* along u on its far side, in cells from the first one's middle */
+    float near, far; /* sides of the slab */
+    float at[2];     /* position along u on the far side, in cells from the first center */
     float slope[2];  /* cells along u per m along w */
-    float row;       /* along v on the far side, in cells from the first one's middle */
+    float row;       /* position along v on the far side, in cells from the first center */
     float row_slope;
-    int32_t size[2], stride[2]; /* cells along u and v, and floats from one to the next */
+    int32_t size[2], stride[2]; /* cells along u and v, and floats between them */
     const float* cells;         /* extinction of the slab, 1/m */
-    const float* entry;         /* where each ray enters the box; INFINITY: nowhere */
-    float* depth;               /* up to the near side, and then the far side, as if lengths were taken along w */
-    float* mean;                /* extinction from where the ray enters up to the near side, 1/m */
+    const float* entry;         /* entry of each ray into the box; INFINITY: it misses */
+    float* depth;               /* optical depth per direction cosine w, to the near side; updated to the far side */
+    float* mean;                /* mean extinction from the entry to the near side, 1/m */
 } ty_ray_row;
 
-/* Rows of rays about a row of cells: the rays before and after it along v, on the near and the far side of its slab. */
+/* Interpolation between the rays around a row of cells: the lattice rows before and after it along v, on the near and
+ * far side of its slab. */
 typedef struct ty_ray_row_blend {
     int32_t begin, end;   /* rays */
     const float* mean[4]; /* near before, near after, far before, far after */
-    const float* hit[2];  /* how far along w each meets a surface, m; NULL: there is none */
+    const float* hit[2];  /* distance along w to the first surface, m; NULL: no surfaces */
     float row_t, far_t;
-    float along;    /* of the cells' middles, m along w */
+    float along;    /* w of the cells' centers, m */
     float* out;     /* mean extinction */
-    float* visible; /* share of the rays that get there */
+    float* visible; /* fraction of rays that reach the cells */
 } ty_ray_row_blend;
 
-/* Cells of a row along u that one pyramid of a lamp's has; cell i is where two numbers say, first + i * second. */
+/* Cells of a row along u within one pyramid of a point light. Pairs are linear in the cell's index: first + i * second.
+ */
 typedef struct ty_cell_row_means {
     int32_t begin, end;
     int32_t rays;
-    float column[2];         /* which ray is at a cell's middle */
-    float off[2];            /* of the middle, m along u from the lamp */
+    float column[2];         /* lattice column at a cell's center */
+    float off[2];            /* center, m along u from the light */
     float v, w;              /* the same along v and w; w > 0 */
-    float side[2];           /* middles, m along u from the box's side that is towards the lamp */
-    int32_t outside;         /* whether the lamp is beyond that side */
-    float inside;            /* m along w from where rays enter the box across v or w */
-    int32_t across_v;        /* whether it is across v */
+    float side[2];           /* center, m along u from the side of the box towards the light */
+    int32_t outside;         /* the light is beyond that side */
+    float inside;            /* m along w from the entry of rays into the box across v or w */
+    int32_t across_v;        /* that entry is across v */
     float cell[3];           /* sides along u, v, w, m */
-    size_t stride;           /* floats from cell to cell */
+    size_t stride;           /* floats between cells */
     const float* extinction; /* of the row, 1/m */
-    const float* mean;       /* of rays */
-    const float* visible;    /* NULL: all are */
-    int32_t spread;          /* whether the mean is that of transmittance / r^2, times r^2 in the middle */
-    float* transmittance;    /* cell i's goes to lit[i] */
+    const float* mean;       /* mean extinction along the rays */
+    const float* visible;    /* visible fraction of the rays; NULL: 1 */
+    int32_t spread;          /* means of transmittance / r^2 times the center's r^2, instead of transmittance */
+    float* transmittance;    /* result of cell i at index i */
 } ty_cell_row_means;
 
-/* What comes to those cells without a medium. */
+/* Directions and falloff from the light to those cells, without a medium. */
 typedef struct ty_cell_row_directions {
     int32_t begin, end;
-    float off[2], v, w;         /* as above, but w has its sign */
+    float off[2], v, w;         /* as above, but w is signed */
     int32_t profile;            /* ty_light_profile */
-    const ty_light_view* light; /* that a spot's falloff is read from */
-    float axis_direction[3];    /* the lamp's direction along u, v, w */
-    float* omega[3];            /* unit vectors from the lamp along u, v, w */
-    float* falloff;             /* of intensity, by direction and distance, 1/m^2 */
+    const ty_light_view* light; /* with the falloff of a spot */
+    float axis_direction[3];    /* the light's axis along u, v, w */
+    float* omega[3];            /* unit vectors from the light along u, v, w */
+    float* falloff;             /* intensity profile over square distance, 1/m^2 */
 } ty_cell_row_directions;
 
 typedef struct ty_cell_row_sum {
@@ -111,8 +113,8 @@ typedef struct ty_cell_row_sum {
     const float* transmittance;
     const float* falloff;
     const float* omega[3];
-    float* fluence; /* rows */
-    float* flux[3]; /* along u, v, w; NULL: not asked for */
+    float* fluence; /* of the row */
+    float* flux[3]; /* along u, v, w; NULL: not computed */
 } ty_cell_row_sum;
 
 typedef struct ty_direct_kernels {
@@ -130,7 +132,7 @@ extern const ty_direct_kernels ty_direct_kernels_v1;
 extern const ty_direct_kernels ty_direct_kernels_v3;
 extern const ty_direct_kernels ty_direct_kernels_v4;
 
-/* Those for this processor. */
+/* The loops for this processor. */
 const ty_direct_kernels* ty_direct_kernels_best(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* Which build of the row loops runs. */
+/* Dispatch of the row loops by instruction set. */
 #include "base/isa.h"
 #include "direct/uncollided/kernel.h"
 

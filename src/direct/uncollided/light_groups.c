@@ -1,14 +1,14 @@
-/* Sources by light. */
+/* Groups of samples by light. */
 #include "direct/uncollided/light_groups.h"
 
 #include "scene/scene.h"
 
 #include <math.h>
 
-/* Relative difference up to which colors are multiples of each other. */
+/* Relative tolerance for colors that are multiples of each other. */
 static const float color_tolerance = 1e-6f;
 
-/* A light is as good as a point from where it looks at most this large: its radius over the distance. */
+/* Maximum ratio of radius to distance at which a surface light counts as a point. */
 static const float max_angular_radius = 0.5f;
 
 static float distance_to_box(const ty_grid_box* box, ty_vec p) {
@@ -21,14 +21,14 @@ static float distance_to_box(const ty_grid_box* box, ty_vec p) {
     return sqrtf(square);
 }
 
-/* The next group from source `first` on, as if there were room for all. */
+/* The group from sample `first` on; dedicated if the light allows it. */
 static ty_light_group next_group(const ty_scene* scene, const ty_grid_box* box, const ty_discrete_light* sources,
                                  int32_t count, int32_t first) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
     ty_light_group g = {.first = first, .dedicated = true};
     const int32_t light = sources[first].light;
     ty_vec sum = ty_vec_make(0, 0, 0);
-    /* What surfaces send of a light is not where that is. */
+    /* VPLs are not at the light that they reflect, so they form groups of their own. */
     for (int32_t i = first;
          i < count && sources[i].light == light && sources[i].is_virtual == sources[first].is_virtual; ++i) {
         ++g.count;

@@ -1,11 +1,11 @@
-/* Rays from a lamp, from cell to cell: next to it, light changes too much within cells for anything less. */
+/* Ray marching through the cells next to a point light, within which fluence varies too much for interpolation. */
 #include "direct/uncollided/near_cells.h"
 
 #include "base/context.h"
 #include "base/float_mode.h"
 #include "direct/uncollided/point_light.k.h"
 
-/* Cells within NEAR of the lamp's own, by NEAR_RAYS^2 rays for each of the six ways. */
+/* Cells within NEAR of the light's own, by NEAR_RAYS^2 rays for each of the six faces of a cube. */
 enum { NEAR = 2, NEAR_SIDE = 2 * NEAR + 1, NEAR_CELLS = NEAR_SIDE * NEAR_SIDE * NEAR_SIDE };
 enum { NEAR_RAYS = 48, NEAR_RAYS_ONE_OF_MANY = 16 };
 
@@ -33,11 +33,11 @@ typedef struct near_sums {
     double light[NEAR_CELLS][3][4]; /* per channel: fluence and flux, times the cell's volume over intensity */
 } near_sums;
 
-/* A ray from cell to cell, in the lamp's own and those around it. */
+/* A ray through the light's own cell and those around it. */
 typedef struct near_ray {
-    int32_t cell[3], step[3]; /* from home */
+    int32_t cell[3], step[3]; /* relative to home */
     double next[3], per_cell[3];
-    double at; /* m */
+    double at; /* distance, m */
 } near_ray;
 
 static void begin_near_ray(const ty_point_light_job* lamp, const double omega[3], near_ray* ray) {
@@ -51,7 +51,7 @@ static void begin_near_ray(const ty_point_light_job* lamp, const double omega[3]
     }
 }
 
-/* Moves to the next cell; false past the last of interest. */
+/* Advances to the next cell; false beyond the near cells. */
 static bool step_near_ray(near_ray* ray) {
     const int xy = ray->next[0] < ray->next[1] ? 0 : 1;
     const int a = ray->next[xy] < ray->next[2] ? xy : 2;
@@ -89,7 +89,7 @@ static void follow_near_ray(const ty_point_light_job* lamp, const double omega[3
     } while (ray.at < end && step_near_ray(&ray));
 }
 
-/* Rays at equal steps of the tangents, each for its share of the sphere. */
+/* Rays in equal steps of tangents on a cube's faces, weighted by solid angle. */
 static void follow_near_rays(const ty_point_light_job* lamp, near_sums* sums) {
     const int32_t side = lamp->source->is_point != 0 ? NEAR_RAYS : NEAR_RAYS_ONE_OF_MANY;
     for (int32_t i = 0; i < 6 * side * side; ++i) {

@@ -1,4 +1,4 @@
-/* A lamp at work, and the cells next to it. */
+/* The state of a point light's computation, and the cells next to the light. */
 #ifndef TY_DIRECT_UNCOLLIDED_NEAR_CELLS_H
 #define TY_DIRECT_UNCOLLIDED_NEAR_CELLS_H
 
@@ -12,23 +12,23 @@ typedef struct ty_point_light_job {
     const ty_light_view* light;
     float* const* extinction;
     ty_point_light_target out;
-    double lower[3], upper[3]; /* of the box, m from the lamp */
-    int32_t home[3];           /* the lamp's cell; it may be outside the box */
-    float lift;                /* m off the lamp's own surface, where shadow rays start */
+    double lower[3], upper[3]; /* of the box, m from the light */
+    int32_t home[3];           /* the light's cell, which may be outside of the box */
+    float lift;                /* offset of shadow rays from a surface light, m */
     const ty_direct_kernels* kernels;
-    float* scratch; /* of the workers */
+    float* scratch; /* of all workers */
     size_t scratch_size;
     ty_progress_meter* meter;
-    double finished; /* of the work */
+    double finished; /* fraction of the work */
 } ty_point_light_job;
 
-/* How far a ray from the lamp goes before it meets a surface, m, at most `far`. */
+/* Distance to the first surface from the light, m, at most `far`. */
 float ty_point_light_visible_distance(const ty_point_light_job* lamp, ty_vec direction, float far);
-/* Whether a cell is among those next to the lamp. */
+/* True if a cell is next to the light. */
 bool ty_near_cells_contain(const ty_point_light_job* lamp, const int32_t cell[3]);
-/* The range of such cells along an axis; it may reach beyond the box. */
+/* The range of the near cells along an axis; it may exceed the box. */
 void ty_near_cells_range(const ty_point_light_job* lamp, int32_t axis, int32_t range[2]);
-/* Lights those, as far as they are in the box, by following rays. Errors: TY_ERROR_MEMORY. */
+/* Adds the light of the near cells within the box. Errors: TY_ERROR_MEMORY. */
 ty_result ty_near_cells_add(const ty_point_light_job* lamp);
 
 #endif

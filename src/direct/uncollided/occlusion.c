@@ -1,9 +1,9 @@
-/* Rays beside a box. */
+/* Occlusion distances of rays that miss the box. */
 #include "direct/uncollided/occlusion.h"
 
 #include <string.h>
 
-/* Of a cell's sides. */
+/* In units of a cell's sides. */
 static const double shrink = 1e-3;
 
 ty_occlusion_box ty_occlusion_box_of(const ty_grid_medium* medium) {
@@ -26,7 +26,7 @@ static void fill_row(float* row, size_t count) {
         if (is_none(row[i])) row[i] = row[i + 1];
 }
 
-/* A row that has been filled, if with nothing. */
+/* Fills a row without defined distances from another. */
 static void fill_from(float* row, const float* other, size_t count) {
     if (is_none(row[0])) memcpy(row, other, count * sizeof *row);
 }

@@ -1,5 +1,5 @@
-/* Lamps: six pyramids about the lamp, one for each way along an axis, each cut into lengths within which the distance
- * doubles. Within such a length a lattice of rays says how far cells are dimmed. */
+/* Uncollided light of a point: six pyramids around it, one per face of a cube, each divided into sections within which
+ * the distance doubles. Each section has a lattice of rays with mean extinctions. */
 #include "direct/uncollided/point_light.h"
 
 #include "base/context.h"
@@ -9,23 +9,23 @@
 
 /* ---- rows of cells ---- */
 
-/* A row of cells along u, as far as a pyramid has it. */
+/* A row of cells along u within a pyramid. */
 typedef struct cell_row {
     const ty_ray_lattice* l;
     int32_t slab;
     int32_t cell[3]; /* along u, v, w; of u: 0 */
-    size_t first;    /* where the row begins, and how far cells are apart, in planes */
+    size_t first;    /* offset of the row, and between cells, in planes */
     size_t stride;
-    double v, w; /* m from the lamp to the cells' middles; w > 0 */
+    double v, w; /* cell centers, m from the light; w > 0 */
     float *mean, *visible, *transmittance[3], *falloff, *omega[3];
 } cell_row;
 
-/* A cell's middle along an axis, m from the lamp. */
+/* A cell's center along an axis, m from the light. */
 static double center_of(const ty_point_light_job* lamp, int32_t axis, int32_t cell) {
     return lamp->lower[axis] + lamp->medium->cell[axis] * (cell + 0.5);
 }
 
-/* Floats of scratch for a row of cells of this lamp: rays, then cells. */
+/* Floats of scratch for a row: rays, then cells. */
 static size_t cell_scratch(const ty_point_light_job* lamp) {
     int32_t most = 0;
     for (int a = 0; a < 3; ++a) most = lamp->medium->box.size[a] > most ? lamp->medium->box.size[a] : most;
@@ -52,7 +52,7 @@ static void place_row(const ty_ray_lattice* l, int32_t slab, int32_t v, float* s
     row->falloff = next + 6 * cells;
 }
 
-/* Whether the way to a cell's middle is along this lattice's pyramid: exactly one of the six has it. */
+/* True if a cell's center lies in this lattice's pyramid; exactly one of the six has it. */
 static bool is_owned(const cell_row* row, int32_t u) {
     const ty_ray_lattice* l = row->l;
     double off[3];
@@ -63,7 +63,7 @@ static bool is_owned(const cell_row* row, int32_t u) {
     return w == l->axis[2];
 }
 
-/* The cells of the row that the pyramid has. */
+/* The range of the row's cells within the pyramid. */
 static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
     const ty_point_light_job* lamp = row->l->job;
     const int32_t u = row->l->axis[0], size = lamp->medium->box.size[u];
@@ -74,7 +74,7 @@ static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
     while (*begin < *end && !is_owned(row, *end - 1)) --*end;
 }
 
-/* Mean extinction along the rays about the cells [begin, end), and how many of them get there. */
+/* Interpolates mean extinction and visibility of the rays around the cells [begin, end). */
 static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_t end) {
     const ty_ray_lattice* l = row->l;
     const double near = ty_ray_lattice_plane(l, row->slab), far = fmin(l->far, ty_ray_lattice_plane(l, row->slab + 1));
@@ -98,7 +98,7 @@ static void blend_rays(const cell_row* row, int32_t plane, int32_t begin, int32_
     l->job->kernels->blend_rows(&blend);
 }
 
-/* How far cells are along w from where rays enter the box through its end, or across v. */
+/* Distance along w between the cells and the entry of rays into the box, through its end or across v. */
 static double inside_of(const cell_row* row, bool* across_v) {
     const ty_ray_lattice* l = row->l;
     const int32_t v = l->axis[1], w = l->axis[2];
@@ -112,7 +112,7 @@ static double inside_of(const cell_row* row, bool* across_v) {
     return fmin(by_v, by_w);
 }
 
-/* Means of cells [begin, end) of the row. */
+/* Means over the cells [begin, end) of the row. */
 static void find_means(const cell_row* row, int32_t begin, int32_t end) {
     const ty_ray_lattice* l = row->l;
     const ty_point_light_job* lamp = l->job;
@@ -189,7 +189,7 @@ static void light_cells(const cell_row* row, int32_t begin, int32_t end) {
             transmittance[c][row->first + row->stride * (size_t)u] = row->transmittance[c][u];
 }
 
-/* All but what rays from cell to cell find better. */
+/* Lights all cells of a row but the near ones. */
 static void light_row(const cell_row* row) {
     const ty_point_light_job* lamp = row->l->job;
     const int32_t* axis = row->l->axis;
@@ -207,7 +207,7 @@ static void light_row(const cell_row* row) {
     light_cells(row, near[1] > begin ? near[1] : begin, end);
 }
 
-/* One v: rows of all slabs. */
+/* Lights the rows v of all slabs. */
 static void light_rows(void* user, int64_t v, int32_t worker) {
     const ty_ray_lattice* l = user;
     float* scratch = l->job->scratch + l->job->scratch_size * (size_t)worker;

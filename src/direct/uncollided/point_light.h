@@ -1,4 +1,4 @@
-/* One lamp's light on a grid. */
+/* Uncollided light of one point on a grid. */
 #ifndef TY_DIRECT_UNCOLLIDED_POINT_LIGHT_H
 #define TY_DIRECT_UNCOLLIDED_POINT_LIGHT_H
 
@@ -7,12 +7,12 @@
 #include "direct/uncollided/progress_meter.h"
 #include "scene/scene.h"
 
-/* What a lamp's light is added to. Where `transmittance` is set, its planes (as many as the medium has) take each
- * cell's mean transmittance; else fluence and, unless NULL, flux are added to. */
+/* Planes that light is added to. Where `transmittance` is set, its planes (as many as the medium has) receive each
+ * cell's mean transmittance; otherwise fluence and, unless NULL, flux are added to. */
 typedef struct ty_point_light_target {
     float* const* transmittance;
-    int32_t planes; /* of fluence and flux: 3, or 1 that all channels share */
-    float color[3]; /* of the light added to each */
+    int32_t planes; /* of fluence and flux: 3, or 1 for all channels */
+    float color[3]; /* intensity for each plane */
     float* const* fluence;
     float* const (*flux)[3];
 } ty_point_light_target;

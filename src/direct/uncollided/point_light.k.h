@@ -1,22 +1,20 @@
-/* Light from a point on cells: what a cell gets on the mean, and how far a lamp's light is dimmed on a lattice of rays.
- */
+/* Means over a cell of the light of a point, from the optical depth at its center. */
 #ifndef TY_DIRECT_UNCOLLIDED_POINT_LIGHT_K_H
 #define TY_DIRECT_UNCOLLIDED_POINT_LIGHT_K_H
 
 #include "direct/uncollided/attenuation.k.h"
 #include "scene/light.k.h"
 
-/* The optical depth around a cell's middle; u, v and w are axes. */
+/* The optical depth around a cell's center along the axes u, v and w. */
 typedef struct ty_cell_depth {
-    float depth;      /* in the middle */
+    float depth;      /* at the center */
     float extinction; /* of the cell, 1/m */
-    float slope[3];   /* gradient of the depth over extinction */
+    float slope[3];   /* gradient of the depth over the extinction */
 } ty_cell_depth;
 
-/* The mean of the transmittance over a cell with sides cell[3]: exact where the depth is linear. */
+/* Mean transmittance of a cell with sides cell[3]; exact where the depth is linear. */
 TY_FN float ty_cell_mean_transmittance(const ty_cell_depth* d, const float cell[3]) {
-    float max_exponent = -d->depth,
-          mean = 1.0f; /* the exponent in the lightest corner, and the mean relative to there */
+    float max_exponent = -d->depth, mean = 1.0f; /* exponent at the brightest corner, and the mean relative to it */
     for (int32_t a = 0; a < 3; ++a) {
         const float across = d->extinction * fabsf(d->slope[a]) * cell[a];
         max_exponent += 0.5f * across;
@@ -26,8 +24,8 @@ TY_FN float ty_cell_mean_transmittance(const ty_cell_depth* d, const float cell[
     return ty_minf(1.0f, brightest * mean);
 }
 
-/* The mean of transmittance / r^2 over a cell, relative to 1 / r^2 in its middle, to second order in the cell's size
- * over r; within bounds where a cell is so long that this does not hold. to: unit, from the lamp. */
+/* Mean of transmittance / r^2 over a cell, relative to 1 / r^2 at its center, to second order in the cell's size over
+ * r, and clamped for long cells. omega: unit, from the light. */
 TY_FN float ty_cell_mean_falloff(const ty_cell_depth* d, const float omega[3], float per_distance,
                                  const float cell[3]) {
     float ratio = 1.0f;

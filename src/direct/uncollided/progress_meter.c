@@ -1,4 +1,4 @@
-/* Progress, ten times a second. */
+/* Progress reports at most ten times a second. */
 #include "direct/uncollided/progress_meter.h"
 
 #include "base/context.h"

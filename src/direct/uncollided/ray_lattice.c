@@ -1,11 +1,11 @@
-/* Rays from a lamp, slab by slab. */
+/* Lattices of rays from a point light, slab by slab. */
 #include "direct/uncollided/ray_lattice.h"
 
 #include "base/context.h"
 #include "base/float_mode.h"
 #include "direct/uncollided/occlusion.h"
 
-/* MARGIN: cells beside the box within which rays are still followed. */
+/* MARGIN: cells beside the box within which rays are still traced. */
 enum { FIRST_SLABS = 4, MARGIN = 4 };
 
 size_t ty_ray_lattice_rays(const ty_ray_lattice* l) {
@@ -16,7 +16,7 @@ static size_t value_count(const ty_ray_lattice* l) {
     return ty_ray_lattice_rays(l) * (size_t)(l->slabs + 1);
 }
 
-/* Rays along one axis at most: twice what cells there are and half as many again, for boxes seen askew. */
+/* Maximum number of rays along one axis: twice the cells, and as many again for boxes seen askew. */
 static int32_t rays_max(const ty_point_light_job* lamp, int32_t axis) {
     return 4 * lamp->medium->box.size[axis] + 64;
 }
@@ -68,7 +68,7 @@ float ty_ray_lattice_locate(const ty_ray_lattice* l, int32_t along, double tange
     return (float)(at - *i);
 }
 
-/* The tangents at which the box is seen between the lattice's near and far side; false: nowhere in the pyramid. */
+/* Tangents under which the box appears between the lattice's near and far side; false: the pyramid misses it. */
 static bool place_rays(ty_ray_lattice* l) {
     for (int i = 0; i < 2; ++i) {
         const int32_t a = l->axis[i];
@@ -96,7 +96,7 @@ bool ty_ray_lattice_place(ty_ray_lattice* l, int32_t begin) {
     return l->far > l->near && place_rays(l);
 }
 
-/* Where along w a ray comes to be within [low, high], m; INFINITY: nowhere. */
+/* The distance along w at which a ray enters the range [low, high], m; INFINITY: never. */
 static double entry_of(double p, double low, double high) {
     if (low <= 0 && high >= 0) return 0;
     const double at = p != 0 ? (low > 0 ? low : high) / p : -1;
@@ -117,9 +117,9 @@ static float interpolate_rays(const ty_ray_lattice* l, const float* plane, const
     return ty_lerp_exact(ty_lerp_exact(row[0], row[1], t[0]), ty_lerp_exact(next[0], next[1], t[0]), t[1]);
 }
 
-/* Where rays of a row enter the box, m along w from where the box begins, and their depths up to the lattice's near
- * side, from the length before. A ray is not said to leave the box again: at the box's sides, rays go on as if the
- * outer cells did. Nothing there is lit, and between a ray there and one inside values stay right. */
+/* Entries into the box of a row of rays, m along w from the box's near end, and their depths at the lattice's near
+ * side, from the previous section. Rays do not leave the box again: beyond its sides they see the outer cells'
+ * extinction. No cell there is lit, and interpolation with a ray inside stays correct. */
 static void begin_row(const trace_job* job, double q, float* entry, float* const depth[3]) {
     const ty_ray_lattice *l = job->l, *before = job->before;
     const ty_point_light_job* lamp = l->job;
@@ -140,14 +140,14 @@ static void begin_row(const trace_job* job, double q, float* entry, float* const
     }
 }
 
-/* Of positions first + i * step along `size` cells, the range of i in [0, count) that may matter to cells: a ray that
- * is farther outside has either left the box for good or not entered it yet. */
+/* For positions first + i * step along `size` cells, the range of i in [0, count) that can affect cells: a ray farther
+ * outside has left the box for good or not entered it yet. */
 static void find_beside(double first, double step, int32_t size, int32_t count, int32_t range[2]) {
     range[0] = (int32_t)fmin(fmax(floor((-MARGIN - first) / step), 0), count);
     range[1] = (int32_t)fmin(fmax(ceil((size + MARGIN - first) / step) + 1, 0), count);
 }
 
-/* The row of rays of tangent q through slab `slab`; past the last there is only a far side. */
+/* The row of rays of tangent q through a slab; past the last slab only the far side is left. */
 static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) {
     const ty_point_light_job* lamp = l->job;
     const ty_grid_medium* medium = lamp->medium;
@@ -174,7 +174,7 @@ static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) 
     return rays;
 }
 
-/* A ray's stop, as a distance along w. */
+/* Occlusion distance of a ray, along w. */
 static float occlusion_along(const trace_job* job, double p, double q) {
     const ty_ray_lattice* l = job->l;
     const ty_vec lamp = l->job->source->position;

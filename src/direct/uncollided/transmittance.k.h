@@ -1,16 +1,16 @@
-/* Transmittance of all media between two points of a ray: exact where media are homogeneous, residual ratio tracking
- * in grids (Novak et al. 2014), whose part below each brick's least density is exact too. */
+/* Transmittance of all media between two points of a ray: exact for homogeneous media; residual ratio tracking (Novak
+ * et al. 2014) in grids, with the minimum density of each brick as control variate. */
 #ifndef TY_DIRECT_UNCOLLIDED_TRANSMITTANCE_K_H
 #define TY_DIRECT_UNCOLLIDED_TRANSMITTANCE_K_H
 
 #include "scene/spans.k.h"
 
-/* Multiplies transmittance[3] by an unbiased estimate for one medium over [enter, leave]; direction is unit. Estimates
- * that fall below 0.1 are ended by Russian roulette. */
+/* Multiplies transmittance[3] by an unbiased estimate for one medium over [enter, leave]; direction is unit. Russian
+ * roulette ends estimates below 0.1. */
 TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction, float enter,
                                   float leave, ty_random* random, float transmittance[3]) {
     ty_bricks bricks;
-    float least = 0.0f; /* integral of the bricks' least density */
+    float least = 0.0f; /* integral of the bricks' minimum density */
     float left = ty_exponential(ty_random_white(random));
     float track[3] = {1.0f, 1.0f, 1.0f};
     ty_bricks_begin(&bricks, medium, origin, direction, enter, leave);
@@ -39,7 +39,7 @@ TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec
     for (int c = 0; c < 3; ++c) transmittance[c] *= track[c] * ty_expf(-least * medium->sigma_t[c]);
 }
 
-/* Takes one stretch of a ray inside a medium into account: homogeneous media add to depth. */
+/* Accumulates one segment of a ray inside a medium: homogeneous media add to depth. */
 TY_FN void ty_pass_stretch(TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction, float enter,
                            float leave, ty_random* random, float depth[3], float transmittance[3]) {
     if (medium->has_grid != 0)
@@ -49,7 +49,7 @@ TY_FN void ty_pass_stretch(TY_GLOBAL const ty_medium_view* medium, ty_vec origin
 }
 
 /* Transmittance per channel through media[0..count) over [0, far] of a ray with unit direction. Most media are one
- * stretch, for which a list of spans would cost more than it is worth. */
+ * segment, for which a list of spans would cost more than it saves. */
 TY_FN void ty_transmittance(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
                             float far, ty_random* random, float transmittance[3]) {
     float depth[3] = {0.0f, 0.0f, 0.0f};

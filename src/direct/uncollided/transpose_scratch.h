@@ -1,13 +1,13 @@
-/* Where cells are turned over for beams along rows. */
+/* Memory for transposed cells, for parallel light along rows. */
 #ifndef TY_DIRECT_UNCOLLIDED_TRANSPOSE_SCRATCH_H
 #define TY_DIRECT_UNCOLLIDED_TRANSPOSE_SCRATCH_H
 
 #include <tyndall/base.h>
 
-/* Extinction, then planes, which are zeros between passes. Kept from one pass through an extinction to the next through
- * the same, it is not turned again. */
+/* Transposed extinction, then planes, which are zero between sweeps. It is reused by the next sweep through the same
+ * extinction. */
 typedef struct ty_transpose_scratch {
-    float* floats; /* NULL: there is none yet */
+    float* floats; /* NULL: not allocated yet */
     size_t count;
 } ty_transpose_scratch;
 

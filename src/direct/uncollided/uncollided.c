@@ -1,4 +1,4 @@
-/* Sources, one after the other, into fields. */
+/* Adds the light of samples to fields, one after another. */
 #include "direct/uncollided/uncollided.h"
 
 #include "base/context.h"
@@ -64,11 +64,11 @@ typedef struct add_job {
     const ty_grid_medium* medium;
     float* const* extinction;
     ty_light_field* field;
-    ty_transpose_scratch* buffer; /* of each plane of the medium; NULL: none is kept */
+    ty_transpose_scratch* buffer; /* per plane of the medium; NULL: allocated for each sweep */
     ty_progress_meter meter;
 } add_job;
 
-/* A source's color in units of the planes of a field. */
+/* A source's color in units of a field's planes. */
 static void color_of_planes(const ty_light_field* field, const ty_discrete_light* source, float color[3]) {
     memcpy(color, source->color, 3 * sizeof *color);
     if (field->planes == 3) return;
@@ -76,11 +76,11 @@ static void color_of_planes(const ty_light_field* field, const ty_discrete_light
                (field->color[0] + field->color[1] + field->color[2]);
 }
 
-/* A scene without anything but a light that nobody looks at. */
+/* A scene without surfaces, with one light whose values are not used. */
 static const ty_light_view unused_light;
 static const ty_scene_view empty_scene = {.lights = {.lights = &unused_light, .count = 1}};
 
-/* scene: whose surfaces throw shadows; NULL: none. */
+/* scene: whose surfaces cast shadows; NULL: none. */
 static ty_result begin_collimated(const ty_scene* scene, const ty_grid_medium* medium, const ty_discrete_light* source,
                                   ty_collimated* beam) {
     double outside[2][3] = {{0}};
@@ -89,7 +89,7 @@ static ty_result begin_collimated(const ty_scene* scene, const ty_grid_medium* m
     return ty_collimated_begin(ty_scene_get_view(scene), medium, outside, source->direction, beam);
 }
 
-/* What beams that have extinction plane p bring to which planes of the field. */
+/* The planes of the field that extinction plane p contributes to, with each source's factor. */
 static void choose_planes(const add_job* job, const ty_discrete_light* const* sources, int32_t p,
                           ty_collimated_batch* beams) {
     const ty_light_field* field = job->field;
@@ -111,7 +111,7 @@ static void choose_planes(const add_job* job, const ty_discrete_light* const* so
         }
 }
 
-/* Beams of one way. */
+/* Adds directions with one sweep axis. */
 static ty_result add_collimated(add_job* job, const ty_discrete_light* const* sources, int32_t count) {
     ty_collimated passing[TY_COLLIMATED_MAX];
     ty_collimated_batch beams = {.beams = passing, .meter = &job->meter};
@@ -131,7 +131,7 @@ static ty_result add_collimated(add_job* job, const ty_discrete_light* const* so
     return result;
 }
 
-/* All beams, those together that go through the cells alike. */
+/* Adds all directions, those with one sweep axis together. */
 static ty_result add_all_collimated(add_job* job, const ty_discrete_light* sources, int32_t count) {
     ty_result result = TY_OK;
     for (int32_t sweep = 0; sweep < 6; ++sweep) {
