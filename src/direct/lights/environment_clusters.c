@@ -114,7 +114,7 @@ static moments sum_of(const table_job* job, const int32_t from[2], const int32_t
     return add_scaled(add_scaled(bottom[to[0]], &bottom[from[0]], -1), &above, -1);
 }
 
-/* ---- parts ---- */
+/* ---- regions ---- */
 
 /* Finds the split that maximises the sum of the halves' mean vector lengths. Ties go to the first axis, so that
  * rounding does not decide. */

@@ -81,7 +81,7 @@ static void list_map(vpl_list* list, const ty_shadow_map* map) {
     }
 }
 
-/* ---- shares: texels near one another that face alike ---- */
+/* ---- clusters of texels ---- */
 
 /* The key with the largest weighted variance. *total: sum of the weights. */
 static int32_t widest_key(const vpl_texel* texels, size_t count, double* total) {
@@ -104,9 +104,9 @@ static int32_t widest_key(const vpl_texel* texels, size_t count, double* total) 
 }
 
 static void swap(vpl_texel* a, vpl_texel* b) {
-    const vpl_texel kept = *a;
+    const vpl_texel swapped = *a;
     *a = *b;
-    *b = kept;
+    *b = swapped;
 }
 
 /* Partially sorts texels along a key (quickselect by weight); returns the number of texels with the given total weight.

@@ -22,7 +22,7 @@ ty_result ty_coverage_check(ty_context* context, const ty_coverage_box* box);
 void ty_coverage_of_cell(const ty_grid_box* box, const ty_coverage_box* callers, const int32_t cell[3],
                          ty_coverage axes[3]);
 /* The fraction of the caller's cell that one of the box's cells covers. */
-double ty_coverage_fraction(const ty_coverage* cover, int32_t cell);
+double ty_coverage_fraction(const ty_coverage* c, int32_t cell);
 /* Adds the means of planes over the caller's cell, times scale, to out[]. */
 void ty_coverage_add(const ty_grid_box* box, const ty_coverage axes[3], const float* const* planes, int32_t plane_count,
                      double scale, double* out);

@@ -80,18 +80,18 @@ typedef struct ty_single_radiance {
  * eye is delta-scaled alike. Within the peak the deficit of the fit is added; outside of it, where the fit is good for
  * multiple scattering, the exact phase function is used. */
 TY_FN void ty_single_fitted(ty_forward forward, float mu, float g, TY_GLOBAL const ty_forward_fit* fit, float color,
-                            int32_t c, ty_single_radiance* sent) {
+                            int32_t c, ty_single_radiance* radiance) {
     const float t = ty_forward_peak_weight(mu), unscattered = forward.phi_unscattered * ty_hg(mu, g);
     const float lacking = t > 0.0f ? t * ty_forward_fit_deficit(forward, mu, g, fit) : 0.0f;
-    sent->first[c] += color * unscattered;
-    sent->again[c] += color * (lacking - unscattered);
-    sent->aside[c] += color * forward.phi_order_l * ty_forward_blended_phase(fit, mu, g);
+    radiance->first[c] += color * unscattered;
+    radiance->again[c] += color * (lacking - unscattered);
+    radiance->aside[c] += color * forward.phi_order_l * ty_forward_blended_phase(fit, mu, g);
 }
 
 /* Adds the scattering at cosine mu of a fluence with a lobe. passing: transmittances of its three parts. */
 TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_point* at, float mu,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
-                               TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* sent) {
+                               TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* radiance) {
     const int32_t planes = light->shared != 0 ? 1 : 3;
     float fluence[TY_FLUENCE_COUNT][3];
     for (int32_t c = 0; c < planes; ++c) {
@@ -106,11 +106,11 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
                                     fluence[TY_FLUENCE_ORDER_L][plane] * passing[TY_FLUENCE_ORDER_L][c],
                                     fluence[TY_FLUENCE_NEXT_ORDER][plane] * passing[TY_FLUENCE_NEXT_ORDER][c], 1.0f};
         if (fit->bands > 0) {
-            ty_single_fitted(forward, mu, g[c], fit, color, c, sent);
+            ty_single_fitted(forward, mu, g[c], fit, color, c, radiance);
             continue;
         }
-        sent->first[c] += color * ty_forward_unscattered(forward, mu, g[c]);
-        sent->again[c] +=
+        radiance->first[c] += color * ty_forward_unscattered(forward, mu, g[c]);
+        radiance->again[c] +=
             color * (light->lobe_order == 1 ? ty_forward_scattered(forward, mu, g[c])
                                             : ty_forward_scattered_order(forward, mu, g[c], light->lobe_order));
     }
@@ -126,9 +126,9 @@ TY_FN float ty_light_fluence_cosine(const ty_light_fluence* light, ty_vec point,
 /* Adds the radiance that a point scatters along omega. passing: factors of the light's fluences there. */
 TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, const ty_cell_point* at, ty_vec omega,
                                const float passing[TY_FLUENCE_COUNT][3], const float g[3],
-                               TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* sent) {
+                               TY_GLOBAL const ty_forward_fit* fit, ty_single_radiance* radiance) {
     if (light->lobe_order != 0) {
-        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, omega), passing, g, fit, sent);
+        ty_single_with_lobe(light, at, ty_light_fluence_cosine(light, point, omega), passing, g, fit, radiance);
         return;
     }
     const int32_t planes = light->shared != 0 ? 1 : 3;
@@ -145,7 +145,7 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
         forward[c] = forward[0] * light->color[c];
     }
     if (light->kind >= TY_FLUENCE_P1) {
-        float* to = fit->bands > 0 ? sent->aside : sent->first;
+        float* to = fit->bands > 0 ? radiance->aside : radiance->first;
         for (int32_t c = 0; c < 3; ++c)
             to[c] += passing[TY_FLUENCE_ORDER_L][c] * TY_INV_4PI * ty_maxf(0.0f, fluence[c] + 3.0f * g[c] * forward[c]);
         return;
@@ -154,7 +154,7 @@ TY_FN void ty_single_scattered(const ty_light_fluence* light, ty_vec point, cons
     float phase = 0.0f;
     for (int32_t c = 0; c < 3; ++c) {
         if (c == 0 || g[c] != g[c - 1]) phase = ty_hg(mu, g[c]);
-        sent->first[c] += passing[TY_FLUENCE_ORDER_L][c] * phase * fluence[c];
+        radiance->first[c] += passing[TY_FLUENCE_ORDER_L][c] * phase * fluence[c];
     }
 }
 

@@ -31,22 +31,22 @@ typedef struct ty_boundary_faces {
 
 /* *out is NULL where no face is closed; freed with ty_boundary_faces_destroy. Errors: TY_ERROR_MEMORY. */
 ty_result ty_boundary_faces_find(const ty_scene* scene, const ty_grid_medium* medium, ty_boundary_faces** out);
-void ty_boundary_faces_destroy(ty_boundary_faces* walls);
+void ty_boundary_faces_destroy(ty_boundary_faces* faces);
 
 /* Corrects for stairs that shade each other where the real surface does not: with this albedo, and emission_factor
  * times its emission, a staircase looks from afar as the surface does. */
-void ty_staircase_albedo(const ty_boundary_side* wall, float albedo, float* effective_albedo, float* emission_factor);
+void ty_staircase_albedo(const ty_boundary_side* side, float albedo, float* effective_albedo, float* emission_factor);
 
 /* Adds the shadowed irradiance of uncollided light to irradiance[c], W m^-2, one number per side. extinction: scaled,
  * as many planes as the medium has. forward (NULL: not computed): the part that the medium's own extinction would
  * remove. */
-void ty_boundary_irradiance_add(const ty_scene* scene, const ty_boundary_faces* walls, const ty_grid_medium* medium,
+void ty_boundary_irradiance_add(const ty_scene* scene, const ty_boundary_faces* faces, const ty_grid_medium* medium,
                                 float* const extinction[3], const ty_discrete_light* sources, int32_t count,
                                 float* const irradiance[3], float* const forward[3]);
 
 /* Marks cells that no light reaches: connected regions of open faces without an open face of the box, without a point
  * light (VPLs aside) and without emission. unlit: one flag per cell. Errors: TY_ERROR_MEMORY. */
-ty_result ty_unlit_cells_find(const ty_scene* scene, const ty_boundary_faces* walls, const ty_grid_medium* medium,
+ty_result ty_unlit_cells_find(const ty_scene* scene, const ty_boundary_faces* faces, const ty_grid_medium* medium,
                               const ty_discrete_light* sources, int32_t count, uint8_t* unlit);
 
 #endif

@@ -100,7 +100,7 @@ void ty_boundary_irradiance_add(const ty_scene* scene, const ty_boundary_faces* 
     ty_parallel_flushed(faces->context, (faces->count + TY_PACKET - 1) / TY_PACKET, light_packet, (void*)&job);
 }
 
-/* ---- dark cells ---- */
+/* ---- unlit cells ---- */
 
 typedef struct flood {
     const ty_boundary_faces* faces;

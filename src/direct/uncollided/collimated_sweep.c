@@ -98,7 +98,7 @@ static void pass_block(void* user, int64_t block, int32_t worker) {
     ty_restore_denormals(state);
 }
 
-/* ---- cells turned over ---- */
+/* ---- transposed cells ---- */
 
 typedef struct transpose_job {
     const float* from;

@@ -5,7 +5,7 @@
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
 
-/* ---- beams ---- */
+/* ---- parallel light ---- */
 
 /* Weighted mean extinction of the three rows below a row of tubes, with two empty cells at either end. */
 static void blend_rows(const ty_tube_row* row) {
@@ -88,7 +88,7 @@ static void transpose(const ty_transpose_block* b) {
     }
 }
 
-/* ---- lamps ---- */
+/* ---- point lights ---- */
 
 static void trace_row(const ty_ray_row* r) {
     const float near = r->near, far = r->far, row = r->row, row_slope = r->row_slope;
@@ -167,8 +167,8 @@ static void cell_means(const ty_cell_row_means* cells) {
     }
 }
 
-static void directions(const ty_cell_row_directions* ways) {
-    const ty_cell_row_directions w = *ways;
+static void directions(const ty_cell_row_directions* row) {
+    const ty_cell_row_directions w = *row;
 #pragma omp simd
     for (int32_t i = w.begin; i < w.end; ++i) {
         const float off = w.off[0] + w.off[1] * (float)i;

@@ -124,7 +124,7 @@ typedef struct ty_direct_kernels {
     void (*trace_row)(const ty_ray_row* rays);
     void (*blend_rows)(const ty_ray_row_blend* blend);
     void (*cell_means)(const ty_cell_row_means* cells);
-    void (*directions)(const ty_cell_row_directions* ways);
+    void (*directions)(const ty_cell_row_directions* directions);
     void (*add_light)(const ty_cell_row_sum* sum);
 } ty_direct_kernels;
 

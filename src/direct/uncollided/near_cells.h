@@ -23,12 +23,12 @@ typedef struct ty_point_light_job {
 } ty_point_light_job;
 
 /* Distance to the first surface from the light, m, at most `far`. */
-float ty_point_light_visible_distance(const ty_point_light_job* lamp, ty_vec direction, float far);
+float ty_point_light_visible_distance(const ty_point_light_job* point, ty_vec direction, float far);
 /* True if a cell is next to the light. */
-bool ty_near_cells_contain(const ty_point_light_job* lamp, const int32_t cell[3]);
+bool ty_near_cells_contain(const ty_point_light_job* point, const int32_t cell[3]);
 /* The range of the near cells along an axis; it may exceed the box. */
-void ty_near_cells_range(const ty_point_light_job* lamp, int32_t axis, int32_t range[2]);
+void ty_near_cells_range(const ty_point_light_job* point, int32_t axis, int32_t range[2]);
 /* Adds the light of the near cells within the box. Errors: TY_ERROR_MEMORY. */
-ty_result ty_near_cells_add(const ty_point_light_job* lamp);
+ty_result ty_near_cells_add(const ty_point_light_job* point);
 
 #endif

@@ -21,27 +21,27 @@ typedef struct cell_row {
 } cell_row;
 
 /* A cell's center along an axis, m from the light. */
-static double center_of(const ty_point_light_job* lamp, int32_t axis, int32_t cell) {
-    return lamp->lower[axis] + lamp->medium->cell[axis] * (cell + 0.5);
+static double center_of(const ty_point_light_job* point, int32_t axis, int32_t cell) {
+    return point->lower[axis] + point->medium->cell[axis] * (cell + 0.5);
 }
 
 /* Floats of scratch for a row: rays, then cells. */
-static size_t cell_scratch(const ty_point_light_job* lamp) {
-    int32_t most = 0;
-    for (int a = 0; a < 3; ++a) most = lamp->medium->box.size[a] > most ? lamp->medium->box.size[a] : most;
-    return ty_ray_lattice_scratch(lamp) + 7 * (size_t)most;
+static size_t cell_scratch(const ty_point_light_job* point) {
+    int32_t max = 0;
+    for (int a = 0; a < 3; ++a) max = point->medium->box.size[a] > max ? point->medium->box.size[a] : max;
+    return ty_ray_lattice_scratch(point) + 7 * (size_t)max;
 }
 
 static void place_row(const ty_ray_lattice* l, int32_t slab, int32_t v, float* scratch, cell_row* row) {
-    const ty_point_light_job* lamp = l->job;
-    const int32_t* size = lamp->medium->box.size;
+    const ty_point_light_job* point = l->job;
+    const int32_t* size = point->medium->box.size;
     const size_t stride[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
     const size_t rays = (size_t)l->count[0], cells = (size_t)size[l->axis[0]];
     *row = (cell_row){.l = l, .slab = slab, .cell = {0, v, ty_ray_lattice_cell(l, slab)}};
     row->stride = stride[l->axis[0]];
     row->first = stride[l->axis[1]] * (size_t)row->cell[1] + stride[l->axis[2]] * (size_t)row->cell[2];
-    row->v = center_of(lamp, l->axis[1], row->cell[1]);
-    row->w = fabs(center_of(lamp, l->axis[2], row->cell[2]));
+    row->v = center_of(point, l->axis[1], row->cell[1]);
+    row->w = fabs(center_of(point, l->axis[2], row->cell[2]));
     row->mean = scratch;
     row->visible = scratch + rays;
     float* const next = scratch + 2 * rays;
@@ -65,11 +65,11 @@ static bool is_owned(const cell_row* row, int32_t u) {
 
 /* The range of the row's cells within the pyramid. */
 static void find_owned(const cell_row* row, int32_t* begin, int32_t* end) {
-    const ty_point_light_job* lamp = row->l->job;
-    const int32_t u = row->l->axis[0], size = lamp->medium->box.size[u];
-    const double low = lamp->lower[u], per_cell = 1 / lamp->medium->cell[u];
-    *begin = (int32_t)fmax(0, fmin(size, floor((-row->w - low) * per_cell) - 1));
-    *end = (int32_t)fmax(0, fmin(size, ceil((row->w - low) * per_cell) + 1));
+    const ty_point_light_job* point = row->l->job;
+    const int32_t u = row->l->axis[0], size = point->medium->box.size[u];
+    const double lower = point->lower[u], per_cell = 1 / point->medium->cell[u];
+    *begin = (int32_t)fmax(0, fmin(size, floor((-row->w - lower) * per_cell) - 1));
+    *end = (int32_t)fmax(0, fmin(size, ceil((row->w - lower) * per_cell) + 1));
     while (*begin < *end && !is_owned(row, *begin)) ++*begin;
     while (*begin < *end && !is_owned(row, *end - 1)) --*end;
 }
@@ -115,10 +115,10 @@ static double inside_of(const cell_row* row, bool* across_v) {
 /* Means over the cells [begin, end) of the row. */
 static void find_means(const cell_row* row, int32_t begin, int32_t end) {
     const ty_ray_lattice* l = row->l;
-    const ty_point_light_job* lamp = l->job;
-    const ty_grid_medium* medium = lamp->medium;
+    const ty_point_light_job* point = l->job;
+    const ty_grid_medium* medium = point->medium;
     const int32_t u = l->axis[0];
-    const double size = medium->cell[u], center = center_of(lamp, u, 0);
+    const double size = medium->cell[u], center = center_of(point, u, 0);
     bool across_v;
     ty_cell_row_means cells = {
         .begin = begin,
@@ -128,51 +128,51 @@ static void find_means(const cell_row* row, int32_t begin, int32_t end) {
         .off = {(float)center, (float)size},
         .v = (float)row->v,
         .w = (float)row->w,
-        .side = {(float)(size * (lamp->lower[u] > 0 ? 0.5 : 0.5 - medium->box.size[u])), (float)size},
-        .outside = lamp->lower[u] > 0 || lamp->upper[u] < 0,
+        .side = {(float)(size * (point->lower[u] > 0 ? 0.5 : 0.5 - medium->box.size[u])), (float)size},
+        .outside = point->lower[u] > 0 || point->upper[u] < 0,
         .inside = (float)inside_of(row, &across_v),
         .stride = row->stride,
         .mean = row->mean,
         .visible = l->hit != NULL ? row->visible : NULL,
-        .spread = lamp->out.transmittance == NULL,
+        .spread = point->out.transmittance == NULL,
     };
     cells.across_v = across_v;
     for (int i = 0; i < 3; ++i) cells.cell[i] = (float)medium->cell[l->axis[i]];
     for (int32_t c = 0; c < medium->planes; ++c) {
         blend_rays(row, c, begin, end);
-        cells.extinction = lamp->extinction[c] + row->first;
+        cells.extinction = point->extinction[c] + row->first;
         cells.transmittance = row->transmittance[c];
-        lamp->kernels->cell_means(&cells);
+        point->kernels->cell_means(&cells);
     }
 }
 
 static void add_light(const cell_row* row, int32_t begin, int32_t end) {
     const ty_ray_lattice* l = row->l;
-    const ty_point_light_job* lamp = l->job;
-    const ty_point_light_target* out = &lamp->out;
-    const ty_vec direction = lamp->source->direction;
+    const ty_point_light_job* point = l->job;
+    const ty_point_light_target* out = &point->out;
+    const ty_vec direction = point->source->direction;
     const float axis_direction[3] = {direction.x, direction.y, direction.z};
-    const float center = (float)center_of(lamp, l->axis[0], 0), size = (float)lamp->medium->cell[l->axis[0]];
+    const float center = (float)center_of(point, l->axis[0], 0), size = (float)point->medium->cell[l->axis[0]];
     ty_cell_row_directions directions = {.begin = begin, .end = end, .off = {center, size}, .v = (float)row->v};
     directions.w = (float)(l->backwards ? -row->w : row->w);
-    directions.profile = lamp->source->profile;
-    directions.light = lamp->light;
+    directions.profile = point->source->profile;
+    directions.light = point->light;
     directions.falloff = row->falloff;
     for (int i = 0; i < 3; ++i) {
         directions.axis_direction[i] = axis_direction[l->axis[i]];
         directions.omega[i] = row->omega[i];
     }
-    lamp->kernels->directions(&directions);
+    point->kernels->directions(&directions);
     for (int32_t c = 0; c < out->planes; ++c) {
         ty_cell_row_sum sum = {.begin = begin, .end = end, .stride = row->stride, .falloff = row->falloff};
         sum.color = out->color[c];
-        sum.transmittance = row->transmittance[c < lamp->medium->planes ? c : 0];
+        sum.transmittance = row->transmittance[c < point->medium->planes ? c : 0];
         sum.fluence = out->fluence[c] + row->first;
         for (int i = 0; i < 3 && out->flux != NULL; ++i) {
             sum.omega[i] = row->omega[i];
             sum.flux[i] = out->flux[c][l->axis[i]] + row->first;
         }
-        lamp->kernels->add_light(&sum);
+        point->kernels->add_light(&sum);
     }
 }
 
@@ -191,18 +191,18 @@ static void light_cells(const cell_row* row, int32_t begin, int32_t end) {
 
 /* Lights all cells of a row but the near ones. */
 static void light_row(const cell_row* row) {
-    const ty_point_light_job* lamp = row->l->job;
+    const ty_point_light_job* point = row->l->job;
     const int32_t* axis = row->l->axis;
     int32_t begin, end, near[2], cell[3];
     find_owned(row, &begin, &end);
-    cell[axis[0]] = lamp->home[axis[0]];
+    cell[axis[0]] = point->home[axis[0]];
     cell[axis[1]] = row->cell[1];
     cell[axis[2]] = row->cell[2];
-    if (lamp->out.transmittance != NULL || !ty_near_cells_contain(lamp, cell)) {
+    if (point->out.transmittance != NULL || !ty_near_cells_contain(point, cell)) {
         light_cells(row, begin, end);
         return;
     }
-    ty_near_cells_range(lamp, axis[0], near);
+    ty_near_cells_range(point, axis[0], near);
     light_cells(row, begin, near[0] < end ? near[0] : end);
     light_cells(row, near[1] > begin ? near[1] : begin, end);
 }
@@ -222,11 +222,11 @@ static void light_rows(void* user, int64_t v, int32_t worker) {
 
 /* ---- pyramids ---- */
 
-static ty_result light_pyramid(ty_point_light_job* lamp, int32_t w, bool backwards) {
-    const ty_grid_medium* medium = lamp->medium;
-    const double from = backwards ? -lamp->upper[w] : lamp->lower[w];
-    ty_ray_lattice before = {.job = lamp},
-                   l = {.job = lamp, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
+static ty_result light_pyramid(ty_point_light_job* point, int32_t w, bool backwards) {
+    const ty_grid_medium* medium = point->medium;
+    const double from = backwards ? -point->upper[w] : point->lower[w];
+    ty_ray_lattice before = {.job = point},
+                   l = {.job = point, .axis = {w == 0 ? 1 : 0, w == 2 ? 1 : 2, w}, .backwards = backwards};
     l.entry = fmax(0, from);
     ty_result result = TY_OK;
     int32_t begin = (int32_t)fmin(medium->box.size[w], fmax(0, floor(-from / medium->cell[w])));
@@ -237,43 +237,43 @@ static ty_result light_pyramid(ty_point_light_job* lamp, int32_t w, bool backwar
         ty_ray_lattice_end(&before);
         before = l;
         l.hit = l.mean[0] = l.mean[1] = l.mean[2] = NULL;
-        lamp->finished += 1.0 / 6 * before.slabs / medium->box.size[w];
-        if (result == TY_OK) result = ty_progress_meter_report(lamp->meter, fmin(lamp->finished, 1));
+        point->finished += 1.0 / 6 * before.slabs / medium->box.size[w];
+        if (result == TY_OK) result = ty_progress_meter_report(point->meter, fmin(point->finished, 1));
     }
     ty_ray_lattice_end(&before);
     return result;
 }
 
-static void place_point(ty_point_light_job* lamp) {
-    const ty_discrete_light* source = lamp->source;
-    const ty_grid_medium* medium = lamp->medium;
+static void place_point(ty_point_light_job* point) {
+    const ty_discrete_light* source = point->source;
+    const ty_grid_medium* medium = point->medium;
     const double position[3] = {(double)source->position.x, (double)source->position.y, (double)source->position.z};
     double min_side = INFINITY;
     for (int a = 0; a < 3; ++a) {
-        lamp->lower[a] = medium->box.lower[a] - position[a];
-        lamp->upper[a] = medium->box.upper[a] - position[a];
-        lamp->home[a] = (int32_t)fmin(fmax(floor(-lamp->lower[a] / medium->cell[a]), -1e6), 1e6);
+        point->lower[a] = medium->box.lower[a] - position[a];
+        point->upper[a] = medium->box.upper[a] - position[a];
+        point->home[a] = (int32_t)fmin(fmax(floor(-point->lower[a] / medium->cell[a]), -1e6), 1e6);
         min_side = fmin(min_side, medium->cell[a]);
     }
-    if (source->is_point == 0) lamp->lift = (float)(1e-3 * min_side);
+    if (source->is_point == 0) point->lift = (float)(1e-3 * min_side);
 }
 
 ty_result ty_point_light_add(const ty_scene_view* scene, const ty_grid_medium* medium, float* const extinction[3],
                              const ty_discrete_light* source, const ty_point_light_target* out,
                              ty_progress_meter* meter) {
-    ty_point_light_job lamp = {
+    ty_point_light_job point = {
         .scene = scene, .medium = medium, .source = source, .extinction = extinction, .out = *out};
     const size_t threads = (size_t)ty_context_threads(medium->context);
-    lamp.light = &scene->lights.lights[source->light];
-    lamp.kernels = ty_direct_kernels_best();
-    lamp.meter = meter;
-    place_point(&lamp);
-    lamp.scratch_size = cell_scratch(&lamp);
-    lamp.scratch = ty_alloc_array(medium->context, lamp.scratch_size * threads, sizeof *lamp.scratch, false);
-    if (lamp.scratch == NULL) return TY_ERROR_MEMORY;
+    point.light = &scene->lights.lights[source->light];
+    point.kernels = ty_direct_kernels_best();
+    point.meter = meter;
+    place_point(&point);
+    point.scratch_size = cell_scratch(&point);
+    point.scratch = ty_alloc_array(medium->context, point.scratch_size * threads, sizeof *point.scratch, false);
+    if (point.scratch == NULL) return TY_ERROR_MEMORY;
     ty_result result = TY_OK;
-    for (int32_t face = 0; face < 6 && result == TY_OK; ++face) result = light_pyramid(&lamp, face / 2, face % 2 != 0);
-    if (result == TY_OK && out->transmittance == NULL) result = ty_near_cells_add(&lamp);
-    ty_free_array(medium->context, lamp.scratch, lamp.scratch_size * threads, sizeof *lamp.scratch);
+    for (int32_t face = 0; face < 6 && result == TY_OK; ++face) result = light_pyramid(&point, face / 2, face % 2 != 0);
+    if (result == TY_OK && out->transmittance == NULL) result = ty_near_cells_add(&point);
+    ty_free_array(medium->context, point.scratch, point.scratch_size * threads, sizeof *point.scratch);
     return result;
 }

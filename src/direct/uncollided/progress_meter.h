@@ -12,7 +12,8 @@ typedef struct ty_progress_meter {
 } ty_progress_meter;
 
 ty_progress_meter ty_progress_meter_begin(ty_progress_fn progress, void* user, int32_t count);
-/* Reports progress if it is due; fraction: of the current source. Errors: TY_CANCELLED on the caller's request. */
-ty_result ty_progress_meter_report(ty_progress_meter* meter, double fraction);
+/* Reports progress if it is due; fraction_of_source: of the current source. Errors: TY_CANCELLED on the caller's
+ * request. */
+ty_result ty_progress_meter_report(ty_progress_meter* meter, double fraction_of_source);
 
 #endif

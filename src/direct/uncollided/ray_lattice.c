@@ -17,15 +17,15 @@ static size_t value_count(const ty_ray_lattice* l) {
 }
 
 /* Maximum number of rays along one axis: twice the cells, and as many again for boxes seen askew. */
-static int32_t rays_max(const ty_point_light_job* lamp, int32_t axis) {
-    return 4 * lamp->medium->box.size[axis] + 64;
+static int32_t rays_max(const ty_point_light_job* point, int32_t axis) {
+    return 4 * point->medium->box.size[axis] + 64;
 }
 
-size_t ty_ray_lattice_scratch(const ty_point_light_job* lamp) {
+size_t ty_ray_lattice_scratch(const ty_point_light_job* point) {
     size_t max_count = 0;
     for (int32_t a = 0; a < 3; ++a)
-        max_count = rays_max(lamp, a) > (int32_t)max_count ? (size_t)rays_max(lamp, a) : max_count;
-    return max_count * (size_t)(1 + lamp->medium->planes);
+        max_count = rays_max(point, a) > (int32_t)max_count ? (size_t)rays_max(point, a) : max_count;
+    return max_count * (size_t)(1 + point->medium->planes);
 }
 
 void ty_ray_lattice_end(ty_ray_lattice* l) {
@@ -48,7 +48,7 @@ static ty_result allocate_lattice(ty_ray_lattice* l) {
     return l->hit != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
-/* ---- places ---- */
+/* ---- placement ---- */
 
 double ty_ray_lattice_plane(const ty_ray_lattice* l, int32_t slab) {
     const int32_t w = l->axis[2];
@@ -122,14 +122,14 @@ static float interpolate_rays(const ty_ray_lattice* l, const float* plane, const
  * extinction. No cell there is lit, and interpolation with a ray inside stays correct. */
 static void begin_row(const trace_job* job, double q, float* entry, float* const depth[3]) {
     const ty_ray_lattice *l = job->l, *before = job->before;
-    const ty_point_light_job* lamp = l->job;
-    const int32_t u = l->axis[0], v = l->axis[1], planes = lamp->medium->planes;
-    const double from = fmax(l->entry, entry_of(q, lamp->lower[v], lamp->upper[v]));
+    const ty_point_light_job* point = l->job;
+    const int32_t u = l->axis[0], v = l->axis[1], planes = point->medium->planes;
+    const double from = fmax(l->entry, entry_of(q, point->lower[v], point->upper[v]));
     int32_t at[2] = {0, 0};
     float t[2] = {0, 0};
     if (before->slabs > 0) t[1] = ty_ray_lattice_locate(before, 1, q, &at[1]);
     for (int32_t i = 0; i < l->count[0]; ++i) {
-        const double p = l->low[0] + l->step[0] * i, enters = fmax(from, entry_of(p, lamp->lower[u], lamp->upper[u]));
+        const double p = l->low[0] + l->step[0] * i, enters = fmax(from, entry_of(p, point->lower[u], point->upper[u]));
         entry[i] = (float)(enters - l->entry);
         for (int32_t c = 0; c < planes; ++c) depth[c][i] = 0;
         if (before->slabs == 0 || !(l->near > enters)) continue;
@@ -149,8 +149,8 @@ static void find_beside(double first, double step, int32_t size, int32_t count, 
 
 /* The row of rays of tangent q through a slab; past the last slab only the far side is left. */
 static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) {
-    const ty_point_light_job* lamp = l->job;
-    const ty_grid_medium* medium = lamp->medium;
+    const ty_point_light_job* point = l->job;
+    const ty_grid_medium* medium = point->medium;
     const int32_t u = l->axis[0], v = l->axis[1];
     const double near = ty_ray_lattice_plane(l, slab);
     const double far = slab < l->slabs ? fmin(l->far, ty_ray_lattice_plane(l, slab + 1)) : near;
@@ -160,9 +160,9 @@ static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) 
     ty_ray_row rays = {
         .near = (float)(near - l->entry),
         .far = (float)(far - l->entry),
-        .at = {(float)((l->low[0] * far - lamp->lower[u]) * per_u - 0.5), (float)(l->step[0] * far * per_u)},
+        .at = {(float)((l->low[0] * far - point->lower[u]) * per_u - 0.5), (float)(l->step[0] * far * per_u)},
         .slope = {(float)(l->low[0] * per_u), (float)(l->step[0] * per_u)},
-        .row = (float)((q * far - lamp->lower[v]) * per_v - 0.5),
+        .row = (float)((q * far - point->lower[v]) * per_v - 0.5),
         .row_slope = (float)(q * per_v),
         .size = {medium->box.size[u], medium->box.size[v]},
         .stride = {(int32_t)stride[u], (int32_t)stride[v]},
@@ -177,8 +177,8 @@ static ty_ray_row rays_through(const ty_ray_lattice* l, int32_t slab, double q) 
 /* Occlusion distance of a ray, along w. */
 static float occlusion_along(const trace_job* job, double p, double q) {
     const ty_ray_lattice* l = job->l;
-    const ty_vec lamp = l->job->source->position;
-    const double length = sqrt(1 + p * p + q * q), position[3] = {(double)lamp.x, (double)lamp.y, (double)lamp.z};
+    const ty_vec point = l->job->source->position;
+    const double length = sqrt(1 + p * p + q * q), position[3] = {(double)point.x, (double)point.y, (double)point.z};
     double omega[3];
     ty_occlusion_span span = {0, INFINITY};
     omega[l->axis[0]] = p / length;
@@ -196,12 +196,12 @@ static float occlusion_along(const trace_job* job, double p, double q) {
 static void trace_row(void* user, int64_t row, int32_t worker) {
     const trace_job* job = user;
     ty_ray_lattice* l = job->l;
-    const ty_point_light_job* lamp = l->job;
-    const ty_grid_medium* medium = lamp->medium;
+    const ty_point_light_job* point = l->job;
+    const ty_grid_medium* medium = point->medium;
     const double q = l->low[1] + l->step[1] * (double)row;
     const size_t size = (size_t)medium->box.size[0], count = (size_t)l->count[0], first = (size_t)row * count;
     const size_t per_slab[3] = {1, size, size * (size_t)medium->box.size[1]};
-    float* entry = lamp->scratch + lamp->scratch_size * (size_t)worker;
+    float* entry = point->scratch + point->scratch_size * (size_t)worker;
     float* const depth[3] = {entry + count, entry + 2 * count, entry + 3 * count};
     const unsigned state = ty_flush_denormals();
     begin_row(job, q, entry, depth);
@@ -210,10 +210,10 @@ static void trace_row(void* user, int64_t row, int32_t worker) {
         const int32_t cell = ty_ray_lattice_cell(l, slab < l->slabs ? slab : l->slabs - 1);
         rays.entry = entry;
         for (int32_t c = 0; c < medium->planes; ++c) {
-            rays.cells = lamp->extinction[c] + per_slab[l->axis[2]] * (size_t)cell;
+            rays.cells = point->extinction[c] + per_slab[l->axis[2]] * (size_t)cell;
             rays.depth = depth[c];
             rays.mean = l->mean[c] + ty_ray_lattice_rays(l) * (size_t)slab + first;
-            lamp->kernels->trace_row(&rays);
+            point->kernels->trace_row(&rays);
         }
     }
     for (size_t i = 0; i < count && l->hit != NULL; ++i)

@@ -31,7 +31,7 @@ ty_result ty_ray_lattice_trace(ty_ray_lattice* l, const ty_ray_lattice* before);
 void ty_ray_lattice_end(ty_ray_lattice* l);
 
 /* Floats of scratch per worker for any row of rays of this light. */
-size_t ty_ray_lattice_scratch(const ty_point_light_job* lamp);
+size_t ty_ray_lattice_scratch(const ty_point_light_job* point);
 /* Number of rays in one slab. */
 size_t ty_ray_lattice_rays(const ty_ray_lattice* l);
 /* The near side of a slab, m along w from the light. */

@@ -10,7 +10,7 @@
 TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction, float enter,
                                   float leave, ty_random* random, float transmittance[3]) {
     ty_bricks bricks;
-    float least = 0.0f; /* integral of the bricks' minimum density */
+    float min_integral = 0.0f; /* integral of the bricks' minimum density */
     float left = ty_exponential(ty_random_white(random));
     float track[3] = {1.0f, 1.0f, 1.0f};
     ty_bricks_begin(&bricks, medium, origin, direction, enter, leave);
@@ -18,7 +18,7 @@ TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec
         const float range = bricks.high - bricks.low;
         const float rate = range * medium->sigma_t_max;
         float t = bricks.enter;
-        least += bricks.low * (bricks.leave - bricks.enter);
+        min_integral += bricks.low * (bricks.leave - bricks.enter);
         while (left < (bricks.leave - t) * rate) {
             t += ty_maxf(left / rate, TY_LEAST_STEP * t);
             const float density = ty_bricks_density(&bricks, t, random);
@@ -36,7 +36,7 @@ TY_FN void ty_track_transmittance(TY_GLOBAL const ty_medium_view* medium, ty_vec
         }
         left -= (bricks.leave - t) * rate;
     }
-    for (int c = 0; c < 3; ++c) transmittance[c] *= track[c] * ty_expf(-least * medium->sigma_t[c]);
+    for (int c = 0; c < 3; ++c) transmittance[c] *= track[c] * ty_expf(-min_integral * medium->sigma_t[c]);
 }
 
 /* Accumulates one segment of a ray inside a medium: homogeneous media add to depth. */

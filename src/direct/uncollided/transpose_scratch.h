@@ -11,6 +11,6 @@ typedef struct ty_transpose_scratch {
     size_t count;
 } ty_transpose_scratch;
 
-void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* room);
+void ty_transpose_scratch_free(ty_context* context, ty_transpose_scratch* scratch);
 
 #endif

@@ -57,7 +57,7 @@ void ty_light_field_destroy(ty_light_field* field) {
     ty_free_array(field->context, field, 1, sizeof *field);
 }
 
-/* ---- beams ---- */
+/* ---- parallel light ---- */
 
 typedef struct add_job {
     const ty_scene* scene;

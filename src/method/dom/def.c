@@ -1,4 +1,4 @@
-/* Options: their defaults and their checks. */
+/* Options, their defaults and their checks. */
 #include "base/context.h"
 #include "image/march.h"
 #include "method/dom/job.h"

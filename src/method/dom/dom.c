@@ -1,11 +1,11 @@
-/* Entry points. */
+/* Entry points: a solve, its images, and both in one call. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 #include "method/dom/sources/sources.h"
 #include "method/dom/view/view.h"
 #include "scene/scene.h"
 
-/* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
+/* Progress of a solve after each of its parts, and the fraction of a render that the solve takes. */
 static const double medium_until = 0.1, direct_until = 0.4, solve_share = 0.7;
 
 /* ---- solving ---- */
@@ -30,22 +30,23 @@ static ty_result run_part(ty_dom_job* job, const char* stage, double until, ty_r
     return result;
 }
 
-static ty_result run_parts(ty_dom_job* job, double share) {
+static ty_result run_parts(ty_dom_job* job, double fraction) {
     ty_dom_stats* stats = &job->stats;
-    ty_result result = run_part(job, "media", share * medium_until, ty_dom_sample_media, &stats->medium_seconds);
+    ty_result result = run_part(job, "media", fraction * medium_until, ty_dom_sample_media, &stats->medium_seconds);
     if (result == TY_OK) result = ty_dom_find_boundary(job);
     if (result == TY_OK) result = ty_dom_collect_lights(job);
     if (result == TY_OK)
-        result = run_part(job, "direct light", share * direct_until, ty_dom_find_uncollided, &stats->direct_seconds);
+        result = run_part(job, "direct light", fraction * direct_until, ty_dom_find_uncollided, &stats->direct_seconds);
     stats->direct_seconds -= stats->source_seconds;
     if (result == TY_OK)
-        result = run_part(job, "walls", share * direct_until, ty_dom_light_boundary, &stats->wall_seconds);
-    if (result == TY_OK) result = run_part(job, "ordinates", share, ty_dom_solve_channels, &stats->solve_seconds);
+        result = run_part(job, "walls", fraction * direct_until, ty_dom_light_boundary, &stats->wall_seconds);
+    if (result == TY_OK) result = run_part(job, "ordinates", fraction, ty_dom_solve_channels, &stats->solve_seconds);
     return result;
 }
 
-/* share: of the caller's progress that the solve is. */
-static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double share, ty_dom** out, ty_dom_stats* stats) {
+/* share: fraction of the caller's progress that the solve takes. */
+static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double fraction, ty_dom** out,
+                       ty_dom_stats* stats) {
     ty_context* context = ty_scene_context(scene);
     ty_result result = ty_dom_check(context, def);
     if (result == TY_OK) result = ty_scene_check_media(scene, "dom");
@@ -55,7 +56,7 @@ static ty_result solve(const ty_scene* scene, const ty_dom_def* def, double shar
     job.light = ty_alloc_array(context, 1, sizeof *job.light, true);
     if (job.light == NULL) return TY_ERROR_MEMORY;
     job.light->context = context;
-    result = run_parts(&job, share);
+    result = run_parts(&job, fraction);
     job.stats.seconds = ty_wall_seconds() - job.progress.begun;
     end_job(&job);
     if (result != TY_OK) {
@@ -114,14 +115,14 @@ ty_result ty_dom_view(const ty_dom* light, const ty_scene* scene, const ty_dom_d
 ty_result ty_dom_render(const ty_scene* scene, const ty_dom_def* def, ty_image** out, ty_dom_stats* stats) {
     *out = NULL;
     ty_dom* light = NULL;
-    ty_dom_stats own = {0};
+    ty_dom_stats local_stats = {0};
     const double begun = ty_wall_seconds();
-    ty_result result = solve(scene, def, solve_share, &light, &own);
+    ty_result result = solve(scene, def, solve_share, &light, &local_stats);
     if (result != TY_OK) return result;
     ty_part_progress progress = ty_part_begin(def->progress, def->progress_user, solve_share, 1 - solve_share);
     progress.begun = begun;
-    result = ty_dom_march(light, scene, def, progress, out, &own);
+    result = ty_dom_march(light, scene, def, progress, out, &local_stats);
     ty_dom_destroy(light);
-    if (stats != NULL) *stats = own;
+    if (stats != NULL) *stats = local_stats;
     return result;
 }

@@ -1,5 +1,6 @@
-/* Surfaces as walls between the cells of ordinates: what they send of light that has not scattered, which sweeps carry
- * from wall to wall until it does, and what they send of the rest. */
+/* Light of surfaces between the cells of ordinates. Reflected uncollided light and emission are carried from face to
+ * face by sweeps without scattering; their first collisions are a source of the solve with scattering, in which faces
+ * reflect collided light. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
@@ -9,9 +10,9 @@
 
 static const double sqrt_four_pi = 3.5449077018110318;
 
-/* Walls send light one way, of which phase functions make more than of what has scattered: so many bands are kept for
- * the eye that what is left of g^l is about this, but no more than directions tell apart; three at least, which is what
- * surfaces that are slanted take. */
+/* Light from surfaces is directional, so more bands are kept for the eye than the scattering source needs: enough that
+ * g^l falls to min_power, at most the number that the directions resolve, and at least three for the irradiance of
+ * slanted surfaces. */
 static const double min_power = 0.02;
 enum { MIN_OUTPUT_BANDS = 3, MAX_OUTPUT_BANDS = 6 };
 
@@ -63,7 +64,7 @@ bool ty_dom_is_within_boundary(const ty_dom_job* job, ty_vec point) {
     return inside;
 }
 
-/* What each side gets, of all channels, and the part of it that has scattered nearly straight on. */
+/* Irradiance of each side, per channel: all of it, and the part in the forward lobe. */
 typedef struct side_irradiance {
     float *total[3], *forward[3];
 } side_irradiance;
@@ -80,7 +81,7 @@ static float in_channel_units(const ty_dom* light, float* const rgb[3], int32_t 
     return light->shared ? (rgb[0][side] + rgb[1][side] + rgb[2][side]) / total : rgb[channel][side];
 }
 
-/* What walls send besides what they reflect of light that ordinates carry, in units of the channels. */
+/* Radiance of sides, in units of the channels: reflected uncollided light and emission. */
 static void find_radiance(const ty_dom_job* job, int32_t channel, const side_irradiance* sums) {
     const ty_dom* light = job->light;
     for (int32_t i = 0; i < job->boundary->count; ++i) {
@@ -111,7 +112,7 @@ static ty_result allocate_memory(ty_dom_job* job, float** scaled, float** irradi
     return *scaled != NULL && *irradiance != NULL ? TY_OK : TY_ERROR_MEMORY;
 }
 
-/* Nothing comes from cells that no light gets to, whatever fine cells at their edges have. */
+/* Finds the cells inside of solids and removes their source: fine cells across a surface leak into it. */
 static ty_result find_unlit(ty_dom_job* job) {
     ty_dom* light = job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
@@ -165,7 +166,7 @@ bool ty_dom_boundary_is_dark(const ty_dom_job* job, int32_t channel) {
 
 /* ---- ordinates ---- */
 
-/* sent: what they send besides what they reflect. */
+/* emission: radiance of the sides besides reflection. */
 static ty_ordinates_walls ordinates_walls_of(const ty_dom_job* job, int32_t channel, const float* emission) {
     const ty_boundary_faces* walls = job->boundary;
     if (walls == NULL) return (ty_ordinates_walls){.count = 0};
@@ -184,7 +185,7 @@ typedef struct absorbing_planes {
     float* moments[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
 } absorbing_planes;
 
-/* What light that walls sent and that has not scattered yet will: into q_lm. Returns it, W. */
+/* Adds the first-collision source of light from surfaces to q_lm: sigma_s (g^l - g^L) phi_lm. Returns its power, W. */
 static double add_first_collisions(ty_dom_job* job, int32_t channel, float* const* moments) {
     const ty_dom* light = job->light;
     const int32_t plane = light->planes == 3 ? channel : 0;

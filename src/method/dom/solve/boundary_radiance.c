@@ -1,5 +1,6 @@
-/* Surfaces outside of the box, such as a floor under a cloud: what they send into it of environments and area lights is
- * radiance that comes in through its faces, along each ordinate the mean of what some rays meet. */
+/* The boundary source of surfaces outside of the box, such as a floor under a cloud: they reflect environments and area
+ * lights through the box's faces. The incident radiance along each direction of the quadrature is the mean over a few
+ * rays. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
@@ -7,19 +8,19 @@
 #include <math.h>
 #include <string.h>
 
-/* Rays of each direction, evenly over the faces that it leads in through. */
+/* Rays per direction, spread over the faces through which the direction enters the box. */
 enum { RAYS = 16 };
 
-/* Of a sequence that fills a square evenly: one over powers of the root of x^3 = x + 1. */
+/* Generators of the R2 low-discrepancy sequence: powers of the inverse of the real root of x^3 = x + 1. */
 static const double step_u = 0.7548776662466927, step_v = 0.5698402909980532;
 
 typedef struct boundary_job {
     ty_dom_job* job;
-    ty_boundary_faces surfaces; /* surfaces that rays met, as sides of walls: of direction d from d RAYS on */
+    ty_boundary_faces surfaces; /* surfaces that rays hit, as boundary sides; those of direction d start at d RAYS */
     float* irradiance[3];
 } boundary_job;
 
-/* Where one of a direction's rays enters the box. */
+/* The point at which one of a direction's rays enters the box. */
 static void ray_entry(const ty_dom_job* job, int32_t direction, int32_t ray, double at[3]) {
     const ty_grid_box* box = &job->coarse->box;
     double edge[3], omega[3], weight[3], sum = 0;
@@ -38,7 +39,7 @@ static void ray_entry(const ty_dom_job* job, int32_t direction, int32_t ray, dou
     at[c] = box->lower[c] + edge[c] * (v - floor(v));
 }
 
-/* What a ray back from there meets; albedo 0: nothing, or a wall of the box. */
+/* The surface that the ray hits when followed back from its entry; albedo 0 if it misses or hits a boundary face. */
 static void trace_ray(const boundary_job* in, int32_t direction, int32_t ray, ty_boundary_side* side) {
     const ty_scene_view* view = &in->job->scene->view;
     const ty_ordinate_set* set = in->job->set;
@@ -69,7 +70,7 @@ static void trace_rays(void* user, int64_t direction, int32_t worker) {
         trace_ray(in, (int32_t)direction, ray, &in->surfaces.sides[direction * RAYS + ray]);
 }
 
-/* Sources whose reflections no virtual lamps stand for. */
+/* Lights the surfaces by all sources but those whose reflection VPLs stand for. */
 static void light_surfaces(const boundary_job* in) {
     const ty_dom_job* job = in->job;
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
@@ -83,7 +84,7 @@ static void light_surfaces(const boundary_job* in) {
     }
 }
 
-/* In units of a channel. */
+/* Radiance towards the box, in units of a channel. */
 static float radiance_of(const boundary_job* in, int32_t channel, size_t ray) {
     const ty_boundary_side* side = &in->surfaces.sides[ray];
     const ty_dom* light = in->job->light;

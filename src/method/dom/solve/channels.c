@@ -1,4 +1,4 @@
-/* Moments of what has scattered: one solve a channel. */
+/* Solves for the moments of collided light, one per channel. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 
@@ -6,8 +6,8 @@
 #include <pthread.h>
 #include <string.h>
 
-/* Channels are solved side by side, one thread each, by few threads and on boxes of at most so many cells: a stage of a
- * sweep through a small box is over before other threads have woken up. What is left over has all threads. */
+/* With few threads and few cells, channels are solved concurrently with one thread each: a stage of a sweep through a
+ * small box ends before other threads have woken up. The remaining solve has all threads. */
 enum { MAX_CONCURRENT_THREADS = 4, MAX_CONCURRENT_CELLS = 1 << 16 };
 
 struct scattering;
@@ -17,27 +17,27 @@ typedef struct channel_solve {
     struct scattering* all;
     int32_t channel;
     void* memory;
-    double done; /* of it, 0..1 */
+    double done; /* fraction, 0..1 */
     ty_ordinates_stats stats;
     ty_dom_boundary_power boundary;
     ty_result result;
 } channel_solve;
 
-/* What the solves of all channels share. */
+/* State shared by the channels' solves. */
 typedef struct scattering {
     ty_dom_job* job;
     channel_solve solves[3];
-    int32_t count;      /* of them */
-    int32_t concurrent; /* how many are solved side by side */
-    void* memory[3];    /* of as many */
+    int32_t count;      /* number of solves */
+    int32_t concurrent; /* number of solves that run concurrently */
+    void* memory[3];    /* one block per concurrent solve */
     size_t memory_size;
-    pthread_mutex_t lock; /* guards what follows, and how much of each is done */
+    pthread_mutex_t lock; /* guards `cancelled` and the solves' `done` */
     bool cancelled;
 } scattering;
 
-/* Moments to start from: another light's, in units of this one's. */
+/* Initial moments from another solution, in units of this one's channels. */
 typedef struct start_planes {
-    float* floats; /* NULL: there are none */
+    float* floats; /* NULL: no initial moments */
     const float* planes[TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX];
 } start_planes;
 
@@ -68,7 +68,7 @@ static ty_result allocate_start(const ty_dom_job* job, int32_t channel, start_pl
     return TY_OK;
 }
 
-/* The channel that a shared light's color is brightest in. */
+/* The channel with the largest factor of a shared solve. */
 static int32_t brightest(const ty_dom* light) {
     int32_t best = 0;
     for (int32_t c = 1; c < 3; ++c)
@@ -76,7 +76,8 @@ static int32_t brightest(const ty_dom* light) {
     return best;
 }
 
-/* Of a solve that had as many beside it, with itself: on the clock its sweeps took a share of what they did. */
+/* Adds a solve's statistics. concurrent: number of solves that ran at a time, among which its sweeps' wall time is
+ * divided. */
 static void note_solve(ty_dom_job* job, const channel_solve* solve, int32_t concurrent) {
     const ty_dom* light = job->light;
     const ty_ordinates_stats* solved = &solve->stats;
@@ -98,7 +99,7 @@ static void note_solve(ty_dom_job* job, const channel_solve* solve, int32_t conc
     }
 }
 
-/* Tells the caller of all channels together. Once one was told to stop, all are. */
+/* Reports the mean progress of all channels. Cancelling one solve cancels all. */
 static bool report(void* user, const ty_progress* part) {
     channel_solve* solve = user;
     scattering* all = solve->all;
@@ -113,7 +114,7 @@ static bool report(void* user, const ty_progress* part) {
     return goes_on;
 }
 
-/* All but the planes. */
+/* The definition of a channel's solve without its planes. */
 static ty_ordinates_def define_solve(const ty_dom_job* job) {
     const ty_dom* light = job->light;
     const ty_dom_def* dom = job->def;
@@ -180,7 +181,7 @@ static bool is_dark(const ty_dom_job* job, int32_t channel) {
     return ty_dom_boundary_is_dark(job, channel);
 }
 
-/* Whether cells may be diffusion's. */
+/* True if some cell may be thick enough for diffusion. */
 static bool has_diffusive_cells(const ty_dom_job* job, int32_t channel) {
     const double* cell = job->coarse->cell;
     const float* extinction = job->coarse->extinction[job->light->planes == 3 ? channel : 0];
@@ -190,16 +191,16 @@ static bool has_diffusive_cells(const ty_dom_job* job, int32_t channel) {
     return false;
 }
 
-/* Places for the moments of all channels, and the channels there is anything to solve for. */
+/* Allocates the channels' moments and lists the channels with a source. */
 static ty_result choose_channels(scattering* all) {
     ty_dom_job* job = all->job;
     ty_dom* light = job->light;
     for (int32_t c = 0; c < ty_dom_channels(light); ++c) {
-        const bool dark = is_dark(job, c);
+        const bool without_source = is_dark(job, c);
         light->moments[c] =
-            ty_alloc_array(job->context, light->cells, term_count(light->output_bands) * sizeof(float), dark);
+            ty_alloc_array(job->context, light->cells, term_count(light->output_bands) * sizeof(float), without_source);
         if (light->moments[c] == NULL) return TY_ERROR_MEMORY;
-        if (dark) continue;
+        if (without_source) continue;
         if (has_diffusive_cells(job, c))
             light->face_fluence[c] = ty_alloc_array(job->context, 6 * light->cells, sizeof(float), false);
         if (has_diffusive_cells(job, c) && light->face_fluence[c] == NULL) return TY_ERROR_MEMORY;
@@ -214,8 +215,7 @@ static int32_t count_concurrent(const scattering* all) {
     return threads < all->count ? threads : all->count;
 }
 
-/* Memory of as many solves as there are at a time, which the next ones have as well: new pages are made by the system,
- * and all of them are blank at first. */
+/* Memory of the concurrent solves, which later solves reuse: fresh pages cost page faults. */
 static ty_result allocate_memory(scattering* all) {
     if (all->count == 0) return TY_OK;
     const ty_ordinates_def def = define_solve(all->job);
@@ -233,7 +233,7 @@ static void free_memory(scattering* all) {
         if (all->memory[i] != NULL) ty_free_array(all->job->context, all->memory[i], all->memory_size, 1);
 }
 
-/* The solves from `first` on, as many as there are side by side; a single one has all threads. */
+/* Runs the solves from `first` on, up to `concurrent` of them; a single one has all threads. */
 static ty_result solve_some(scattering* all, int32_t first) {
     const int32_t left = all->count - first, count = left < all->concurrent ? left : all->concurrent;
     for (int32_t i = 0; i < count; ++i) all->solves[first + i].memory = all->memory[i];

@@ -1,23 +1,22 @@
-/* Cells that a surface cuts belong to one side of it, that of their middles. What scatters in the rest of them for the
- * first time is a source of the cell that the rest is before; what scatters between a surface and the box's own face is
- * outside of all cells. */
+/* Corrections for cells that a surface cuts. Such a cell belongs to the side of its center. The first-collision source
+ * in the rest of it is moved to the cell on the other side of the surface; the source between a surface and the box's
+ * own face is outside of all cells and removed. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Fine cells that a surface cuts, or that are partly in its shadow, are no farther from it than about this. */
+/* Offset, in fine cells, beyond which fine cells are neither cut nor partly shadowed by the surface. */
 static const double FINE_OFFSET = 2;
 
-/* Layers between surfaces and the box's faces, in fine cells, and how much surfaces face them: others cut cells askew.
- */
+/* Minimum thickness, in fine cells, of layers between surfaces and the box's faces, and minimum cosine between them. */
 #define MIN_LAYER 1e-2f
 #define MIN_FACING 0.9f
 
 typedef struct cut_job {
     ty_dom_job* job;
-    float* fine; /* uncollided fluence of fine cells, sum of the channels */
+    float* fine; /* uncollided fluence of fine cells, summed over channels */
 } cut_job;
 
 static void sum_lights(const ty_dom* light, size_t cells, float* sum) {
@@ -30,7 +29,7 @@ static void sum_lights(const ty_dom* light, size_t cells, float* sum) {
         }
 }
 
-/* In the middle of a cell; some fine cells off towards `way` (unit), which are on one side of surfaces. */
+/* Fine fluence FINE_OFFSET cells from the center of a cell along omega (unit), away from the surface. */
 static float fluence_at(const cut_job* cut, const int32_t cell[3], ty_vec omega) {
     const ty_dom* light = cut->job->light;
     const float off[3] = {omega.x, omega.y, omega.z};
@@ -43,9 +42,8 @@ static float fluence_at(const cut_job* cut, const int32_t cell[3], ty_vec omega)
     return cut->fine[at];
 }
 
-/* How much of a cell is behind a plane, which is at `depth` cells from its middle along an axis: what the plane cuts
- * off its farthest corner is a tetrahedron, less those beyond the cell's other faces. normal: times the cell's edges.
- */
+/* The fraction of a cell behind a plane at `depth` cells from its center along an axis: the tetrahedron that the plane
+ * cuts off the farthest corner, minus the tetrahedra beyond the cell's other faces. normal: times the cell's edges. */
 static float fraction_behind_plane(const double normal[3], int axis, double depth) {
     double m[3], reach = 0, volume = 0;
     for (int a = 0; a < 3; ++a) m[a] = fabs(normal[a]);
@@ -64,8 +62,8 @@ static float fraction_behind_plane(const double normal[3], int axis, double dept
     return (float)fmin(1, fmax(0, volume / (6 * m[0] * m[1] * m[2])));
 }
 
-/* Of a cell, the part behind a side's surface that is before the cell there: where a surface has several sides of the
- * cell, by how much it faces each. */
+/* The fraction of a cell behind a side's surface. A surface with several sides in the cell is divided among them by the
+ * components of its normal. */
 static float fraction_behind_side(const ty_dom_job* job, int32_t side) {
     const ty_boundary_side* boundary_side = &job->boundary->sides[side];
     const double* edge = job->coarse->cell;
@@ -77,7 +75,7 @@ static float fraction_behind_side(const ty_dom_job* job, int32_t side) {
     return (float)(fabs(normal[axis]) / sum) * fraction_behind_plane(normal, axis, (double)boundary_side->depth);
 }
 
-/* Gives a share of a cell's source to the one behind a face. */
+/* Adds a fraction of a cell's source to the cell behind a face. */
 static void move_source(const cut_job* cut, size_t at, size_t next, float fraction) {
     const ty_dom* light = cut->job->light;
     const size_t terms = (size_t)(light->bands * light->bands);
@@ -95,7 +93,8 @@ static void scale_source(const cut_job* cut, size_t at, float fraction) {
         for (size_t t = 0; t < terms; ++t) cut->job->source[c][t * light->cells + at] *= fraction;
 }
 
-/* The fine cell so many from the box's face that a side is in, on the line through the middle of the side's cell. */
+/* Fluence of the fine cell at a distance from the side's face of the box, on the line through the center of the side's
+ * cell. */
 static float fine_fluence_from_face(const cut_job* cut, const int32_t cell[3], int face, int32_t off) {
     const ty_dom* light = cut->job->light;
     size_t at = 0;
@@ -111,9 +110,9 @@ static float fine_fluence_from_face(const cut_job* cut, const int32_t cell[3], i
     return cut->fine[at];
 }
 
-/* How much of what a cell has is between the box's face and a surface before it: what there is more than if the light
- * inside began at the surface, but no more than the outermost fine cell tells of, lest a lamp near the surface counts.
- * Fine cells next to the one that the surface is in have some of both sides. */
+/* Fraction of a cell's source between the box's face and a surface in front of it: the excess over a source that starts
+ * at the surface, bounded by the outermost fine cell so that a light near the surface does not count. Fine cells next
+ * to the surface mix both sides. */
 static float fraction_outside(const cut_job* cut, const int32_t cell[3], int32_t side) {
     const ty_dom* light = cut->job->light;
     const ty_vec normal = cut->job->boundary->sides[side].normal;
@@ -136,7 +135,7 @@ static bool is_outside(const cut_job* cut, const int32_t cell[3], int32_t face) 
     return cell[face / 2] == ((face & 1) != 0 ? cut->job->boundary->size[face / 2] - 1 : 0);
 }
 
-/* The sides [first, end) are those of one cell. */
+/* Removes the source outside of the box's surfaces from a cell with the sides [first, end). */
 static void remove_outside(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
     float remaining = 1;
     for (int32_t side = first; side < end; ++side)
@@ -144,21 +143,21 @@ static void remove_outside(const cut_job* cut, const int32_t cell[3], size_t at,
     if (remaining < 1) scale_source(cut, at, remaining);
 }
 
-/* The same sides. */
+/* Moves the source behind the sides [first, end) of a cell to the cells there. */
 static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32_t first, int32_t end) {
-    const ty_boundary_faces* walls = cut->job->boundary;
-    const int32_t* size = walls->size;
+    const ty_boundary_faces* faces = cut->job->boundary;
+    const int32_t* size = faces->size;
     const ptrdiff_t steps[3] = {1, size[0], (ptrdiff_t)size[0] * size[1]};
     float light[6], all = 0, rest = 1;
     ty_vec normal_sum = ty_vec_make(0, 0, 0);
     for (int32_t side = first; side < end; ++side) {
-        const int axis = walls->face[side] / 2, sign = (walls->face[side] & 1) != 0 ? 1 : -1;
+        const int axis = faces->face[side] / 2, sign = (faces->face[side] & 1) != 0 ? 1 : -1;
         int32_t next[3] = {cell[0], cell[1], cell[2]};
         next[axis] += sign;
         light[side - first] = 0;
         if (next[axis] < 0 || next[axis] >= size[axis]) continue;
         const float behind = fraction_behind_side(cut->job, side);
-        const ty_vec normal = walls->sides[side].normal;
+        const ty_vec normal = faces->sides[side].normal;
         light[side - first] = behind * fluence_at(cut, next, ty_scale(normal, -1));
         normal_sum = ty_add(normal_sum, normal);
         all += light[side - first];
@@ -170,22 +169,22 @@ static void cut_cell(const cut_job* cut, const int32_t cell[3], size_t at, int32
     float remaining = 1;
     for (int32_t side = first; side < end; ++side) {
         const float fraction = light[side - first] / all;
-        const ptrdiff_t step = steps[walls->face[side] / 2];
+        const ptrdiff_t step = steps[faces->face[side] / 2];
         if (!(fraction > 0)) continue;
-        move_source(cut, at, (size_t)((ptrdiff_t)at + ((walls->face[side] & 1) != 0 ? step : -step)), fraction);
+        move_source(cut, at, (size_t)((ptrdiff_t)at + ((faces->face[side] & 1) != 0 ? step : -step)), fraction);
         remaining -= fraction;
     }
     scale_source(cut, at, ty_maxf(0, remaining));
 }
 
 static void cut_cells(const cut_job* cut) {
-    const ty_boundary_faces* walls = cut->job->boundary;
-    const int64_t rows = (int64_t)walls->size[1] * walls->size[2];
+    const ty_boundary_faces* faces = cut->job->boundary;
+    const int64_t rows = (int64_t)faces->size[1] * faces->size[2];
     for (int64_t row = 0; row < rows; ++row)
-        for (int32_t side = walls->first[row], end; side < walls->first[row + 1]; side = end) {
-            const int32_t cell[3] = {walls->x[side], (int32_t)(row % walls->size[1]), (int32_t)(row / walls->size[1])};
-            for (end = side; end < walls->first[row + 1] && walls->x[end] == cell[0];) ++end;
-            const size_t at = (size_t)row * (size_t)walls->size[0] + (size_t)cell[0];
+        for (int32_t side = faces->first[row], end; side < faces->first[row + 1]; side = end) {
+            const int32_t cell[3] = {faces->x[side], (int32_t)(row % faces->size[1]), (int32_t)(row / faces->size[1])};
+            for (end = side; end < faces->first[row + 1] && faces->x[end] == cell[0];) ++end;
+            const size_t at = (size_t)row * (size_t)faces->size[0] + (size_t)cell[0];
             remove_outside(cut, cell, at, side, end);
             cut_cell(cut, cell, at, side, end);
         }

@@ -1,4 +1,4 @@
-/* Directions, the cells of uncollided light and of ordinates, the media on them, and how many bands they need. */
+/* Directions, fine and coarse cells with their media, and the number of Legendre bands. */
 #include "base/context.h"
 #include "method/dom/solve/solve.h"
 #include "scene/scene.h"
@@ -6,22 +6,22 @@
 #include <math.h>
 #include <string.h>
 
-/* Cells of ordinates where nothing is asked for: a third of those of uncollided light, so many at least and at most.
- * Where they are thicker than so many mean free paths they are finer, up to twice: what is within them is not known,
- * and light that leaves dense things leaves from the first mean free path. Media with edges are as
- * dense as they get where they begin: two mean free paths, up to three times, which is as fine as voxels. */
+/* Default resolution of ordinates: a third of that of uncollided light, within MIN_CELLS and MAX_CELLS. Cells thicker
+ * than MAX_THICKNESS mean free paths are refined, up to MAX_REFINEMENT times: light that leaves dense media comes from
+ * their first mean free path. Media with edges have their full density at the edge, so their limits are finer, down to
+ * the voxels. */
 enum { FINE_PER_CELL = 3, MIN_CELLS = 24, MAX_CELLS = 64, MAX_THICKNESS = 4, MAX_REFINEMENT = 2 };
 enum { MAX_EDGED_CELLS = 96, MAX_EDGED_THICKNESS = 2, MAX_EDGED_REFINEMENT = 3 };
 
-/* Cells of uncollided light for each voxel's side where media have edges, as long as these are no more along a side:
- * the latter where lights are many, each of which is followed through all cells. */
+/* Fine cells per voxel side for media with edges, and the maximum side up to which this is affordable: the smaller one
+ * with many lights, each of which is swept through all cells. */
 enum { EDGE_REFINEMENT = 2, MAX_FINE_FEW_LIGHTS = 256, MAX_FINE_MANY_LIGHTS = 192 };
 
 static bool is_directional_or_point(int32_t kind) {
     return kind == TY_KIND_DIRECTIONAL || kind == TY_KIND_POINT || kind == TY_KIND_SPOT;
 }
 
-/* Whether a beam or lamp each is all of the scene's lights, and they are few. */
+/* True if all lights are directional, point or spot lights, and few enough for dedicated fields. */
 static bool has_few_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
     for (int32_t i = 0; i < lights->count; ++i)
@@ -29,8 +29,8 @@ static bool has_few_lights(const ty_scene* scene) {
     return lights->count <= TY_DOM_DEDICATED_MAX;
 }
 
-/* How much of an environment's light a cell of 1.4 degrees may bring at most where it is to be seen through a fit's
- * peak: a sun among it is too sharp for the map it is seen on. */
+/* Maximum fraction of an environment's light in one cell of 1.4 degrees that may be seen through a fit's peak: a sun is
+ * too sharp for the map that it is seen on. */
 static const double max_cell_fraction = 0.02;
 
 static bool is_soft(const ty_environment_view* environment) {
@@ -45,7 +45,7 @@ static bool is_soft(const ty_environment_view* environment) {
     return max <= max_cell_fraction * sum;
 }
 
-/* Whether all light is few beams or lamps, and soft environments. */
+/* True if all lights are soft environments and few directional, point or spot lights. */
 static bool has_fitted_lights(const ty_scene* scene) {
     const ty_light_set* lights = &ty_scene_get_view(scene)->lights;
     int32_t dedicated = 0;
@@ -67,10 +67,10 @@ static double largest_g(const ty_grid_medium* medium) {
     return max;
 }
 
-/* What of the light that scatters may be left to the peak that goes straight on, where directions are enough. */
+/* Maximum forward fraction g^L of scattering that delta-M may count as unscattered, where the directions suffice. */
 static const double max_peak = 0.2;
 
-/* Below this it need not be told from light that has not scattered. */
+/* Minimum forward fraction for which unscattered light and the lobe are told apart. */
 static const double min_lobe_peak = 0.02;
 
 static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
@@ -80,7 +80,7 @@ static int32_t choose_bands(const ty_dom_job* job, double g, int32_t exact) {
     return (int32_t)fmin(max, fmax(2, ceil(log(max_peak) / log(g))));
 }
 
-/* Relative difference up to which mean cosines are the same: they are means of many. */
+/* Relative tolerance for equal mean cosines, which are means over many samples. */
 static const double g_tolerance = 1e-4;
 
 static bool is_uniform_g(const ty_grid_medium* medium, double g) {
@@ -90,15 +90,16 @@ static bool is_uniform_g(const ty_grid_medium* medium, double g) {
     return true;
 }
 
-/* Where the bands are not enough: what is done about area lights, surfaces and media that glow is for phase functions
- * that are cut. */
+/* True if a fit may replace delta-M: too few bands, and neither area lights, surfaces nor emission, whose treatment
+ * assumes delta-M. */
 static bool may_fit(const ty_dom_job* job, double g) {
     return pow(g, job->light->bands) > max_peak + g_tolerance && job->coarse->emission[0] == NULL &&
            ty_scene_get_view(job->scene)->mesh == NULL && has_fitted_lights(job->scene) && is_uniform_g(job->fine, g) &&
            is_uniform_g(job->coarse, g);
 }
 
-/* Moments of a fit fall off to next to nothing, so that directions bear more than of cut ones: as many as they are. */
+/* Moments of a fit fall off to nearly nothing, so that the directions support more of them than of a truncated
+ * function: the square root of their number. */
 static void fit_bands(ty_dom_job* job, double g) {
     ty_dom* light = job->light;
     if (!may_fit(job, g)) return;
@@ -111,8 +112,7 @@ static void fit_bands(ty_dom_job* job, double g) {
     ty_dom_fit_phase(g, bands, &light->fit);
 }
 
-/* Bands of moments that are kept for the eye, which phase functions tell apart as far as g^l is worth it; two for
- * surfaces. */
+/* Minimum number of bands that are kept for the eye; surfaces need two. */
 enum { MIN_OUTPUT_BANDS = 2 };
 
 static void choose_all_bands(ty_dom_job* job, int32_t exact) {
@@ -134,7 +134,7 @@ static int32_t longest_side(const int32_t size[3]) {
     return max > size[2] ? max : size[2];
 }
 
-/* Extinction where light scatters, in the mean of all that does, 1/m. */
+/* Scattering-weighted mean extinction, 1/m. */
 static double mean_extinction(const ty_grid_medium* medium) {
     double sums[2] = {0, 0};
     for (int32_t p = 0; p < medium->planes; ++p)
@@ -145,7 +145,7 @@ static double mean_extinction(const ty_grid_medium* medium) {
     return sums[0] > 0 ? sums[1] / sums[0] : 0;
 }
 
-/* times: cells of uncollided light for each that there would be without edges. */
+/* refinement: fine cells per side, relative to media without edges. */
 static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, int32_t refinement) {
     const ty_grid_box* box = &fine->box;
     if (def->resolution > 0) return def->resolution;
@@ -160,7 +160,7 @@ static int32_t choose_cells(const ty_dom_def* def, const ty_grid_medium* fine, i
     return cells < MIN_CELLS ? MIN_CELLS : cells > max ? max : cells;
 }
 
-/* Whether transfer functions make densities of values, whose edges are sharper than voxels. */
+/* True if a transfer function maps values to density, with edges sharper than voxels. */
 static bool has_edges(const ty_scene* scene) {
     const ty_scene_view* view = ty_scene_get_view(scene);
     for (int32_t m = 0; m < view->medium_count; ++m)
@@ -168,7 +168,7 @@ static bool has_edges(const ty_scene* scene) {
     return false;
 }
 
-/* How many cells of uncollided light there are for each of a box. */
+/* Fine cells per cell of a box without refinement. */
 static int32_t find_refinement(const ty_dom_job* job, const int32_t size[3]) {
     const int32_t max = has_few_lights(job->scene) ? MAX_FINE_FEW_LIGHTS : MAX_FINE_MANY_LIGHTS;
     const bool finer = job->def->direct == 0 && EDGE_REFINEMENT * longest_side(size) <= max && has_edges(job->scene);

@@ -1,24 +1,24 @@
-/* Phase functions too narrow for the bands that directions tell apart. Cut after L bands (delta-M), what is left of
- * them swings between many times too much and less than nothing at wide angles, where pictures from the side look. So
- * it is their shape outside of the peak that L bands are fitted to (delta-fit, Hu et al. 2000), and what these leave
- * out counts as light that goes straight on. */
+/* Fits of phase functions that are too narrow for the bands that the directions resolve. Truncated after L bands
+ * (delta-M, Wiscombe 1977), the remainder oscillates between large and negative values at wide angles, which are what
+ * views from the side see. So L bands are fitted to the phase function outside of the peak (delta-fit, Hu et al. 2000),
+ * and the rest counts as unscattered. */
 #include "method/dom/solve/solve.h"
 #include "scene/phase.k.h"
 
 #include <math.h>
 
-/* Angle about the peak that is left out; relative errors beyond it count by the solid angle they are of, and those
- * straight back by this as well. Angles that are looked at. */
+/* Half angle of the peak that the fit ignores. Relative errors beyond it are weighted by solid angle plus min_weight,
+ * which keeps backscattering in. Number of angles. */
 static const double peak_angle = 0.7, min_weight = 0.02;
 enum { ANGLES = 400 };
 
-/* Bands that are right, whatever those beyond are: with the third, light spreads sideways as far as it does in all. An
- * odd number of them, since an even one makes pictures dimmer; more where enough are left over. */
+/* Number of exact low-order moments. With the third (l = 2) the lateral spread is exact. An odd number, as even ones
+ * make images darker; more where enough free bands remain. */
 static int32_t exact_bands(int32_t bands) {
     return bands < TY_DOM_BANDS_MAX ? 3 : 5;
 }
 
-/* Normal equations of least squares. */
+/* Normal equations of the least-squares fit. */
 typedef struct normal {
     double a[TY_DOM_BANDS_MAX][TY_DOM_BANDS_MAX], b[TY_DOM_BANDS_MAX];
     int32_t count;
@@ -31,7 +31,7 @@ static void add_row(normal* n, const double* row, double target, double weight) 
     }
 }
 
-/* By Cholesky's factors, in place. */
+/* Solves by Cholesky factors, in place. */
 static void solve(normal* n, double* x) {
     for (int32_t i = 0; i < n->count; ++i)
         for (int32_t j = 0; j <= i; ++j) {
@@ -50,7 +50,7 @@ static void solve(normal* n, double* x) {
     }
 }
 
-/* (2 l + 1) P_l(mu) / (4 pi p(mu)), l < bands. */
+/* Basis relative to the phase function: (2 l + 1) P_l(mu) / (4 pi p(mu)), l < bands. */
 static void relative_terms(double mu, double g, int32_t bands, double* terms) {
     const double phase = 4 * (double)TY_PI * (double)ty_hg((float)mu, (float)g);
     double p_before = 0, p_l = 1;
@@ -69,7 +69,7 @@ void ty_dom_fit_phase(double g, int32_t bands, ty_forward_fit* out) {
     for (int32_t i = 0; i < ANGLES; ++i) {
         const double angle = peak_angle + ((double)TY_PI - peak_angle) * (i + 0.5) / ANGLES;
         relative_terms(cos(angle), g, bands, terms);
-        /* What light that goes straight on has no part in: c_l is c_0 less 1 - g^l. */
+        /* For exact moments c_l = c_0 - (1 - g^l): the forward fraction does not contribute to 1 - g^l. */
         double target = 1;
         for (int32_t l = 1; l < exact; ++l) {
             target += (1 - pow(g, l)) * terms[l];

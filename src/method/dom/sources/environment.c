@@ -1,7 +1,8 @@
-/* What of environments is seen. Their beams are so few that narrow lobes about them leave gaps; what cells hold of
- * them, as much as media let through, varies little from one beam to the next. So the environment is cut into many more
- * pieces, each as bright and as far off a way as it is, and media dim each as they dim the parts around it. For each of
- * the ways to the eye that is a weight of each part; what lights' lobes make of it is known by a few mean cosines. */
+/* Single scattering of environments towards the eye. Their light clusters are so few that narrow phase functions would
+ * leave gaps between them, while their transmittances vary little from one to the next. So the environment is divided
+ * into many finer clusters with their own radiance and direction, each of which takes its transmittance from its
+ * nearest light clusters. For each direction to the eye this gives one weight per light cluster, tabulated for a few
+ * mean cosines of the lobe. */
 #include "method/dom/sources/environment.h"
 #include "method/dom/sources/sources.h"
 
@@ -13,18 +14,18 @@
 #include <math.h>
 #include <string.h>
 
-/* Pieces that an environment is cut into; texels along the side of an octahedral map of ways. */
+/* Number of finer clusters of an environment; side of the octahedral map of directions. */
 enum { ENV_CLUSTERS = 1024, SIDE = TY_DOM_ENVIRONMENT_SIDE };
-/* Steps of a table of lobes over the sine of half the angle. */
+/* Steps of the table of lobes over the sine of half the angle. */
 enum { STEPS = 256 };
-/* Places within a piece. */
+/* Sample points within a cluster. */
 enum { RINGS = 4, PER_RING = 8 };
-/* What parts without extent count as, in 1 less the mean cosine. */
+/* Minimum of 1 minus the mean cosine, for clusters without extent. */
 static const float min_spread = 1e-4f;
 
-/* ---- pieces ---- */
+/* ---- finer clusters ---- */
 
-/* Adds a piece's brightness to the nearest parts', by a bell as wide as each of these. */
+/* Weights of a finer cluster's nearest light clusters, by Gaussians as wide as each of these. */
 static void find_neighbours(const ty_dom* light, int32_t of, ty_dom_env_cluster* region) {
     float best[TY_DOM_ENV_NEIGHBOURS] = {0}, sum = 0;
     memset(region->neighbour, 0, sizeof region->neighbour);
@@ -49,14 +50,14 @@ static void find_neighbours(const ty_dom* light, int32_t of, ty_dom_env_cluster*
     for (int32_t k = 0; k < TY_DOM_ENV_NEIGHBOURS; ++k) region->weight[k] = sum > 0 ? best[k] / sum : 0;
 }
 
-/* One environment's pieces. */
-static ty_result find_env_clusters(const ty_dom_job* job, int32_t of, ty_discrete_light_set* parts, double* sums) {
+/* Divides one environment into finer clusters. sums: of brightness, and of brightness times mean cosine. */
+static ty_result find_env_clusters(const ty_dom_job* job, int32_t of, ty_discrete_light_set* clusters, double* sums) {
     const ty_environment_clusters_def def = {.count = ENV_CLUSTERS, .prefilter = 1};
     ty_dom* light = job->light;
-    parts->count = 0;
-    const ty_result result = ty_environment_clusters_add(job->scene, &def, of, parts);
-    for (int32_t i = 0; i < parts->count && result == TY_OK; ++i) {
-        const ty_discrete_light* cluster = &parts->items[i];
+    clusters->count = 0;
+    const ty_result result = ty_environment_clusters_add(job->scene, &def, of, clusters);
+    for (int32_t i = 0; i < clusters->count && result == TY_OK; ++i) {
+        const ty_discrete_light* cluster = &clusters->items[i];
         ty_dom_env_cluster* region = &light->env_clusters[light->env_count++];
         const float color_sum = cluster->color[0] + cluster->color[1] + cluster->color[2];
         region->omega = cluster->direction;
@@ -68,7 +69,7 @@ static ty_result find_env_clusters(const ty_dom_job* job, int32_t of, ty_discret
     return result;
 }
 
-/* Mean cosine of all that scatters, per plane. */
+/* Scattering-weighted mean of g, per plane. */
 static void find_mean_g(const ty_grid_medium* medium, float g[3]) {
     for (int32_t p = 0; p < medium->planes; ++p) {
         double sums[2] = {0, 0};
@@ -89,11 +90,11 @@ ty_result ty_dom_environment_find(ty_dom_job* job) {
     if (light->env_capacity == 0) return TY_OK;
     light->env_clusters = ty_alloc_array(job->context, (size_t)light->env_capacity, sizeof *light->env_clusters, false);
     if (light->env_clusters == NULL) return TY_ERROR_MEMORY;
-    ty_discrete_light_set parts;
-    ty_result result = ty_discrete_light_set_create(job->context, "dom", ENV_CLUSTERS, &parts);
+    ty_discrete_light_set clusters;
+    ty_result result = ty_discrete_light_set_create(job->context, "dom", ENV_CLUSTERS, &clusters);
     for (int32_t i = 0; i < lights->count && result == TY_OK; ++i)
-        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) result = find_env_clusters(job, i, &parts, sums);
-    ty_discrete_light_set_destroy(job->context, &parts);
+        if (lights->lights[i].kind == TY_KIND_ENVIRONMENT) result = find_env_clusters(job, i, &clusters, sums);
+    ty_discrete_light_set_destroy(job->context, &clusters);
     find_mean_g(job->coarse, light->mean_g);
     light->env_cosine = sums[0] > 0 ? (float)(sums[1] / sums[0]) : 1;
     return result;
@@ -103,7 +104,7 @@ void ty_dom_environment_destroy(ty_dom* light) {
     ty_free_array(light->context, light->env_clusters, (size_t)light->env_capacity, sizeof *light->env_clusters);
 }
 
-/* ---- ways ---- */
+/* ---- directions ---- */
 
 static ty_vec direction_of(const ty_dom* light, const double eye[3], const int32_t cell[3]) {
     double omega[3];
@@ -111,7 +112,7 @@ static ty_vec direction_of(const ty_dom* light, const double eye[3], const int32
     return ty_vec_make((float)omega[0], (float)omega[1], (float)omega[2]);
 }
 
-/* Numbers the texels that cells' ways to the eye are among. */
+/* Lists the texels that directions from cells to the eye interpolate. */
 static void number_texels(const ty_dom* light, const double eye[3], ty_dom_environment* sky) {
     const int32_t* size = light->box.size;
     int32_t cell[3];
@@ -132,8 +133,8 @@ static void number_texels(const ty_dom* light, const double eye[3], ty_dom_envir
 
 /* ---- weights ---- */
 
-/* What a part of unit light becomes, times 4 pi, by the sine of half the angle, for the mean cosines of light about it:
- * the last is that of a line, which scatters by the phase function itself. */
+/* 4 pi times the scattering of a unit lobe by the sine of half the angle, for mean cosines of the lobe: the last one is
+ * a line, which scatters by the phase function itself. */
 typedef struct lobe_table {
     float lobe[STEPS + 2][TY_DOM_ENVIRONMENT_LOBES];
 } lobe_table;
@@ -155,7 +156,7 @@ static void fill_lobes(const ty_dom* light, float g, lobe_table* table) {
 typedef struct weigh_job {
     const ty_dom* light;
     ty_dom_environment* sky;
-    const lobe_table* lobes; /* of each plane */
+    const lobe_table* lobes; /* one per plane */
 } weigh_job;
 
 static void weigh_direction(void* user, int64_t number, int32_t worker) {
@@ -208,7 +209,7 @@ void ty_dom_environment_free(const ty_dom* light, ty_dom_environment* sky) {
 
 typedef struct blur_job {
     const ty_dom* light;
-    const float* kernel; /* STEPS + 2, over the sine of half the angle */
+    const float* kernel; /* STEPS + 2 values over the sine of half the angle */
     float* map;
 } blur_job;
 
@@ -229,7 +230,7 @@ static void blur_texel(void* user, int64_t texel, int32_t worker) {
     }
 }
 
-/* What scatters within the peak, about a piece as large as they are in the mean: points would show one by one. */
+/* Scattering within the peak, averaged over a cap of the clusters' mean size, so that they do not show as points. */
 static float peak_kernel(const ty_dom* light, float mu) {
     const float sine = sqrtf(ty_maxf(0, 1 - mu * mu)), g = light->mean_g[0];
     float sum = 0;
@@ -248,7 +249,7 @@ void ty_dom_environment_blur(const ty_dom* light, float* map) {
     for (int32_t i = 0; i < STEPS + 2; ++i) {
         const float sine = ty_minf(1, (float)i / STEPS);
         kernel[i] = peak_kernel(light, 1 - 2 * sine * sine);
-        /* The sphere's share of a step of this sine: 4 pi times the change of its square. */
+        /* The solid angle of a step: 4 pi times the change of the square of the sine. */
         sum += 8 * (double)(TY_PI * kernel[i] * sine / STEPS);
     }
     for (int32_t i = 0; i < STEPS + 2; ++i) kernel[i] = (float)((double)kernel[i] / sum);

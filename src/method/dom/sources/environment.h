@@ -1,4 +1,4 @@
-/* What of environments is seen from a place. */
+/* Scattered radiance of environments towards an eye. */
 #ifndef TY_METHOD_DOM_SOURCES_ENVIRONMENT_H
 #define TY_METHOD_DOM_SOURCES_ENVIRONMENT_H
 
@@ -6,44 +6,44 @@
 #include "image/march.h"
 #include "method/dom/view/view.h"
 
-/* Mean cosines, from 0 to 1, that lobes are tabulated for; texels of the map of ways. */
+/* Number of tabulated mean cosines from 0 to 1; texels of the map of directions. */
 enum {
     TY_DOM_ENVIRONMENT_LOBES = 5,
     TY_DOM_ENVIRONMENT_SIDE = TY_MARCH_BLURRED,
     TY_DOM_ENVIRONMENT_TEXELS = TY_DOM_ENVIRONMENT_SIDE * TY_DOM_ENVIRONMENT_SIDE
 };
 
-/* Of a part along a way: what its light is turned into, times 4 pi, if all of it arrives. */
+/* Radiance that a light cluster scatters into a direction, times 4 pi, at full transmittance. */
 typedef struct ty_dom_environment_weight {
     float lobe[TY_DOM_ENVIRONMENT_LOBES][3];
 } ty_dom_environment_weight;
 
 typedef struct ty_dom_environment {
-    ty_dom_environment_weight* weights; /* way by way, of each part; NULL: there are no environments */
+    ty_dom_environment_weight* weights; /* per direction and light cluster; NULL: there are no environments */
     size_t count;
     int32_t directions, texel[TY_DOM_ENVIRONMENT_TEXELS],
-        index[TY_DOM_ENVIRONMENT_TEXELS]; /* texels that are ways, and which ones */
+        index[TY_DOM_ENVIRONMENT_TEXELS]; /* texels in use, and their directions' numbers */
 } ty_dom_environment;
 
 typedef struct ty_dom_environment_view {
     const ty_dom_environment_weight* weights[4];
     float t[4];
-    bool has_lobes; /* whether there is light that has scattered and kept its direction */
+    bool has_lobes; /* light in the forward lobe is told apart */
 } ty_dom_environment_view;
 
-/* Weights of all parts for an eye. Errors: TY_ERROR_MEMORY; ty_dom_environment_free may follow. */
+/* Weights of all clusters for an eye. ty_dom_environment_free may follow in any case. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dom_environment_evaluate(const ty_dom* light, const double eye[3], ty_dom_environment* sky);
 void ty_dom_environment_free(const ty_dom* light, ty_dom_environment* sky);
 
-/* With a fit: environments' radiance through what scatters once within the peak, as ty_march_def.blurred has it: of
- * TY_DOM_ENVIRONMENT_TEXELS. */
+/* With a fit: the environments' radiance after one scattering within the peak, for ty_march_def.blurred, with
+ * TY_DOM_ENVIRONMENT_TEXELS texels. */
 void ty_dom_environment_blur(const ty_dom* light, float* map);
 
-/* Along the way from a cell of ordinates to the eye; then what a part is turned into of which U, R and S arrive, times
- * 4 pi. */
+/* Looks up a direction from a cell to the eye; then evaluates the radiance of a cluster whose fluences U, R and S
+ * arrive, times 4 pi. */
 void ty_dom_environment_lookup(const ty_dom* light, const ty_dom_environment* sky, ty_vec omega,
                                ty_dom_environment_view* view);
-float ty_dom_environment_radiance(const ty_dom_environment_view* view, int32_t part, int32_t channel,
+float ty_dom_environment_radiance(const ty_dom_environment_view* view, int32_t cluster, int32_t channel,
                                   const ty_forward* forward);
 
 #endif

@@ -1,5 +1,5 @@
-/* Where light that has no field of its own comes from: what its phase functions need towards an eye. Fields of all of
- * it together hold how much there is on fine cells; parts hold, on the cells of ordinates, from where. */
+/* Directions of the light without dedicated fields, which its phase functions need towards an eye. The aggregate field
+ * holds its amount on fine cells; clusters hold its directions on coarse cells. */
 #include "base/context.h"
 #include "method/dom/sources/environment.h"
 #include "method/dom/sources/sources.h"
@@ -8,10 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Parts of all lights; each has one at least. */
+/* Maximum number of clusters of all lights; each light has at least one. */
 enum { MAX_CLUSTERS = 128 };
 
-/* How much brighter a lobe may be than another. */
+/* Maximum ratio of two lobes. */
 static const float max_ratio = 10;
 
 static float mean_color(const ty_discrete_light* source) {
@@ -20,7 +20,7 @@ static float mean_color(const ty_discrete_light* source) {
 
 /* ---- making ---- */
 
-/* How much deeper all of the medium is where light loses all that scatters (order 0), or all but g^order. */
+/* Optical depth of sigma_t - g^order sigma_s (order 0: sigma_t) over that of sigma_t - g^bands sigma_s. */
 static float depth_ratio(const ty_grid_medium* medium, int32_t plane, int32_t bands, int32_t order) {
     double sums[2] = {0, 0};
     for (size_t i = 0; i < medium->cells; ++i) {
@@ -32,7 +32,7 @@ static float depth_ratio(const ty_grid_medium* medium, int32_t plane, int32_t ba
     return sums[0] > 0 ? (float)(sums[1] / sums[0]) : 1;
 }
 
-/* The first sources of a group begin a part each: they are spread as all are. */
+/* The first samples of a group, which cover the light evenly, become the initial clusters. */
 static void begin_clusters(const ty_dom_job* job, const ty_light_group* group, int32_t count) {
     const ty_light_set* lights = &ty_scene_get_view(job->scene)->lights;
     ty_dom* light = job->light;
@@ -87,7 +87,7 @@ void ty_dom_clusters_destroy(ty_dom* light) {
 
 /* ---- filling ---- */
 
-/* How far a source is from where a part began: parts' directions do not change before all is there. */
+/* Square distance of a sample from its cluster's first sample. */
 static float distance_to(const ty_dom_light_cluster* cluster, const ty_discrete_light* source) {
     const ty_discrete_light* begin = &cluster->sample;
     const ty_vec off = source->kind == TY_DISCRETE_DIRECTIONAL ? ty_sub(begin->direction, source->direction)
@@ -123,7 +123,7 @@ void ty_dom_clusters_add(ty_dom_job* job, const ty_discrete_light* source, int32
     for (int c = 0; c < 3; ++c) cluster->sample.color[c] += source->color[c];
 }
 
-/* Planes of light as if it had come with color 1. */
+/* Scales a cluster's fluence to color 1. */
 static void scale_planes(ty_dom* light, ty_dom_light_cluster* cluster) {
     for (int32_t p = 0; p < light->cluster_planes; ++p) {
         const float fluence_sum = light->cluster_planes == 1 ? cluster->brightness : cluster->sample.color[p];
@@ -161,7 +161,7 @@ typedef struct evaluate_job {
     float* const* fluence_sum;
 } evaluate_job;
 
-/* Where a part's light goes in a cell, the mean cosine about that, and its fluence without media. */
+/* Direction of a cluster's light at a cell, its mean cosine, and its fluence without media. */
 typedef struct arrival {
     ty_vec omega;
     float mean_cosine, unattenuated;
@@ -180,7 +180,7 @@ static arrival arrive(const ty_dom* light, const ty_dom_light_cluster* cluster, 
     return (arrival){ty_scale(off, 1 / sqrtf(square)), 1 - cap * TY_INV_4PI, 1 / square};
 }
 
-/* What arrives of a part's light, as shares of its fluence without media. */
+/* Transmittances U, R and S of a cluster's light. */
 static ty_forward forward_of(const ty_dom* light, int32_t plane, float fluence, const arrival* from) {
     const float order_l = ty_minf(1, fluence / from->unattenuated);
     return (ty_forward){.phi_unscattered = powf(order_l, light->unscattered_ratio[plane]),
@@ -189,20 +189,20 @@ static ty_forward forward_of(const ty_dom* light, int32_t plane, float fluence, 
                         .mean_cosine = from->mean_cosine};
 }
 
-/* What of a part's light a cell sends along a way per scattering coefficient, times 4 pi. */
+/* Scattering of a cluster's light at cosine mu, per scattering coefficient, times 4 pi. */
 static float scattered_phase(const ty_dom* light, const ty_forward* forward, float mu, float g) {
     float radiance = ty_forward_unscattered(*forward, mu, g);
     if (light->has_lobes) radiance += ty_forward_scattered_order(*forward, mu, g * forward->mean_cosine, light->bands);
     return 4 * TY_PI * radiance;
 }
 
-/* Where a cell's g is not the mean that weights of parts are for: about what that changes. */
+/* Correction where a cell's g differs from the mean g that the environment's weights assume. */
 static float lobe_ratio(float mu, float g, float mean, float cosine) {
     if (fabsf(g - mean) < 1e-4f) return 1;
     return ty_minf(max_ratio, ty_hg(mu, g * cosine) / ty_hg(mu, mean * cosine));
 }
 
-/* Adds what a part sends along a way from a cell, and its fluence there. */
+/* Adds a cluster's scattered radiance at a cell along omega, and its fluence. */
 static void add_cluster(const evaluate_job* job, int32_t index, const int32_t cell[3], size_t at, ty_vec omega,
                         const ty_dom_environment_view* view, float radiance_sum[3], float fluence_sum[3]) {
     const ty_dom* light = job->light;

@@ -1,4 +1,4 @@
-/* Beams and lamps of all lights. */
+/* Samples of all lights of a scene. */
 #include "base/context.h"
 #include "direct/lights/discretize.h"
 #include "direct/lights/environment_clusters.h"
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Relative difference up to which colors are multiples of each other. */
+/* Relative tolerance for colors that are multiples of each other. */
 static const float color_tolerance = 1e-6f;
 
 /* ---- colors ---- */
@@ -19,7 +19,7 @@ static bool is_black(const float color[3]) {
     return !(color[0] + color[1] + color[2] > 0);
 }
 
-/* A color that all emission may be a multiple of; black where nothing glows. */
+/* The only color that all emission may be a multiple of; black without emission. */
 static void emission_color(const ty_grid_medium* medium, float color[3]) {
     for (int c = 0; c < 3; ++c) color[c] = 0;
     for (size_t i = 0; i < medium->cells && is_black(color); ++i)

@@ -1,5 +1,6 @@
-/* What scatters of uncollided light, as moments on the cells of ordinates: means over fine cells, near lamps with the
- * light's direction in each of them. */
+/* The first-collision source of uncollided light as moments on coarse cells (Lewis and Miller 1984;
+ * docs/method/dom.md): q_lm = sigma_s (g^l - g^L) phi Y_lm(omega) with delta-M, averaged over fine cells; near a point
+ * light with each fine cell's own direction. */
 #include "base/context.h"
 #include "direct/media/coverage.h"
 #include "method/dom/sources/sources.h"
@@ -11,17 +12,17 @@
 
 enum { CHUNK = 1 << 15, TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 
-/* A lamp's light has one direction in all of a cell whose diagonal is at most this much of its distance; a fine cell
- * nearer to it than this many of its sides is looked at in NEAR_POINTS^3 points. */
+/* Light of a point has one direction in a cell whose diagonal is at most max_diagonal times its distance. Fine cells
+ * within near_distance sides of the light are averaged over NEAR_POINTS^3 points. */
 static const double max_diagonal = 0.25, near_distance = 2.5;
 enum { NEAR_POINTS = 4 };
 
-/* Relative difference up to which mean cosines are the same: they are means of many. */
+/* Tolerance for equal mean cosines, which are means over many samples. */
 static const float g_tolerance = 1e-5f;
 
 /* ---- memory ---- */
 
-/* Whether all that scatters on a plane of fine cells has the same g, and which. */
+/* True if all that scatters on a plane of fine cells has the same g, which is returned. */
 static bool find_uniform_g(const ty_grid_medium* fine, int32_t plane, float* g) {
     const float* scattering = fine->scattering[plane];
     size_t first = 0;
@@ -46,23 +47,23 @@ void ty_dom_scratch_destroy(const ty_dom_job* job, ty_dom_scratch* scratch) {
 
 /* ---- means over coarse cells ---- */
 
-/* What one plane of a field is turned into. */
+/* The source of one plane of a field. */
 typedef struct add_job {
     ty_dom_job* job;
     ty_dom_scratch* scratch;
-    const ty_light_fluence* single;
-    float cosine;                    /* of beams, about their direction */
+    const ty_light_fluence* uncollided;
+    float cosine;                    /* mean cosine of directional light */
     const float* fluence;            /* of fine cells */
-    const float* scattering;         /* of the medium there */
-    const float* g;                  /* and its mean cosines */
-    bool uniform;                    /* whether all that scatters has the same */
-    float coefficient[TY_DOM_MEANS]; /* where uniform: g^l, or what a fit has in place of it, the last of what goes
-                                  straight on; else 1 */
+    const float* scattering;         /* of fine cells */
+    const float* g;                  /* of fine cells */
+    bool uniform;                    /* all that scatters has the same g */
+    float coefficient[TY_DOM_MEANS]; /* where uniform: g^l, or f + c_l of a fit; the last one is the forward fraction;
+                                        else 1 */
     int32_t channel_count, channels[3];
-    float factor[3]; /* of the fluence, for each */
+    float factor[3]; /* of the fluence, per channel */
 } add_job;
 
-/* sigma_s times the fluence. */
+/* sigma_s phi of fine cells. */
 static void scatter_chunk(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const add_job* add = user;
@@ -72,7 +73,7 @@ static void scatter_chunk(void* user, int64_t index, int32_t worker) {
     for (size_t i = begin; i < end; ++i) scattered[i] = add->scattering[i] * add->fluence[i];
 }
 
-/* The same times g once more. */
+/* One more factor g. */
 static void multiply_g_chunk(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const add_job* add = user;
@@ -82,7 +83,7 @@ static void multiply_g_chunk(void* user, int64_t index, int32_t worker) {
     for (size_t i = begin; i < end; ++i) scattered[i] *= add->g[i];
 }
 
-/* means[l]: of sigma_s g^l times the fluence, l up to L; if g is the same everywhere, of l = 0 alone. */
+/* means[l] of sigma_s g^l phi over coarse cells, l <= L; of l = 0 alone if g is uniform. */
 static void find_means(const add_job* add) {
     const ty_dom_job* job = add->job;
     const int64_t chunks = (int64_t)((job->fine->cells + CHUNK - 1) / CHUNK);
@@ -93,12 +94,12 @@ static void find_means(const add_job* add) {
     }
 }
 
-/* Coarse cells' means of sigma_s F, which times power[l] are those of sigma_s g^l F. */
+/* Means that, times coefficient[l], are those of sigma_s g^l phi. */
 static const float* means_of(const add_job* add, int32_t l) {
     return add->scratch->means + (add->uniform ? 0 : add->job->coarse->cells * (size_t)l);
 }
 
-/* ---- moments of lamps ---- */
+/* ---- moments of points ---- */
 
 static void find_center(const ty_grid_medium* medium, const int32_t cell[3], double at[3]) {
     for (int a = 0; a < 3; ++a) at[a] = medium->box.lower[a] + (cell[a] + 0.5) * medium->cell[a];
@@ -115,19 +116,19 @@ static double unit_from(const double position[3], const double at[3], double ome
     return length;
 }
 
-/* How bright the lamp is that way: of most of a cell about a spot, or a lamp on a surface, it is dark. */
+/* Relative intensity of the light in a direction: 0 in most of a cell around a spot or a surface light. */
 static double intensity_of(const add_job* add, const double omega[3]) {
-    const ty_discrete_light* source = &add->single->sample;
+    const ty_discrete_light* source = &add->uncollided->sample;
     const ty_light_view* light = &ty_scene_get_view(add->job->scene)->lights.lights[source->light];
     const ty_vec to = ty_vec_make((float)omega[0], (float)omega[1], (float)omega[2]);
     return (double)ty_light_profile_at(source->profile, light, ty_dot(source->direction, to));
 }
 
-/* The mean of harmonics over a fine cell about the lamp or next to it, weighted by its light without media. */
+/* Mean harmonics over a fine cell next to the light, weighted by its fluence without media. */
 static void near_harmonics(const add_job* add, const double position[3], const double center[3], double* y) {
     const double* cell = add->job->fine->cell;
     const int32_t bands = add->job->light->bands;
-    double own[TERMS_MAX], total = 0;
+    double harmonics[TERMS_MAX], total = 0;
     memset(y, 0, sizeof *y * (size_t)(bands * bands));
     for (int p = 0; p < NEAR_POINTS * NEAR_POINTS * NEAR_POINTS; ++p) {
         const int index[3] = {p % NEAR_POINTS, p / NEAR_POINTS % NEAR_POINTS, p / (NEAR_POINTS * NEAR_POINTS)};
@@ -136,14 +137,14 @@ static void near_harmonics(const add_job* add, const double position[3], const d
         const double distance = unit_from(position, at, omega);
         if (!(distance > 0)) continue;
         const double weight = intensity_of(add, omega) / (distance * distance);
-        ty_harmonics_at(omega, bands, own);
-        for (int32_t t = 0; t < bands * bands; ++t) y[t] += weight * own[t];
+        ty_harmonics_at(omega, bands, harmonics);
+        for (int32_t t = 0; t < bands * bands; ++t) y[t] += weight * harmonics[t];
         total += weight;
     }
     for (int32_t t = 0; t < bands * bands && total > 0; ++t) y[t] /= total;
 }
 
-/* One fine cell's part of a coarse one's moments. */
+/* Adds a fine cell's contribution to a coarse cell's moments. */
 static void add_fine_cell(const add_job* add, const double position[3], const int32_t index[3], double weight,
                           double* moments) {
     const ty_grid_medium* fine = add->job->fine;
@@ -167,7 +168,7 @@ static void add_fine_cell(const add_job* add, const double position[3], const in
     }
 }
 
-/* A coarse cell about a lamp, fine cell by fine cell. */
+/* Moments of a coarse cell near the light, summed over fine cells. */
 static void add_near_cell(const add_job* add, const double position[3], const int32_t cell[3], double* moments) {
     const ty_grid_box* box = &add->job->coarse->box;
     const ty_coverage_box cells = {box->lower, box->upper, box->size};
@@ -184,7 +185,7 @@ static void add_near_cell(const add_job* add, const double position[3], const in
             }
 }
 
-/* A cell that light crosses one way. */
+/* Moments of a cell with a single direction of light: (g^l - g^L) sigma_s phi Y_lm. */
 static void add_far_cell(const add_job* add, const double* y, size_t cell, double* moments) {
     const int32_t bands = add->job->light->bands;
     const double forward = (double)(add->coefficient[bands] * means_of(add, bands)[cell]);
@@ -208,8 +209,8 @@ static void add_point_row(void* user, int64_t row, int32_t worker) {
     const add_job* add = user;
     const ty_grid_medium* coarse = add->job->coarse;
     const int32_t* size = coarse->box.size;
-    const double position[3] = {(double)add->single->sample.position.x, (double)add->single->sample.position.y,
-                                (double)add->single->sample.position.z};
+    const double position[3] = {(double)add->uncollided->sample.position.x, (double)add->uncollided->sample.position.y,
+                                (double)add->uncollided->sample.position.z};
     const double* side = coarse->cell;
     const double diagonal = sqrt(side[0] * side[0] + side[1] * side[1] + side[2] * side[2]);
     double moments[TERMS_MAX];
@@ -229,15 +230,15 @@ static void add_point_row(void* user, int64_t row, int32_t worker) {
     }
 }
 
-/* ---- moments of beams ---- */
+/* ---- moments of directions ---- */
 
 static void add_directional_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const add_job* add = user;
     ty_dom* light = add->job->light;
     const int32_t width = light->box.size[0], bands = light->bands;
-    const double omega[3] = {(double)add->single->sample.direction.x, (double)add->single->sample.direction.y,
-                             (double)add->single->sample.direction.z};
+    const double omega[3] = {(double)add->uncollided->sample.direction.x, (double)add->uncollided->sample.direction.y,
+                             (double)add->uncollided->sample.direction.z};
     const size_t at = (size_t)row * (size_t)width;
     const float* forward = means_of(add, bands) + at;
     float b_l = 1;
@@ -264,7 +265,7 @@ float ty_dom_channel_factor(const ty_dom* light, const ty_light_field* field, in
            (light->color[0] + light->color[1] + light->color[2]);
 }
 
-/* The channels that a plane of a field brings light to, and how much. */
+/* The channels that a plane of a field contributes to, and its factors. */
 static void choose_channels(add_job* add, const ty_light_field* field, int32_t plane) {
     const ty_dom* light = add->job->light;
     add->channel_count = 0;
@@ -285,12 +286,12 @@ static void find_coefficients(add_job* add, float g) {
     add->coefficient[light->bands] = forward;
 }
 
-void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, const ty_light_fluence* single,
+void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, const ty_light_fluence* uncollided,
                                  float cosine, ty_dom_scratch* scratch) {
     const ty_grid_medium* fine = job->fine;
     const ty_dom* light = job->light;
     const int64_t rows = (int64_t)light->box.size[1] * light->box.size[2];
-    add_job add = {.job = job, .scratch = scratch, .single = single, .cosine = cosine};
+    add_job add = {.job = job, .scratch = scratch, .uncollided = uncollided, .cosine = cosine};
     for (int32_t p = 0; p < field->planes; ++p) {
         const int32_t plane = fine->planes == 3 ? p : 0;
         add.fluence = field->fluence[p];
@@ -300,7 +301,7 @@ void ty_dom_add_first_collisions(ty_dom_job* job, const ty_light_field* field, c
         find_coefficients(&add, scratch->g[plane]);
         choose_channels(&add, field, p);
         find_means(&add);
-        ty_parallel_for(job->context, rows, single->kind == TY_FLUENCE_POINT ? add_point_row : add_directional_row,
+        ty_parallel_for(job->context, rows, uncollided->kind == TY_FLUENCE_POINT ? add_point_row : add_directional_row,
                         &add);
     }
 }

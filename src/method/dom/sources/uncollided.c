@@ -1,5 +1,5 @@
-/* Uncollided light: lights that can be met from one direction, or one point, on fields of their own, and all others
- * together, one beam or lamp after the other, because each has its own direction. */
+/* Uncollided light. Lights with one direction or one point have dedicated fields; all others share an aggregate field
+ * and are computed sample by sample, as each has its own direction. */
 #include "base/context.h"
 #include "method/dom/sources/sources.h"
 
@@ -11,15 +11,15 @@ typedef struct direct_job {
     ty_dom_job* job;
     float* extinction[TY_FLUENCE_COUNT][3]; /* of fine cells, for each fluence of a light */
     ty_dom_scratch scratch;
-    ty_light_field* field; /* of one source that has no field of its own */
-    float* coarse[3];      /* its means on the cells of ordinates, as many as it has planes */
-    ty_dom_collimated_batch beams;
+    ty_light_field* field; /* of one sample without a dedicated field */
+    float* coarse[3];      /* its means on coarse cells, per plane */
+    ty_dom_collimated_batch batch;
     ty_transpose_scratch transpose_scratch[3];
     ty_light_group* groups;
     int32_t group_count;
 } direct_job;
 
-/* room: NULL: none is kept. */
+/* transpose_scratch: NULL: not kept. */
 static ty_result light_field(direct_job* direct, int32_t fluence, const ty_discrete_light* sources, int32_t count,
                              ty_light_field* field, ty_transpose_scratch* transpose_scratch) {
     ty_dom_job* job = direct->job;
@@ -27,18 +27,18 @@ static ty_result light_field(direct_job* direct, int32_t fluence, const ty_discr
                                      transpose_scratch, ty_part_report, &job->progress);
 }
 
-/* Fluences beside the one that counts as uncollided. */
+/* Attaches the fluences U and S to a light with a lobe. */
 static void describe_lobe(const ty_dom* light, ty_light_field* const fields[TY_FLUENCE_COUNT],
-                          ty_light_fluence* single) {
+                          ty_light_fluence* uncollided) {
     if (!light->has_lobes) return;
-    single->lobe_order = light->bands;
+    uncollided->lobe_order = light->bands;
     for (int c = 0; c < 3; ++c) {
-        single->unscattered[c] = fields[TY_FLUENCE_UNSCATTERED]->fluence[c];
-        single->next_order[c] = fields[TY_FLUENCE_NEXT_ORDER]->fluence[c];
+        uncollided->unscattered[c] = fields[TY_FLUENCE_UNSCATTERED]->fluence[c];
+        uncollided->next_order[c] = fields[TY_FLUENCE_NEXT_ORDER]->fluence[c];
     }
 }
 
-/* A light's fluences on the cells of ordinates. */
+/* Averages a dedicated light's fluences over coarse cells. */
 static ty_result average_dedicated(direct_job* direct, const ty_light_group* group, ty_light_field* const* fields,
                                    ty_light_field** out) {
     const ty_dom_job* job = direct->job;
@@ -56,7 +56,7 @@ static ty_result light_dedicated(direct_job* direct, const ty_light_group* group
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
     ty_light_field** fields = light->fields[light->fluence_count];
-    ty_light_fluence* single = &light->fluences[light->fluence_count];
+    ty_light_fluence* uncollided = &light->fluences[light->fluence_count];
     ty_result result = TY_OK;
     for (int32_t f = 0; f < (light->has_lobes ? TY_FLUENCE_COUNT : 1) && result == TY_OK; ++f) {
         result = ty_light_groups_field(job->sources.items, group, 1, true, job->fine, false, &fields[f]);
@@ -66,11 +66,11 @@ static ty_result light_dedicated(direct_job* direct, const ty_light_group* group
     if (result == TY_OK && light->has_lobes)
         result = average_dedicated(direct, group, fields, light->coarse_fields[light->fluence_count]);
     if (result != TY_OK) return result;
-    *single = ty_light_group_fluence(job->sources.items, group, fields[TY_FLUENCE_ORDER_L]);
-    describe_lobe(light, fields, single);
+    *uncollided = ty_light_group_fluence(job->sources.items, group, fields[TY_FLUENCE_ORDER_L]);
+    describe_lobe(light, fields, uncollided);
     ++light->fluence_count;
     const double begun = ty_wall_seconds();
-    ty_dom_add_first_collisions(job, fields[TY_FLUENCE_ORDER_L], single, 1, &direct->scratch);
+    ty_dom_add_first_collisions(job, fields[TY_FLUENCE_ORDER_L], uncollided, 1, &direct->scratch);
     job->stats.source_seconds += ty_wall_seconds() - begun;
     return TY_OK;
 }
@@ -102,16 +102,16 @@ static void clear_field(ty_light_field* field) {
     for (int32_t p = 0; p < field->planes; ++p) memset(field->fluence[p], 0, field->cells * sizeof(float));
 }
 
-/* What one source of many brings to ordinates, and to the parts that are seen. */
+/* Adds a sample's first-collision source, and its fluence to its cluster. */
 static void add_first_collisions(direct_job* direct, const ty_discrete_light* source) {
     ty_dom_job* job = direct->job;
     const ty_light_field* field = direct->field;
     const ty_light_group group = {.first = 0, .count = 1, .center = source->position};
     if (source->kind == TY_DISCRETE_DIRECTIONAL && ty_dom_collimated_batch_accepts(&direct->scratch, field)) {
-        ty_dom_collimated_batch_take(job, &direct->beams, source, field, &direct->scratch, direct->coarse);
+        ty_dom_collimated_batch_take(job, &direct->batch, source, field, &direct->scratch, direct->coarse);
     } else {
-        const ty_light_fluence single = ty_light_group_fluence(source, &group, field);
-        ty_dom_add_first_collisions(job, field, &single, source->mean_cosine, &direct->scratch);
+        const ty_light_fluence uncollided = ty_light_group_fluence(source, &group, field);
+        ty_dom_add_first_collisions(job, field, &uncollided, source->mean_cosine, &direct->scratch);
         for (int32_t p = 0; p < field->planes && direct->coarse[p] != NULL; ++p)
             ty_grid_average(job->context, field->fluence[p], job->fine->box.size, job->coarse->box.size,
                             direct->coarse[p]);
@@ -119,7 +119,7 @@ static void add_first_collisions(direct_job* direct, const ty_discrete_light* so
     if (!job->light->isotropic) ty_dom_clusters_add(job, source, field->planes, direct->coarse);
 }
 
-/* One source of many. */
+/* Computes one sample of an aggregate light. */
 static ty_result light_sample(direct_job* direct, const ty_discrete_light* source, ty_light_field* aggregate) {
     ty_dom_job* job = direct->job;
     ty_light_field* field = direct->field;
@@ -135,7 +135,7 @@ static ty_result light_sample(direct_job* direct, const ty_discrete_light* sourc
     return TY_OK;
 }
 
-/* Memory of lights that have no field of their own. */
+/* Memory of lights without dedicated fields. */
 static ty_result allocate_aggregate(direct_job* direct) {
     ty_dom_job* job = direct->job;
     ty_dom* light = job->light;
@@ -145,7 +145,7 @@ static ty_result allocate_aggregate(direct_job* direct) {
     if (result == TY_OK)
         result = ty_light_groups_field(job->sources.items, direct->groups, direct->group_count, false, job->fine, false,
                                        &light->aggregate);
-    if (result == TY_OK) result = ty_dom_collimated_batch_create(job, &direct->beams);
+    if (result == TY_OK) result = ty_dom_collimated_batch_create(job, &direct->batch);
     for (int32_t p = 0; p < job->fine->planes && result == TY_OK && !light->isotropic; ++p) {
         direct->coarse[p] = ty_alloc_array(job->context, light->cells, sizeof(float), false);
         if (direct->coarse[p] == NULL) result = TY_ERROR_MEMORY;
@@ -178,7 +178,7 @@ static ty_result light_all_groups(direct_job* direct) {
     job->progress.from = from;
     job->progress.share = fraction;
     if (result != TY_OK || light->aggregate == NULL) return result;
-    ty_dom_collimated_batch_flush(job, &direct->beams, &direct->scratch);
+    ty_dom_collimated_batch_flush(job, &direct->batch, &direct->scratch);
     if (!light->isotropic) {
         ty_dom_clusters_end(job);
         result = ty_dom_environment_find(job);
@@ -190,9 +190,9 @@ static ty_result light_all_groups(direct_job* direct) {
 
 /* ---- all ---- */
 
-/* What media send by themselves. */
+/* Adds the isotropic emission of media to q_00. */
 static void add_emission(ty_dom_job* job) {
-    static const float to_harmonic = 0.28209479177f; /* 1 / sqrt(4 pi) */
+    static const float to_harmonic = 0.28209479177f; /* Y_00 = 1 / sqrt(4 pi) */
     const ty_dom* light = job->light;
     const ty_grid_medium* medium = job->coarse;
     const float total = light->color[0] + light->color[1] + light->color[2];
@@ -248,7 +248,7 @@ static void free_memory(direct_job* direct) {
         ty_free_array(job->context, direct->coarse[c], job->light->cells, sizeof(float));
         ty_transpose_scratch_free(job->context, &direct->transpose_scratch[c]);
     }
-    ty_dom_collimated_batch_destroy(job, &direct->beams);
+    ty_dom_collimated_batch_destroy(job, &direct->batch);
     ty_light_field_destroy(direct->field);
 }
 

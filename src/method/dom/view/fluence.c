@@ -25,7 +25,7 @@ static double uncollided_in(const ty_dom* light, const ty_coverage axes[3], int 
     return sum;
 }
 
-/* Of moments of all channels: of what has scattered, or of what surfaces sent. */
+/* Fluence of moments: of collided light, or of light from surfaces. */
 static double moments_in(const ty_dom* light, float* const moments[3], const ty_coverage axes[3], int c) {
     const float* plane = moments[light->shared ? 0 : c];
     double sum = 0;

@@ -1,17 +1,17 @@
-/* What an eye sees of cells behind surfaces is the part before them, where light is that of the cells before them: so
- * it is taken to be, lest the light of walls' other sides, or the dark within solids, shine through. */
+/* Light of cells behind surfaces. They take the light of the cell in front, so that neither the far side of a wall nor
+ * the inside of a solid bleeds through. */
 #include "base/context.h"
 #include "base/parallel.h"
 #include "method/dom/view/view.h"
 #include "scene/scene.h"
 
-/* Layers of cells that are looked at from before a surface: the second by what keeps means of cells. */
+/* Number of layers of cells behind a surface that interpolation reads: the second one by mean-preserving upsampling. */
 enum { LAYERS = 2 };
 
-/* What a cell's middle is seen as. */
+/* State of a cell; layers behind surfaces count from FIRST_LAYER. */
 enum { VISIBLE = 0, HIDDEN = 1, FIRST_LAYER = 2 };
 
-/* Off cells' middles by this much, in cells, as where walls are looked for. */
+/* Offset from cell centers, in cells, as in the search for boundary faces. */
 static const double offset[3] = {1e-3, 0.7e-3, 0.4e-3};
 
 typedef struct hidden_job {
@@ -19,10 +19,10 @@ typedef struct hidden_job {
     const ty_mesh* mesh;
     const double* eye;
     const ty_cuts* cuts;      /* NULL: none */
-    uint8_t *hidden, *marked; /* as they are, and with another layer */
+    uint8_t *hidden, *marked; /* state of the cells, and the state with another layer */
     int32_t layer;
     float* plane;
-    void (*visit)(const struct hidden_job* job, const int32_t at[3], size_t cell); /* of each cell of a row */
+    void (*visit)(const struct hidden_job* job, const int32_t at[3], size_t cell); /* called for each cell of a row */
 } hidden_job;
 
 static size_t cell_at(const int32_t size[3], const int32_t at[3]) {
@@ -64,13 +64,13 @@ static void find_row(void* user, int64_t row, int32_t worker) {
 
 /* ---- layers ---- */
 
-/* Whether a cell has light of its own, or that of a layer before `layer`. */
+/* True if a cell has light of its own, or of a layer before `layer`. */
 static bool is_before(uint8_t hidden, int32_t layer) {
     return hidden == VISIBLE || (hidden >= FIRST_LAYER && hidden < layer);
 }
 
-/* The weights of cells about one that it is joined to and that are before a layer, the larger the nearer they are;
- * *mean: of a plane by them (NULL: of none). */
+/* Sum of inverse square distances of neighbours before `layer` that no surface separates; *mean: their weighted mean of
+ * a plane (NULL: none). */
 static float sum_about(const hidden_job* job, const int32_t at[3], int32_t layer, const float* plane, float* mean) {
     const int32_t* size = job->light->box.size;
     float sum = 0, total = 0;

@@ -1,9 +1,8 @@
-/* Lights' lobes meet the moments of ordinates.
+/* Continuity between the lights' lobes and the moments of ordinates.
  *
- * Towards the eye, light that has scattered is the sum of ordinates' moments, l < L, and of lights' lobes, whose
- * moments from L on go on as light that never moves sideways would. In truth some does, and where the two meet, at l =
- * L, what is missing is a step that the eye sees as a ripple: L = 4, 6, 8 are too dark and too bright by turns. So the
- * lobes' moments from L on are scaled to what ordinates have at L - 1, cell by cell. */
+ * The collided radiance towards the eye is the sum of the ordinates' moments l < L and of the lights' lobes, whose
+ * moments from L on neglect lateral spread. The step between both at l = L shows as ripples: L = 4, 6, 8 are too dark
+ * and too bright by turns. So the lobes' moments from L on are scaled, cell by cell, by the ratio of both at L - 1. */
 #include "base/context.h"
 #include "method/dom/view/view.h"
 #include "solve/harmonics.h"
@@ -12,7 +11,7 @@
 
 enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 
-/* What a lobe's moment falls off by from L to L + 1, at least; and the scale, at most. */
+/* Minimum ratio of a lobe's moments L + 1 and L, and maximum scale. */
 static const double min_cosine = 0.05, max_scale = 2;
 
 typedef struct correct_job {
@@ -21,9 +20,9 @@ typedef struct correct_job {
     float* const* radiance;
 } correct_job;
 
-/* One light's lobe in a cell. */
+/* The forward lobe of one light in a cell. */
 typedef struct lobe {
-    double omega[3]; /* that its light goes */
+    double omega[3]; /* direction of travel */
     double order_l;  /* R - U */
     double cosine;   /* b */
 } lobe;
@@ -35,39 +34,38 @@ static double channel_factor(const ty_dom* light, const ty_light_field* field, i
            (double)(light->color[0] + light->color[1] + light->color[2]);
 }
 
-static void find_direction(const ty_dom* light, const ty_light_fluence* single, const int32_t cell[3],
+static void find_direction(const ty_dom* light, const ty_light_fluence* uncollided, const int32_t cell[3],
                            double omega[3]) {
-    const ty_discrete_light* sample = &single->sample;
-    const ty_vec place = single->kind == TY_FLUENCE_POINT ? sample->position : sample->direction;
+    const ty_discrete_light* sample = &uncollided->sample;
+    const ty_vec place = uncollided->kind == TY_FLUENCE_POINT ? sample->position : sample->direction;
     const double toward[3] = {(double)place.x, (double)place.y, (double)place.z};
     for (int a = 0; a < 3; ++a) omega[a] = toward[a];
-    if (single->kind == TY_FLUENCE_DIRECTIONAL) return;
+    if (uncollided->kind == TY_FLUENCE_DIRECTIONAL) return;
     ty_dom_direction_to_eye(light, cell, toward, omega);
     for (int a = 0; a < 3; ++a) omega[a] = -omega[a];
 }
 
-/* The lobes of a cell that are more than nothing. */
+/* The nonzero lobes of a cell. */
 static int32_t find_lobes(const ty_dom* light, const int32_t cell[3], size_t at, int32_t channel,
                           lobe lobes[TY_DOM_DEDICATED_MAX]) {
     int32_t count = 0;
     for (int32_t i = 0; i < light->fluence_count; ++i) {
-        const ty_light_fluence* single = &light->fluences[i];
-        if (single->lobe_order == 0) continue;
+        const ty_light_fluence* uncollided = &light->fluences[i];
+        if (uncollided->lobe_order == 0) continue;
         ty_light_field* const* fields = light->coarse_fields[i];
         const int32_t plane = fields[0]->planes == 3 ? channel : 0;
         const float r = fields[TY_FLUENCE_ORDER_L]->fluence[plane][at],
                     u = fields[TY_FLUENCE_UNSCATTERED]->fluence[plane][at];
         if (!(r > u)) continue;
         lobe* out = &lobes[count++];
-        find_direction(light, single, cell, out->omega);
+        find_direction(light, uncollided, cell, out->omega);
         out->order_l = channel_factor(light, fields[0], channel) * (double)(r - u);
         out->cosine = (double)ty_forward_lobe_cosine(u, r, fields[TY_FLUENCE_NEXT_ORDER]->fluence[plane][at]);
     }
     return count;
 }
 
-/* The scale at which the lobes' moment L - 1, all of them together, is that of ordinates: nearest in the least squares.
- */
+/* The least-squares scale from the lobes' moments of order L - 1 to those of ordinates. */
 static double find_scale(const ty_dom* light, size_t at, int32_t channel, const lobe* lobes, int32_t count) {
     const int32_t first = (light->bands - 1) * (light->bands - 1), terms = light->bands * light->bands;
     double moments[TERMS_MAX], expected[TERMS_MAX], y[TERMS_MAX], product = 0, square = 0;

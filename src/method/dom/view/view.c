@@ -1,4 +1,4 @@
-/* Images: what cells send towards an eye. */
+/* Images: radiance that cells scatter towards an eye. */
 #include "base/context.h"
 #include "image/march.h"
 #include "method/dom/solution.h"
@@ -13,21 +13,20 @@ enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 
 static const double harmonic_0 = 0.28209479177387814, harmonic_1 = 0.4886025119029199;
 
-/* Fields that are made for one image. */
+/* Fields for one image. */
 typedef struct fields {
     ty_source_field collided, surfaces;
-    float* collided_radiance[3];        /* radiance that cells send to the eye per scattering coefficient */
-    float* incident[3][TY_FIELD_TERMS]; /* radiance by direction, for surfaces */
+    float* collided_radiance[3];        /* radiance that cells scatter to the eye, per scattering coefficient */
+    float* incident[3][TY_FIELD_TERMS]; /* incident radiance for surfaces, as terms of a source field */
     ty_light_fluence lights[TY_DOM_DEDICATED_MAX + 1];
-    ty_cuts* cuts;   /* surfaces between cells; NULL: there are none */
-    uint8_t* hidden; /* cells behind surfaces; NULL: there are none */
+    ty_cuts* cuts;   /* surfaces between cells; NULL: none */
+    uint8_t* hidden; /* state of cells behind surfaces; NULL: none */
     size_t fine_cells;
-    float* blurred; /* environments behind media, with a fit */
-    float*
-        aggregate_radiance[3]; /* of fine cells: what lights without fields of their own send to the eye, times 4 pi */
+    float* blurred;               /* environments behind media, with a fit */
+    float* aggregate_radiance[3]; /* of fine cells: scattered radiance of lights without dedicated fields, times 4 pi */
 } fields;
 
-/* ---- what cells send ---- */
+/* ---- collided radiance ---- */
 
 typedef struct collided_job {
     const ty_dom* light;
@@ -45,7 +44,7 @@ void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const d
     for (int a = 0; a < 3; ++a) omega[a] = square > 0 ? omega[a] / sqrt(square) : a == 2;
 }
 
-/* Of the fluence that a thick cell's faces show an eye, what it is more than the cell's mean. */
+/* Excess of a diffusive cell's face fluence towards the eye over its mean. */
 static double face_excess(const ty_dom* light, int32_t channel, size_t cell, const double omega[3]) {
     double sum = 0, weights = 0;
     if (light->face_fluence[channel] == NULL) return 0;
@@ -74,10 +73,9 @@ static void collided_row(void* user, int64_t row, int32_t worker) {
             const double g = (double)light->g[light->planes == 3 ? c : 0][at];
             const float* surfaces = light->wall_moments[c];
             const ty_forward_fit* fit = light->fit.bands > 0 ? &light->fit : NULL;
-            double sum = y[0] * face_excess(light, c, at, omega) * (fit != NULL ? (double)fit->moments[0] : 1),
-                   of_g = 1;
-            for (int32_t l = 0; l < light->output_bands; ++l, of_g *= g) {
-                const double power = fit != NULL ? (double)fit->moments[l] : of_g;
+            double sum = y[0] * face_excess(light, c, at, omega) * (fit != NULL ? (double)fit->moments[0] : 1), g_l = 1;
+            for (int32_t l = 0; l < light->output_bands; ++l, g_l *= g) {
+                const double power = fit != NULL ? (double)fit->moments[l] : g_l;
                 for (int32_t t = l * l; t < (l + 1) * (l + 1); ++t) {
                     const size_t item = light->cells * (size_t)t + at;
                     sum += power * y[t] * (double)(light->moments[c][item] + (surfaces != NULL ? surfaces[item] : 0));
@@ -104,9 +102,9 @@ static ty_result make_collided(const ty_dom* light, const double eye[3], fields*
     return TY_OK;
 }
 
-/* ---- what surfaces get ---- */
+/* ---- incident radiance of surfaces ---- */
 
-/* Harmonics of radiance along x, y and z. */
+/* Harmonics of the fluence and of the flux along x, y and z. */
 static const int32_t term_of[TY_FIELD_TERMS] = {0, 3, 1, 2};
 
 static ty_result make_incident(const ty_dom* light, fields* f) {
@@ -129,17 +127,17 @@ static ty_result make_incident(const ty_dom* light, fields* f) {
     return TY_OK;
 }
 
-/* ---- lights that have no field of their own ---- */
+/* ---- lights without dedicated fields ---- */
 
 typedef struct aggregate_job {
     const ty_dom* light;
-    const ty_light_fluence* single;
-    float* const* collided_radiance; /* of the cells of ordinates: what such light is turned into for the eye */
-    float* const* fluence;           /* and how much of it there is */
-    float* const* out;               /* of fine cells */
+    const ty_light_fluence* uncollided;
+    float* const* collided_radiance; /* on coarse cells: scattered radiance of the clusters */
+    float* const* fluence;           /* on coarse cells: fluence of the clusters */
+    float* const* out;               /* on fine cells */
 } aggregate_job;
 
-/* Their fluence on fine cells, times what becomes of it on the cells of ordinates. */
+/* Scales the fine fluence by the clusters' ratio of radiance and fluence. */
 static void aggregate_row(void* user, int64_t row, int32_t worker) {
     (void)worker;
     const aggregate_job* job = user;
@@ -151,10 +149,11 @@ static void aggregate_row(void* user, int64_t row, int32_t worker) {
         float cells[3];
         for (int a = 0; a < 3; ++a) cells[a] = (float)((cell[a] + 0.5) * coarse[a] / size[a]);
         const ty_cell_point point = ty_cell_locate(coarse, ty_vec_load(cells));
-        for (int32_t c = 0; c < (job->single->shared != 0 ? 1 : 3); ++c) {
+        for (int32_t c = 0; c < (job->uncollided->shared != 0 ? 1 : 3); ++c) {
             const float collided_radiance = ty_cell_value(job->collided_radiance[c], &point),
                         fluence = ty_cell_value(job->fluence[c], &point);
-            job->out[c][at] = fluence > 0 ? ty_maxf(0, collided_radiance / fluence) * job->single->fluence[c][at] : 0;
+            job->out[c][at] =
+                fluence > 0 ? ty_maxf(0, collided_radiance / fluence) * job->uncollided->fluence[c][at] : 0;
         }
     }
 }
@@ -171,20 +170,20 @@ static void free_planes(const ty_dom* light, size_t cells, float* const planes[3
     for (int c = 0; c < 3; ++c) ty_free_array(light->context, planes[c], cells, sizeof(float));
 }
 
-/* Fields of fine cells in place of those of TY_FLUENCE_P1, which know no direction. */
+/* Replaces the P1 fluence of the aggregate field by the radiance towards the eye. */
 static ty_result make_aggregate(const ty_dom* light, const double eye[3], fields* f) {
-    ty_light_fluence* single = &f->lights[light->fluence_count - 1];
-    const int32_t channels = single->shared != 0 ? 1 : 3;
+    ty_light_fluence* uncollided = &f->lights[light->fluence_count - 1];
+    const int32_t channels = uncollided->shared != 0 ? 1 : 3;
     float *collided_radiance[3] = {NULL}, *fluence[3] = {NULL};
     ty_result result = allocate_planes(light, channels, f->fine_cells, f->aggregate_radiance);
     if (result == TY_OK) result = allocate_planes(light, channels, light->cells, collided_radiance);
     if (result == TY_OK) result = allocate_planes(light, channels, light->cells, fluence);
     if (result == TY_OK) result = ty_dom_evaluate_clusters(light, eye, channels, collided_radiance, fluence);
     if (result == TY_OK) {
-        aggregate_job job = {light, single, collided_radiance, fluence, f->aggregate_radiance};
+        aggregate_job job = {light, uncollided, collided_radiance, fluence, f->aggregate_radiance};
         ty_parallel_for(light->context, (int64_t)light->fine_box.size[1] * light->fine_box.size[2], aggregate_row,
                         &job);
-        for (int32_t c = 0; c < channels; ++c) single->fluence[c] = f->aggregate_radiance[c];
+        for (int32_t c = 0; c < channels; ++c) uncollided->fluence[c] = f->aggregate_radiance[c];
     }
     free_planes(light, light->cells, collided_radiance);
     free_planes(light, light->cells, fluence);
@@ -198,7 +197,7 @@ static ty_result make_lights(const ty_dom* light, const double eye[3], fields* f
     return light->isotropic ? TY_OK : make_aggregate(light, eye, f);
 }
 
-/* What of environments is seen through a fit's peak. */
+/* The environments' radiance through a fit's peak. */
 static ty_result make_blurred(const ty_dom* light, fields* f) {
     if (light->fit.bands == 0 || light->env_count == 0) return TY_OK;
     f->blurred = ty_alloc_array(light->context, TY_DOM_ENVIRONMENT_TEXELS, 3 * sizeof(float), false);

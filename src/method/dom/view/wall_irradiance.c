@@ -1,11 +1,12 @@
-/* Light on surfaces that are walls between cells. */
+/* Irradiance on boundary faces from the first two moments of their cells. */
 #include "method/dom/view/view.h"
 #include "solve/harmonics.h"
 
-/* Faces of cells get what the surfaces do where these are no more slanted than this. */
+/* Staircase factor up to which the irradiance of the face is that of the surface. */
 static const float min_slant = 1.03f;
 
-/* What arrives on a slanted surface, of a cell's moments: harmonics about its normal times those of the cosine. */
+/* Irradiance on a slanted surface from a cell's moments: harmonics along its normal times those of the clamped cosine.
+ */
 static float irradiance_of(const ty_dom* light, int32_t channel, size_t cell, ty_vec normal) {
     static const double cosine[] = {TY_PI, TY_PI * 2 / 3, TY_PI / 4, 0, -TY_PI / 24, 0};
     const double omega[3] = {-(double)normal.x, -(double)normal.y, -(double)normal.z};
@@ -27,16 +28,16 @@ static void match_side(const ty_dom* light, int32_t channel, int32_t side, size_
         target = irradiance_of(light, channel, cell, boundary_side->normal);
     target += light->wall_forward[channel][side];
     for (int a = 0; a < 3; ++a) along += terms[1 + a][cell] * normal[a];
-    /* pi (even - 2/3 along) is what first moments bring. */
+    /* The first two moments give the irradiance pi (phi_0 - 2/3 phi_n), phi_n along the normal. */
     const float difference = 1.5f * (terms[0][cell] - target / TY_PI) - along;
     for (int a = 0; a < 3; ++a) terms[1 + a][cell] += difference * normal[a];
 }
 
 void ty_dom_match_wall_irradiance(const ty_dom* light, int32_t channel, float* const terms[TY_FIELD_TERMS]) {
-    const ty_boundary_faces* walls = light->boundary;
-    if (walls == NULL || light->wall_irradiance[channel] == NULL) return;
-    const int64_t rows = (int64_t)walls->size[1] * walls->size[2];
+    const ty_boundary_faces* faces = light->boundary;
+    if (faces == NULL || light->wall_irradiance[channel] == NULL) return;
+    const int64_t rows = (int64_t)faces->size[1] * faces->size[2];
     for (int64_t row = 0; row < rows; ++row)
-        for (int32_t side = walls->first[row]; side < walls->first[row + 1]; ++side)
-            match_side(light, channel, side, (size_t)row * (size_t)walls->size[0] + (size_t)walls->x[side], terms);
+        for (int32_t side = faces->first[row]; side < faces->first[row + 1]; ++side)
+            match_side(light, channel, side, (size_t)row * (size_t)faces->size[0] + (size_t)faces->x[side], terms);
 }
