@@ -29,6 +29,32 @@ declare -A below=(
   [plot]="base"
 )
 
+# The same within direct and dom, whose parts depend on one another in one direction alone. airlight, which has its own
+# single scattering, is left out.
+declare -A parts_below=(
+  [direct/media]=""
+  [direct/shadow]="direct/media"
+  [direct/lights]="direct/media direct/shadow"
+  [direct/single]="direct/media direct/lights"
+  [direct/uncollided]="direct/media direct/lights direct/single"
+  [direct/surfaces]="direct/media direct/shadow direct/lights"
+  [method/dom/solve]=""
+  [method/dom/sources]="method/dom/solve"
+  [method/dom/view]="method/dom/sources"
+)
+for part in "${!parts_below[@]}"; do
+  room=${part%/*}
+  while IFS=: read -r file include; do
+    case "$file" in */airlight*) continue ;; esac
+    target=${include#*\"}
+    target=${target%/*}
+    case " $room $part ${parts_below[$part]} " in
+      *" $target "*) ;;
+      *) complain "$file: $include: $part may include ${parts_below[$part]:-nothing} of $room alone" ;;
+    esac
+  done < <(grep -HoE "^#include \"$room/[^\"]+\"" $(sources "src/$part"))
+done
+
 count=0
 for room in "${!below[@]}"; do
   while IFS=: read -r file include; do

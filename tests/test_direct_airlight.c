@@ -1,6 +1,6 @@
 /* Airlight against sums over many points of each ray. */
 #include "direct/single/airlight.h"
-#include "direct/uncollided/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 #include "direct_maker.h"
 #include "light_map_maker.h"
 #include "scene/phase.k.h"

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "direct/single/airlight_parts.h"
-#include "direct/uncollided/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 #include "direct/uncollided/uncollided.h"
 
 /* ---- what the media are ---- */

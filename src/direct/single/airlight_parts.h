@@ -4,7 +4,7 @@
 #define TY_DIRECT_AIRLIGHT_PARTS_H
 
 #include "direct/single/airlight.h"
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "scene/phase.k.h"
 
 enum { TY_AIR_LIGHTS_MAX = 64 };

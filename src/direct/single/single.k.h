@@ -3,7 +3,7 @@
 #define TY_DIRECT_SINGLE_SINGLE_K_H
 
 #include "direct/lights/discrete_light.h"
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "direct/single/forward.k.h"
 #include "scene/medium.k.h"
 #include "scene/phase.k.h"

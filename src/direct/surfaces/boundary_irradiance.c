@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "base/parallel.h"
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "direct/shadow/grid_depth.h"
 #include "scene/scene.h"
 

@@ -2,7 +2,7 @@
 #ifndef TY_DIRECT_UNCOLLIDED_POINT_LIGHT_K_H
 #define TY_DIRECT_UNCOLLIDED_POINT_LIGHT_K_H
 
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "scene/light.k.h"
 
 /* The optical depth around a cell's center along the axes u, v and w. */

@@ -85,4 +85,7 @@ static inline float* ty_dom_plane(const ty_dom* light, float* planes, int32_t lm
     return planes + light->cells * (size_t)lm;
 }
 
+/* The unit vector from a cell's center to the eye. */
+void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double omega[3]);
+
 #endif

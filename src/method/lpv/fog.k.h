@@ -4,7 +4,7 @@
 #ifndef TY_METHOD_LPV_FOG_K_H
 #define TY_METHOD_LPV_FOG_K_H
 
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "direct/media/grid_medium.h"
 #include "method/lpv/look.k.h"
 #include "scene/scene.h"

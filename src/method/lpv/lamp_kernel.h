@@ -4,7 +4,7 @@
 
 #include "base/isa.h"
 #include "base/vector.k.h"
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 
 /* Neighbouring texels of a row. */
 enum { TY_LAMP_RAYS = 64 };

@@ -1,5 +1,5 @@
 /* Light that surfaces reflect. */
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "method/lpv/lamp_ray.h"
 #include "method/lpv/lookup.k.h"
 #include "method/lpv/splat.h"

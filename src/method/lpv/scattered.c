@@ -4,7 +4,7 @@
  * of the medium, and goes on from one point of it, more likely one where more is scattered. Where in parts points are
  * belongs to texels, and neighbours' points lie evenly between one another's. */
 #include "base/random.k.h"
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "method/lpv/lamp_ray.h"
 #include "method/lpv/splat.h"
 

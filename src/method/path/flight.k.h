@@ -6,7 +6,7 @@
 #ifndef TY_PATH_FLIGHT_K_H
 #define TY_PATH_FLIGHT_K_H
 
-#include "direct/uncollided/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 
 typedef struct ty_collision {
     float t;

@@ -3,7 +3,7 @@
 #ifndef TY_METHOD_POP_IMPORTANCE_K_H
 #define TY_METHOD_POP_IMPORTANCE_K_H
 
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "direct/single/single.k.h"
 #include "scene/phase.k.h"
 

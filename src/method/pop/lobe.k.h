@@ -2,7 +2,7 @@
 #ifndef TY_METHOD_POP_LOBE_K_H
 #define TY_METHOD_POP_LOBE_K_H
 
-#include "direct/uncollided/attenuation.k.h"
+#include "direct/media/attenuation.k.h"
 #include "direct/single/forward.k.h"
 
 /* 1 / sqrt(x) to 5e-6 for normal x > 0, without what takes processors long: two of Newton's steps. */

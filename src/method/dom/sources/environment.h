@@ -4,7 +4,7 @@
 
 #include "direct/single/forward.k.h"
 #include "image/march.h"
-#include "method/dom/view/view.h"
+#include "method/dom/solution.h"
 
 /* Number of tabulated mean cosines from 0 to 1; texels of the map of directions. */
 enum {

@@ -3,6 +3,8 @@
 #include "image/march.h"
 #include "method/dom/solution.h"
 #include "method/dom/sources/environment.h"
+#include "method/dom/sources/sources.h"
+#include "method/dom/view/view.h"
 #include "scene/scene.h"
 #include "solve/harmonics.h"
 
@@ -33,16 +35,6 @@ typedef struct collided_job {
     const double* eye;
     float* const* out;
 } collided_job;
-
-void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double omega[3]) {
-    double square = 0;
-    for (int a = 0; a < 3; ++a) {
-        const double side = (light->box.upper[a] - light->box.lower[a]) / light->box.size[a];
-        omega[a] = eye[a] - (light->box.lower[a] + (cell[a] + 0.5) * side);
-        square += omega[a] * omega[a];
-    }
-    for (int a = 0; a < 3; ++a) omega[a] = square > 0 ? omega[a] / sqrt(square) : a == 2;
-}
 
 /* Excess of a diffusive cell's face fluence towards the eye over its mean. */
 static double face_excess(const ty_dom* light, int32_t channel, size_t cell, const double omega[3]) {

@@ -6,15 +6,8 @@
 #include "image/cuts.h"
 #include "method/dom/job.h"
 
-/* The unit vector from a cell's center to the eye. */
-void ty_dom_direction_to_eye(const ty_dom* light, const int32_t cell[3], const double eye[3], double omega[3]);
 /* Corrects the outgoing radiance for lateral spread, which the lights' lobes neglect. */
 void ty_dom_correct_lobes(const ty_dom* light, const double eye[3], float* const radiance[3]);
-
-/* Radiance that the clusters scatter towards the eye, as the fluence of an isotropic scatterer, and their fluence; both
- * times the clusters' colors. channels: 1: the sum of all, 3. Errors: TY_ERROR_MEMORY. */
-ty_result ty_dom_evaluate_clusters(const ty_dom* light, const double eye[3], int32_t channels, float* const radiance[3],
-                                   float* const all[3]);
 
 /* State of cells that surfaces hide from an eye; NULL without boundary faces. The caller frees one byte per cell.
  * Errors: TY_ERROR_MEMORY. */

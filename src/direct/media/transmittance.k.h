@@ -1,7 +1,7 @@
 /* Transmittance of all media between two points of a ray: exact for homogeneous media; residual ratio tracking (Novak
  * et al. 2014) in grids, with the minimum density of each brick as control variate. */
-#ifndef TY_DIRECT_UNCOLLIDED_TRANSMITTANCE_K_H
-#define TY_DIRECT_UNCOLLIDED_TRANSMITTANCE_K_H
+#ifndef TY_DIRECT_MEDIA_TRANSMITTANCE_K_H
+#define TY_DIRECT_MEDIA_TRANSMITTANCE_K_H
 
 #include "scene/spans.k.h"
 

@@ -2,8 +2,8 @@
  * light; within a slab a tube overlaps three cells of a row and three rows, with the mean overlap as weights. Tubes
  * take the weighted mean extinction of these cells, and cells the weighted mean light of the tubes: the power that
  * tubes lose is the power that cells absorb. */
-#ifndef TY_DIRECT_UNCOLLIDED_ATTENUATION_K_H
-#define TY_DIRECT_UNCOLLIDED_ATTENUATION_K_H
+#ifndef TY_DIRECT_MEDIA_ATTENUATION_K_H
+#define TY_DIRECT_MEDIA_ATTENUATION_K_H
 
 #include "base/kernel.h"
 
