@@ -14,10 +14,10 @@ enum { COVERAGE_SAMPLES = 4, SAMPLES_MAX = 16 };
 
 /* ---- the box ---- */
 
-/* Raises density[3], voxels per metre along the world's axes, to at least that of a grid with this transform. */
 /* Cells along the longest side by default, with and without voxels. */
 enum { VOXELS_MAX = 256, SMOOTH_CELLS = 64 };
 
+/* Raises density[3], voxels per metre along the world's axes, to at least that of a grid with this transform. */
 static void raise_density(const float to_index[12], double density[3]) {
     for (int a = 0; a < 3; ++a) {
         double square = 0;
