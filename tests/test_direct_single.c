@@ -5,7 +5,7 @@
 enum { CELLS = 16 };
 
 static ty_light_fluence light_of_field(const ty_light_field* field, int32_t kind, ty_vec toward) {
-    ty_light_fluence light = {.kind = kind, .sample = {.direction = toward, .position = toward}};
+    ty_light_fluence light = {.kind = kind, .anchor = toward};
     for (int c = 0; c < 3; ++c) {
         light.fluence[c] = field->fluence[c];
         for (int a = 0; a < 3; ++a) light.flux[c][a] = field->flux[c][a];

@@ -242,7 +242,7 @@ static void beams_scatter_once(void** state) {
     add_medium(scene, &medium);
     commit(scene);
     ty_march_def def = march_def(1, 1);
-    ty_light_fluence light = {.kind = TY_FLUENCE_DIRECTIONAL, .sample.direction = ty_vec_make(0, 0.6f, -0.8f)};
+    ty_light_fluence light = {.kind = TY_FLUENCE_DIRECTIONAL, .anchor = ty_vec_make(0, 0.6f, -0.8f)};
     for (int z = 0; z < CELLS; ++z) fluence[z] = (float)(5 * exp(-1.5 * (2.0 - (z + 0.5) * 2 / CELLS)));
     for (int c = 0; c < 3; ++c) {
         light.fluence[c] = fluence;

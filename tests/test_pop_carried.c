@@ -31,7 +31,7 @@ static beam* new_beam(ty_context* context, ty_vec direction, float g) {
     b->fine.scattering[0] = b->scattering;
     b->fine.g[0] = b->g;
     b->light.kind = TY_FLUENCE_DIRECTIONAL;
-    b->light.sample.direction = direction;
+    b->light.anchor = direction;
     b->light.lobe_order = b->light.shared = 1;
     b->light.fluence[0] = b->kept;
     b->light.unscattered[0] = b->straight;

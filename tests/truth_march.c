@@ -50,9 +50,7 @@ static ty_difference layer_difference(ty_context* context, const ty_image* image
 }
 
 static ty_light_fluence light_on_cells(const direct_case* made, ty_light_field* field) {
-    const bool beam = made->sources.items[0].kind == TY_DISCRETE_DIRECTIONAL;
-    ty_light_fluence light = {.kind = beam ? TY_FLUENCE_DIRECTIONAL : TY_FLUENCE_POINT,
-                              .sample = made->sources.items[0]};
+    ty_light_fluence light = ty_light_fluence_of(&made->sources.items[0]);
     for (int c = 0; c < 3; ++c) light.fluence[c] = field->fluence[c];
     return light;
 }

@@ -133,10 +133,10 @@ TY_FN float ty_near_pass(TY_GLOBAL const ty_march_request* request, const ty_nea
 TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL const ty_light_fluence* light,
                           ty_vec point, float extinction, ty_near_light* out) {
     TY_GLOBAL const ty_scene_view* scene = request->scene;
-    ty_vec toward = ty_scale(light->sample.direction, -1.0f);
+    ty_vec toward = ty_scale(light->anchor, -1.0f);
     float distance = TY_FLOAT_MAX;
     if (light->kind == TY_FLUENCE_POINT) {
-        const ty_vec to = ty_sub(light->sample.position, point);
+        const ty_vec to = ty_sub(light->anchor, point);
         distance = sqrtf(ty_maxf(ty_dot(to, to), 1e-30f));
         toward = ty_scale(to, 1.0f / distance);
     }

@@ -10,8 +10,9 @@
 
 /* Uncollided fluence of one light, or of many lights together. */
 typedef struct ty_light_fluence {
-    int32_t kind;                          /* one of the kinds below */
-    ty_discrete_light sample;              /* of TY_FLUENCE_DIRECTIONAL and TY_FLUENCE_POINT */
+    int32_t kind;  /* one of the kinds below */
+    ty_vec anchor; /* TY_FLUENCE_DIRECTIONAL: the sample's direction; TY_FLUENCE_POINT: its position; kernels load one
+                      vector for both */
     TY_GLOBAL const float* fluence[3];     /* per channel, W m^-2 */
     TY_GLOBAL const float* unscattered[3]; /* where lobe_order is set: U of forward.k.h, and fluence is R */
     TY_GLOBAL const float* next_order[3];  /* likewise S */
@@ -19,12 +20,24 @@ typedef struct ty_light_fluence {
     TY_GLOBAL const float* flux[3][3];     /* TY_FLUENCE_P1: along x, y, z */
     int32_t shared; /* all channels are the first one's planes times color, as in a ty_light_field of one plane */
     float color[3];
+    ty_discrete_light sample; /* of TY_FLUENCE_DIRECTIONAL and TY_FLUENCE_POINT */
 } ty_light_fluence;
 
 /* TY_FLUENCE_P1 knows two moments: radiance scatters as (fluence + 3 g flux . omega) / (4 pi), clamped at 0, which is
  * exact for isotropic scattering. TY_FLUENCE_ISOTROPIC scatters as fluence / (4 pi) for any g: it is made for one eye.
  */
 enum { TY_FLUENCE_DIRECTIONAL = 0, TY_FLUENCE_POINT = 1, TY_FLUENCE_P1 = 2, TY_FLUENCE_ISOTROPIC = 3 };
+
+/* The fluence of one sample, still without planes. */
+TY_FN ty_light_fluence ty_light_fluence_of(const ty_discrete_light* sample) {
+    const bool point = sample->kind == TY_DISCRETE_POINT;
+    ty_light_fluence light;
+    memset(&light, 0, sizeof light);
+    light.kind = point ? TY_FLUENCE_POINT : TY_FLUENCE_DIRECTIONAL;
+    light.anchor = point ? sample->position : sample->direction;
+    light.sample = *sample;
+    return light;
+}
 
 /* A channel's plane of fluence; *factor: its scale. */
 TY_FN TY_GLOBAL const float* ty_light_fluence_plane(const ty_light_fluence* light, int32_t channel, float* factor) {
@@ -118,8 +131,8 @@ TY_FN void ty_single_with_lobe(const ty_light_fluence* light, const ty_cell_poin
 
 /* The cosine between the light's direction of travel at a point and omega. */
 TY_FN float ty_light_fluence_cosine(const ty_light_fluence* light, ty_vec point, ty_vec omega) {
-    if (light->kind != TY_FLUENCE_POINT) return ty_dot(light->sample.direction, omega);
-    const ty_vec off = ty_sub(point, light->sample.position);
+    if (light->kind != TY_FLUENCE_POINT) return ty_dot(light->anchor, omega);
+    const ty_vec off = ty_sub(point, light->anchor);
     return ty_dot(off, omega) / sqrtf(ty_maxf(ty_dot(off, off), 1e-30f));
 }
 

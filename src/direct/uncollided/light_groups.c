@@ -87,13 +87,13 @@ ty_result ty_light_groups_field(const ty_discrete_light* sources, const ty_light
 
 ty_light_fluence ty_light_group_fluence(const ty_discrete_light* sources, const ty_light_group* group,
                                         const ty_light_field* field) {
-    ty_light_fluence light = {.kind = TY_FLUENCE_P1, .shared = field->planes == 1};
+    ty_light_fluence light = {.kind = TY_FLUENCE_P1};
     if (group != NULL) {
-        const ty_discrete_light* source = &sources[group->first];
-        light.kind = source->kind == TY_DISCRETE_DIRECTIONAL ? TY_FLUENCE_DIRECTIONAL : TY_FLUENCE_POINT;
-        light.sample = *source;
-        if (light.kind == TY_FLUENCE_POINT) light.sample.position = group->center;
+        ty_discrete_light sample = sources[group->first];
+        if (sample.kind == TY_DISCRETE_POINT) sample.position = group->center;
+        light = ty_light_fluence_of(&sample);
     }
+    light.shared = field->planes == 1;
     for (int c = 0; c < 3; ++c) {
         light.color[c] = field->planes == 1 ? field->color[c] : 1;
         light.fluence[c] = field->fluence[c];

@@ -26,9 +26,7 @@ static void add_beams(const fluence_job* job, const int32_t cell[3], int c, doub
         double own = 0;
         ty_coverage_add(&light->direct_box, axes, &plane, 1, (double)factor, &own);
         *fluence += own;
-        const ty_discrete_light* sample = &single->sample;
-        const ty_vec place = single->kind == TY_FLUENCE_POINT ? sample->position : sample->direction;
-        double along[3] = {(double)place.x, (double)place.y, (double)place.z};
+        double along[3] = {(double)single->anchor.x, (double)single->anchor.y, (double)single->anchor.z};
         if (single->kind == TY_FLUENCE_P1) {
             ty_coverage_add(&light->direct_box, axes, single->flux[single->shared != 0 ? 0 : c], 3, (double)factor,
                             flux);

@@ -94,7 +94,7 @@ static void carry_plane(void* user, int64_t plane, int32_t worker) {
         out->source[i] = (1.0f + g) * scattered * bent[i];
         out->flux[i] = reduced > 0 ? most_carried * g * scattered * bent[i] / reduced : 0.0f;
     }
-    const march m = begin_march(medium, job->light->sample.direction, out->source, out->flux);
+    const march m = begin_march(medium, job->light->anchor, out->source, out->flux);
     pass_all(&m);
 }
 
@@ -121,7 +121,7 @@ static void add_means(const carried_job* job, int32_t plane, const float* from, 
 }
 
 static void add_light(carried_job* job, const ty_grid_medium* merged, float* mean, ty_pop_carried* out) {
-    const ty_vec way = job->light->sample.direction;
+    const ty_vec way = job->light->anchor;
     const float emitted[TY_POP_CARRIED] = {1}, flux[TY_POP_CARRIED] = {0, 0, way.x, way.y, way.z};
     const float overlap[TY_POP_CARRIED] = {0, -1, -way.x, -way.y, -way.z};
     ty_parallel_for(merged->context, job->count, carry_plane, job);

@@ -27,11 +27,9 @@ static ty_result make_field(const ty_grid_medium* medium, const ty_discrete_ligh
 static void describe(const ty_discrete_light* source, ty_light_field* const fields[TY_FLUENCE_COUNT],
                      ty_light_fluence* out) {
     const ty_light_field* kept = fields[TY_FLUENCE_ORDER_L];
-    *out =
-        (ty_light_fluence){.kind = source->kind == TY_DISCRETE_DIRECTIONAL ? TY_FLUENCE_DIRECTIONAL : TY_FLUENCE_POINT,
-                           .sample = *source,
-                           .shared = kept->planes == 1,
-                           .lobe_order = fields[TY_FLUENCE_UNSCATTERED] != NULL};
+    *out = ty_light_fluence_of(source);
+    out->shared = kept->planes == 1;
+    out->lobe_order = fields[TY_FLUENCE_UNSCATTERED] != NULL;
     for (int c = 0; c < 3; ++c) {
         out->color[c] = kept->planes == 1 ? kept->color[c] : 1;
         out->fluence[c] = kept->fluence[c];
