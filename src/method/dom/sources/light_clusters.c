@@ -47,8 +47,8 @@ static void begin_clusters(const ty_dom_job* job, const ty_light_group* group, i
 }
 
 static int32_t cluster_count_of(const ty_light_group* group, int32_t sources) {
-    const int64_t fraction = sources > MAX_CLUSTERS ? (int64_t)MAX_CLUSTERS * group->count / sources : group->count;
-    return group->dedicated ? 0 : fraction < 1 ? 1 : (int32_t)fraction;
+    const int64_t count = sources > MAX_CLUSTERS ? (int64_t)MAX_CLUSTERS * group->count / sources : group->count;
+    return group->dedicated ? 0 : count < 1 ? 1 : (int32_t)count;
 }
 
 static ty_result allocate_planes(ty_dom_job* job) {
