@@ -134,8 +134,15 @@ static void statistics_tell_what_was_done(void** state) {
         assert_true(stats.iterations[c] >= 1 && stats.cycles[c] >= 1 && stats.work[c] >= 1);
         assert_true(stats.residual[c] <= def.tolerance && stats.emitted[c] > 0);
     }
-    const double parts = stats.medium_seconds + stats.direct_seconds + stats.solve_seconds + stats.march_seconds;
-    assert_close(stats.seconds, parts, 0.5 * parts);
+    /* The stages run one after another, so that their times add up to no more than the call's, and are most of it. */
+    const double stages[] = {stats.medium_seconds, stats.direct_seconds, stats.solve_seconds, stats.march_seconds};
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        assert_true(stages[i] > 0);
+        sum += stages[i];
+    }
+    if (!(sum <= stats.seconds + 1e-6 && sum >= 0.5 * stats.seconds))
+        fail_msg("stages take %g of %g s", sum, stats.seconds);
     ty_image_destroy(image);
     def.resolution = 0;
     def.ratio = 0;
