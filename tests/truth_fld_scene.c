@@ -75,29 +75,29 @@ static void check_case(ty_context* context, const scene_case* c) {
 }
 
 static void cube_scattering_evenly(void** state) {
-    check_case(*state, &(scene_case){"builtin:cube_g0", NULL, {NULL}, 48, 48, fewer(256, 2), 0.12, 0});
+    check_case(*state, &(scene_case){"builtin:cube_g0", NULL, {NULL}, 48, 48, fewer(256, 2), 0.12, 0, 0});
 }
 
 static void cube_scattering_forwards(void** state) {
-    check_case(*state, &(scene_case){"builtin:cube_g0.7", NULL, {NULL}, 48, 48, 256, 0.28, 0});
+    check_case(*state, &(scene_case){"builtin:cube_g0.7", NULL, {NULL}, 48, 48, 256, 0.28, 0, 0});
 }
 
 static void cloud_in_sunlight(void** state) {
-    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, fewer(256, 2), 0.15, 0.02});
+    check_case(*state, &(scene_case){"builtin:cloud_sun", NULL, {NULL}, 48, 48, fewer(256, 2), 0.15, 0.02, 0});
 }
 
 static void cloud_under_a_sky(void** state) {
-    check_case(*state, &(scene_case){"builtin:cloud_sky", NULL, {NULL}, 48, 48, 128, 0.03, 0});
+    check_case(*state, &(scene_case){"builtin:cloud_sky", NULL, {NULL}, 48, 48, 128, 0.03, 0, 0});
 }
 
 static void measured_cloud(void** state) {
     static const char data[] = "volumes/wdas_cloud_sixteenth.vdb";
-    check_case(*state, &(scene_case){"scenes/disney_cloud_sun.json", data, {DENSITY}, 48, 36, 128, 0.09, 0.075});
+    check_case(*state, &(scene_case){"scenes/disney_cloud_sun.json", data, {DENSITY}, 48, 36, 128, 0.09, 0.075, 0});
 }
 
 static void smoke(void** state) {
     static const char data[] = "volumes/plume/plume_0042.vdb";
-    check_case(*state, &(scene_case){"scenes/plume.json", data, {DENSITY}, 36, 48, 128, 0.14, 0});
+    check_case(*state, &(scene_case){"scenes/plume.json", data, {DENSITY}, 36, 48, 128, 0.14, 0, 0});
 }
 
 static void burning_smoke(void** state) {
@@ -105,14 +105,15 @@ static void burning_smoke(void** state) {
     static const char heat[] = "media[0].emission.temperature.file=\"%s\"";
     char path[1024], file[1200];
     snprintf(file, sizeof file, heat, data_path(data, path));
-    check_case(*state, &(scene_case){"scenes/plume_fire.json", data, {DENSITY, file}, 36, 48, fewer(256, 2), 0.4, 0});
+    check_case(*state,
+               &(scene_case){"scenes/plume_fire.json", data, {DENSITY, file}, 36, 48, fewer(256, 2), 0.4, 0, 0});
 }
 
 /* Bone and skin, a tenth as dense as the scene has them. */
 static void translucent_head(void** state) {
     static const char data[] = "volumes/headsq_ct_64x64x93_i16.nrrd";
     static const char* const thin = "media[0].sigma_t=500";
-    check_case(*state, &(scene_case){"scenes/ct_head.json", data, {DENSITY, thin}, 48, 48, fewer(256, 2), 0.16, 0});
+    check_case(*state, &(scene_case){"scenes/ct_head.json", data, {DENSITY, thin}, 48, 48, fewer(256, 2), 0.16, 0, 0});
 }
 
 int main(void) {
