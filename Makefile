@@ -1,5 +1,5 @@
 # The few things one wants without knowing the build. Everything below is CMake (CMakePresets.json).
-.PHONY: all demo test validate docs figures performance fuzz tsan format format-check clean
+.PHONY: all demo test validate docs figures performance fuzz tsan tidy format format-check clean
 .DEFAULT_GOAL := all
 
 sources = $(shell find include src tests examples -name '*.[ch]' -o -name '*.cpp')
@@ -64,6 +64,11 @@ tsan:
 	@scripts/setup.sh
 	@scripts/build.sh tsan
 	@ctest --preset tsan
+
+# The checks of .clang-tidy on every file.
+tidy:
+	@scripts/setup.sh build tidy
+	@scripts/tidy.sh
 
 format:
 	@scripts/setup.sh format

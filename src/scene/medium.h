@@ -17,7 +17,7 @@ enum { TY_MEDIUM_GRIDS = 6 };
 void ty_medium_grids(const ty_medium_def* def, ty_grid* grids[TY_MEDIUM_GRIDS]);
 
 /* def must outlive the view. Failed or not, ty_medium_view_destroy may follow. */
-ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, ty_medium_view* out);
+ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, ty_medium_view* view);
 void ty_medium_view_destroy(ty_context* context, ty_medium_view* view);
 /* Widens a box, m, to hold the medium. */
 void ty_medium_extent(const ty_medium_def* def, double lower[3], double upper[3]);

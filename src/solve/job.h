@@ -63,10 +63,10 @@ ty_result ty_solve_note(ty_diffusion_job* job, double residual);
 ty_result ty_solve_sor(ty_diffusion_job* job);
 ty_result ty_solve_picard(ty_diffusion_job* job);
 
-/* Both colours of Algorithm 1 on a stage, on cells that are among the `depth` nearest to a face of the box. Returns the
+/* Both colours of Algorithm 1 on stage i, on cells that are among the `depth` nearest to a face of the box. Returns the
  * sum of the squares of what the residuals were. */
 enum { TY_SWEEP_ALL = TY_DIFFUSION_SIDE_MAX };
-double ty_stage_sweep(ty_diffusion_job* job, int32_t stage, double omega, int32_t depth);
+double ty_stage_sweep(ty_diffusion_job* job, int32_t i, double omega, int32_t depth);
 
 /* Room for all stages but the finest, whose arrays are the job's. */
 void ty_stages_lay_out(ty_diffusion_job* job, ty_arena* arena);
@@ -74,10 +74,10 @@ void ty_stages_lay_out(ty_diffusion_job* job, ty_arena* arena);
 void ty_stages_fill(ty_diffusion_job* job);
 /* A step of Picard's: first D, and the residuals f of the stage's phi, of which it returns the sum of squares; then the
  * next phi, from the linear problem, solved until `reduction` of f is left or for so many cycles. */
-double ty_stage_linearise(ty_diffusion_job* job, int32_t stage);
-void ty_stage_advance(ty_diffusion_job* job, int32_t stage, double squares, double reduction, int32_t cycles);
+double ty_stage_linearise(ty_diffusion_job* job, int32_t i);
+void ty_stage_advance(ty_diffusion_job* job, int32_t i, double squares, double reduction, int32_t cycles);
 /* Corrects a stage's phi by what the coarser ones say; the stage is linearised. */
-void ty_stages_correct(ty_diffusion_job* job, int32_t stage);
+void ty_stages_correct(ty_diffusion_job* job, int32_t i);
 /* A phi of the finest stage to start from, by way of all the others. */
 void ty_stages_start(ty_diffusion_job* job, double first);
 
