@@ -74,7 +74,7 @@ RETIRED = [
 ]
 
 # (b) sentences that may still begin so.
-BARE_SENTENCES = 710
+BARE_SENTENCES = 709
 
 source = pathlib.Path(sys.argv[1])
 only_counts = "--counts" in sys.argv[2:]

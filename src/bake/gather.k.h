@@ -73,8 +73,8 @@ TY_FN void ty_gather_keep_all(ty_gather* g, int32_t layer, const float amount[3]
         if (amount[c] != 0.0f) ty_gather_keep(g, layer, c, amount[c], basis);
 }
 
-/* The same of a zonal function about an axis: Eq. 13; on surfaces Appendix A, and its first harmonics, of which what
- * goes along the normal is known better. */
+/* The same of a zonal function about an axis: Eq. 13 (Dubouchet 2019); on surfaces App. A, and its first harmonics, of
+ * which what goes along the normal is known better. */
 TY_FN void ty_gather_zonal_basis(const ty_gather* g, const float zonal[TY_IMPULSE_TERMS], ty_vec axis,
                                  float basis[TY_BAKE_TERMS_MAX]) {
     if (g->request->terms == TY_BAKE_SH_TERMS) {

@@ -75,7 +75,7 @@ TY_FN void ty_segment_stretch(ty_segment* segment, TY_GLOBAL const ty_medium_vie
     }
 }
 
-/* Media over [0, far] of a ray with unit direction. */
+/* Media over [0, far] of a ray with unit direction: length-weighted means, Sec. 4.4 (Dubouchet 2019). */
 TY_FN void ty_segment_find(ty_segment* segment, TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin,
                            ty_vec direction, float far) {
     segment->leave = 0.0f;

@@ -199,6 +199,7 @@ static int32_t write_parts(const ty_scene* scene, int32_t light, table_job* job,
     return written;
 }
 
+/* Principal ordinates of an environment, prefiltered: Sec. 5.1 (Elek 2014). */
 ty_result ty_environment_parts(const ty_scene* scene, const ty_environment_parts_def* def, int32_t light,
                                ty_light_part* out, int32_t* count) {
     ty_context* context = scene->context;

@@ -294,6 +294,7 @@ static ty_result find_vpls(vpl_list* list, int32_t lights) {
     return result;
 }
 
+/* Sec. 6 (Elek 2014). */
 ty_result ty_vpls_create(const ty_scene* scene, const ty_vpl_def* def, const ty_grid_medium* medium,
                          ty_light_part** out, int32_t* count) {
     const ty_scene_view* view = ty_scene_get_view(scene);

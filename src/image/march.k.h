@@ -109,7 +109,7 @@ TY_FN float ty_march_extinction(const ty_march_ray* ray, float at) {
     return extinction;
 }
 
-/* The field's light at a point, that what is there scatters. */
+/* Adds the field's term sigma_s phi of the source at a point: Eq. 8 (Koerner 2014). */
 TY_FN void ty_march_add_field(ty_march_ray* ray, ty_vec point, float extinction, const float reach[3],
                               const ty_march_scattering* scattering) {
     float even[3], directed[3], third[3];
@@ -328,7 +328,8 @@ TY_FN void ty_march_begin(ty_march_ray* ray, TY_GLOBAL const ty_march_request* r
     }
 }
 
-/* Follows a ray with a unit direction as far as `far`. offset: where its first step ends, (0, 1] of a step. */
+/* Sums the source along a ray, Eq. 3 (Koerner 2014): follows a unit direction as far as `far`. offset: where its first
+ * step ends, (0, 1] of a step. */
 TY_FN void ty_march_follow(ty_march_ray* ray, TY_GLOBAL const ty_march_request* request, ty_vec origin,
                            ty_vec direction, float far, float offset, float longer) {
     ty_march_begin(ray, request, origin, direction, far);

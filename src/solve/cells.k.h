@@ -9,7 +9,8 @@
 /* The least share of its fluence that a step may leave a cell when D depends on it. */
 #define TY_CELL_KEPT 0.1f
 
-/* D (Eq. 33) from the gradient (Eq. 34), with the floors of Eq. 35. */
+/* D of Eq. 15 and 33 (Koerner 2014) from the gradient of Eq. 34 (Koerner 2014), with the floors of R of
+ * Eq. 35 (Koerner 2014). */
 TY_FN float ty_cell_diffusivity(int32_t limiter, float n, float sigma, float phi, float gx, float gy, float gz) {
     const float gradient = ty_maxf(sqrtf(gx * gx + gy * gy + gz * gz), TY_CELL_FLOOR);
     const float thick = ty_maxf(sigma * phi, TY_CELL_FLOOR);

@@ -176,8 +176,8 @@ static void limit_flux(float* const terms[TY_FIELD_TERMS], size_t cells) {
     }
 }
 
-/* The diffuse radiance (phi + 3 E . way) / (4 pi) (Eq. 9) from fluence and the flux through faces that are where the
- * terms will be: a cell's is the mean of its two faces along each axis. */
+/* The diffuse radiance (phi + 3 E . omega) / (4 pi), Eq. 7 (Koerner 2014), from fluence and the flux through faces that
+ * are where the terms will be: a cell's is the mean of its two faces along each axis. */
 static void make_terms(const solve_work* work, int32_t channel) {
     const int32_t* size = work->medium->box.size;
     float* const* terms = work->light->terms[channel];

@@ -40,7 +40,7 @@ TY_FN float ty_limiter_levermore_pomraning(float r) {
     return r < 1.0f ? series : closed;
 }
 
-/* F(r) of a ty_limiter; n is Larsen's. */
+/* F(r) of a ty_limiter, Table 2 (Koerner 2014); n is Larsen's. */
 TY_FN float ty_limiter_value(int32_t limiter, float n, float r) {
     const float bounded = ty_minf(r, TY_LIMITER_R_MAX);
     switch (limiter) {

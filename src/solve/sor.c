@@ -53,6 +53,7 @@ static double share_within(const ty_box* box, int32_t depth) {
     return 1 - beyond;
 }
 
+/* Both colours once: Eq. 32, 36 and 37 (Koerner 2014), of which the rows are in solve/cell_rows.h. */
 double ty_stage_sweep(ty_diffusion_job* job, int32_t i, double omega, int32_t depth) {
     const ty_stage* stage = &job->stages[i];
     sweep s = {.job = job,
@@ -91,6 +92,7 @@ static void diffuse_start(ty_diffusion_job* job) {
     ty_solve_planes(job, box, diffuse_plane, &s);
 }
 
+/* Algorithm 1 (Koerner 2014). */
 ty_result ty_solve_sor(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
     const int32_t limit = def->iterations > 0 ? def->iterations : 20000;

@@ -66,6 +66,7 @@ ty_result ty_fld_find_sources(ty_fld_job* job, const ty_grid_medium* medium, flo
     return result;
 }
 
+/* q_ri of Eq. 6 (Koerner 2014). */
 ty_result ty_fld_light_directly(ty_fld_job* job) {
     const ty_source_def def = {
         .environment = job->def->environment_beams, .surface = job->def->surface_points, .seed = job->def->seed};

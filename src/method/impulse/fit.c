@@ -67,6 +67,7 @@ static double minimize(const fitted* fit, double low, double middle, double high
     return best;
 }
 
+/* The sine of the angle from the axis of pairs to that of the best zonal function, Sec. 4.2 (Dubouchet 2019). */
 double ty_impulse_fit(const ty_impulse_recurrence* recurrence, const ty_impulse_pairs* response) {
     const fitted fit = {recurrence, response};
     const double step = 0.5 * TY_IMPULSE_PI / SCAN;

@@ -72,6 +72,7 @@ static inline void add(harmonics* out, const float* restrict vector, float weigh
     for (int32_t l = 0; l < TY_IMPULSE_VECTOR; ++l) out->at[l] += weight * vector[l];
 }
 
+/* The first bounce, between the tables of g = -0.5, 0 and 0.5: Sec. 4.5 (Dubouchet 2019). */
 static harmonics look_single(const place* p, float g, float factor) {
     const float phase = fminf(1, fmaxf(-1, g / (float)TY_IMPULSE_PHASE_G));
     const int32_t other = phase < 0 ? 0 : 2 * TY_IMPULSE_VECTOR;
@@ -91,8 +92,8 @@ static float look_shift(const place* p, float cosine) {
     return sine * shift;
 }
 
-/* Bounces 2.., each weighed by the albedo once more than the one before, and none brighter than `most` times the one
- * before, of which the first is `once` (constant terms). */
+/* Bounces 2.., each weighed by the albedo once more than the one before (Sec. 5.1 (Dubouchet 2019)), and none brighter
+ * than `most` times the one before, of which the first is `once` (constant terms). */
 static harmonics look_multiple(const place* p, float albedo, int32_t bounces, float factor, float once, float most) {
     harmonics out = {{0}};
     float scale = factor * albedo, before = once, kept = 1;
@@ -118,6 +119,8 @@ void ty_impulse_look(const ty_impulse* tables, ty_impulse_emitter emitter, const
     ty_impulse_look_within(tables, emitter, medium, distance, cosine, bounces, FLT_MAX, out);
 }
 
+/* Change of medium, Sec. 4.3 (Dubouchet 2019): lookups are at optical distances d_q = sigma_r d, and responses to
+ * points and areas are scaled by sigma_r^2. */
 void ty_impulse_look_within(const ty_impulse* tables, ty_impulse_emitter emitter, const ty_impulse_medium* medium,
                             float distance, float cosine, int32_t bounces, float most, ty_impulse_response* out) {
     *out = (ty_impulse_response){0};
@@ -197,7 +200,7 @@ ty_result ty_impulse_bin(const ty_impulse* tables, ty_impulse_emitter emitter, i
 }
 
 /* sum of sqrt(4 pi / (2 l + 1)) lobe_l zonal_l y_l^0, y_l^0 being sqrt((2 l + 1) / (4 pi)) P_l: only even orders and
- * the first have a share (Appendix A). */
+ * the first have a share (App. A (Dubouchet 2019)). */
 float ty_impulse_irradiance(const float zonal[TY_IMPULSE_TERMS], float cosine) {
     float before = 1, last = cosine,
           sum = ty_impulse_cosine_lobe[0] * zonal[0] + ty_impulse_cosine_lobe[1] * zonal[1] * cosine;

@@ -111,6 +111,7 @@ static void add_row(const lattice_point* row, const double* distances, int32_t c
     }
 }
 
+/* Single scattering of points, directions and areas: Eq. 14-16 (Dubouchet 2019). */
 void ty_impulse_scatter_once(void* user, int64_t block, int32_t worker) {
     ty_impulse_work* work = user;
     (void)worker;

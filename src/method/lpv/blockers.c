@@ -273,6 +273,7 @@ static void sum_surfels(void* user, int64_t index, int32_t worker) {
         close_links(user, index - 2, worker);
 }
 
+/* b_cc' of Eq. 2 (Billeter 2012), from surface points. */
 ty_result ty_lattice_block(ty_lattice* lattice, ty_lpv_mode mode, const ty_surfel* surfels, size_t count) {
     const int64_t rows = (int64_t)lattice->box.size[1] * lattice->box.size[2];
     const size_t corners = corner_count(lattice);

@@ -81,6 +81,7 @@ static void measure(ty_lpv_transfer* transfer) {
     }
 }
 
+/* Gamma_j of Eq. 2 (Billeter 2012) for all links. */
 void ty_lpv_transfer_make(int32_t bands, bool keeps_momentum, ty_lpv_transfer* out) {
     *out = (ty_lpv_transfer){.bands = bands, .terms = bands * bands};
     patch_sums sums[TY_LPV_LINKS] = {{0}};
@@ -170,6 +171,7 @@ ty_lpv_medium_step ty_lpv_links_step_about(const ty_lpv_transfer* transfer, floa
                                 .seen = {(float)step->seen, (float)(step->seen_way / shown), (float)step->seen_way}};
 }
 
+/* lambda, lambda_s and gamma_j of Eq. 3 (Billeter 2012), with gamma_j = G_j0 / sqrt(4 pi), which conserves energy. */
 static ty_lpv_medium_step step_as_published(const ty_lpv_transfer* transfer, double cell, double extinction,
                                             double scattering, double g) {
     const double depth = extinction * cell * transfer->length, flown = exp(-depth);

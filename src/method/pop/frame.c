@@ -90,6 +90,7 @@ static bool is_afar(const ty_grid_box* box, double distance, int32_t resolution)
     return distance > 0.25 * sqrt(resolution) * diagonal_of(box);
 }
 
+/* Boxes along parallel light, and the shells of Sec. 6 (Elek 2014) about a point. */
 void ty_pop_frame_fit(const ty_grid_box* box, const ty_light_part* ordinate, int32_t resolution, ty_pop_frame* out) {
     *out = (ty_pop_frame){.size = {resolution, resolution, resolution}};
     const double direction[3] = {(double)ordinate->direction.x, (double)ordinate->direction.y,

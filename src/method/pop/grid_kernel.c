@@ -294,6 +294,8 @@ static void fill_half(const ty_pop_slab* slab, float share, const float* loss, c
     }
 }
 
+/* Absorption over half a step, and the anisotropy retained over it: g^(sigma_s dx), Eq. 4 (Elek 2014), or the exact
+ * exp(-sigma_s (1 - g) dx). */
 static void start(const ty_pop_slab* slab, ty_pop_start* s) {
     float loss[TY_POP_BLOCK], absorption[TY_POP_BLOCK];
     const float *extinction = slab->extinction[s->plane], *scattering = slab->scattering[s->plane];
@@ -334,6 +336,7 @@ static float sum(const float* values, int32_t count) {
     return total;
 }
 
+/* dL and dL a that cells send to their neighbours: the terms of Eq. 5 and 6 (Elek 2014). */
 static void give(const ty_pop_give* give) {
     const float *light = give->light, *cosine = give->cosine;
     const float *pass_along = give->half.pass[0], *pass_across = give->half.pass[1];
@@ -355,6 +358,7 @@ static void give(const ty_pop_give* give) {
     }
 }
 
+/* L = sum dL and a = sum dL a / sum dL over the neighbours: Eq. 5 and 6 (Elek 2014). */
 static void take(const ty_pop_take* take) {
     const int32_t row = take->row;
     const float *pass_along = take->half.pass[0], *pass_across = take->half.pass[1];

@@ -320,6 +320,7 @@ static void look_around(gaze_job* job, float* map) {
     normalize(map);
 }
 
+/* Sec. 5.2 (Elek 2014). */
 ty_result ty_pop_importance_find(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium,
                                  float* map) {
     gaze_job* job = ty_alloc_array(scene->context, 1, sizeof *job, true);

@@ -120,7 +120,7 @@ TY_FN float ty_pop_disc_forward(float mu, float u, float r, float s, float g, fl
     return ty_maxf(0.0f, r - u) * TY_INV_4PI * (1.0f + spread * slope);
 }
 
-/* What fraction of a lobe goes to the cells in front, to each of the four beside and behind (Eq. 2 and 3), to 2e-6:
+/* Fractions of a lobe for the cells in front, each of the four beside and behind, Eq. 2 and 3 (Elek 2014), to 2e-6:
  * half the sum of front and back is even in a, half their difference odd, and both are so smooth that polynomials of
  * a^2 (interpolated at Chebyshev's points of [0, 1]) take half the time of the formula. They partition the sphere. */
 TY_FN void ty_pop_patches(float a, float* front, float* side, float* back) {

@@ -61,6 +61,7 @@ static void see_slab(const ty_pop_grid_kernels* kernels, glance* g, int32_t k) {
         write_radiance(g, k);
 }
 
+/* L_acc of Eq. 7 and 8 (Elek 2014). */
 void ty_pop_see(const ty_grid_medium* medium, const float eye[3], ty_pop_light* light) {
     glance g = {.light = light};
     const ty_pop_grid_kernels* kernels = ty_pop_grid_kernels_best();

@@ -112,6 +112,7 @@ static void merge_block(void* user, int64_t index, int32_t worker) {
     store_block(w, &b);
 }
 
+/* Sec. 5.3 (Elek 2014). */
 void ty_pop_merge(ty_context* context, const ty_pop_light* lights, int32_t count, ty_pop_merged* merged) {
     const int32_t* size = merged->box.size;
     work w = {.kernels = ty_pop_merge_kernels_best(), .lights = lights, .count = count, .merged = merged};

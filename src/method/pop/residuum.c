@@ -254,6 +254,7 @@ static void give_back(ty_context* context, work* w) {
     ty_free_array(context, w->slabs, (size_t)w->merged->box.size[2], sizeof *w->slabs);
 }
 
+/* Sec. 5.4 (Elek 2014). */
 int32_t ty_pop_residuum(ty_context* context, const ty_grid_medium* medium, double least, int32_t iterations,
                         ty_pop_merged* merged, double* left) {
     const int32_t* size = merged->box.size;

@@ -335,6 +335,7 @@ static void begin_walk(const ty_scene* scene, const float eye[3], float* scratch
     }
 }
 
+/* Propagates L_i and a_i from cell to cell: Sec. 4.1 (Elek 2014). */
 void ty_pop_walk(const ty_scene* scene, const ty_pop_def* def, const ty_grid_medium* medium, const float eye[3],
                  int32_t iterations, float* scratch, ty_pop_light* light, ty_pop_walk_stats* stats) {
     const double began = ty_wall_seconds();
@@ -363,7 +364,7 @@ void ty_pop_walk(const ty_scene* scene, const ty_pop_def* def, const ty_grid_med
 
 /* ---- how long ---- */
 
-/* The larger of the coefficients' Eq. 10. */
+/* m' of Eq. 9 and 10 (Elek 2014), the larger of the coefficients'. */
 int32_t ty_pop_walk_length(const ty_pop_def* def, const ty_grid_medium* medium, float cosine, float step) {
     double most = def->resolution;
     for (int32_t p = 0; p < medium->planes && def->residuum > 0; ++p) {

@@ -14,7 +14,7 @@ typedef struct ty_screen_mask_params {
     float width;     /* epsilon */
 } ty_screen_mask_params;
 
-/* M of Eq. 7; spread: W, pixels. */
+/* M of Eq. 7 (Elek 2013); spread: W, pixels. */
 TY_FN float ty_screen_mask_at(ty_screen_mask_params params, float spread) {
     const float t = ty_clampf((spread - params.threshold) / (params.width * params.threshold), 0.0f, 1.0f);
     const float step = spread >= params.threshold ? 1.0f : 0.0f;
@@ -25,7 +25,7 @@ TY_FN float ty_screen_luminance(float r, float g, float b) {
     return 0.2126f * r + 0.7152f * g + 0.0722f * b + TY_SCREEN_LEAST_LUMINANCE;
 }
 
-/* Eq. 10, from the variance W^2, pixels^2; scale: c. */
+/* Eq. 10 (Elek 2013), from the variance W^2, pixels^2; scale: c. */
 TY_FN float ty_screen_level_of(float variance, float scale, float levels) {
     const float ratio = ty_maxf(variance / (scale * scale), 1.0f);
     return ty_minf(0.5f * 1.44269504f * ty_logf(ratio), levels);
@@ -73,7 +73,8 @@ TY_FN void ty_screen_fetch_cubic(ty_screen_texels level, float scale, int32_t x,
         out[c] = across[0] * sum[c] + across[1] * sum[4 + c] + across[2] * sum[8 + c] + across[3] * sum[12 + c];
 }
 
-/* The same at a level that need not be whole: linear between two. Level 0 is read as it is, pixel for pixel. */
+/* The same at a level that need not be whole: linear between two (Sec. 3.5 (Elek 2013)). Level 0 is read as it is,
+ * pixel for pixel. */
 TY_FN void ty_screen_fetch(TY_GLOBAL const ty_screen_texels* levels, int32_t count, float level, int32_t x, int32_t y,
                            float out[4]) {
     int32_t lower = (int32_t)level;

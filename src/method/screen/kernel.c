@@ -402,6 +402,7 @@ static void gather_split(const ty_screen_params* params, const ty_screen_gather_
     }
 }
 
+/* The sums of Eq. 8 (Elek 2013) over the taps of one axis. */
 static void gather_rows(const ty_screen_gather_params* gather, const float* texels, const float* spread, int32_t width,
                         float* const rows[TY_GATHER_ROWS]) {
     const ty_screen_mask_params mask = gather->mask;
@@ -428,6 +429,7 @@ static void gather_rows(const ty_screen_gather_params* gather, const float* texe
     }
 }
 
+/* The next level's texels and spread W[k]: the ratio of Eq. 8 (Elek 2013), with the weights Y of Eq. 9 (Elek 2013). */
 static void gather_store(const ty_screen_gather_params* gather, const float* const rows[TY_GATHER_ROWS], int32_t width,
                          float* texels, float* spread) {
     const float *r = rows[0], *g = rows[1], *b = rows[2], *d = rows[TY_GATHER_DISTANCE];
@@ -443,6 +445,7 @@ static void gather_store(const ty_screen_gather_params* gather, const float* con
     }
 }
 
+/* Adds a row of the scattered image at the level L of each pixel's blurred distance: Eq. 11 (Elek 2013). */
 static void gather_add(const ty_screen_params* params, const ty_screen_gather_params* gather,
                        const ty_screen_texels* levels, int32_t y, float* const out[3], ptrdiff_t out_step) {
     const float slope = params->mean_slope, bend = params->mean_bend, scale = gather->level_scale;

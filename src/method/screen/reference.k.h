@@ -24,7 +24,7 @@ TY_FN float ty_screen_gaussian_half(float sharpness, float x) {
     return integral + sharpness * x * ty_screen_gaussian(sharpness, x * x) * (1.0f / 12.0f);
 }
 
-/* Its sum over the pixels -before..after along one axis. */
+/* The sum of the point spread function (Sec. 3.3 (Elek 2013)) over the pixels -before..after along one axis. */
 TY_FN float ty_screen_gaussian_sum(float sharpness, int32_t before, int32_t after) {
     if (sharpness < TY_SCREEN_SMOOTH)
         return ty_screen_gaussian_half(sharpness, (float)before + 0.5f) +

@@ -153,7 +153,7 @@ static void scatter_row(const scatter* s, int32_t band, int32_t y, float* const 
                           &s->counts[band]);
 }
 
-/* Makes rows of the next level from this one. */
+/* Makes rows of the next level from this one: Eq. 6 (Elek 2013), with shares of each pixel's light for masks. */
 static void descend(void* user, int64_t index, int32_t worker) {
     const scatter* s = user;
     const ty_screen_level *from = &s->levels[s->level], *to = &s->levels[s->level + 1];

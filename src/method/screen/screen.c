@@ -31,7 +31,7 @@ static float bounded(double value) {
     return (float)(value < 1e20 ? value : 1e20);
 }
 
-/* Eq. 2 squared, times (focal / D)^2: slope D / (1 + bend D^2). */
+/* Eq. 2 (Elek 2013) squared, times (focal / D)^2: slope D / (1 + bend D^2). */
 static void set_spread(double sigma_s, double sigma_a, double g, double focal, float* slope, float* bend) {
     const double reduced = sigma_s * (1 - g);
     *slope = bounded(focal * focal * reduced / 8);

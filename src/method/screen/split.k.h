@@ -52,7 +52,7 @@ TY_FN float ty_screen_mend(float radiance, float highest, int32_t* mended) {
     return low ? (high ? radiance : TY_SCREEN_BRIGHTEST) : 0.0f;
 }
 
-/* Eq. 2 and 5, squared and in pixels: W^2 (focal / D)^2. D in m. */
+/* Eq. 2 and 5 (Elek 2013), squared and in pixels: W^2 (focal / D)^2. D in m. */
 TY_FN float ty_screen_variance(float slope, float bend, float distance) {
     return ty_minf(slope * distance / (1.0f + bend * distance * distance), TY_SCREEN_VARIANCE_MAX);
 }
@@ -63,7 +63,7 @@ typedef struct ty_screen_parts {
     float airlight;   /* what the environment adds */
 } ty_screen_parts;
 
-/* One channel of a pixel. */
+/* One channel of a pixel: Eq. 3 and 4 (Elek 2013). */
 TY_FN ty_screen_parts ty_screen_split_light(float sigma_s, float sigma_a, float airlight, float forward, float radiance,
                                             float distance) {
     const float absorbed = ty_exp_minus(ty_minf(sigma_a * distance, TY_SCREEN_OPAQUE));
