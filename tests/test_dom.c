@@ -66,19 +66,7 @@ static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
     memcpy(numbers, &all, sizeof all);
 }
 
-static const volume_calls calls = {.name = "dom",
-                                   .maker = "ty_default_dom_def",
-                                   .variants = 1,
-                                   .told = 0.4,
-                                   .make_def = make_def,
-                                   .watch = watch_def,
-                                   .make_scene = plain_scene,
-                                   .solve = call_solve,
-                                   .view = call_view,
-                                   .render = call_render,
-                                   .fluence = call_fluence,
-                                   .look_up = look_up_all,
-                                   .destroy = call_destroy};
+static const volume_calls calls = {VOLUME_CALLS_OF(dom), .variants = 1, .told = 0.4, .make_scene = plain_scene};
 
 /* ---- arguments ---- */
 
@@ -116,17 +104,7 @@ static const bad_field bad_fields[] = {
     DOM(aovs, FIELD_INT, TY_AOV_NORMAL, "dom.aovs: "),
 };
 
-static void wrong_defs_are_refused(void** state) {
-    check_wrong_defs(&calls, *state, bad_fields, sizeof bad_fields / sizeof *bad_fields);
-}
-
-static void scenes_need_media(void** state) {
-    check_scenes_without_media(&calls, *state);
-}
-
-static void cuts_of_boxes_are_checked(void** state) {
-    check_cuts_of_boxes(&calls, *state);
-}
+static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 static void points_are_checked(void** state) {
     static const double odd[3] = {0, NAN, 0};
@@ -184,20 +162,6 @@ static void statistics_tell_what_was_done(void** state) {
     ty_scene_destroy(scene);
 }
 
-static void progress_runs_to_the_end(void** state) {
-    check_progress(&calls, *state);
-}
-
-static void callers_can_cancel_at_any_time(void** state) {
-    (void)state;
-    check_cancelling(&calls, 0);
-}
-
-static void refused_memory_leaves_nothing(void** state) {
-    (void)state;
-    check_refused_memory(&calls);
-}
-
 /* ---- results ---- */
 
 static double mean_of(const double* values) {
@@ -211,10 +175,6 @@ static void threads_do_not_change_bits(void** state) {
     volume_def def = {.dom = small_dom()};
     def.dom.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
     check_threads(&calls, &def);
-}
-
-static void cameras_move_without_solving_again(void** state) {
-    check_cameras(&calls, *state);
 }
 
 /* All directions' radiance together is the fluence of what has scattered. */
@@ -356,17 +316,12 @@ static void nothing_comes_from_nothing(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_defs_are_refused),
-        cmocka_unit_test(scenes_need_media),
-        cmocka_unit_test(cuts_of_boxes_are_checked),
+        VOLUME_TESTS,
+        cmocka_unit_test(cameras_move_without_solving_again),
         cmocka_unit_test(points_are_checked),
         cmocka_unit_test(defaults_are_as_documented),
         cmocka_unit_test(statistics_tell_what_was_done),
-        cmocka_unit_test(progress_runs_to_the_end),
-        cmocka_unit_test(callers_can_cancel_at_any_time),
-        cmocka_unit_test(refused_memory_leaves_nothing),
         cmocka_unit_test(threads_do_not_change_bits),
-        cmocka_unit_test(cameras_move_without_solving_again),
         cmocka_unit_test(radiance_adds_up_to_fluence),
         cmocka_unit_test(starts_save_sweeps),
         cmocka_unit_test(gray_scenes_are_solved_once),

@@ -24,19 +24,7 @@ static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
     memcpy(numbers, &all, sizeof all);
 }
 
-static const volume_calls calls = {.name = "fld",
-                                   .maker = "ty_default_fld_def",
-                                   .variants = 3,
-                                   .told = 0.5,
-                                   .make_def = make_def,
-                                   .watch = watch_def,
-                                   .make_scene = foggy_scene,
-                                   .solve = call_solve,
-                                   .view = call_view,
-                                   .render = call_render,
-                                   .fluence = call_fluence,
-                                   .look_up = look_up_all,
-                                   .destroy = call_destroy};
+static const volume_calls calls = {VOLUME_CALLS_OF(fld), .variants = 3, .told = 0.5, .make_scene = foggy_scene};
 
 /* ---- arguments ---- */
 
@@ -85,17 +73,7 @@ static const bad_field bad_fields[] = {
     FLD(aovs, FIELD_INT, TY_AOV_NORMAL, "fld.aovs: "),
 };
 
-static void wrong_defs_are_refused(void** state) {
-    check_wrong_defs(&calls, *state, bad_fields, sizeof bad_fields / sizeof *bad_fields);
-}
-
-static void scenes_need_media(void** state) {
-    check_scenes_without_media(&calls, *state);
-}
-
-static void cuts_of_boxes_are_checked(void** state) {
-    check_cuts_of_boxes(&calls, *state);
-}
+static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 static void defaults_are_as_documented(void** state) {
     (void)state;
@@ -168,22 +146,6 @@ static void running_out_of_iterations_is_told(void** state) {
     ty_scene_destroy(scene);
 }
 
-/* ---- progress, cancelling, memory ---- */
-
-static void progress_runs_to_the_end(void** state) {
-    check_progress(&calls, *state);
-}
-
-static void callers_can_cancel_at_any_time(void** state) {
-    (void)state;
-    for (int solver = 0; solver < 2; ++solver) check_cancelling(&calls, solver);
-}
-
-static void refused_memory_leaves_nothing(void** state) {
-    (void)state;
-    check_refused_memory(&calls);
-}
-
 /* ---- results ---- */
 
 static void threads_do_not_change_bits(void** state) {
@@ -192,10 +154,6 @@ static void threads_do_not_change_bits(void** state) {
     def.fld.resolution = 40;
     def.fld.aovs = TY_AOV_SINGLE | TY_AOV_MULTIPLE | TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH;
     check_threads(&calls, &def);
-}
-
-static void cameras_move_without_solving_again(void** state) {
-    check_cameras(&calls, *state);
 }
 
 /* R, G, B are what was scattered, and what surfaces sent. */
@@ -249,17 +207,12 @@ static void views_know_the_beam_of_their_light(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_defs_are_refused),
-        cmocka_unit_test(scenes_need_media),
-        cmocka_unit_test(cuts_of_boxes_are_checked),
+        VOLUME_TESTS,
+        cmocka_unit_test(cameras_move_without_solving_again),
         cmocka_unit_test(defaults_are_as_documented),
         cmocka_unit_test(statistics_tell_what_was_done),
         cmocka_unit_test(running_out_of_iterations_is_told),
-        cmocka_unit_test(progress_runs_to_the_end),
-        cmocka_unit_test(callers_can_cancel_at_any_time),
-        cmocka_unit_test(refused_memory_leaves_nothing),
         cmocka_unit_test(threads_do_not_change_bits),
-        cmocka_unit_test(cameras_move_without_solving_again),
         cmocka_unit_test(channels_add_up),
         cmocka_unit_test(views_know_the_beam_of_their_light),
     };

@@ -39,19 +39,7 @@ static void look_up_all(const void* light, double numbers[VOLUME_NUMBERS]) {
     assert_int_equal(ty_pop_fluence(light, lower, upper, size, numbers, numbers + uncollided), TY_OK);
 }
 
-static const volume_calls calls = {.name = "pop",
-                                   .maker = "ty_default_pop_def",
-                                   .variants = 3,
-                                   .told = 0.4,
-                                   .make_def = make_def,
-                                   .watch = watch_def,
-                                   .make_scene = foggy_scene,
-                                   .solve = call_solve,
-                                   .view = call_view,
-                                   .render = call_render,
-                                   .fluence = call_fluence,
-                                   .look_up = look_up_all,
-                                   .destroy = call_destroy};
+static const volume_calls calls = {VOLUME_CALLS_OF(pop), .variants = 3, .told = 0.4, .make_scene = foggy_scene};
 
 /* ---- arguments ---- */
 
@@ -88,33 +76,7 @@ static const bad_field bad_fields[] = {
     POP(aovs, FIELD_INT, TY_AOV_NORMAL, "pop.aovs: "),
 };
 
-static void wrong_defs_are_refused(void** state) {
-    check_wrong_defs(&calls, *state, bad_fields, sizeof bad_fields / sizeof *bad_fields);
-}
-
-static void scenes_need_media(void** state) {
-    check_scenes_without_media(&calls, *state);
-}
-
-static void cuts_of_boxes_are_checked(void** state) {
-    check_cuts_of_boxes(&calls, *state);
-}
-
-/* ---- progress, cancelling, memory ---- */
-
-static void progress_runs_to_the_end(void** state) {
-    check_progress(&calls, *state);
-}
-
-static void callers_can_cancel_at_any_time(void** state) {
-    (void)state;
-    for (int mode = 0; mode < 3; ++mode) check_cancelling(&calls, mode);
-}
-
-static void refused_memory_leaves_nothing(void** state) {
-    (void)state;
-    check_refused_memory(&calls);
-}
+static const volume_suite suite = {&calls, bad_fields, sizeof bad_fields / sizeof *bad_fields};
 
 /* ---- results ---- */
 
@@ -130,9 +92,7 @@ static void threads_do_not_change_bits(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_defs_are_refused),         cmocka_unit_test(scenes_need_media),
-        cmocka_unit_test(cuts_of_boxes_are_checked),      cmocka_unit_test(progress_runs_to_the_end),
-        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing),
+        VOLUME_TESTS,
         cmocka_unit_test(threads_do_not_change_bits),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);

@@ -1,5 +1,6 @@
-/* What holds of the calls of every method whose light is solved once and then seen from anywhere: arguments, progress,
- * cancelling, memory, threads, cameras. Not whether the light is right. */
+/* Tests of the calls of every method whose light is solved once and then seen from anywhere: arguments, progress,
+ * cancelling, memory, threads, cameras. They say nothing of the light itself. VOLUME_TESTS(&suite) is the list of them
+ * for cmocka. */
 #ifndef TY_TESTS_VOLUME_CALLS_H
 #define TY_TESTS_VOLUME_CALLS_H
 
@@ -57,6 +58,21 @@ typedef struct volume_calls {
         ty_##method##_destroy(light);                                                                                  \
     }
 
+/* Those fields of a method's volume_calls; the file has make_def, call_fluence and look_up_all. */
+#define VOLUME_CALLS_OF(method)                                                                                        \
+    .name = #method, .maker = "ty_default_" #method "_def", .make_def = make_def, .watch = watch_def,                  \
+    .solve = call_solve, .view = call_view, .render = call_render, .fluence = call_fluence, .look_up = look_up_all,    \
+    .destroy = call_destroy
+
+/* A method and the defs that it must refuse. */
+typedef struct volume_suite {
+    const volume_calls* calls;
+    const bad_field* bad_fields; /* that defs must not have */
+    size_t bad_count;
+} volume_suite;
+
+static const volume_suite suite; /* the file that includes this defines it */
+
 static inline void* solve_volume(const volume_calls* calls, const ty_scene* scene, const volume_def* def) {
     void* light = NULL;
     check_result(ty_scene_context(scene), calls->solve(scene, def, &light));
@@ -83,16 +99,17 @@ static inline void refuse_def(const volume_calls* calls, const ty_scene* scene, 
     assert_error(context, words);
 }
 
-static inline void check_wrong_defs(const volume_calls* calls, ty_context* context, const bad_field* fields,
-                                    size_t count) {
+static inline void wrong_defs_are_refused(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = foggy_scene(context);
     volume_def def;
     calls->make_def(&def, 0);
     void* light = solve_volume(calls, scene, &def);
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < suite.bad_count; ++i) {
         calls->make_def(&def, 0);
-        set_field(&def, &fields[i]);
-        refuse_def(calls, scene, light, &def, fields[i].words);
+        set_field(&def, &suite.bad_fields[i]);
+        refuse_def(calls, scene, light, &def, suite.bad_fields[i].words);
     }
     refuse_def(calls, scene, light, NULL, calls->maker);
     calls->destroy(light);
@@ -100,7 +117,9 @@ static inline void check_wrong_defs(const volume_calls* calls, ty_context* conte
     ty_scene_destroy(scene);
 }
 
-static inline void check_scenes_without_media(const volume_calls* calls, ty_context* context) {
+static inline void scenes_need_media(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = make_scene(context);
     char words[64];
     volume_def def;
@@ -120,7 +139,9 @@ static inline void check_scenes_without_media(const volume_calls* calls, ty_cont
     ty_scene_destroy(scene);
 }
 
-static inline void check_cuts_of_boxes(const volume_calls* calls, ty_context* context) {
+static inline void cuts_of_boxes_are_checked(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1}, odd[3] = {0, NAN, 0};
     static const int32_t size[3] = {1, 1, 1}, none[3] = {1, 0, 1}, many[3] = {1, 1, 65537};
     static const struct {
@@ -160,7 +181,9 @@ static inline bool look_on(void* user, const ty_progress* progress) {
     return ++w->calls != w->stop_at;
 }
 
-static inline void check_progress(const volume_calls* calls, ty_context* context) {
+static inline void progress_runs_to_the_end(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = foggy_scene(context);
     for (int variant = 0; variant < calls->variants; ++variant) {
         volume_watch w = {.calls = 0};
@@ -207,7 +230,7 @@ static inline bool stops(const volume_calls* calls, const ty_scene* scene, volum
 }
 
 /* Whoever says no at any time gets nothing, and all memory back. */
-static inline void check_cancelling(const volume_calls* calls, int variant) {
+static inline void cancel_everywhere(const volume_calls* calls, int variant) {
     strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
     ty_context* context = strict_context(&memory);
     ty_scene* scene = calls->make_scene(context);
@@ -219,6 +242,12 @@ static inline void check_cancelling(const volume_calls* calls, int variant) {
     ty_scene_destroy(scene);
     ty_context_destroy(context);
     assert_int_equal(memory.used, 0);
+}
+
+static inline void callers_can_cancel_at_any_time(void** state) {
+    (void)state;
+    const volume_calls* calls = suite.calls;
+    for (int variant = 0; variant < calls->variants; ++variant) cancel_everywhere(calls, variant);
 }
 
 /* Whether memory that is refused after `count` allocations is missed; if so, nothing is handed out. */
@@ -241,7 +270,9 @@ static inline bool misses(const volume_calls* calls, const ty_scene* scene, cons
     return true;
 }
 
-static inline void check_refused_memory(const volume_calls* calls) {
+static inline void refused_memory_leaves_nothing(void** state) {
+    (void)state;
+    const volume_calls* calls = suite.calls;
     strict_memory memory = {.limit = (size_t)1 << 28, .until_refusal = -1};
     ty_context* context = strict_context(&memory);
     ty_scene* scene = calls->make_scene(context);
@@ -259,7 +290,9 @@ static inline void check_refused_memory(const volume_calls* calls) {
 /* ---- results ---- */
 
 /* Light that was solved once is seen from where the camera is moved to, as if it had been solved there. */
-static inline void check_cameras(const volume_calls* calls, ty_context* context) {
+static inline void cameras_move_without_solving_again(void** state) {
+    const volume_calls* calls = suite.calls;
+    ty_context* context = *state;
     ty_scene* scene = foggy_scene(context);
     volume_def def;
     calls->make_def(&def, 0);
@@ -298,5 +331,11 @@ static inline void check_threads(const volume_calls* calls, const volume_def* de
     for (int i = 0; i < 3; ++i) ty_image_destroy(images[i]);
     for (int i = 0; i < 3; ++i) ty_context_destroy(contexts[i]);
 }
+
+/* For methods whose light does not depend on the camera, cameras_move_without_solving_again is one more. */
+#define VOLUME_TESTS                                                                                                   \
+    cmocka_unit_test(wrong_defs_are_refused), cmocka_unit_test(scenes_need_media),                                     \
+        cmocka_unit_test(cuts_of_boxes_are_checked), cmocka_unit_test(progress_runs_to_the_end),                       \
+        cmocka_unit_test(callers_can_cancel_at_any_time), cmocka_unit_test(refused_memory_leaves_nothing)
 
 #endif
