@@ -73,7 +73,7 @@ static ty_choice choose(const ty_scene* scene, uint32_t asks, uint32_t aovs) {
     return choice;
 }
 
-static void test_rules(void** state) {
+static void rules_choose_as_documented(void** state) {
     static const struct {
         setup with;
         const char *method, *words;
@@ -107,8 +107,8 @@ static void test_rules(void** state) {
     }
 }
 
-/* What path tracing alone does is asked of it. */
-static void test_asks(void** state) {
+/* Crops, bounds, resuming and some channels are for path tracing alone. */
+static void requests_for_path_tracing_choose_path(void** state) {
     const setup cloud = {4, 1, 0.5f, SUN, false, false};
     static const uint32_t asks[] = {TY_ASK_CROP, TY_ASK_TIME, TY_ASK_ERROR, TY_ASK_RESUME, TY_ASK_SAMPLES};
     static const uint32_t others[] = {TY_AOV_VARIANCE, TY_AOV_NORMAL, TY_AOV_ALBEDO | TY_AOV_DEPTH};
@@ -122,7 +122,7 @@ static void test_asks(void** state) {
 }
 
 /* Numbers that are known: the cube fills the middle of the frame. */
-static void test_look(void** state) {
+static void features_are_those_of_the_scene(void** state) {
     const setup cloud = {4, 0.75f, 0.5f, SUN | SKY, false, false}, with_floor = {4, 0.75f, 0.5f, LAMP, false, true};
     ty_scene* scene = set_up(*state, &cloud);
     ty_look look = choose(scene, 0, 0).look;
@@ -144,7 +144,7 @@ static void test_look(void** state) {
 }
 
 /* Of two media in one place both count; a camera within is noticed. */
-static void test_overlapping_media(void** state) {
+static void overlapping_media_add_up(void** state) {
     const double lower[3] = {-10, -10, -10}, upper[3] = {10, 10, 10};
     const setup cloud = {4, 1, 0, SUN, false, false};
     ty_medium_def haze = box_medium(lower, upper, 0, 0.01f);
@@ -162,7 +162,7 @@ static void test_overlapping_media(void** state) {
 }
 
 /* The same whatever the number of threads. */
-static void test_threads(void** state) {
+static void threads_do_not_change_the_choice(void** state) {
     const setup room = {1, 1, 0.3f, LAMP, true, true};
     ty_context* one = make_context(1);
     ty_scene *scene = set_up(*state, &room), *same = set_up(one, &room);
@@ -174,7 +174,7 @@ static void test_threads(void** state) {
     ty_context_destroy(one);
 }
 
-static void test_errors(void** state) {
+static void errors_are_reported(void** state) {
     const setup cloud = {4, 1, 0, SUN, false, false};
     ty_scene* scene = set_up(*state, &cloud);
     ty_choose_def def = ty_default_choose_def();
@@ -192,12 +192,12 @@ static void test_errors(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_rules, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_asks, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_look, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_overlapping_media, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_threads, start_context, stop_context),
-        cmocka_unit_test_setup_teardown(test_errors, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(rules_choose_as_documented, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(requests_for_path_tracing_choose_path, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(features_are_those_of_the_scene, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(overlapping_media_add_up, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(threads_do_not_change_the_choice, start_context, stop_context),
+        cmocka_unit_test_setup_teardown(errors_are_reported, start_context, stop_context),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

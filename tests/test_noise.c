@@ -40,7 +40,7 @@ static double share_above(const ty_grid* grid, const int32_t size[3], float boun
     return (double)above / ((double)size[0] * size[1] * size[2]);
 }
 
-static void test_threads_do_not_matter(void** state) {
+static void threads_do_not_matter(void** state) {
     (void)state;
     ty_context* one = make_context(1);
     ty_context* three = make_context(3);
@@ -56,7 +56,7 @@ static void test_threads_do_not_matter(void** state) {
     ty_context_destroy(three);
 }
 
-static void test_constant_is_one(void** state) {
+static void constant_is_one(void** state) {
     ty_context* context = *state;
     const ty_noise_def def = sized(TY_NOISE_CONSTANT, 5, 4, 3);
     ty_grid* grid = make_noise(context, &def);
@@ -65,7 +65,7 @@ static void test_constant_is_one(void** state) {
     ty_grid_destroy(grid);
 }
 
-static void test_cloud_vanishes_at_the_faces(void** state) {
+static void cloud_vanishes_at_the_faces(void** state) {
     ty_context* context = *state;
     for (int full = 0; full < 2; ++full) {
         ty_noise_def def = sized(TY_NOISE_CLOUD, 48, 40, 44);
@@ -84,7 +84,7 @@ static void test_cloud_vanishes_at_the_faces(void** state) {
 }
 
 /* Solid inside, thin edge, flat base, wide foot, narrow top: for any seed. */
-static void test_cloud_is_a_cumulus(void** state) {
+static void cloud_is_a_cumulus(void** state) {
     ty_context* context = *state;
     for (uint32_t seed = 1; seed <= 6; ++seed) {
         ty_noise_def def = sized(TY_NOISE_CLOUD, 64, 64, 64);
@@ -106,7 +106,7 @@ static void test_cloud_is_a_cumulus(void** state) {
 }
 
 /* Dense in the arch and in the ball, thin about both, nothing under the arch beside the ball and on the faces. */
-static void test_nebula_has_an_arch_and_a_ball(void** state) {
+static void nebula_has_an_arch_and_a_ball(void** state) {
     ty_context* context = *state;
     for (uint32_t seed = 1; seed <= 6; ++seed) {
         ty_noise_def def = sized(TY_NOISE_NEBULA, 64, 64, 64);
@@ -130,7 +130,7 @@ static void test_nebula_has_an_arch_and_a_ball(void** state) {
 }
 
 /* A cloud that rises along z is the same one turned: (x, y, z) -> (x, -z, y). */
-static void test_up_axis_turns_the_cloud(void** state) {
+static void up_axis_turns_the_cloud(void** state) {
     ty_context* context = *state;
     ty_noise_def def = sized(TY_NOISE_CLOUD, 40, 36, 32);
     ty_grid* y_up = make_noise(context, &def);
@@ -148,7 +148,7 @@ static void test_up_axis_turns_the_cloud(void** state) {
     ty_grid_destroy(z_up);
 }
 
-static void test_seeds_differ(void** state) {
+static void seeds_differ(void** state) {
     ty_context* context = *state;
     ty_noise_def def = sized(TY_NOISE_FBM, 48, 48, 48);
     def.sharpness = 1;
@@ -182,7 +182,7 @@ static void test_seeds_differ(void** state) {
     ty_grid_destroy(b);
 }
 
-static void test_coverage_is_a_share(void** state) {
+static void coverage_is_a_share(void** state) {
     ty_context* context = *state;
     const float coverages[] = {0, 0.1f, 0.3f, 0.5f, 0.7f, 0.9f, 1};
     for (int octaves = 1; octaves <= 4; octaves += 3)
@@ -214,7 +214,7 @@ static void test_coverage_is_a_share(void** state) {
 }
 
 /* Neighbours are close to one another, across lattice cells too. */
-static void test_noise_is_continuous(void** state) {
+static void noise_is_continuous(void** state) {
     ty_context* context = *state;
     for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_NEBULA; ++kind) {
         ty_noise_def def = sized((ty_noise_kind)kind, 96, 96, 96);
@@ -237,7 +237,7 @@ static void test_noise_is_continuous(void** state) {
 }
 
 /* Twice the voxels show the same field. */
-static void test_resolution_keeps_the_field(void** state) {
+static void resolution_keeps_the_field(void** state) {
     ty_context* context = *state;
     for (int kind = TY_NOISE_FBM; kind <= TY_NOISE_NEBULA; ++kind) {
         ty_noise_def def = sized((ty_noise_kind)kind, 40, 24, 32);
@@ -264,7 +264,7 @@ static void test_resolution_keeps_the_field(void** state) {
     }
 }
 
-static void test_thin_grids(void** state) {
+static void thin_grids_are_filled(void** state) {
     ty_context* context = *state;
     const ty_noise_def line = sized(TY_NOISE_FBM, 1, 1, 50), cloud = sized(TY_NOISE_CLOUD, 50, 1, 1);
     ty_grid* grid = make_noise(context, &line);
@@ -283,7 +283,7 @@ static void refuse(ty_context* context, const ty_noise_def* def, const char* wor
     assert_non_null(strstr(ty_last_error(context), word));
 }
 
-static void test_arguments_are_checked(void** state) {
+static void arguments_are_checked(void** state) {
     ty_context* context = *state;
     const ty_noise_def good = ty_default_noise_def();
     ty_noise_def def;
@@ -311,18 +311,18 @@ static void test_arguments_are_checked(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_threads_do_not_matter),
-        cmocka_unit_test(test_constant_is_one),
-        cmocka_unit_test(test_cloud_vanishes_at_the_faces),
-        cmocka_unit_test(test_cloud_is_a_cumulus),
-        cmocka_unit_test(test_nebula_has_an_arch_and_a_ball),
-        cmocka_unit_test(test_up_axis_turns_the_cloud),
-        cmocka_unit_test(test_seeds_differ),
-        cmocka_unit_test(test_coverage_is_a_share),
-        cmocka_unit_test(test_noise_is_continuous),
-        cmocka_unit_test(test_resolution_keeps_the_field),
-        cmocka_unit_test(test_thin_grids),
-        cmocka_unit_test(test_arguments_are_checked),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(constant_is_one),
+        cmocka_unit_test(cloud_vanishes_at_the_faces),
+        cmocka_unit_test(cloud_is_a_cumulus),
+        cmocka_unit_test(nebula_has_an_arch_and_a_ball),
+        cmocka_unit_test(up_axis_turns_the_cloud),
+        cmocka_unit_test(seeds_differ),
+        cmocka_unit_test(coverage_is_a_share),
+        cmocka_unit_test(noise_is_continuous),
+        cmocka_unit_test(resolution_keeps_the_field),
+        cmocka_unit_test(thin_grids_are_filled),
+        cmocka_unit_test(arguments_are_checked),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

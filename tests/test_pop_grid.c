@@ -7,7 +7,7 @@ static const double anisotropies[] = {0, 0.5, 0.9, -0.5};
 
 /* ---- frames ---- */
 
-static void test_axis_frame(void** state) {
+static void frames_follow_an_axis(void** state) {
     (void)state;
     const ty_grid_box box = {{0, 0, 0}, {1, 1, 1}, {16, 16, 16}};
     for (int a = 0; a < 6; ++a) {
@@ -24,7 +24,7 @@ static void test_axis_frame(void** state) {
 }
 
 /* Every corner of the box is in the grid, and every side of the grid meets one. */
-static void test_slanted_frame(void** state) {
+static void frames_follow_a_slanted_direction(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, 2, 0}, {1.5, 3, 4}, {16, 16, 16}};
     uint64_t random = 1;
@@ -50,7 +50,7 @@ static void test_slanted_frame(void** state) {
     }
 }
 
-static void test_radial_frame(void** state) {
+static void frames_surround_a_point(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, -1, -1}, {1, 1, 1}, {16, 16, 16}};
     ty_pop_frame frame;
@@ -133,7 +133,7 @@ static void check_homogeneous(ty_context* context, const ty_light_part* ordinate
     pop_end(&made);
 }
 
-static void test_homogeneous(void** state) {
+static void homogeneous_media_fade_light_exactly(void** state) {
     const ty_light_part lights[] = {parallel_light(0, -1, 0), parallel_light(0.4, -1, 0.3), point_light(0.5, 0.5, 0.5),
                                     point_light(0.4, 1.6, 0.3)};
     for (int l = 0; l < 4; ++l)
@@ -166,7 +166,7 @@ static double scattered_lobe(double mu, const double* p) {
 }
 
 /* Scattering sends on g^n of light's l-th moments after n times; what comes in has a_n. */
-static void test_moments(void** state) {
+static void moments_are_those_of_the_lobes(void** state) {
     (void)state;
     static const double gs[] = {0, 1e-4, 0.3, 0.5, 0.9}, depths[] = {0, 1e-6, 0.01, 1, 8};
     for (int i = 0; i < 5; ++i)
@@ -199,7 +199,7 @@ static double disc_lobe(double mu, const double* p) {
 }
 
 /* Discs take nothing away, and their share of the mean cosine. */
-static void test_discs(void** state) {
+static void discs_scatter_as_they_should(void** state) {
     (void)state;
     static const double gs[] = {-0.8, 0, 1e-4, 0.3, 0.7, 0.9}, depths[] = {0, 1e-6, 0.01, 1, 8},
                         discs[] = {1, 0.999, 0.9, 0.5};
@@ -216,7 +216,7 @@ static void test_discs(void** state) {
 }
 
 /* What lines become is no brighter than light from a disc, and has no edge. */
-static void test_disc_of_a_line(void** state) {
+static void a_line_of_light_becomes_a_disc(void** state) {
     (void)state;
     for (int n = 2; n < 100; n *= 2) {
         const double disc = 1 - 1.0 / n, p[5] = {1, 1, 1, 0.9999, disc};
@@ -230,7 +230,7 @@ static void test_disc_of_a_line(void** state) {
     }
 }
 
-static void test_patches(void** state) {
+static void patches_partition_the_sphere(void** state) {
     (void)state;
     const double c = sqrt(0.5);
     for (int i = -999; i <= 999; ++i) {
@@ -251,7 +251,7 @@ static ty_scene* scene_of(ty_context* context, const ty_medium_def* medium) {
 }
 
 /* Single scattering of a thin medium towards the eye, and from kept lobes towards another one. */
-static void test_see(void** state) {
+static void views_add_up_lobes(void** state) {
     const ty_medium_def medium = pop_cube(2, 0.3, 0.7);
     const ty_light_part lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
     for (int l = 0; l < 2; ++l) {
@@ -275,7 +275,7 @@ static void test_see(void** state) {
 }
 
 /* Against the formula of what a slab of light scatters towards the eye. */
-static void test_seen_value(void** state) {
+static void views_have_the_value_of_the_lobe(void** state) {
     const double g = 0.6, sigma_s = 3, sigma_a = 1;
     const ty_medium_def medium = pop_cube(sigma_s, sigma_a, g);
     ty_light_part light = parallel_light(1, 0, 0);
@@ -298,7 +298,7 @@ static void test_seen_value(void** state) {
 }
 
 /* Directions all around: a point's radiance adds up to what has scattered and keeps its direction. */
-static void test_radiance(void** state) {
+static void radiance_is_that_of_the_lobes(void** state) {
     const ty_medium_def medium = pop_cube(2, 0.3, 0.5);
     ty_light_part lights[2] = {parallel_light(0.2, -1, 0.4), point_light(0.4, 0.55, 0.6)};
     const ty_vec point = ty_vec_make(0.7f, 0.31f, 0.4f);
@@ -346,7 +346,7 @@ static void add_wall(ty_scene* scene, double x0, double y, double x1) {
 }
 
 /* A wall above half the cube, and one within: light gets up to a surface, unless its shadows are not asked for. */
-static void test_shadows(void** state) {
+static void surfaces_cast_shadows(void** state) {
     const ty_medium_def medium = pop_cube(2, 0, 0);
     for (int kind = 0; kind < 3; ++kind) {
         const double heights[2] = {1.2, 0.5};
@@ -379,7 +379,7 @@ static void test_shadows(void** state) {
 }
 
 /* A point of a floor far away lights the medium above the floor: its own surface does not shade it. */
-static void test_floor(void** state) {
+static void a_far_floor_does_not_shade_itself(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     for (int distance = 2; distance <= 20; distance += 6) {
         ty_scene* scene = scene_of(*state, &medium);
@@ -403,7 +403,7 @@ static void test_floor(void** state) {
     }
 }
 
-static void test_profiles(void** state) {
+static void profiles_follow_the_density(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     ty_scene* scene = scene_of(*state, &medium);
     ty_light_def spot = ty_default_light_def();
@@ -432,7 +432,7 @@ static void test_profiles(void** state) {
 }
 
 /* In a parallel grid the light of a lamp still falls with distance, and with the medium passed. */
-static void test_afar(void** state) {
+static void parallel_grids_keep_the_fall_with_distance(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     const ty_light_part light = point_light(0.5, 0.5, -5);
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 16, 1);
@@ -455,7 +455,7 @@ static void check_finite(const pop_case* made) {
 }
 
 /* Emptiness, thick cells, an eye in the middle of a cell, all g: numbers stay numbers. */
-static void test_extremes(void** state) {
+static void extreme_media_are_finite(void** state) {
     static const double densities[] = {0, 1e-12, 1, 1e4}, gs[] = {-0.999, -0.5, 0, 1e-7, 0.5, 0.999};
     for (int mode = 0; mode < 3; ++mode)
         for (int d = 0; d < 4; ++d)
@@ -483,7 +483,7 @@ static void test_extremes(void** state) {
 }
 
 /* One density or several, the same coefficients: the same light. */
-static void test_one_density(void** state) {
+static void one_density_serves_all_channels(void** state) {
     ty_medium_def medium = pop_cube(4, 1, 0.5);
     medium.sigma_s[1] = 2;
     medium.density_grid = direct_noise(*state, 8, 8, 8, 5);
@@ -504,23 +504,23 @@ static void test_one_density(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_axis_frame),
-        cmocka_unit_test(test_slanted_frame),
-        cmocka_unit_test(test_radial_frame),
-        cmocka_unit_test(test_homogeneous),
-        cmocka_unit_test(test_moments),
-        cmocka_unit_test(test_discs),
-        cmocka_unit_test(test_disc_of_a_line),
-        cmocka_unit_test(test_patches),
-        cmocka_unit_test(test_see),
-        cmocka_unit_test(test_seen_value),
-        cmocka_unit_test(test_radiance),
-        cmocka_unit_test(test_shadows),
-        cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_profiles),
-        cmocka_unit_test(test_afar),
-        cmocka_unit_test(test_extremes),
-        cmocka_unit_test(test_one_density),
+        cmocka_unit_test(frames_follow_an_axis),
+        cmocka_unit_test(frames_follow_a_slanted_direction),
+        cmocka_unit_test(frames_surround_a_point),
+        cmocka_unit_test(homogeneous_media_fade_light_exactly),
+        cmocka_unit_test(moments_are_those_of_the_lobes),
+        cmocka_unit_test(discs_scatter_as_they_should),
+        cmocka_unit_test(a_line_of_light_becomes_a_disc),
+        cmocka_unit_test(patches_partition_the_sphere),
+        cmocka_unit_test(views_add_up_lobes),
+        cmocka_unit_test(views_have_the_value_of_the_lobe),
+        cmocka_unit_test(radiance_is_that_of_the_lobes),
+        cmocka_unit_test(surfaces_cast_shadows),
+        cmocka_unit_test(a_far_floor_does_not_shade_itself),
+        cmocka_unit_test(profiles_follow_the_density),
+        cmocka_unit_test(parallel_grids_keep_the_fall_with_distance),
+        cmocka_unit_test(extreme_media_are_finite),
+        cmocka_unit_test(one_density_serves_all_channels),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

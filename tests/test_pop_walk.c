@@ -58,7 +58,7 @@ static double leaving(const pop_case* made, const float* light, const float* tur
 }
 
 /* Without absorption, what is in the grid and what leaves is what there was. */
-static void test_energy(void** state) {
+static void energy_is_conserved(void** state) {
     ty_grid* noise = direct_noise(*state, 12, 12, 12, 7);
     const ty_light_part lights[] = {parallel_light(0, -1, 0), parallel_light(0.5, 1, -0.2), point_light(0.4, 0.5, 0.6)};
     for (int l = 0; l < 3; ++l)
@@ -84,7 +84,7 @@ static void test_energy(void** state) {
 }
 
 /* Fluence times volume: of what enters the unit cube along an axis, 1 without a medium. */
-static void test_stats(void** state) {
+static void statistics_tell_what_was_done(void** state) {
     const ty_light_part light = parallel_light(0, 0, -1);
     pop_case made = pop_begin(cube_scene(*state, 4, 0, 0, NULL), &light, TY_POP_MODE_PUBLISHED, 16, 3);
     pop_run(&made);
@@ -96,7 +96,7 @@ static void test_stats(void** state) {
 /* ---- one step ---- */
 
 /* Light that is a line goes to the cell in front, less what is absorbed on the way (Eq. 2). */
-static void test_absorption(void** state) {
+static void absorption_fades_light(void** state) {
     const ty_light_part light = parallel_light(1, 0, 0);
     pop_case made = pop_begin(cube_scene(*state, 3, 2, 0.5, NULL), &light, TY_POP_MODE_PUBLISHED, 16, 1);
     pop_run(&made);
@@ -109,7 +109,7 @@ static void test_absorption(void** state) {
 }
 
 /* Eq. 4, and exactly; with channels that differ. */
-static void test_cosines(void** state) {
+static void cosines_fall_as_published(void** state) {
     static const double gs[] = {0, 0.5, 0.9};
     for (int i = 0; i < 3; ++i)
         for (int mode = TY_POP_MODE_PUBLISHED; mode <= TY_POP_MODE_COLLIDED; ++mode) {
@@ -141,7 +141,7 @@ static void test_cosines(void** state) {
 /* ---- what comes of it ---- */
 
 /* Fluence and radiance towards the eye are sums over iterations; kept lobes give them for another eye. */
-static void test_sums(void** state) {
+static void fluence_and_radiance_are_sums_over_iterations(void** state) {
     const ty_light_part lights[2] = {parallel_light(0.3, -1, 0.2), point_light(0.3, 0.4, 0.55)};
     for (int l = 0; l < 2; ++l)
         for (int mode = TY_POP_MODE_PUBLISHED; mode <= TY_POP_MODE_COLLIDED; ++mode) {
@@ -176,7 +176,7 @@ static void test_sums(void** state) {
 }
 
 /* Radiance at a point adds up, over directions, to the fluence of what has scattered. */
-static void test_radiance(void** state) {
+static void radiance_adds_up_to_fluence(void** state) {
     ty_light_part light = parallel_light(0, -1, 0);
     light.cosine = 0.9f;
     pop_case made = pop_begin(cube_scene(*state, 2, 0, 0.6, NULL), &light, TY_POP_MODE_PUBLISHED, 8, 9);
@@ -199,7 +199,7 @@ static void test_radiance(void** state) {
 }
 
 /* A lamp in the middle lights a shell alike all around, over the map's edges too. */
-static void test_symmetry(void** state) {
+static void a_point_light_lights_shells_alike(void** state) {
     for (int mode = 0; mode < 3; ++mode) {
         const ty_light_part light = point_light(0.5, 0.5, 0.5);
         pop_case made = pop_begin(cube_scene(*state, 4, 0, 0.5, NULL), &light, (ty_pop_mode)mode, 16, 12);
@@ -220,7 +220,7 @@ static void test_symmetry(void** state) {
 }
 
 /* Eq. 10. */
-static void test_length(void** state) {
+static void lengths_follow_the_mean_cosine(void** state) {
     const ty_light_part light = parallel_light(0, -1, 0);
     pop_case made = pop_begin(cube_scene(*state, 1, 0, 0.95, NULL), &light, TY_POP_MODE_PUBLISHED, 16, 1);
     made.def.residuum = 0.1;
@@ -235,9 +235,14 @@ static void test_length(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_energy),   cmocka_unit_test(test_stats),  cmocka_unit_test(test_absorption),
-        cmocka_unit_test(test_cosines),  cmocka_unit_test(test_sums),   cmocka_unit_test(test_radiance),
-        cmocka_unit_test(test_symmetry), cmocka_unit_test(test_length),
+        cmocka_unit_test(energy_is_conserved),
+        cmocka_unit_test(statistics_tell_what_was_done),
+        cmocka_unit_test(absorption_fades_light),
+        cmocka_unit_test(cosines_fall_as_published),
+        cmocka_unit_test(fluence_and_radiance_are_sums_over_iterations),
+        cmocka_unit_test(radiance_adds_up_to_fluence),
+        cmocka_unit_test(a_point_light_lights_shells_alike),
+        cmocka_unit_test(lengths_follow_the_mean_cosine),
     };
     return cmocka_run_group_tests(tests, start_context, stop_context);
 }

@@ -342,18 +342,18 @@ static void expect_refusal(const bad_case* row, ty_result expected) {
     ty_context_destroy(context);
 }
 
-static void test_wrong_files_are_refused(void** state) {
+static void wrong_files_are_refused(void** state) {
     (void)state;
     for (size_t i = 0; i < sizeof bad_cases / sizeof bad_cases[0]; ++i) expect_refusal(&bad_cases[i], TY_ERROR_INPUT);
 }
 
-static void test_wrong_overrides_are_refused(void** state) {
+static void wrong_overrides_are_refused(void** state) {
     (void)state;
     for (size_t i = 0; i < sizeof bad_overrides / sizeof bad_overrides[0]; ++i)
         expect_refusal(&bad_overrides[i], TY_ERROR_ARGUMENT);
 }
 
-static void test_an_earlier_message_is_kept(void** state) {
+static void an_earlier_message_is_kept(void** state) {
     (void)state;
     const ty_context_def def = ty_default_context_def();
     ty_context* context = NULL;
@@ -369,7 +369,7 @@ static void test_an_earlier_message_is_kept(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_wrong_calls_are_refused(void** state) {
+static void wrong_calls_are_refused(void** state) {
     (void)state;
     const ty_context_def def = ty_default_context_def();
     ty_context* context = NULL;
@@ -392,10 +392,10 @@ static void test_wrong_calls_are_refused(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_wrong_files_are_refused),
-        cmocka_unit_test(test_wrong_overrides_are_refused),
-        cmocka_unit_test(test_an_earlier_message_is_kept),
-        cmocka_unit_test(test_wrong_calls_are_refused),
+        cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(wrong_overrides_are_refused),
+        cmocka_unit_test(an_earlier_message_is_kept),
+        cmocka_unit_test(wrong_calls_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

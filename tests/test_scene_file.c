@@ -88,7 +88,7 @@ static void expect_dom_defaults(const ty_dom_settings* settings) {
     assert_true(settings->step == def.step && settings->spp == def.spp);
 }
 
-static void test_the_smallest_scene_has_the_defaults(void** state) {
+static void the_smallest_scene_has_the_defaults(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(context, "\xef\xbb\xbf{\"tyndall\":1}");
@@ -120,7 +120,7 @@ static void test_the_smallest_scene_has_the_defaults(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_camera_and_render(void** state) {
+static void camera_and_render_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(
@@ -174,7 +174,7 @@ static const coefficient_case coefficient_cases[] = {
     {"\"sigma_s\":1,\"g\":[0.99999999999,-0.99999999999,0]", {1, 1, 1}, {0, 0, 0}, {1 - 6e-8, 6e-8 - 1, 0}, 1},
 };
 
-static void test_coefficients(void** state) {
+static void coefficients_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     for (size_t i = 0; i < COUNT(coefficient_cases); ++i) {
@@ -194,7 +194,7 @@ static void test_coefficients(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_lights(void** state) {
+static void lights_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(
@@ -232,7 +232,7 @@ static void test_lights(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_shapes(void** state) {
+static void shapes_are_read(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene =
@@ -256,7 +256,7 @@ static void test_shapes(void** state) {
 
 /* ---- Units ---- */
 
-static void test_meters_per_unit_scales_lengths(void** state) {
+static void meters_per_unit_scales_lengths(void** state) {
     (void)state;
     ty_context* context = make_context();
     ty_scene* scene = parse(
@@ -330,7 +330,7 @@ static const char volume_scene[] =
     "{\"density\":{\"file\":\"density.vdb\",\"grid\":\"density\"},\"sigma_a\":1}],"
     "\"lights\":[{\"type\":\"environment\",\"file\":\"sky.exr\",\"scale\":2,\"rotation\":90}]}";
 
-static void test_files_are_placed_in_units_and_shared(void** state) {
+static void files_are_placed_in_units_and_shared(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -360,7 +360,7 @@ static void test_files_are_placed_in_units_and_shared(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_paths_start_at_the_scene(void** state) {
+static void paths_start_at_the_scene(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -383,7 +383,7 @@ static uint64_t hash_of(ty_context* context, const char* text, const char* overr
     return hash;
 }
 
-static void test_the_hash_follows_the_content(void** state) {
+static void the_hash_follows_the_content(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -404,7 +404,7 @@ static void test_the_hash_follows_the_content(void** state) {
 
 /* ---- Overrides ---- */
 
-static void test_overrides(void** state) {
+static void overrides_change_the_scene(void** state) {
     (void)state;
     ty_context* context = make_context();
     const char* text = "{\"tyndall\":1,\"media\":[{\"sigma_s\":1," BOX "},{\"sigma_s\":1," BOX ",\"g\":[0,0,0]}]}";
@@ -495,7 +495,7 @@ static void expect_keys(const json_t* schema, const char* text) {
     }
 }
 
-static void test_every_key_is_accepted(void** state) {
+static void every_key_is_accepted(void** state) {
     (void)state;
     ty_context* context = make_context();
     write_files(context);
@@ -559,7 +559,7 @@ static char* read_manual(void) {
     return text;
 }
 
-static void test_builtin_scenes_load_and_are_documented(void** state) {
+static void builtin_scenes_load_and_are_documented(void** state) {
     (void)state;
     ty_context* context = make_context();
     char* manual = read_manual();
@@ -592,7 +592,7 @@ static void test_builtin_scenes_load_and_are_documented(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_reference_scenes_load(void** state) {
+static void reference_scenes_load(void** state) {
     (void)state;
     static const char* const names[] = {"cube_g0", "cube_g0.7", "cube_g0.96", "cornell_gray"};
     const char* folder = getenv("TYNDALL_DATA");
@@ -617,7 +617,7 @@ static void test_reference_scenes_load(void** state) {
     ty_context_destroy(context);
 }
 
-static void test_the_manuals_example_parses(void** state) {
+static void the_manuals_example_parses(void** state) {
     (void)state;
     static const char fence[] = "\n```json\n";
     char* manual = read_manual();
@@ -635,7 +635,7 @@ static void test_the_manuals_example_parses(void** state) {
     free(manual);
 }
 
-static void test_the_manual_lists_every_preset(void** state) {
+static void the_manual_lists_every_preset(void** state) {
     (void)state;
     char* manual = read_manual();
     for (char* c = manual; *c != '\0'; ++c)
@@ -647,21 +647,21 @@ static void test_the_manual_lists_every_preset(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_smallest_scene_has_the_defaults),
-        cmocka_unit_test(test_camera_and_render),
-        cmocka_unit_test(test_coefficients),
-        cmocka_unit_test(test_lights),
-        cmocka_unit_test(test_shapes),
-        cmocka_unit_test(test_meters_per_unit_scales_lengths),
-        cmocka_unit_test(test_files_are_placed_in_units_and_shared),
-        cmocka_unit_test(test_paths_start_at_the_scene),
-        cmocka_unit_test(test_the_hash_follows_the_content),
-        cmocka_unit_test(test_overrides),
-        cmocka_unit_test(test_every_key_is_accepted),
-        cmocka_unit_test(test_builtin_scenes_load_and_are_documented),
-        cmocka_unit_test(test_reference_scenes_load),
-        cmocka_unit_test(test_the_manuals_example_parses),
-        cmocka_unit_test(test_the_manual_lists_every_preset),
+        cmocka_unit_test(the_smallest_scene_has_the_defaults),
+        cmocka_unit_test(camera_and_render_are_read),
+        cmocka_unit_test(coefficients_are_read),
+        cmocka_unit_test(lights_are_read),
+        cmocka_unit_test(shapes_are_read),
+        cmocka_unit_test(meters_per_unit_scales_lengths),
+        cmocka_unit_test(files_are_placed_in_units_and_shared),
+        cmocka_unit_test(paths_start_at_the_scene),
+        cmocka_unit_test(the_hash_follows_the_content),
+        cmocka_unit_test(overrides_change_the_scene),
+        cmocka_unit_test(every_key_is_accepted),
+        cmocka_unit_test(builtin_scenes_load_and_are_documented),
+        cmocka_unit_test(reference_scenes_load),
+        cmocka_unit_test(the_manuals_example_parses),
+        cmocka_unit_test(the_manual_lists_every_preset),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

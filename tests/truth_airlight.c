@@ -168,7 +168,7 @@ static void check(ty_context* context, const char* name, const ty_light_def* lig
     ty_scene_destroy(scene);
 }
 
-static void test_sun(void** state) {
+static void airlight_of_the_sun_is_right(void** state) {
     ty_light_def sun = light_of(TY_LIGHT_DIRECTIONAL, 2);
     set3(sun.direction, -0.5, -1, -0.35);
     check(*state, "sun, g 0", &sun, 0, EVEN);
@@ -176,7 +176,7 @@ static void test_sun(void** state) {
     check(*state, "sun, g 0.4, uneven", &sun, 0.4, UNEVEN);
 }
 
-static void test_point(void** state) {
+static void airlight_of_a_point_light_is_right(void** state) {
     ty_light_def point = light_of(TY_LIGHT_POINT, 2);
     set3(point.position, 0.4, 1.3, -0.3);
     check(*state, "point, g 0", &point, 0, EVEN);
@@ -184,7 +184,7 @@ static void test_point(void** state) {
     check(*state, "point, g 0.4, uneven", &point, 0.4, UNEVEN);
 }
 
-static void test_spot(void** state) {
+static void airlight_of_a_spot_light_is_right(void** state) {
     ty_light_def spot = light_of(TY_LIGHT_SPOT, 4);
     set3(spot.position, 1.4, 3.2, 1.2);
     set3(spot.direction, -0.5, -1, -0.4);
@@ -197,9 +197,9 @@ static void test_spot(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sun),
-        cmocka_unit_test(test_point),
-        cmocka_unit_test(test_spot),
+        cmocka_unit_test(airlight_of_the_sun_is_right),
+        cmocka_unit_test(airlight_of_a_point_light_is_right),
+        cmocka_unit_test(airlight_of_a_spot_light_is_right),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

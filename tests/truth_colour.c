@@ -73,28 +73,28 @@ static void check(ty_context* context, const char* name, const coefficients* of,
     ty_image_destroy(image);
 }
 
-static void test_ball(void** state) {
+static void a_coloured_ball_is_unbiased(void** state) {
     check(*state, "ball", &mild, false);
 }
 
-static void test_cloud(void** state) {
+static void a_coloured_cloud_is_unbiased(void** state) {
     check(*state, "cloud", &mild, true);
 }
 
-static void test_harsh_ball(void** state) {
+static void a_ball_of_harsh_colours_is_unbiased(void** state) {
     check(*state, "ball, harsh colours", &harsh, false);
 }
 
-static void test_harsh_cloud(void** state) {
+static void a_cloud_of_harsh_colours_is_unbiased(void** state) {
     check(*state, "cloud, harsh colours", &harsh, true);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_cloud),
-        cmocka_unit_test(test_harsh_ball),
-        cmocka_unit_test(test_harsh_cloud),
+        cmocka_unit_test(a_coloured_ball_is_unbiased),
+        cmocka_unit_test(a_coloured_cloud_is_unbiased),
+        cmocka_unit_test(a_ball_of_harsh_colours_is_unbiased),
+        cmocka_unit_test(a_cloud_of_harsh_colours_is_unbiased),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

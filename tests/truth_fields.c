@@ -69,14 +69,14 @@ static void same(ty_context* context, const char* name, const ty_medium_def* a, 
 
 /* ---- albedo and g ---- */
 
-static void test_even_albedo(void** state) {
+static void a_constant_albedo_field_changes_nothing(void** state) {
     ty_medium_def number = medium_cube(0.5, 2.4, 0.6, 0.3), field = medium_cube(0.5, 1, 2, 0.3);
     field.albedo_grid[0] = field.albedo_grid[1] = field.albedo_grid[2] = even_grid(*state, 0.8);
     same(*state, "albedo 0.8 as a grid", &field, &number, 192);
     ty_grid_destroy(field.albedo_grid[0]);
 }
 
-static void test_even_g(void** state) {
+static void a_constant_g_field_changes_nothing(void** state) {
     ty_medium_def number = medium_cube(0.5, 3, 0.3, 0.7), field = medium_cube(0.5, 3, 0.3, -0.9);
     field.g_grid = even_grid(*state, 0.7);
     same(*state, "g 0.7 as a grid", &field, &number, 192);
@@ -84,7 +84,7 @@ static void test_even_g(void** state) {
 }
 
 /* Three grids at once are three gray media. */
-static void test_coloured_albedo(void** state) {
+static void coloured_albedo_fields_are_right(void** state) {
     ty_medium_def colour = medium_cube(0.5, 4, 0, 0.2);
     for (int c = 0; c < 3; ++c) colour.albedo_grid[c] = noise_grid(*state, 8, 11 + (uint32_t)c, false);
     colour.density_grid = noise_grid(*state, 16, 5, false);
@@ -103,7 +103,7 @@ static void test_coloured_albedo(void** state) {
 
 /* ---- transfer functions ---- */
 
-static void test_linear_transfer(void** state) {
+static void linear_transfer_functions_change_nothing(void** state) {
     static const ty_transfer_point line[3] = {{0, 0, {1, 1, 1}}, {0.4f, 0.4f, {1, 1, 1}}, {1, 1, {1, 1, 1}}};
     ty_medium_def plain = medium_cube(0.5, 6, 0.6, 0.3);
     plain.density_grid = noise_grid(*state, 12, 3, false);
@@ -149,7 +149,7 @@ static ty_grid* resampled(ty_context* context, const ty_grid* grid, int what) {
 }
 
 /* The function of a coarse grid is a fine grid of the function's values. */
-static void test_curved_transfer(void** state) {
+static void curved_transfer_functions_are_right(void** state) {
     ty_medium_def mapped = medium_cube(0.5, 0.7, 0.3, 0.3);
     mapped.density_grid = noise_grid(*state, COARSE, 9, false);
     mapped.transfer = curve;
@@ -180,7 +180,7 @@ static ty_shell* cube_shell(ty_context* context, double half) {
     return shell_of(context, &mesh);
 }
 
-static void test_box_shell(void** state) {
+static void a_box_mesh_is_a_box(void** state) {
     const ty_medium_def box = medium_cube(0.5, 3, 0.3, 0.5);
     ty_medium_def shell = medium_of(3, 0.3, 0.5);
     shell.bounds = TY_BOUNDS_SHELL;
@@ -189,7 +189,7 @@ static void test_box_shell(void** state) {
     ty_shell_destroy(shell.shell);
 }
 
-static void test_ball_shell(void** state) {
+static void a_ball_mesh_is_a_ball(void** state) {
     static const double zero[3] = {0, 0, 0};
     const ty_medium_def ball = medium_sphere(0.6, 3, 0.3, 0.5);
     ty_medium_def shell = medium_of(3, 0.3, 0.5);
@@ -202,7 +202,7 @@ static void test_ball_shell(void** state) {
 }
 
 /* A cube in two shells, one with a hole that the other fills, half as far across as the cube. */
-static void test_hollow_shell(void** state) {
+static void hollow_meshes_are_empty_inside(void** state) {
     static const double low[3] = {-0.5, -0.5, -0.5}, high[3] = {0.5, 0.5, 0.5};
     static const double hole_low[3] = {-0.25, -0.25, -0.25}, hole_high[3] = {0.25, 0.25, 0.25};
     const ty_medium_def box = medium_cube(0.5, 3, 0.3, 0.5), core = medium_cube(0.25, 3, 0.3, 0.5);
@@ -233,7 +233,7 @@ static void test_hollow_shell(void** state) {
     ty_shell_destroy(rind.shell);
 }
 
-static void test_shell_cuts_grid(void** state) {
+static void meshes_cut_grids(void** state) {
     ty_medium_def box = medium_cube(0.35, 6, 0.6, 0.3);
     box.density_grid = noise_grid(*state, 16, 3, true);
     ty_medium_def shell = box;
@@ -246,11 +246,15 @@ static void test_shell_cuts_grid(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_even_albedo),     cmocka_unit_test(test_even_g),
-        cmocka_unit_test(test_coloured_albedo), cmocka_unit_test(test_linear_transfer),
-        cmocka_unit_test(test_curved_transfer), cmocka_unit_test(test_box_shell),
-        cmocka_unit_test(test_ball_shell),      cmocka_unit_test(test_hollow_shell),
-        cmocka_unit_test(test_shell_cuts_grid),
+        cmocka_unit_test(a_constant_albedo_field_changes_nothing),
+        cmocka_unit_test(a_constant_g_field_changes_nothing),
+        cmocka_unit_test(coloured_albedo_fields_are_right),
+        cmocka_unit_test(linear_transfer_functions_change_nothing),
+        cmocka_unit_test(curved_transfer_functions_are_right),
+        cmocka_unit_test(a_box_mesh_is_a_box),
+        cmocka_unit_test(a_ball_mesh_is_a_ball),
+        cmocka_unit_test(hollow_meshes_are_empty_inside),
+        cmocka_unit_test(meshes_cut_grids),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }

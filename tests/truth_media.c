@@ -71,7 +71,7 @@ static void assert_same_and_destroy(const char* name, ty_image* a, ty_image* b) 
     ty_image_destroy(b);
 }
 
-static void test_box_or_grids(void** state) {
+static void a_box_and_its_grid_are_alike(void** state) {
     ty_context* context = *state;
     ty_grid* none = NULL;
     const struct {
@@ -85,7 +85,7 @@ static void test_box_or_grids(void** state) {
                                 cube_picture(context, none, 1, 1, 1));
 }
 
-static void test_halves_add_up(void** state) {
+static void halves_add_up(void** state) {
     ty_context* context = *state;
     ty_image* whole = cube_picture(context, NULL, 1, 1, 1);
     ty_image* halves = cube_picture(context, NULL, 0.5, 2, 20);
@@ -95,7 +95,7 @@ static void test_halves_add_up(void** state) {
     assert_same_and_destroy("two halves as grids", halves, whole);
 }
 
-static void test_box_and_grid_add_up(void** state) {
+static void box_and_grid_add_up(void** state) {
     static const double slanting[3] = {-1, -1.5, -1};
     ty_context* context = *state;
     ty_scene* scene = new_scene(context);
@@ -140,7 +140,7 @@ static ty_image* cloud_picture(ty_context* context, bool turned, uint64_t seed) 
     return image;
 }
 
-static void test_turning_everything(void** state) {
+static void turning_everything_changes_nothing(void** state) {
     assert_same_and_destroy("cloud turned with its camera", cloud_picture(*state, true, 2),
                             cloud_picture(*state, false, 1));
 }
@@ -168,7 +168,7 @@ static ty_image* scaled_picture(ty_context* context, double unit, double size, u
     return image;
 }
 
-static void test_scaling_the_world(void** state) {
+static void scaling_the_world_changes_nothing(void** state) {
     ty_context* context = *state;
     ty_grid_destroy(constant_vdb(context));
     ty_image* original = scaled_picture(context, 1, 1, 1);
@@ -201,7 +201,7 @@ static double depth_at(const void* user, double t) {
 }
 
 /* Voxels are where they should be: transmittance along lines through an uneven grid that fills a box, or is placed. */
-static void test_voxels_are_in_place(void** state) {
+static void voxels_are_in_place(void** state) {
     enum { N = 5, LINES = 12 };
     static float values[N * N * N];
     for (int i = 0; i < N * N * N; ++i) values[i] = (float)((i * 37 % 11) * (i % 3 == 0)) / 4;
@@ -254,9 +254,12 @@ static void test_voxels_are_in_place(void** state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_voxels_are_in_place), cmocka_unit_test(test_box_or_grids),
-        cmocka_unit_test(test_halves_add_up),       cmocka_unit_test(test_box_and_grid_add_up),
-        cmocka_unit_test(test_turning_everything),  cmocka_unit_test(test_scaling_the_world),
+        cmocka_unit_test(voxels_are_in_place),
+        cmocka_unit_test(a_box_and_its_grid_are_alike),
+        cmocka_unit_test(halves_add_up),
+        cmocka_unit_test(box_and_grid_add_up),
+        cmocka_unit_test(turning_everything_changes_nothing),
+        cmocka_unit_test(scaling_the_world_changes_nothing),
     };
     return cmocka_run_group_tests(tests, truth_start, truth_stop);
 }
