@@ -2,7 +2,7 @@
 """The code speaks the field's language. usage: test_vocabulary.py SOURCE_FOLDER [--counts]
 
 (a) Retired names occur no more often in code than the table below allows: words of this project's own for things that
-    have a standard name, or one word for several things. Comments and strings do not count, but for rows of docs.
+    have a standard name, or one word for several things. Comments and strings do not count.
 (b) No comment has a sentence that begins with a bare What, Whether or How: such sentences lack their noun.
 (c) docs/method: each row of "From equations to code" that names an equation, section or algorithm of a paper has the form
     `Eq. 3 (Billeter 2012)`, and names functions by NAME(). They exist, and each of the row's equations is named, in the
@@ -10,6 +10,7 @@
 (d) docs/glossary.md: each row names a file that exists and one of the identifiers or words in it.
 
 --counts prints today's counts for the tables of (a) and (b) instead of failing."""
+import collections
 import pathlib
 import re
 import sys
@@ -115,10 +116,11 @@ def comments_of(text):
 # ---- (a) ----
 
 def check_retired():
-    texts = [code_of(read(path)) for path in files("src", "include", "examples")]
+    identifiers = collections.Counter(word for path in files("src", "include", "examples")
+                                      for word in re.findall(r"[A-Za-z_]\w*", code_of(read(path))))
     for pattern, instead, allowed in RETIRED:
-        expression = re.compile(rf"\b(?:{pattern})\b")
-        found = sum(len(expression.findall(text)) for text in texts)
+        expression = re.compile(pattern)
+        found = sum(count for word, count in identifiers.items() if expression.fullmatch(word))
         if only_counts:
             print(f'    (r"{pattern}", "{instead}", {found}),')
         elif found > allowed:
