@@ -2,7 +2,7 @@
 #ifndef TY_TESTS_DIFFUSION_MAKER_H
 #define TY_TESTS_DIFFUSION_MAKER_H
 
-#include "solve/diffusion.h"
+#include "solve/diffusion/diffusion.h"
 
 #include "checks.h"
 

@@ -1,16 +1,16 @@
 /* Discrete ordinates solved: with and without acceleration, against what is known of even, thick and empty media. */
 #include "checks.h"
 
-#include "solve/diffusion.h"
-#include "solve/ordinates.h"
+#include "solve/diffusion/diffusion.h"
+#include "solve/ordinates/ordinates.h"
 
 #include <stdio.h>
 
 #define Y_0 0.28209479177387814 /* 1 / sqrt(4 pi) */
 
-enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX };
+enum { TERMS_MAX = TY_SCATTERING_ORDER_MAX * TY_SCATTERING_ORDER_MAX };
 
-static ty_ordinate_set directions; /* of the problem at hand */
+static ty_angular_quadrature directions; /* of the problem at hand */
 
 typedef struct problem {
     ty_ordinates_def def;
@@ -30,7 +30,7 @@ static float* make_floats(size_t count) {
 /* A box whose x axis is 1 m long, cells cubes; an even medium without absorption, dark. */
 static problem make_problem(ty_context* context, const int32_t size[3], int32_t bands, double extinction, double g) {
     problem p = {.def = ty_default_ordinates_def(), .cells = 1};
-    assert_int_equal(ty_ordinate_set_make(context, 48, &directions, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(context, 48, &directions, NULL), TY_OK);
     for (int axis = 0; axis < 3; ++axis) {
         p.def.size[axis] = size[axis];
         p.def.cell[axis] = 1.0 / size[0];
@@ -359,9 +359,9 @@ static double off_inverse_square(const problem* p) {
 
 /* Few directions leave a lamp in vacuum as rays; more of them in a last sweep are as good as more all along. */
 static void a_last_sweep_of_more_directions_shows_no_rays(void** state) {
-    static ty_ordinate_set more;
+    static ty_angular_quadrature more;
     double off[2];
-    assert_int_equal(ty_ordinate_set_make(*state, 400, &more, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(*state, 400, &more, NULL), TY_OK);
     for (int i = 0; i < 2; ++i) {
         problem p = make_cube(*state, 21, 1, 0.01, 0);
         fill_problem(&p, fill_lamp);
@@ -475,7 +475,7 @@ static void broken_defs_are_refused(void** state) {
         assert_int_equal(ty_ordinates_solve(*state, &def, p.moments, NULL, 0, NULL), TY_ERROR_ARGUMENT);
         assert_error(*state, "ordinates: ");
     }
-    static const ty_ordinate_set none;
+    static const ty_angular_quadrature none;
     const float inflow[TY_ORDINATES_MAX] = {1};
     for (int i = 0; i < 2; ++i) {
         ty_ordinates_def def = p.def;

@@ -1,7 +1,7 @@
 /* Thick cells of discrete ordinates: what half-spaces and slabs are known to send back and let through, clouds in
  * vacuum of any thickness, and light that is the same everywhere. */
 #include "checks.h"
-#include "solve/ordinates_job.h"
+#include "solve/ordinates/job.h"
 
 #include <string.h>
 
@@ -12,7 +12,7 @@ enum { TERMS = 16 };
 
 typedef struct thick_box {
     ty_ordinates_def def;
-    ty_ordinate_set set;
+    ty_angular_quadrature set;
     ty_ordinates_stats stats;
     size_t cells;
     float *extinction, *scattering, *g, *source[TERMS], *moments[TERMS];
@@ -32,7 +32,7 @@ static thick_box* make_box(void* context, int32_t nx, int32_t ny, int32_t nz, in
     thick_box* box = calloc(1, sizeof *box);
     box->def = ty_default_ordinates_def();
     box->cells = (size_t)nx * (size_t)ny * (size_t)nz;
-    assert_int_equal(ty_ordinate_set_make(context, 96, &box->set, NULL), TY_OK);
+    assert_int_equal(ty_angular_quadrature_create(context, 96, &box->set, NULL), TY_OK);
     const int32_t size[3] = {nx, ny, nz};
     for (int a = 0; a < 3; ++a) {
         box->def.size[a] = size[a];
@@ -105,7 +105,7 @@ static thick_box* make_column(void* context, int32_t count, int32_t bands) {
         box->first[z + 1] = side;
     }
     box->def.walls =
-        (ty_ordinates_walls){side, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
+        (ty_ordinates_faces){side, box->first, box->x, box->face, box->albedo, box->emission, box->arrived};
     return box;
 }
 

@@ -46,7 +46,7 @@ ty_result ordinates_box_open(ty_context* context, ordinates_box_kind kind, int32
         *planes[i] = calloc(out->cells, sizeof(float));
         allocated = allocated && *planes[i] != NULL;
     }
-    ty_result result = allocated ? ty_ordinate_set_make(context, directions, &out->set, NULL) : TY_ERROR_MEMORY;
+    ty_result result = allocated ? ty_angular_quadrature_create(context, directions, &out->set, NULL) : TY_ERROR_MEMORY;
     if (result != TY_OK) {
         ordinates_box_close(out);
         return result;

@@ -2,7 +2,7 @@
 #ifndef TY_CLI_ORDINATES_BOX_H
 #define TY_CLI_ORDINATES_BOX_H
 
-#include "solve/ordinates.h"
+#include "solve/ordinates/ordinates.h"
 
 typedef enum ordinates_box_kind {
     ORDINATES_BOX_EVEN = 0, /* the same medium everywhere, albedo 1, which glows everywhere */
@@ -15,7 +15,7 @@ extern const char* const ordinates_box_names[ORDINATES_BOX_KINDS];
 /* A cube of 1 m, isotropic. def.set and planes lie within: it must not be moved. */
 typedef struct ordinates_box {
     ty_ordinates_def def;
-    ty_ordinate_set set;
+    ty_angular_quadrature set;
     size_t cells;
     float *extinction, *scattering, *g, *source, *fluence;
     const float* sources[1];

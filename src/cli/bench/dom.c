@@ -4,7 +4,7 @@
 #include "cli/dom_scenes.h"
 #include "cli/figures/figure.h"
 #include "cli/ordinates_box.h"
-#include "solve/sweep.h"
+#include "solve/ordinates/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>

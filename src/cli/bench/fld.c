@@ -2,7 +2,7 @@
  * classical diffusion and path tracing. */
 #include "cli/bench/bench.h"
 
-#include "solve/diffusion.h"
+#include "solve/diffusion/diffusion.h"
 
 #include <math.h>
 #include <stdlib.h>

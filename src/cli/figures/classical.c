@@ -5,13 +5,13 @@
 #include "base/context.h"
 #include "image/march.h"
 #include "scene/scene.h"
-#include "solve/harmonics.h"
-#include "solve/sweep.h"
+#include "solve/angular/harmonics.h"
+#include "solve/ordinates/sweep.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { TERMS_MAX = TY_ORDINATE_BANDS_MAX * TY_ORDINATE_BANDS_MAX, SKY_WIDTH = 512, SKY_HEIGHT = 256, ITERATIONS = 60 };
+enum { TERMS_MAX = TY_SCATTERING_ORDER_MAX * TY_SCATTERING_ORDER_MAX, SKY_WIDTH = 512, SKY_HEIGHT = 256, ITERATIONS = 60 };
 
 static const double pi = 3.14159265358979323846;
 /* Relative change of the fluence that counts as none. */
@@ -21,9 +21,9 @@ typedef struct classical_job {
     ty_context* context;
     const ty_scene* scene;
     int32_t bands, terms;
-    double window[TY_ORDINATE_BANDS_MAX];
+    double window[TY_SCATTERING_ORDER_MAX];
     double sky[3][TERMS_MAX]; /* harmonics of radiance that comes in, by the direction it travels in */
-    ty_ordinate_set set;
+    ty_angular_quadrature set;
     ty_grid_medium* medium;
     float *emission, *moments; /* interleaved, of one channel */
     float* sent[3];            /* radiance to the eye per scattering coefficient */
@@ -123,7 +123,7 @@ static ty_result solve_channel(classical_job* job, int channel) {
         result = ty_sweep_create(job->context, medium->box.size, medium->cell, &job->set, job->bands,
                                  medium->extinction[plane], &sweep);
     if (result == TY_OK) {
-        ty_sweep_let_in(sweep, inflow);
+        ty_sweep_set_boundary_radiance(sweep, inflow);
         result = iterate(job, sweep, plane, last);
     }
     ty_sweep_destroy(sweep);
@@ -174,7 +174,7 @@ static ty_result open_job(classical_job* job, const classical_setting* setting) 
     job->bands = setting->bands;
     job->terms = setting->bands * setting->bands;
     for (int32_t l = 0; l < job->bands; ++l) job->window[l] = 0.5 * (1 + cos(pi * l / job->bands));
-    ty_result result = ty_ordinate_set_make(job->context, setting->directions, &job->set, NULL);
+    ty_result result = ty_angular_quadrature_create(job->context, setting->directions, &job->set, NULL);
     if (result == TY_OK) result = ty_grid_box_fit(job->scene, setting->resolution, &box);
     if (result == TY_OK) result = ty_grid_medium_create(job->scene, &box, &job->medium);
     if (result != TY_OK) return result;

@@ -2,7 +2,7 @@
 #ifndef TY_CLI_FIGURES_FLD_BOX_H
 #define TY_CLI_FIGURES_FLD_BOX_H
 
-#include "solve/diffusion.h"
+#include "solve/diffusion/diffusion.h"
 
 typedef struct fld_box {
     int32_t edge;                                      /* cells along it */

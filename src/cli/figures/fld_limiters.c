@@ -2,7 +2,7 @@
 #include "cli/figures/fld_limiters.h"
 
 #include "cli/figures/figure.h"
-#include "solve/limiter.k.h"
+#include "solve/diffusion/limiter.k.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef TY_CLI_FIGURES_FLD_POINT_SOLVE_H
 #define TY_CLI_FIGURES_FLD_POINT_SOLVE_H
 
-#include "solve/diffusion.h"
+#include "solve/diffusion/diffusion.h"
 
 /* Of the cube's edges, mean free paths. */
 #define POINT_EXTENT 4.0

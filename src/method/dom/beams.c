@@ -1,7 +1,7 @@
 /* What scatters of beams that have no field of their own, several at a time. */
 #include "base/context.h"
 #include "method/dom/job.h"
-#include "solve/harmonics.h"
+#include "solve/angular/harmonics.h"
 
 enum { TERMS_MAX = TY_DOM_BANDS_MAX * TY_DOM_BANDS_MAX };
 

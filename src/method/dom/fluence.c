@@ -3,7 +3,7 @@
 #include "direct/cover.h"
 #include "method/dom/job.h"
 #include "scene/check.h"
-#include "solve/harmonics.h"
+#include "solve/angular/harmonics.h"
 
 #include <string.h>
 

@@ -41,7 +41,7 @@ static void entry(const ty_dom_job* job, int32_t direction, int32_t ray, double 
 /* What a ray back from there meets; albedo 0: nothing, or a wall of the box. */
 static void meet(const inflow* in, int32_t direction, int32_t ray, ty_wall* wall) {
     const ty_scene_view* view = &in->job->scene->view;
-    const ty_ordinate_set* set = in->job->set;
+    const ty_angular_quadrature* set = in->job->set;
     const ty_vec back =
         ty_vec_make(-set->direction[0][direction], -set->direction[1][direction], -set->direction[2][direction]);
     double at[3];

@@ -6,7 +6,7 @@
 #include "direct/group.h"
 #include "direct/walls.h"
 #include "image/options.h"
-#include "solve/ordinates.h"
+#include "solve/ordinates/ordinates.h"
 
 #include <tyndall/dom.h>
 
@@ -83,8 +83,8 @@ typedef struct ty_dom_job {
     const ty_scene* scene;
     const ty_dom_def* def;
     ty_part_progress progress;
-    ty_ordinate_set* set;
-    ty_ordinate_set* last;  /* of the last sweep; NULL: the same */
+    ty_angular_quadrature* set;
+    ty_angular_quadrature* last;  /* of the last sweep; NULL: the same */
     ty_grid_medium* fine;   /* cells of uncollided light */
     ty_grid_medium* coarse; /* cells of ordinates */
     ty_source* sources;

@@ -6,7 +6,7 @@
  * lobes' moments from L on are scaled to what ordinates have at L - 1, cell by cell. */
 #include "base/context.h"
 #include "method/dom/view.h"
-#include "solve/harmonics.h"
+#include "solve/angular/harmonics.h"
 
 #include <math.h>
 

@@ -205,9 +205,9 @@ static ty_result keep_medium(ty_dom_job* job) {
     return TY_OK;
 }
 
-static ty_result make_set(const ty_dom_job* job, int32_t count, ty_ordinate_set** set, int32_t* exact) {
+static ty_result make_set(const ty_dom_job* job, int32_t count, ty_angular_quadrature** set, int32_t* exact) {
     *set = ty_alloc_array(job->context, 1, sizeof **set, true);
-    return *set != NULL ? ty_ordinate_set_make(job->context, count, *set, exact) : TY_ERROR_MEMORY;
+    return *set != NULL ? ty_angular_quadrature_create(job->context, count, *set, exact) : TY_ERROR_MEMORY;
 }
 
 ty_result ty_dom_sample_media(ty_dom_job* job) {

@@ -4,7 +4,7 @@
 #include "direct/cover.h"
 #include "method/dom/job.h"
 #include "scene/scene.h"
-#include "solve/harmonics.h"
+#include "solve/angular/harmonics.h"
 
 #include <math.h>
 #include <string.h>

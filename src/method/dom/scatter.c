@@ -186,7 +186,7 @@ static bool is_thick(const ty_dom_job* job, int32_t channel) {
     const float* extinction = job->coarse->extinction[job->light->planes == 3 ? channel : 0];
     const double longest = fmax(fmax(cell[0], cell[1]), cell[2]);
     for (size_t i = 0; i < job->light->cells; ++i)
-        if ((double)extinction[i] * longest > TY_ORDINATES_THICK) return true;
+        if ((double)extinction[i] * longest > TY_DIFFUSIVE_FREE_PATHS) return true;
     return false;
 }
 

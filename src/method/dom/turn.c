@@ -1,6 +1,6 @@
 /* Light on surfaces that are walls between cells. */
 #include "method/dom/view.h"
-#include "solve/harmonics.h"
+#include "solve/angular/harmonics.h"
 
 /* Faces of cells get what the surfaces do where these are no more slanted than this. */
 static const float least_slant = 1.03f;

@@ -4,7 +4,7 @@
 #include "method/dom/job.h"
 #include "method/dom/sky.h"
 #include "scene/scene.h"
-#include "solve/harmonics.h"
+#include "solve/angular/harmonics.h"
 
 #include <math.h>
 #include <string.h>

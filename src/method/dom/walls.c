@@ -165,10 +165,10 @@ bool ty_dom_walls_are_dark(const ty_dom_job* job, int32_t channel) {
 /* ---- ordinates ---- */
 
 /* sent: what they send besides what they reflect. */
-static ty_ordinates_walls walls_of(const ty_dom_job* job, int32_t channel, const float* sent) {
+static ty_ordinates_faces walls_of(const ty_dom_job* job, int32_t channel, const float* sent) {
     const ty_walls* walls = job->walls;
-    if (walls == NULL) return (ty_ordinates_walls){.count = 0};
-    return (ty_ordinates_walls){.count = walls->count,
+    if (walls == NULL) return (ty_ordinates_faces){.count = 0};
+    return (ty_ordinates_faces){.count = walls->count,
                                 .first = walls->first,
                                 .x = walls->x,
                                 .face = walls->face,

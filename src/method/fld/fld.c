@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "image/march.h"
 #include "scene/scene.h"
-#include "solve/diffusion.h"
+#include "solve/diffusion/diffusion.h"
 
 /* Fractions of a solve's work that are done after each part, and the share of a solve in a render: for progress. */
 static const double medium_until = 0.15, direct_until = 0.5, diffuse_until = 0.9, solve_share = 0.5;

@@ -5,7 +5,7 @@
 #include "direct/single.k.h"
 #include "direct/uncollided.h"
 #include "image/options.h"
-#include "solve/diffuse_light.h"
+#include "solve/diffusion/diffuse_light.h"
 
 #include <tyndall/fld.h>
 

@@ -15,7 +15,7 @@
 
 #include "direct/grid_medium.h"
 #include "direct/single.k.h"
-#include "solve/diffuse_light.h"
+#include "solve/diffusion/diffuse_light.h"
 
 /* On merged cells: what is emitted, W m^-3; what is to be added to the diffusion's fluence, and to its flux along x, y
  * and z, W m^-2. */

@@ -9,7 +9,7 @@
 #include "method/pop/carried.h"
 #include "method/pop/merge.h"
 #include "scene/scene.h"
-#include "solve/diffuse_light.h"
+#include "solve/diffusion/diffuse_light.h"
 
 struct ty_pop {
     ty_context* context;
