@@ -12,7 +12,7 @@ typedef double (*made_depth)(const void* user, const double origin[3], const dou
 
 static inline void made_set_face(ty_light_map* map, int face, ty_vec forward, double half) {
     ty_vec right, up;
-    ty_frame(forward, &right, &up);
+    ty_onb(forward, &right, &up);
     set3(map->forward[face], (double)forward.x, (double)forward.y, (double)forward.z);
     set3(map->right[face], half * (double)right.x, half * (double)right.y, half * (double)right.z);
     set3(map->up[face], half * (double)up.x, half * (double)up.y, half * (double)up.z);

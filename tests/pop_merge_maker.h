@@ -30,7 +30,7 @@ static inline ty_pop_light parallel_light(const ty_grid_box* box, ty_vec directi
                           .floats = floats};
     ty_pop_frame* frame = &light.frame;
     *frame = (ty_pop_frame){.kind = TY_LIGHT_PART_PARALLEL, .size = {9, 10, 11}};
-    ty_frame(direction, &frame->axis[0], &frame->axis[1]);
+    ty_onb(direction, &frame->axis[0], &frame->axis[1]);
     frame->axis[2] = direction;
     frame->origin = box_middle(box);
     float half[3];

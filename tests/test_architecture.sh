@@ -56,7 +56,7 @@ only() {
     case " $2 " in *" $file "*) ;; *) complain "$file sees <$1...>, which is for $2" ;; esac
   done
 }
-only embree "src/scene/mesh.c src/cli/bench/embree.c"
+only embree "src/scene/accel.c src/cli/bench/embree.c"
 only cairo "src/plot/canvas.c"
 only openvdb "src/io/volumes/vdb.cpp"
 

@@ -125,7 +125,7 @@ static void test_asks(void** state) {
 static void test_look(void** state) {
     const setup cloud = {4, 0.75f, 0.5f, SUN | SKY, false, false}, with_floor = {4, 0.75f, 0.5f, LAMP, false, true};
     ty_scene* scene = set_up(*state, &cloud);
-    ty_look look = choose(scene, 0, 0).look;
+    ty_scene_features look = choose(scene, 0, 0).features;
     assert_close(look.thickness, 4.05, 0.1);
     assert_close(look.g, 0.5, 1e-5);
     assert_close(look.albedo, 0.75, 1e-5);
@@ -133,11 +133,11 @@ static void test_look(void** state) {
     assert_in_range((int)(100 * look.media), 40, 75);
     assert_close(look.opacity / look.media, 0.9, 0.08); /* 1 - exp(-4) but for edges */
     assert_true(look.surfaces == 0 && look.enclosed == 0);
-    assert_false(look.varies || look.glows || look.inside);
+    assert_false(look.heterogeneous || look.glows || look.inside);
     assert_int_equal(look.lights, 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_ENVIRONMENT);
     ty_scene_destroy(scene);
     scene = set_up(*state, &with_floor);
-    look = choose(scene, 0, 0).look;
+    look = choose(scene, 0, 0).features;
     assert_true(look.enclosed == 0); /* the floor is farther off than the cube is long */
     assert_true(look.surfaces > 0.05 && look.surfaces < 0.6);
     ty_scene_destroy(scene);
@@ -153,10 +153,10 @@ static void test_overlapping_media(void** state) {
     add_medium(scene, &haze);
     commit(scene);
     const ty_choice choice = choose(scene, 0, 0);
-    assert_true(choice.look.inside && choice.look.glows);
-    assert_close(choice.look.thickness, 4.05 + 0.13, 0.1);
-    assert_close(choice.look.media, 1, 1e-6);
-    assert_close(choice.look.albedo, 1, 0.01);
+    assert_true(choice.features.inside && choice.features.glows);
+    assert_close(choice.features.thickness, 4.05 + 0.13, 0.1);
+    assert_close(choice.features.media, 1, 1e-6);
+    assert_close(choice.features.albedo, 1, 0.01);
     assert_non_null(strstr(choice.reason, "glow"));
     ty_scene_destroy(scene);
 }
@@ -168,7 +168,7 @@ static void test_threads(void** state) {
     ty_scene *scene = set_up(*state, &room), *same = set_up(one, &room);
     const ty_choice a = choose(scene, 0, 0), b = choose(same, 0, 0);
     assert_string_equal(a.reason, b.reason);
-    assert_memory_equal(&a.look, &b.look, sizeof a.look);
+    assert_memory_equal(&a.features, &b.features, sizeof a.features);
     ty_scene_destroy(scene);
     ty_scene_destroy(same);
     ty_context_destroy(one);

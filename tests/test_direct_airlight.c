@@ -1,6 +1,6 @@
 /* Airlight against sums over many points of each ray. */
 #include "direct/airlight.h"
-#include "direct/transmittance.k.h"
+#include "scene/transmittance.k.h"
 #include "direct_maker.h"
 #include "light_map_maker.h"
 #include "scene/phase.k.h"
@@ -73,12 +73,12 @@ static void add_point(const air_case* made, int32_t l, ty_vec origin, ty_vec dir
     float seen[3], reached[3];
     if (!ty_light_sample_from(light, point, 0, 0, &sample)) return;
     ty_transmittance(view->media, view->medium_count, origin, direction, t, NULL, seen);
-    ty_transmittance(view->media, view->medium_count, point, sample.look, sample.distance, NULL, reached);
+    ty_transmittance(view->media, view->medium_count, point, sample.wi, sample.distance, NULL, reached);
     for (int32_t m = 0; m < view->medium_count; ++m) {
         if (!is_in(&view->media[m], origin, direction, t)) continue;
         for (int c = 0; c < 3; ++c)
             sum[c] += weight * (double)(view->media[m].sigma_s[c] * seen[c] * reached[c] * sample.radiance[c] *
-                                        ty_hg(ty_dot(sample.look, direction), view->media[m].g[c]));
+                                        ty_hg(ty_dot(sample.wi, direction), view->media[m].g[c]));
     }
 }
 

@@ -309,7 +309,7 @@ static void jittered_lookups_average_to_the_trilinear_value(void** state) {
     for (int kind = 0; kind < 4; ++kind) {
         ty_grid* grid = random_grid(*state, size, (kind & 1) != 0 ? TY_GRID_F16 : TY_GRID_F32, kind >= 2);
         const ty_grid_view view = ty_grid_get_view(grid);
-        ty_random random = ty_random_begin(&sobol, 1, (uint64_t)kind, 0);
+        ty_sampler random = ty_sampler_begin(&sobol, 1, (uint64_t)kind, 0);
         for (int p = 0; p < 20; ++p) {
             double index[3], sum = 0, square = 0;
             for (int a = 0; a < 3; ++a) index[a] = uniform_in(&place, -1, size[a]);

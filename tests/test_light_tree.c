@@ -164,7 +164,7 @@ static bool contributes(const ty_light_view* light, ty_vec from, ty_vec normal, 
         ty_light_sample sample;
         const float u = (float)uniform(random) * 0.999f, v = (float)uniform(random) * 0.999f;
         if (!light_sent(light, from, u, v, &sample)) continue;
-        if (ty_dot(normal, normal) > 0 && ty_dot(normal, sample.look) <= 0) continue;
+        if (ty_dot(normal, normal) > 0 && ty_dot(normal, sample.wi) <= 0) continue;
         return true;
     }
     return false;

@@ -255,7 +255,7 @@ static void even_light_in_voxels(void** state) {
     check(scene, ty_scene_add_medium(scene, &fog));
     view_case at;
     begin_case(&at, scene, low, 4, 8, 2);
-    assert_true(ty_scene_get_view(scene)->media[0].varies);
+    assert_true(ty_scene_get_view(scene)->media[0].heterogeneous);
     const float terms[TY_SH_TERMS] = {2, 0.3f, 0.7f, 0.2f};
     fill(at.lattice, terms);
     ty_image* image = image_of(&at, NULL);
@@ -392,12 +392,12 @@ static void shadows(void** state) {
         for (int i = 0; i < WIDE * HIGH; ++i) {
             const ty_vec d = ty_camera_direction(&rays, (float)(i % WIDE) + 0.5f, (float)(i / WIDE) + 0.5f);
             ty_hit hit;
-            if (!ty_mesh_intersect(view->mesh, rays.origin, d, TY_FLOAT_MAX, &hit)) continue;
+            if (!ty_accel_intersect(view->mesh, rays.origin, d, TY_FLOAT_MAX, &hit)) continue;
             ty_surface_point point;
             ty_surface_evaluate(&view->surfaces[hit.surface], &hit, d, &point);
             const ty_vec look = ty_scale(view->lights.lights[0].direction, -1);
-            const double facing = fmax(0, (double)ty_dot(point.normal, look));
-            const bool lit = !ty_mesh_occluded(view->mesh, ty_hit_leave(&hit, point.facing), look, TY_FLOAT_MAX);
+            const double facing = fmax(0, (double)ty_dot(point.ns, look));
+            const bool lit = !ty_accel_occluded(view->mesh, ty_hit_leave(&hit, point.ng), look, TY_FLOAT_MAX);
             const double expected = lit ? 3 * (double)point.albedo[0] * facing / 3.14159265358979 : 0;
             wrong += fabs((double)r[i] - expected) > 1e-4;
             off += fabs((double)r[i] - expected);

@@ -147,7 +147,7 @@ static void images_of_walls_take_fog_light(void** state) {
 static void shells_bound(void** state) {
     static const float corners[] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
     static const uint32_t faces[] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
-    ty_shell* shell = NULL;
+    ty_closed_mesh* shell = NULL;
     lit_fog fog;
     begin_fog(*state, &fog);
     march_look(fog.scene, 0.25, 0.125, 50, 0.25, 0.125, 0);

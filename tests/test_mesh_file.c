@@ -118,7 +118,7 @@ static void shells_are_closed(void** state) {
     book = (log_book){0};
     put_tetrahedra("shell.glb", tetrahedra);
     ty_mesh_file_def def = ty_default_mesh_file_def();
-    ty_shell* shell = NULL;
+    ty_closed_mesh* shell = NULL;
     if (ty_mesh_file_shell(context, "shell.glb", &def, &shell) != TY_OK) fail_msg("%s", ty_last_error(context));
     ty_medium_def medium = ty_default_medium_def();
     medium.bounds = TY_BOUNDS_SHELL;
@@ -228,7 +228,7 @@ static void wrong_calls_are_refused(void** state) {
     def = ty_default_mesh_file_def();
     def.transform.m[3] = 1e30; /* what the scene itself refuses names the file */
     assert_failed(context, ty_scene_add_mesh_file(scene, "call.glb", &def), TY_ERROR_INPUT, "call.glb: ", NULL);
-    ty_shell* shell = NULL;
+    ty_closed_mesh* shell = NULL;
     assert_failed(context, ty_mesh_file_shell(context, "call.glb", &def, NULL), TY_ERROR_ARGUMENT, "out is NULL", NULL);
     char* empty = with_part(tetrahedra, "[{'nodes':[0,1,2]}]", "[{'nodes':[3]}]");
     put_tetrahedra("empty.glb", empty);

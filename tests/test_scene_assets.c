@@ -4,7 +4,7 @@
 #include "mesh_maker.h"
 
 #include "scene/scene.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 
 #include <sys/stat.h>
 #include <tyndall/io.h>

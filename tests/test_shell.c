@@ -3,7 +3,7 @@
 #include "triangle_maker.h"
 
 #include "scene/scene.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 #include "scene/spans.k.h"
 
 static const double zero[3] = {0, 0, 0};
@@ -276,7 +276,7 @@ static void open_edges_are_counted(void** state) {
     ty_context* context = NULL;
     assert_int_equal(ty_context_create(&context_def, &context), TY_OK);
     made_mesh mesh = made_nothing();
-    ty_shell* shell = NULL;
+    ty_closed_mesh* shell = NULL;
     made_add_box(&mesh, low, high);
     assert_int_equal(made_shell(context, &mesh, &shell), TY_OK);
     assert_int_equal(log.count, 0);
@@ -301,7 +301,7 @@ static void wrong_shells_are_refused(void** state) {
     static const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, low, high);
-    ty_shell* shell = NULL;
+    ty_closed_mesh* shell = NULL;
     assert_int_equal(ty_shell_create(*state, mesh.positions, 36, mesh.indices, 0, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: 36 vertices and 0 triangles");
     assert_int_equal(ty_shell_create(*state, NULL, 36, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);

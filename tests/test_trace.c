@@ -59,9 +59,9 @@ static ty_ray* make_rays(void) {
     return rays;
 }
 
-static void check_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_ray_hit* hit, double tolerance) {
+static void check_hit(const ty_accel* mesh, const ty_ray* ray, const ty_ray_hit* hit, double tolerance) {
     ty_hit expected = {.surface = -1};
-    if (!ty_mesh_intersect(mesh, ty_vec_load(ray->origin), ty_vec_load(ray->direction), ray->far, &expected)) {
+    if (!ty_accel_intersect(mesh, ty_vec_load(ray->origin), ty_vec_load(ray->direction), ray->far, &expected)) {
         assert_int_equal(hit->surface, -1);
         assert_true(hit->distance == ray->far);
         assert_true(hit->part == 0 && hit->margin == 0);
@@ -79,7 +79,7 @@ static void check_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_ray_hit* 
 
 static void many_rays_meet_what_single_rays_meet(void** state) {
     ty_scene* scene = furnished_scene(*state);
-    const ty_mesh* mesh = ty_scene_get_view(scene)->mesh;
+    const ty_accel* mesh = ty_scene_get_view(scene)->mesh;
     ty_ray* rays = make_rays();
     ty_ray_hit* hits = malloc(RAYS * sizeof *hits);
     bool* shadowed = malloc(RAYS);

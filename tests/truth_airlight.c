@@ -73,7 +73,7 @@ static ty_vec find_rays(const ty_scene* scene, eye_ray* rays) {
         even_point(i, at);
         rays[i].way =
             ty_camera_direction(&camera, (float)(pixel % WIDTH + at[0]), (float)((int)(pixel / WIDTH) + at[1]));
-        const bool met = ty_mesh_intersect(view->mesh, camera.origin, rays[i].way, TY_FLOAT_MAX, &hit);
+        const bool met = ty_accel_intersect(view->mesh, camera.origin, rays[i].way, TY_FLOAT_MAX, &hit);
         rays[i].far = met ? hit.distance : INFINITY;
     }
     return camera.origin;

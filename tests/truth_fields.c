@@ -166,14 +166,14 @@ static void test_curved_transfer(void** state) {
 
 /* ---- shells ---- */
 
-static ty_shell* shell_of(ty_context* context, made_mesh* mesh) {
-    ty_shell* shell = NULL;
+static ty_closed_mesh* shell_of(ty_context* context, made_mesh* mesh) {
+    ty_closed_mesh* shell = NULL;
     must(context, made_shell(context, mesh, &shell));
     made_free(mesh);
     return shell;
 }
 
-static ty_shell* cube_shell(ty_context* context, double half) {
+static ty_closed_mesh* cube_shell(ty_context* context, double half) {
     const double low[3] = {-half, -half, -half}, high[3] = {half, half, half};
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, low, high);

@@ -41,7 +41,7 @@ static void test_sampler(void** state) {
     (void)state;
     const ty_vec axis = ty_normalize(ty_vec_make(0.3f, -0.8f, 0.5f));
     ty_vec s, t;
-    ty_frame(axis, &s, &t);
+    ty_onb(axis, &s, &t);
     for (int i = 0; i < CASES; ++i) {
         const double g = anisotropies[i];
         /* At 0.99, a sixty-fourth of the light is within a few roundings of a float cosine: fewer samples do not see

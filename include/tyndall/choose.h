@@ -30,27 +30,27 @@ typedef struct ty_choose_def {
 } ty_choose_def;
 
 /* What a few hundred rays from the camera, and as many from what scatters in its view, find. 0 where there is none. */
-typedef struct ty_look {
+typedef struct ty_scene_features {
     double media;     /* fraction of the frame in which there are media */
     double thickness; /* optical, along the ray that has most of it; mean of the channels */
     double opacity;   /* fraction of the light from behind that media take, mean over the frame */
     double g, albedo; /* of what scatters, weighted by what is seen of it; means of the channels */
     double cell; /* optical thickness, where media first scatter, of a fortieth of the longest side of the box around
                     them, about a cell of grid methods; mean over the view */
-    double surfaces; /* fraction of the frame in which there are surfaces */
-    double enclosed; /* of the directions around what scatters in view, the fraction in which there are surfaces no
-                        farther off than the media's box is long */
-    bool varies;     /* whether media differ from place to place */
-    bool glows;      /* whether media send light of their own */
-    bool inside;     /* whether the camera is in a medium */
-    uint32_t lights; /* 1 << TY_LIGHT_... for each kind; glowing surfaces count as area lights */
-} ty_look;
+    double surfaces;    /* fraction of the frame in which there are surfaces */
+    double enclosed;    /* of the directions around what scatters in view, the fraction in which there are surfaces no
+                           farther off than the media's box is long */
+    bool heterogeneous; /* whether media differ from place to place */
+    bool glows;         /* whether media send light of their own */
+    bool inside;        /* whether the camera is in a medium */
+    uint32_t lights;    /* 1 << TY_LIGHT_... for each kind; glowing surfaces count as area lights */
+} ty_scene_features;
 
 /* What is chosen. */
 typedef struct ty_choice {
-    const char* method; /* "path", "lpv" or "dom" */
-    char reason[256];   /* why, as one sentence without its full stop: "uneven media ..." */
-    ty_look look;       /* what was seen of the scene */
+    const char* method;         /* "path", "lpv" or "dom" */
+    char reason[256];           /* why, as one sentence without its full stop: "uneven media ..." */
+    ty_scene_features features; /* what was seen of the scene */
 } ty_choice;
 
 /* Nothing but a picture. */

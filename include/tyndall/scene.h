@@ -41,18 +41,18 @@ typedef enum ty_bounds_kind {
 
 /* A closed triangle mesh that a medium fills. A point is inside where more surfaces lead out than in, so orientation
  * matters and shells may nest or overlap. */
-typedef struct ty_shell ty_shell;
+typedef struct ty_closed_mesh ty_closed_mesh;
 
 /* positions: 3 floats per vertex; indices: 3 per triangle, counter-clockwise seen from outside. Both are copied. Edges
  * that triangles do not pass as often one way as the other are counted in a warning: rays through such holes see the
  * medium end late or early. Of the places where a ray crosses the mesh the nearest 64 count.
  * Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position not finite), TY_ERROR_MEMORY. */
 TY_API ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count,
-                                 const uint32_t* indices, int64_t triangle_count, ty_shell** out);
+                                 const uint32_t* indices, int64_t triangle_count, ty_closed_mesh** out);
 /* Adds an owner, and returns the shell. NULL is allowed. */
-TY_API ty_shell* ty_shell_retain(ty_shell* shell);
+TY_API ty_closed_mesh* ty_shell_retain(ty_closed_mesh* shell);
 /* Removes an owner; the last one frees the shell. NULL is allowed. */
-TY_API void ty_shell_destroy(ty_shell* shell);
+TY_API void ty_shell_destroy(ty_closed_mesh* shell);
 
 /* One point of a transfer function. Between points density and albedo are linear in the value; beyond the ends they
  * stay as they are there. */
@@ -75,7 +75,7 @@ typedef struct ty_medium_def {
     double box_max[3];       /* m, each above box_min */
     double sphere_center[3]; /* m, before transform */
     double sphere_radius;    /* m, > 0 */
-    ty_shell* shell;         /* TY_BOUNDS_SHELL, m, before transform; retained; default NULL */
+    ty_closed_mesh* shell;   /* TY_BOUNDS_SHELL, m, before transform; retained; default NULL */
     ty_affine transform;     /* applied to bounds and grids; default identity */
     ty_grid* density_grid;   /* retained; NULL (default): density is 1 everywhere within bounds */
     float sigma_s[3];        /* scattering coefficient at density 1, 1/m, >= 0; default 0 */

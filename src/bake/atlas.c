@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "scene/check.h"
-#include "scene/mesh.h"
+#include "scene/accel.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -188,9 +188,9 @@ static ty_bake_receiver place_receiver(const placer* work, int32_t texel) {
     ty_surface_evaluate(&work->surface, &hit, ty_scale(hit.normal, -1.0f), &point);
     const ty_vec at = ty_mad(ty_mad(a, ab, hit.b1), ac, hit.b2);
     return (ty_bake_receiver){.position = {at.x, at.y, at.z},
-                              .normal = {point.normal.x, point.normal.y, point.normal.z},
+                              .normal = {point.ns.x, point.ns.y, point.ns.z},
                               .face = {hit.normal.x, hit.normal.y, hit.normal.z},
-                              .margin = ty_mesh_triangle_margin(hit.normal, a, b, c)};
+                              .margin = ty_accel_ray_epsilon(hit.normal, a, b, c)};
 }
 
 enum { BLOCK = 1024 };

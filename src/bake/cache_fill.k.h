@@ -50,7 +50,7 @@ typedef struct ty_cache_cell_sums {
 } ty_cache_cell_sums;
 
 /* The side that a point is on; the first that sees no anchor becomes the second. NULL: it is on neither. */
-TY_FN ty_cache_side_sums* ty_cache_find_side(const ty_mesh* mesh, ty_cache_cell_sums* sums, ty_vec point) {
+TY_FN ty_cache_side_sums* ty_cache_find_side(const ty_accel* mesh, ty_cache_cell_sums* sums, ty_vec point) {
     for (int32_t i = 0; i < sums->sides; ++i)
         if (mesh == NULL || ty_cache_sees(mesh, point, sums->side[i].anchor)) return &sums->side[i];
     if (sums->sides == TY_CACHE_SIDES) return NULL;
@@ -73,33 +73,33 @@ TY_FN void ty_cache_meet(const ty_cache_request* request, const ty_hit* hit, ty_
 TY_FN uint64_t ty_cache_sample(const ty_cache_request* request, int32_t cell, uint32_t number,
                                ty_cache_cell_sums* sums) {
     const float factor[3] = {TY_INV_4PI, TY_INV_4PI, TY_INV_4PI};
-    const ty_mesh* mesh = request->path.scene->mesh;
+    const ty_accel* mesh = request->path.scene->mesh;
     ty_path path;
     ty_light_sample sample;
     ty_hit hit;
     float chosen, straight[3], rest[3];
     ty_path_begin(&path, &request->path, (uint64_t)cell, number);
-    const float x = ty_random_next(&path.random), y = ty_random_next(&path.random), z = ty_random_next(&path.random);
+    const float x = ty_sobol_next(&path.random), y = ty_sobol_next(&path.random), z = ty_sobol_next(&path.random);
     path.origin = ty_cache_point(&request->view, cell, x, y, z);
     path.run = 1;
     ty_cache_side_sums* side = ty_cache_find_side(mesh, sums, path.origin);
     if (side == NULL) return 2;
     const ty_light_view* light = ty_path_choose_light(&path, path.origin, &chosen, &sample);
     if (light != NULL) ty_path_add_vertex_light(&path, light, chosen, &sample, factor, TY_INV_4PI, 0.0f);
-    memcpy(straight, path.radiance[TY_PART_UNCOLLIDED], sizeof straight);
+    memcpy(straight, path.radiance[TY_PATH_UNCOLLIDED], sizeof straight);
     memset(path.radiance, 0, sizeof path.radiance);
-    ty_path_turn_anywhere(&path);
+    ty_path_sample_sphere(&path);
     const ty_vec direction = path.direction;
-    const bool met = mesh != NULL && ty_mesh_intersect(mesh, path.origin, direction, TY_FLOAT_MAX, &hit),
+    const bool met = mesh != NULL && ty_accel_intersect(mesh, path.origin, direction, TY_FLOAT_MAX, &hit),
                back = met && ty_dot(hit.normal, direction) > 0.0f;
     if (met) ty_cache_meet(request, &hit, direction);
     const uint64_t rays = 4 + 2 * ty_path_follow(&path);
     ty_cache_sums* sum = back ? &side->backs : &side->fronts;
     for (int c = 0; c < 3; ++c)
         rest[c] =
-            path.radiance[TY_PART_REFLECTED][c] + path.radiance[TY_PART_SINGLE][c] + path.radiance[TY_PART_MULTIPLE][c];
-    if (light != NULL) ty_cache_add(sum, TY_CACHE_ONCE, straight, sample.look);
-    ty_cache_add(sum, TY_CACHE_ONCE, path.radiance[TY_PART_UNCOLLIDED], direction);
+            path.radiance[TY_PATH_REFLECTED][c] + path.radiance[TY_PATH_SINGLE][c] + path.radiance[TY_PATH_MULTIPLE][c];
+    if (light != NULL) ty_cache_add(sum, TY_CACHE_ONCE, straight, sample.wi);
+    ty_cache_add(sum, TY_CACHE_ONCE, path.radiance[TY_PATH_UNCOLLIDED], direction);
     ty_cache_add(sum, TY_CACHE_REST, rest, direction);
     sum->paths += 1;
     return rays;

@@ -14,14 +14,14 @@ TY_FN int32_t ty_cache_cell(const ty_cache_view* view, ty_vec at) {
     return x + size[0] * (y + size[1] * z);
 }
 
-TY_FN bool ty_cache_sees(const ty_mesh* mesh, ty_vec from, ty_vec to) {
+TY_FN bool ty_cache_sees(const ty_accel* mesh, ty_vec from, ty_vec to) {
     const ty_vec way = ty_sub(to, from);
     const float distance = sqrtf(ty_dot(way, way));
-    return !(distance > 0.0f) || !ty_mesh_occluded(mesh, from, ty_scale(way, 1.0f / distance), distance);
+    return !(distance > 0.0f) || !ty_accel_occluded(mesh, from, ty_scale(way, 1.0f / distance), distance);
 }
 
 /* The side of a cell that a point sees; -1: it sees neither. */
-TY_FN int32_t ty_cache_side(const ty_cache_view* view, const ty_mesh* mesh, int32_t cell, ty_vec at) {
+TY_FN int32_t ty_cache_side(const ty_cache_view* view, const ty_accel* mesh, int32_t cell, ty_vec at) {
     const float* anchor = view->anchor + (size_t)cell * (3 * TY_CACHE_SIDES);
     const uint8_t known = view->known[cell];
     if ((known & 1) != 0 && ty_cache_sees(mesh, at, ty_vec_load(anchor))) return 0;
@@ -31,8 +31,8 @@ TY_FN int32_t ty_cache_side(const ty_cache_view* view, const ty_mesh* mesh, int3
 
 /* A random way from a point, by which the cell that one comes to is one of the eight around: the mean is trilinear
  * between cells' middles, even beyond the outermost. */
-TY_FN ty_vec ty_cache_jitter(const ty_cache_view* view, ty_random* random) {
-    const uint64_t bits = ty_random_bits(random);
+TY_FN ty_vec ty_cache_jitter(const ty_cache_view* view, ty_sampler* random) {
+    const uint64_t bits = ty_rng_bits(random);
     const float half = 0.5f, metres = 1.0f / view->per_metre;
     const ty_vec jitter = ty_vec_make((float)(uint32_t)(bits >> 43) * 0x1p-21f - half,
                                       (float)(uint32_t)(bits >> 22 & 0x1fffffu) * 0x1p-21f - half,
@@ -42,7 +42,7 @@ TY_FN ty_vec ty_cache_jitter(const ty_cache_view* view, ty_random* random) {
 
 /* The light of one of the cells around a point. Near surfaces that cut cells, or cells from each other, light counts
  * that the point sees where it was gathered. */
-TY_FN const float* ty_cache_look(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_random* random) {
+TY_FN const float* ty_cache_look(const ty_cache_view* view, const ty_accel* mesh, ty_vec at, ty_sampler* random) {
     int32_t cell = ty_cache_cell(view, ty_add(at, ty_cache_jitter(view, random))), side = 0;
     const int32_t own = ty_cache_cell(view, at);
     const size_t each = (size_t)(TY_CACHE_KINDS * view->floats);
@@ -96,7 +96,7 @@ TY_FN bool ty_wall_is_flush(const ty_cache_view* view, ty_vec place, ty_vec norm
 }
 
 /* What a wall says of a point on a surface: how much of its word counts. open: whether nothing stands between cells. */
-TY_FN float ty_wall_counts(const ty_cache_view* view, const ty_mesh* mesh, const float* wall, ty_vec at, ty_vec normal,
+TY_FN float ty_wall_counts(const ty_cache_view* view, const ty_accel* mesh, const float* wall, ty_vec at, ty_vec normal,
                            bool open) {
     if (wall == NULL || !(wall[TY_WALL_WALKS] > 0.0f)) return 0.0f;
     const ty_vec own = ty_vec_load(wall + TY_WALL_NORMAL);
@@ -116,8 +116,8 @@ TY_FN bool ty_cache_is_open(const ty_cache_view* view, ty_vec at) {
 }
 
 /* A wall around a point on a surface, beside it along the surface by chance; NULL: nothing is known. */
-TY_FN const float* ty_cache_look_wall(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_vec normal,
-                                      ty_random* random) {
+TY_FN const float* ty_cache_look_wall(const ty_cache_view* view, const ty_accel* mesh, ty_vec at, ty_vec normal,
+                                      ty_sampler* random) {
     if (view->ways == NULL || !ty_cache_holds(view, at)) return NULL;
     const int32_t way = ty_wall_way(normal), own = ty_cache_cell(view, at);
     const bool open = ty_cache_is_open(view, at);
@@ -131,7 +131,7 @@ TY_FN const float* ty_cache_look_wall(const ty_cache_view* view, const ty_mesh* 
 
 /* The trilinear mean of the walls around a point on a surface: light[kind][channel][term], and the variance of that.
  * Returns how many walks from that point would have as much noise; 0: nothing is known. */
-TY_FN float ty_cache_mean_wall(const ty_cache_view* view, const ty_mesh* mesh, ty_vec at, ty_vec normal,
+TY_FN float ty_cache_mean_wall(const ty_cache_view* view, const ty_accel* mesh, ty_vec at, ty_vec normal,
                                float light[TY_WALL_LIGHTS], float variance[3]) {
     float part[3], weights = 0.0f, squares = 0.0f;
     int32_t low[3];

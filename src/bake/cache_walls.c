@@ -7,7 +7,7 @@ enum { AROUND = 27, ROW_CELLS = 64 };
 
 typedef struct walls {
     ty_bake_cache* cache;
-    const ty_mesh* mesh;
+    const ty_accel* mesh;
     uint8_t* cut; /* per cell: whether it cannot stand for what is around */
 } walls;
 
@@ -57,7 +57,7 @@ static void take_around(ty_cache_view* view, int64_t cell) {
     for (size_t f = 0; f < floats && count > 0; ++f) out[f] /= (float)count;
 }
 
-ty_result ty_cache_part(ty_bake_cache* cache, const ty_mesh* mesh) {
+ty_result ty_cache_part(ty_bake_cache* cache, const ty_accel* mesh) {
     walls w = {.cache = cache, .mesh = mesh};
     w.cut = ty_alloc_array(cache->context, cache->cells, 1, false);
     if (w.cut == NULL) return TY_ERROR_MEMORY;

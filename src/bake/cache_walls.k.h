@@ -17,29 +17,29 @@ typedef struct ty_wall_sums {
 } ty_wall_sums;
 
 /* A point on a surface in a cell, found from a random one; false where there is none. */
-TY_FN bool ty_wall_find(const ty_cache_request* request, int32_t cell, ty_random* random, ty_encounter* out,
+TY_FN bool ty_wall_find(const ty_cache_request* request, int32_t cell, ty_sampler* random, ty_intersection* out,
                         ty_vec* direction) {
     const ty_cache_view* view = &request->view;
     const ty_scene_view* scene = request->path.scene;
-    const float x = ty_random_white(random), y = ty_random_white(random), z = ty_random_white(random);
-    const float u = ty_random_white(random), v = ty_random_white(random);
+    const float x = ty_rng_uniform(random), y = ty_rng_uniform(random), z = ty_rng_uniform(random);
+    const float u = ty_rng_uniform(random), v = ty_rng_uniform(random);
     const ty_vec from = ty_cache_point(view, cell, x, y, z);
     *direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     const float far = 1.7320508f / view->per_metre;
-    return ty_mesh_intersect(scene->mesh, from, *direction, far, &out->hit) &&
+    return ty_accel_intersect(scene->mesh, from, *direction, far, &out->hit) &&
            ty_cache_cell(view, out->hit.position) == cell && ty_cache_holds(view, out->hit.position);
 }
 
 /* One walk from a point on a surface. */
-TY_FN void ty_wall_walk(ty_gather* g, const ty_cache_request* request, int32_t wall, const ty_encounter* start,
+TY_FN void ty_wall_walk(ty_gather* g, const ty_cache_request* request, int32_t wall, const ty_intersection* start,
                         ty_wall_sums* sums) {
     ty_path* path = &g->path;
     float single[3] = {0.0f, 0.0f, 0.0f}, multiple[3] = {0.0f, 0.0f, 0.0f}, basis[TY_BAKE_TERMS_MAX];
-    const ty_vec facing = start->point.facing, at = start->hit.position;
+    const ty_vec facing = start->point.ng, at = start->hit.position;
     ty_path_begin(path, &request->path, (uint64_t)wall | TY_FOG_ITEM, (uint32_t)sums->walks);
     path->origin = ty_hit_leave(&start->hit, facing);
-    path->normal = g->normal = start->point.normal;
-    ty_path_turn(path);
+    path->normal = g->normal = start->point.ns;
+    ty_path_sample_cosine_hemisphere(path);
     ty_gather_basis(g, path->direction, basis);
     const float weight = 1.0f / path->pdf;
     if (ty_dot(facing, path->direction) > 0.0f) ty_cached_walk(g, false, single, multiple);
@@ -89,14 +89,14 @@ TY_FN void ty_wall_fill(ty_gather* g, const ty_cache_request* request, int32_t c
     const ty_cache_view* view = &request->view;
     const int32_t ways = view->ways[cell], count = __builtin_popcount((uint32_t)ways);
     ty_wall_sums sums[TY_WALL_WAYS];
-    ty_random random = ty_random_begin(request->path.sobol, ~request->path.seed, (uint64_t)cell, 0);
-    ty_encounter at;
+    ty_sampler random = ty_sampler_begin(request->path.sobol, ~request->path.seed, (uint64_t)cell, 0);
+    ty_intersection at;
     ty_vec direction;
     memset(sums, 0, sizeof sums);
     for (uint32_t i = 0, full = 0; i < TY_WALL_TRIES * request->paths && (int32_t)full < count; ++i) {
         if (!ty_wall_find(request, cell, &random, &at, &direction)) continue;
         ty_surface_evaluate(&request->path.scene->surfaces[at.hit.surface], &at.hit, direction, &at.point);
-        const int32_t way = ty_wall_way(at.point.facing);
+        const int32_t way = ty_wall_way(at.point.ng);
         if ((ways >> way & 1) == 0 || (uint32_t)sums[way].walks == request->paths) continue;
         if (sums[way].walks > 0 && !ty_wall_is_flush(view, sums[way].first, sums[way].facing, at.hit.position))
             continue;

@@ -31,7 +31,7 @@ TY_FN void ty_cached_fog_at(ty_gather* g, const ty_fog_point* point, float share
 }
 
 /* The path's ray to its end (false where it meets no surface), and the media on it, at places that u picks. */
-TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_encounter* end, ty_segment* segment,
+TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_intersection* end, ty_segment* segment,
                            ty_cached_fog* fog) {
     ty_fog_point point = ty_fog_point_begin(u, &g->path.random);
     segment->point = &point;
@@ -46,22 +46,22 @@ TY_FN bool ty_cached_trace(ty_gather* g, float u, int32_t places, ty_encounter* 
 
 /* Light that media scattered and the surface at *start reflects. It is known where walls are (looks); else the path
  * goes on from there. */
-TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks, float out[3]) {
+TY_FN void ty_cached_follow(ty_gather* g, const ty_intersection* start, bool looks, float out[3]) {
     const ty_bake_request* request = g->request;
     ty_path* path = &g->path;
     const int32_t most = path->request->max_depth;
-    ty_encounter end = *start;
+    ty_intersection end = *start;
     ty_segment segment;
     ty_cached_fog fog;
     for (int c = 0; c < 3; ++c) {
         path->beta[c] = 1.0f;
         out[c] = 0.0f;
     }
-    path->survival = 1.0f;
+    path->rr_throughput = 1.0f;
     path->depth = 0;
     while (ty_max3(end.point.albedo) > 0.0f && (most == 0 || path->depth < most)) {
-        path->origin = ty_hit_leave(&end.hit, end.point.facing);
-        path->normal = end.point.normal;
+        path->origin = ty_hit_leave(&end.hit, end.point.ng);
+        path->normal = end.point.ns;
         ++path->depth;
         for (int c = 0; c < 3; ++c) path->beta[c] *= end.point.albedo[c];
         const float before = ty_sum3(path->beta);
@@ -74,11 +74,11 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks,
                 out[c] += path->beta[c] * (1.0f / TY_PI) * (single[c * TY_WALL_TERMS] + multiple[c * TY_WALL_TERMS]);
             return;
         }
-        path->survival *= ty_max3(end.point.albedo);
-        ty_path_turn(path);
-        if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
+        path->rr_throughput *= ty_max3(end.point.albedo);
+        ty_path_sample_cosine_hemisphere(path);
+        if (!(ty_dot(end.point.ng, path->direction) > 0.0f)) return;
         const bool hit =
-            ty_cached_trace(g, ty_random_next(&path->random), looks ? 1 : TY_WALK_PLACES_ON, &end, &segment, &fog);
+            ty_cached_trace(g, ty_sobol_next(&path->random), looks ? 1 : TY_WALK_PLACES_ON, &end, &segment, &fog);
         for (int c = 0; c < 3; ++c) {
             out[c] += path->beta[c] * (fog.once[c] + fog.rest[c]);
             path->beta[c] *= segment.transmittance[c];
@@ -89,11 +89,11 @@ TY_FN void ty_cached_follow(ty_gather* g, const ty_encounter* start, bool looks,
 
 /* Radiance that media scattered, along the path's ray: once and never touched by anything else, and other. */
 TY_FN void ty_cached_walk(ty_gather* g, bool looks, float single[3], float multiple[3]) {
-    ty_encounter end;
+    ty_intersection end;
     ty_segment segment;
     ty_cached_fog fog;
     float reflected[3] = {0.0f, 0.0f, 0.0f};
-    const bool hit = ty_cached_trace(g, ty_random_next(&g->path.random), looks ? TY_FOG_PLACES : TY_WALK_PLACES, &end,
+    const bool hit = ty_cached_trace(g, ty_sobol_next(&g->path.random), looks ? TY_FOG_PLACES : TY_WALK_PLACES, &end,
                                      &segment, &fog);
     if (hit) ty_cached_follow(g, &end, looks, reflected);
     for (int c = 0; c < 3; ++c) {
@@ -113,7 +113,7 @@ TY_FN void ty_cached_borrow(ty_gather* g) {
     ty_bake_sums* sums = g->sums;
     float light[TY_WALL_LIGHTS], variance[3];
     if (request->terms == TY_BAKE_SH_TERMS) return;
-    const ty_mesh* mesh = request->path.scene->mesh;
+    const ty_accel* mesh = request->path.scene->mesh;
     const float walks = ty_cache_mean_wall(&request->cache, mesh, g->from, g->normal, light, variance);
     if (!(walks > 0.0f)) return;
     sums->borrowed = (double)walks;
@@ -136,9 +136,9 @@ TY_FN void ty_cached_ask(ty_gather* g, uint64_t item, uint32_t number) {
     path->normal = g->normal;
     for (int c = 0; c < 3; ++c) g->sample[c] = 0.0f;
     if (probe)
-        ty_path_turn_anywhere(path);
+        ty_path_sample_sphere(path);
     else
-        ty_path_turn(path);
+        ty_path_sample_cosine_hemisphere(path);
     if (probe || ty_dot(g->face, path->direction) > 0.0f) {
         const float weight = 1.0f / path->pdf;
         ty_gather_basis(g, path->direction, basis);

@@ -85,7 +85,7 @@ static void end_of(const chart_job* job, int64_t triangle, int corner, double at
     hit.normal = ty_triangle_normal(ty_sub(b, a), ty_sub(c, a), &area);
     ty_surface_point point;
     ty_surface_evaluate(&job->surface, &hit, ty_scale(hit.normal, -1.0f), &point);
-    *normal = point.normal;
+    *normal = point.ns;
 }
 
 /* Joins two triangles that share an edge on the surface, or notes a seam. */

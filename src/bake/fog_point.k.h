@@ -2,13 +2,13 @@
 #ifndef TY_BAKE_FOG_POINT_K_H
 #define TY_BAKE_FOG_POINT_K_H
 
-#include "method/path/flight.k.h"
+#include "method/path/collision.k.h"
 
 /* Chosen among the pieces of a ray that are offered one after the other, by how much of the light that comes from there
  * they stop. */
 typedef struct ty_fog_point {
     float u;                                /* random, in [0, 1): where in the piece */
-    ty_random* random;                      /* which piece */
+    ty_sampler* random;                     /* which piece */
     float all;                              /* of all pieces: what they stop, mean of the channels */
     TY_GLOBAL const ty_medium_view* medium; /* the chosen piece's; NULL: there is none */
     float enter, leave;                     /* m along the ray */
@@ -17,7 +17,7 @@ typedef struct ty_fog_point {
     float left[3];
 } ty_fog_point;
 
-TY_FN ty_fog_point ty_fog_point_begin(float u, ty_random* random) {
+TY_FN ty_fog_point ty_fog_point_begin(float u, ty_sampler* random) {
     ty_fog_point point;
     point.random = random;
     point.u = u;
@@ -34,11 +34,13 @@ TY_FN void ty_fog_point_offer(ty_fog_point* point, TY_GLOBAL const ty_medium_vie
         for (int c = 0; c < 3; ++c) point->left[c] = 1.0f;
     }
     for (int c = 0; c < 3; ++c) {
-        stopped[c] = c > 0 && medium->gray != 0 ? stopped[0] : point->left[c] * ty_stopped(medium->sigma_t[c] * matter);
+        stopped[c] = c > 0 && medium->gray != 0
+                         ? stopped[0]
+                         : point->left[c] * ty_collision_probability(medium->sigma_t[c] * matter);
         stops += (1.0f / 3.0f) * stopped[c];
     }
     point->all += stops;
-    if (stops > 0.0f && (point->medium == NULL || ty_random_white(point->random) * point->all < stops)) {
+    if (stops > 0.0f && (point->medium == NULL || ty_rng_uniform(point->random) * point->all < stops)) {
         point->medium = medium;
         point->matter = matter;
         point->enter = enter;
@@ -58,11 +60,13 @@ TY_FN float ty_fog_point_place(const ty_fog_point* point, float weight[3], float
     float u = point->u, share[3], sum = 0.0f, total = 0.0f;
     int32_t channel = 0;
     if (!gray) {
-        for (int c = 0; c < 3; ++c) sum += share[c] = point->passing[c] * ty_stopped(sigma_t[c] * point->matter);
-        channel = ty_pick(share, 3, sum, &u);
+        for (int c = 0; c < 3; ++c)
+            sum += share[c] = point->passing[c] * ty_collision_probability(sigma_t[c] * point->matter);
+        channel = ty_sample_discrete(share, 3, sum, &u);
     }
     const float depth = sigma_t[channel] * point->matter;
-    const float part = depth > 0.0f ? ty_minf(1.0f, ty_stopping_depth(u * ty_stopped(depth)) / depth) : u;
+    const float part =
+        depth > 0.0f ? ty_minf(1.0f, ty_sample_collision_depth(u * ty_collision_probability(depth)) / depth) : u;
     for (int c = 0; c < 3; ++c) {
         left[c] = c > 0 && gray ? left[0] : point->passing[c] * ty_expf(-sigma_t[c] * point->matter * part);
         total += weight[c] = sigma_t[c] * left[c];

@@ -34,7 +34,7 @@ bool ty_bake_is_gray(const ty_medium_view* medium);
 ty_result ty_bake_cache_make(const ty_bake_run* run, const ty_scene* scene, ty_bake_cache** out);
 /* Once all cells are filled: which of them see each other, and what is known where nothing was found. Errors:
  * TY_ERROR_MEMORY. */
-ty_result ty_cache_part(ty_bake_cache* cache, const ty_mesh* mesh);
+ty_result ty_cache_part(ty_bake_cache* cache, const ty_accel* mesh);
 /* Checks def and receivers and takes memory. Whatever it returns, ty_bake_run_end is to follow. */
 ty_result ty_bake_run_begin(ty_bake_run* run, const ty_scene* scene, const ty_bake_def* def,
                             const ty_bake_receiver* receivers, int64_t count, int32_t terms);

@@ -130,9 +130,9 @@ TY_FN void ty_gather_keep_response(ty_gather* g, const ty_emitter* emitter, cons
 TY_FN void ty_emitter_look_from(ty_emitter* emitter, ty_vec from) {
     const ty_vec to = ty_sub(emitter->position, from);
     const float distance = sqrtf(ty_dot(to, to));
-    emitter->look = distance > 0.0f ? ty_scale(to, 1.0f / distance) : ty_vec_make(0.0f, 0.0f, 1.0f);
+    emitter->wi = distance > 0.0f ? ty_scale(to, 1.0f / distance) : ty_vec_make(0.0f, 0.0f, 1.0f);
     emitter->distance = ty_disc_distance(distance, emitter->area);
-    emitter->cosine = emitter->kind == TY_IMPULSE_AREA ? -ty_dot(emitter->normal, emitter->look) : 1.0f;
+    emitter->cosine = emitter->kind == TY_IMPULSE_AREA ? -ty_dot(emitter->normal, emitter->wi) : 1.0f;
 }
 
 /* ---- segments ---- */
@@ -162,12 +162,12 @@ TY_FN ty_vec ty_gather_fog_place(const ty_gather* g, const ty_fog_point* point, 
 }
 
 /* The path's ray to its end, and the media on it, which segment->point is offered; false where it meets no surface. */
-TY_FN bool ty_gather_find_end(ty_gather* g, ty_encounter* end, ty_segment* segment) {
+TY_FN bool ty_gather_find_end(ty_gather* g, ty_intersection* end, ty_segment* segment) {
     const ty_scene_view* scene = g->request->path.scene;
     const ty_path* path = &g->path;
     ++g->rays;
     const bool hit =
-        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
+        scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (hit) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
     ty_segment_find(segment, scene->media, scene->medium_count, path->origin, path->direction,
                     hit ? end->hit.distance : TY_FLOAT_MAX);
@@ -175,11 +175,11 @@ TY_FN bool ty_gather_find_end(ty_gather* g, ty_encounter* end, ty_segment* segme
 }
 
 /* The same, and what glows on the way. */
-TY_FN bool ty_gather_trace(ty_gather* g, ty_encounter* end, ty_segment* segment) {
+TY_FN bool ty_gather_trace(ty_gather* g, ty_intersection* end, ty_segment* segment) {
     float weight[3], albedo[3];
     segment->point = NULL;
     if (g->request->glows == 0) return ty_gather_find_end(g, end, segment);
-    ty_fog_point point = ty_fog_point_begin(ty_random_white(&g->path.random), &g->path.random);
+    ty_fog_point point = ty_fog_point_begin(ty_rng_uniform(&g->path.random), &g->path.random);
     segment->point = &point;
     const bool hit = ty_gather_find_end(g, end, segment);
     for (int c = 0; c < 3; ++c) g->glow[c] = 0.0f;
@@ -195,13 +195,13 @@ TY_FN bool ty_gather_see_light(ty_gather* g, ty_vec facing, ty_seen_light* seen)
     seen->light = ty_path_choose_light(path, path->origin, &seen->chosen, &seen->sample);
     if (seen->light == NULL) return false;
     const bool probe = ty_dot(path->normal, path->normal) == 0.0f;
-    seen->cosine = probe ? 1.0f : ty_dot(path->normal, seen->sample.look);
-    if (!probe && (!(seen->cosine > 0.0f) || !(ty_dot(facing, seen->sample.look) > 0.0f))) return false;
+    seen->cosine = probe ? 1.0f : ty_dot(path->normal, seen->sample.wi);
+    if (!probe && (!(seen->cosine > 0.0f) || !(ty_dot(facing, seen->sample.wi) > 0.0f))) return false;
     ++g->rays;
-    if (!ty_path_sees(path, path->origin, &seen->sample)) return false;
+    if (!ty_path_light_visible(path, path->origin, &seen->sample)) return false;
     const float pdf = probe ? TY_INV_4PI : seen->cosine * (1.0f / TY_PI), own = seen->sample.pdf;
     seen->weight = own > 0.0f ? own / (seen->chosen * own + pdf) : 1.0f / seen->chosen;
-    ty_gather_segment(g, path->origin, seen->sample.look, seen->sample.distance, &seen->segment);
+    ty_gather_segment(g, path->origin, seen->sample.wi, seen->sample.distance, &seen->segment);
     return true;
 }
 
@@ -226,45 +226,45 @@ TY_FN void ty_gather_sky(const ty_gather* g, bool sampled, float radiance[3]) {
 }
 
 /* What one light sends over a surface point. */
-TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_encounter* at, float out[3]) {
+TY_FN void ty_gather_reflect_light(ty_gather* g, const ty_intersection* at, float out[3]) {
     ty_seen_light seen;
-    if (!ty_gather_see_light(g, at->point.facing, &seen)) return;
+    if (!ty_gather_see_light(g, at->point.ng, &seen)) return;
     for (int c = 0; c < 3; ++c)
         out[c] += g->path.beta[c] * at->point.albedo[c] * (1.0f / TY_PI) * seen.sample.radiance[c] * seen.weight *
                   seen.cosine * seen.segment.transmittance[c];
 }
 
 /* Light that the path's ray meets, on a surface (end) or beyond all (NULL), and on the way. */
-TY_FN void ty_gather_meet(const ty_gather* g, const ty_encounter* end, const ty_segment* segment, float out[3]) {
+TY_FN void ty_gather_meet(const ty_gather* g, const ty_intersection* end, const ty_segment* segment, float out[3]) {
     float radiance[3] = {0.0f, 0.0f, 0.0f};
     if (end == NULL)
         ty_gather_sky(g, true, radiance);
     else if (ty_max3(end->point.emission) > 0.0f) {
-        const float weight = ty_path_met_weight(&g->path, end);
+        const float weight = ty_path_mis_weight_emission(&g->path, end);
         for (int c = 0; c < 3; ++c) radiance[c] = end->point.emission[c] * weight;
     }
     for (int c = 0; c < 3; ++c) out[c] += g->path.beta[c] * (segment->transmittance[c] * radiance[c] + g->glow[c]);
 }
 
 /* Radiance that a surface reflects of light that media only took from: the path goes on from there. */
-TY_FN void ty_gather_follow(ty_gather* g, const ty_encounter* start, float out[3]) {
+TY_FN void ty_gather_follow(ty_gather* g, const ty_intersection* start, float out[3]) {
     ty_path* path = &g->path;
     const int32_t most = path->request->max_depth;
-    ty_encounter end = *start;
+    ty_intersection end = *start;
     ty_segment segment;
     for (int c = 0; c < 3; ++c) out[c] = 0.0f;
-    path->survival = 1.0f;
+    path->rr_throughput = 1.0f;
     path->depth = 0;
     while (ty_max3(end.point.albedo) > 0.0f && (most == 0 || path->depth < most)) {
-        path->origin = ty_hit_leave(&end.hit, end.point.facing);
-        path->normal = end.point.normal;
+        path->origin = ty_hit_leave(&end.hit, end.point.ng);
+        path->normal = end.point.ns;
         ++path->depth;
         ty_gather_reflect_light(g, &end, out);
         for (int c = 0; c < 3; ++c) path->beta[c] *= end.point.albedo[c];
         const float before = ty_sum3(path->beta); /* survival knows of albedo by itself */
-        path->survival *= ty_max3(end.point.albedo);
-        ty_path_turn(path);
-        if (!(ty_dot(end.point.facing, path->direction) > 0.0f)) return;
+        path->rr_throughput *= ty_max3(end.point.albedo);
+        ty_path_sample_cosine_hemisphere(path);
+        if (!(ty_dot(end.point.ng, path->direction) > 0.0f)) return;
         const bool hit = ty_gather_trace(g, &end, &segment);
         ty_gather_meet(g, hit ? &end : NULL, &segment, out);
         for (int c = 0; c < 3; ++c) path->beta[c] *= segment.transmittance[c];
@@ -288,7 +288,7 @@ TY_FN ty_vec ty_gather_off(const ty_gather* g) {
     ty_segment segment;
     ty_hit hit;
     if (ty_dot(g->face, g->face) == 0.0f) return g->position;
-    const bool met = scene->mesh != NULL && ty_mesh_intersect(scene->mesh, g->from, g->face, TY_FLOAT_MAX, &hit);
+    const bool met = scene->mesh != NULL && ty_accel_intersect(scene->mesh, g->from, g->face, TY_FLOAT_MAX, &hit);
     ty_gather_segment(g, g->from, g->face, met ? hit.distance : TY_FLOAT_MAX, &segment);
     const float room = met ? hit.distance : segment.leave;
     const float free = segment.leave / ty_maxf(ty_max3(segment.depth), 1e-6f);
@@ -299,14 +299,14 @@ TY_FN ty_vec ty_gather_off(const ty_gather* g) {
 TY_FN bool ty_gather_light(ty_gather* g, ty_seen_light* seen) {
     float basis[TY_BAKE_TERMS_MAX], straight[3];
     if (!ty_gather_see_light(g, g->face, seen)) return false;
-    ty_gather_basis(g, seen->sample.look, basis);
+    ty_gather_basis(g, seen->sample.wi, basis);
     for (int c = 0; c < 3; ++c) straight[c] = seen->sample.radiance[c] * seen->weight * seen->segment.transmittance[c];
     ty_gather_keep_all(g, TY_BAKE_DIRECT, straight, basis);
     return true;
 }
 
 /* What the path's first ray met, and all that follows. */
-TY_FN void ty_gather_ahead(ty_gather* g, const ty_encounter* end, const ty_segment* segment) {
+TY_FN void ty_gather_ahead(ty_gather* g, const ty_intersection* end, const ty_segment* segment) {
     const ty_vec direction = g->path.direction;
     const float weight = 1.0f / g->path.pdf;
     float basis[TY_BAKE_TERMS_MAX], light[3] = {0.0f, 0.0f, 0.0f};
@@ -319,7 +319,7 @@ TY_FN void ty_gather_ahead(ty_gather* g, const ty_encounter* end, const ty_segme
     if (end == NULL) return;
     if (ty_gather_scatters(g)) {
         /* Light that media sent to the surface. */
-        ty_senders_fog(g->request->senders, end->hit.position, end->point.normal, light);
+        ty_senders_fog(g->request->senders, end->hit.position, end->point.ns, light);
         for (int c = 0; c < 3; ++c)
             light[c] *= weight * segment->transmittance[c] * end->point.albedo[c] * (1.0f / TY_PI);
         ty_gather_keep_all(g, TY_BAKE_MULTIPLE, light, basis);
@@ -335,7 +335,7 @@ TY_FN void ty_gather_ahead(ty_gather* g, const ty_encounter* end, const ty_segme
 
 /* What the sky sends that is never sampled as a light, from where the sample's ray leaves all. */
 TY_FN void ty_gather_sky_response(ty_gather* g, float weight, const ty_segment* segment) {
-    const ty_emitter emitter = {.kind = TY_IMPULSE_DIRECTIONAL, .look = g->way, .distance = segment->leave};
+    const ty_emitter emitter = {.kind = TY_IMPULSE_DIRECTIONAL, .wi = g->way, .distance = segment->leave};
     ty_response response;
     float strength[3];
     ty_gather_sky(g, false, strength);
@@ -352,7 +352,7 @@ TY_FN bool ty_light_is_far(const ty_light_view* light) {
 TY_FN void ty_gather_far_response(ty_gather* g, const ty_light_sample* sample, const ty_segment* segment,
                                   float weight) {
     const ty_emitter emitter = {
-        .kind = TY_IMPULSE_DIRECTIONAL, .look = sample->look, .distance = segment->leave, .cosine = 1.0f};
+        .kind = TY_IMPULSE_DIRECTIONAL, .wi = sample->wi, .distance = segment->leave, .cosine = 1.0f};
     ty_response response;
     float strength[3];
     for (int c = 0; c < 3; ++c) strength[c] = weight * sample->radiance[c];
@@ -370,22 +370,22 @@ TY_FN void ty_gather_far_behind(ty_gather* g, float weight) {
     path->normal = ty_vec_make(0.0f, 0.0f, 0.0f);
     const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
     if (light == NULL || !ty_light_is_far(light)) return;
-    if (ty_dot(g->normal, sample.look) > 0.0f && ty_dot(g->face, sample.look) > 0.0f) return;
+    if (ty_dot(g->normal, sample.wi) > 0.0f && ty_dot(g->face, sample.wi) > 0.0f) return;
     ++g->rays;
-    if (!ty_path_sees(path, path->origin, &sample)) return;
-    ty_gather_segment(g, path->origin, sample.look, sample.distance, &segment);
+    if (!ty_path_light_visible(path, path->origin, &sample)) return;
+    ty_gather_segment(g, path->origin, sample.wi, sample.distance, &segment);
     ty_gather_far_response(g, &sample, &segment, weight / chosen);
 }
 
 /* What a sender is to the receiver; false where they see nothing of each other. What is before both looks straight;
  * else, on surfaces, what is off the receiver looks. */
 TY_FN bool ty_gather_see_sender(ty_gather* g, const ty_sender* sender, ty_emitter* emitter) {
-    const ty_mesh* mesh = g->request->path.scene->mesh;
+    const ty_accel* mesh = g->request->path.scene->mesh;
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     *emitter = (ty_emitter){
         .kind = sender->kind, .position = sender->position, .normal = sender->normal, .area = sender->area};
     ty_emitter_look_from(emitter, g->position);
-    const bool ahead = probe || (ty_dot(g->normal, emitter->look) > 0.0f && ty_dot(g->face, emitter->look) > 0.0f);
+    const bool ahead = probe || (ty_dot(g->normal, emitter->wi) > 0.0f && ty_dot(g->face, emitter->wi) > 0.0f);
     const bool straight = ahead && emitter->cosine > 0.0f;
     if (!straight && (probe || g->request->back_scattering == 0 || emitter->cosine < TY_LEAST_FACING)) return false;
     const ty_vec from = straight ? g->from : g->off;
@@ -395,7 +395,7 @@ TY_FN bool ty_gather_see_sender(ty_gather* g, const ty_sender* sender, ty_emitte
     emitter->cosine = ty_maxf(0.0f, emitter->cosine);
     ++g->rays;
     return !(length > 0.0f) || mesh == NULL ||
-           !ty_mesh_occluded(mesh, from, ty_scale(way, 1.0f / length), length * 0.9999f);
+           !ty_accel_occluded(mesh, from, ty_scale(way, 1.0f / length), length * 0.9999f);
 }
 
 /* Cumulative chances of senders: by their power and as what scatters near one falls with distance, and what parts of
@@ -422,11 +422,11 @@ TY_FN float ty_sender_falloff(const ty_gather* g, const ty_sender* sender, ty_ve
 
 /* Whether light from afar comes straight to the receiver, or to what is off it where that comes from behind. */
 TY_FN bool ty_gather_sees_far(ty_gather* g, ty_vec toward) {
-    const ty_mesh* mesh = g->request->path.scene->mesh;
+    const ty_accel* mesh = g->request->path.scene->mesh;
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     const bool ahead = probe || (ty_dot(g->normal, toward) > 0.0f && ty_dot(g->face, toward) > 0.0f);
     ++g->rays;
-    return mesh == NULL || !ty_mesh_occluded(mesh, ahead ? g->from : g->off, toward, TY_FLOAT_MAX);
+    return mesh == NULL || !ty_accel_occluded(mesh, ahead ? g->from : g->off, toward, TY_FLOAT_MAX);
 }
 
 /* A part of a medium: what it sends straight has scattered once; what media make of that, more often. Where the
@@ -437,14 +437,14 @@ TY_FN void ty_gather_lit_response(ty_gather* g, const ty_sender* sender, const t
     float basis[TY_BAKE_TERMS_MAX], strength[3];
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     if (ty_gather_sees_far(g, sender->toward)) return;
-    const float mu = ty_clampf(-ty_dot(sender->toward, ty_scale(emitter->look, -1.0f)), -1.0f, 1.0f);
+    const float mu = ty_clampf(-ty_dot(sender->toward, ty_scale(emitter->wi, -1.0f)), -1.0f, 1.0f);
     for (int c = 0; c < 3; ++c) strength[c] = amount * sender->sends[c];
-    if (probe || (ty_dot(g->normal, emitter->look) > 0.0f && ty_dot(g->face, emitter->look) > 0.0f)) {
+    if (probe || (ty_dot(g->normal, emitter->wi) > 0.0f && ty_dot(g->face, emitter->wi) > 0.0f)) {
         float straight[3];
         const float over = 1.0f / (TY_INV_4PI * emitter->distance * emitter->distance);
         for (int c = 0; c < 3; ++c)
             straight[c] = strength[c] * over * ty_hg(mu, sender->g[c]) * segment->transmittance[c];
-        ty_gather_basis(g, emitter->look, basis);
+        ty_gather_basis(g, emitter->wi, basis);
         ty_gather_keep_all(g, TY_BAKE_SINGLE, straight, basis);
     }
     if (g->request->scatterings > 1 && ty_response_find(g->request, segment, emitter, &response))
@@ -473,8 +473,8 @@ TY_FN void ty_gather_sender_response(ty_gather* g, uint64_t item, uint32_t k, fl
     ty_response response;
     float strength[3];
     if (!(chance > 0.0f) || !ty_gather_see_sender(g, sender, &emitter)) return;
-    ty_gather_segment(g, g->position, emitter.look, emitter.distance, &segment);
-    const float amount = weight / chance * sender->amount * ty_sender_falloff(g, sender, emitter.look);
+    ty_gather_segment(g, g->position, emitter.wi, emitter.distance, &segment);
+    const float amount = weight / chance * sender->amount * ty_sender_falloff(g, sender, emitter.wi);
     if (sender->lit != 0) {
         ty_gather_lit_response(g, sender, &emitter, amount, &segment);
         return;
@@ -494,23 +494,23 @@ TY_FN void ty_gather_path(ty_gather* g) {
     const float factor[3] = {1.0f, 1.0f, 1.0f};
     const bool probe = g->request->terms == TY_BAKE_SH_TERMS;
     const ty_light_view* light = ty_path_choose_light(path, path->origin, &chosen, &sample);
-    const float cosine = light != NULL && !probe ? ty_dot(g->normal, sample.look) : 1.0f;
-    if (light != NULL && cosine > 0.0f && (probe || ty_dot(g->face, sample.look) > 0.0f)) {
+    const float cosine = light != NULL && !probe ? ty_dot(g->normal, sample.wi) : 1.0f;
+    if (light != NULL && cosine > 0.0f && (probe || ty_dot(g->face, sample.wi) > 0.0f)) {
         ty_path_add_vertex_light(path, light, chosen, &sample, factor, probe ? TY_INV_4PI : cosine * (1.0f / TY_PI),
                                  0.0f);
-        ty_gather_basis(g, sample.look, basis);
-        ty_gather_keep_all(g, TY_BAKE_DIRECT, path->radiance[TY_PART_UNCOLLIDED], basis);
+        ty_gather_basis(g, sample.wi, basis);
+        ty_gather_keep_all(g, TY_BAKE_DIRECT, path->radiance[TY_PATH_UNCOLLIDED], basis);
         memset(path->radiance, 0, sizeof path->radiance);
     }
     if (probe)
-        ty_path_turn_anywhere(path);
+        ty_path_sample_sphere(path);
     else
-        ty_path_turn(path);
+        ty_path_sample_cosine_hemisphere(path);
     if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return;
     for (int c = 0; c < 3; ++c) path->beta[c] = 1.0f / path->pdf;
     ty_gather_basis(g, path->direction, basis);
     g->rays += 2 * ty_path_follow(path);
-    for (int32_t part = 0; part < TY_PART_COUNT; ++part) ty_gather_keep_all(g, part, path->radiance[part], basis);
+    for (int32_t part = 0; part < TY_PATH_CLASS_COUNT; ++part) ty_gather_keep_all(g, part, path->radiance[part], basis);
 }
 
 /* Whether a sample is the one of its group that asks what media make of emitters: any, since samples that are a fixed
@@ -553,7 +553,7 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     const ty_bake_request* request = g->request;
     ty_path* path = &g->path;
     const bool probe = request->terms == TY_BAKE_SH_TERMS;
-    ty_encounter end;
+    ty_intersection end;
     ty_segment segment;
     ty_seen_light light;
     ty_path_begin(path, &request->path, item, number);
@@ -565,9 +565,9 @@ TY_FN bool ty_gather_sample(ty_gather* g, uint64_t item, uint32_t number) {
     }
     const bool seen = request->fog_alone != 0 ? ty_gather_see_light(g, g->face, &light) : ty_gather_light(g, &light);
     if (probe)
-        ty_path_turn_anywhere(path);
+        ty_path_sample_sphere(path);
     else
-        ty_path_turn(path);
+        ty_path_sample_cosine_hemisphere(path);
     if (!probe && !(ty_dot(g->face, path->direction) > 0.0f)) return false;
     const bool hit = ty_gather_trace(g, &end, &segment);
     const bool blocked = hit && ty_dot(end.hit.normal, path->direction) > 0.0f;

@@ -11,7 +11,7 @@
 typedef struct ty_emitter {
     int32_t kind;      /* ty_impulse_emitter */
     ty_vec position;   /* unless it is far */
-    ty_vec look;       /* unit, towards it */
+    ty_vec wi;         /* unit, towards it */
     ty_vec normal;     /* areas: unit, on the side that sends */
     float area;        /* of the disc that it stands for, m^2 */
     float distance;    /* m */
@@ -33,11 +33,11 @@ typedef struct ty_response {
 } ty_response;
 
 TY_FN ty_vec ty_response_axis(const ty_emitter* emitter, float shift) {
-    if (emitter->kind != TY_IMPULSE_AREA || shift == 0.0f) return emitter->look;
-    const ty_vec aside = ty_mad(emitter->normal, emitter->look, -ty_dot(emitter->normal, emitter->look));
+    if (emitter->kind != TY_IMPULSE_AREA || shift == 0.0f) return emitter->wi;
+    const ty_vec aside = ty_mad(emitter->normal, emitter->wi, -ty_dot(emitter->normal, emitter->wi));
     const float length2 = ty_dot(aside, aside);
-    if (!(length2 > 1e-12f)) return emitter->look;
-    const ty_vec axis = ty_scale(emitter->look, sqrtf(ty_maxf(0.0f, 1.0f - shift * shift)));
+    if (!(length2 > 1e-12f)) return emitter->wi;
+    const ty_vec axis = ty_scale(emitter->wi, sqrtf(ty_maxf(0.0f, 1.0f - shift * shift)));
     return ty_mad(axis, aside, shift / sqrtf(length2));
 }
 
@@ -69,7 +69,7 @@ TY_FN bool ty_response_find(const ty_bake_request* request, const ty_segment* se
  * ends there does not send. */
 TY_FN float ty_response_beyond(const ty_emitter* emitter, const ty_impulse_medium* medium, ty_vec direction,
                                float far) {
-    const float mu = ty_clampf(ty_dot(emitter->look, direction), -1.0f, 1.0f), d = emitter->distance;
+    const float mu = ty_clampf(ty_dot(emitter->wi, direction), -1.0f, 1.0f), d = emitter->distance;
     const float sigma = medium->sigma_t, g = ty_clampf(medium->g, -0.5f, 0.5f);
     if (emitter->kind == TY_IMPULSE_DIRECTIONAL) {
         const float end = mu * far < d ? (mu > 0.0f ? d / mu : TY_FLOAT_MAX) : far;
@@ -87,7 +87,7 @@ TY_FN float ty_response_beyond(const ty_emitter* emitter, const ty_impulse_mediu
         const float along = off * tanf(begin + range * node[i]), t = nearest + along;
         const float r = sqrtf(off * off + along * along);
         /* From the emitter to where it scatters. */
-        const ty_vec way = ty_scale(ty_mad(ty_scale(direction, t), emitter->look, -d), 1.0f / r);
+        const ty_vec way = ty_scale(ty_mad(ty_scale(direction, t), emitter->wi, -d), 1.0f / r);
         const float sends = emitter->kind == TY_IMPULSE_AREA ? ty_maxf(0.0f, ty_dot(emitter->normal, way)) : 1.0f;
         sum += 0.5f * sends * ty_hg(ty_clampf(-ty_dot(way, direction), -1.0f, 1.0f), g) * ty_expf(-sigma * (t + r));
     }

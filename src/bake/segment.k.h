@@ -37,15 +37,15 @@ TY_FN float ty_segment_density(TY_GLOBAL const ty_medium_view* medium, ty_vec at
 /* A stretch of a grid: bricks that are even at once, the rest voxel by voxel. */
 TY_FN void ty_segment_add_grid(ty_segment* segment, TY_GLOBAL const ty_medium_view* medium, ty_vec origin,
                                ty_vec direction, float enter, float leave) {
-    ty_bricks bricks;
+    ty_majorant_dda bricks;
     const ty_vec across = ty_map_direction(medium->to_index, direction);
     const float per_metre = sqrtf(ty_dot(across, across));
-    ty_bricks_begin(&bricks, medium, origin, direction, enter, leave);
-    while (ty_bricks_next(&bricks)) {
+    ty_majorant_dda_begin(&bricks, medium, origin, direction, enter, leave);
+    while (ty_majorant_dda_next(&bricks)) {
         const float length = bricks.leave - bricks.enter;
-        if (bricks.low == bricks.high) {
+        if (bricks.minorant == bricks.majorant) {
             ty_segment_add(segment, medium, ty_mad(origin, direction, bricks.enter + 0.5f * length),
-                           bricks.low * length, bricks.enter, bricks.leave);
+                           bricks.minorant * length, bricks.enter, bricks.leave);
             continue;
         }
         const int32_t steps = (int32_t)ty_minf(ceilf(length * per_metre), 4.0f * (float)TY_BRICK) + 1;
@@ -63,7 +63,7 @@ TY_FN void ty_segment_stretch(ty_segment* segment, TY_GLOBAL const ty_medium_vie
     segment->leave = ty_maxf(segment->leave, leave);
     if (medium->has_grid != 0)
         ty_segment_add_grid(segment, medium, origin, direction, enter, leave);
-    else if (medium->varies == 0)
+    else if (medium->heterogeneous == 0)
         ty_segment_add(segment, medium, origin, leave - enter, enter, leave);
     else {
         enum { PARTS = 16 };
@@ -83,12 +83,12 @@ TY_FN void ty_segment_find(ty_segment* segment, TY_GLOBAL const ty_medium_view* 
     for (int32_t m = 0; m < count; ++m) {
         float enter = 0.0f, leave = far;
         if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
-        if (media[m].bounds != TY_BOUNDED_SHELL) {
+        if (media[m].bounds != TY_BOUNDED_MESH) {
             ty_segment_stretch(segment, &media[m], origin, direction, enter, leave);
             continue;
         }
         ty_spans spans;
-        spans.count = spans.varies = spans.emits = 0;
+        spans.count = spans.heterogeneous = spans.emits = 0;
         ty_spans_add_shell(&spans, media, m, origin, direction, enter, leave);
         for (int32_t i = 0; i < spans.count; ++i)
             ty_segment_stretch(segment, &media[m], origin, direction, spans.enter[i], spans.leave[i]);

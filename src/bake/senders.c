@@ -52,7 +52,7 @@ static void place_anchors(search* s) {
 static void find_most(search* s) {
     enum { RAYS = 8 };
     ty_bake_request* request = &s->run->request;
-    const ty_mesh* mesh = request->path.scene->mesh;
+    const ty_accel* mesh = request->path.scene->mesh;
     const ty_gather g = {.request = request};
     double depth[3] = {0}, stopped[3] = {0}, length = 0;
     ty_path path;
@@ -61,13 +61,13 @@ static void find_most(search* s) {
     for (int32_t ray = 0; ray < RAYS * s->anchor_count; ++ray) {
         const ty_vec from = s->anchors[ray / RAYS];
         ty_path_begin(&path, &request->path, ~(uint64_t)(ray / RAYS), (uint32_t)(ray % RAYS));
-        ty_path_turn_anywhere(&path);
-        const bool met = mesh != NULL && ty_mesh_intersect(mesh, from, path.direction, TY_FLOAT_MAX, &hit);
+        ty_path_sample_sphere(&path);
+        const bool met = mesh != NULL && ty_accel_intersect(mesh, from, path.direction, TY_FLOAT_MAX, &hit);
         ty_gather_segment(&g, from, path.direction, met ? hit.distance : TY_FLOAT_MAX, &segment);
         length += met ? (double)ty_minf(hit.distance, segment.leave) : (double)ty_minf(segment.leave, 1e6f);
         for (int c = 0; c < 3; ++c) {
             depth[c] += (double)ty_minf(segment.depth[c], 1e6f);
-            stopped[c] += (double)ty_stopped(segment.depth[c]);
+            stopped[c] += (double)ty_collision_probability(segment.depth[c]);
         }
     }
     s->reach = s->anchor_count > 0 ? (float)fmax(1e-6, 3 * length / (RAYS * s->anchor_count)) : 1;
@@ -113,15 +113,15 @@ static bool find_sender(const search* s, int32_t ray, ty_sender* out) {
     const ty_path_request* request = &s->run->request.path;
     const int32_t anchor = ray / s->each;
     ty_path path;
-    ty_encounter end;
+    ty_intersection end;
     ty_path_begin(&path, request, ~(uint64_t)anchor, (uint32_t)(ray % s->each));
-    ty_path_turn_anywhere(&path);
-    if (!ty_mesh_intersect(request->scene->mesh, s->anchors[anchor], path.direction, TY_FLOAT_MAX, &end.hit))
+    ty_path_sample_sphere(&path);
+    if (!ty_accel_intersect(request->scene->mesh, s->anchors[anchor], path.direction, TY_FLOAT_MAX, &end.hit))
         return false;
     ty_surface_evaluate(&request->scene->surfaces[end.hit.surface], &end.hit, path.direction, &end.point);
     *out = (ty_sender){.position = end.hit.position,
-                       .normal = end.point.normal,
-                       .face = end.point.facing,
+                       .normal = end.point.ns,
+                       .face = end.point.ng,
                        .margin = end.hit.margin,
                        .kind = TY_IMPULSE_AREA,
                        .light = -1};
@@ -131,7 +131,7 @@ static bool find_sender(const search* s, int32_t ray, ty_sender* out) {
         const float d2 = ty_dot(to, to), over = 1.0f / sqrtf(d2), cosine = ty_dot(out->face, to) * over;
         const bool own = i == anchor;
         if (!(d2 > 0.0f) || !(cosine > 0.0f)) continue;
-        if (own || !ty_mesh_occluded(request->scene->mesh, from, ty_scale(to, over), 0.9999f / over))
+        if (own || !ty_accel_occluded(request->scene->mesh, from, ty_scale(to, over), 0.9999f / over))
             density += (double)(cosine / d2) * s->each * (double)TY_INV_4PI;
     }
     if (!(density > 0)) return false;
@@ -181,14 +181,14 @@ static ty_sender lamp_point(const search* s, int32_t index, int32_t k, int32_t c
     out.normal = out.face = ty_scale(light->direction, back ? -1.0f : 1.0f);
     out.area = light->area * (light->two_sided != 0 ? 2.0f : 1.0f) / (float)count;
     out.amount *= out.area;
-    if (light->textured != NULL) ty_surface_sent(light->textured, light->part, b1, b2, out.glows);
+    if (light->textured != NULL) ty_surface_mean_emission(light->textured, light->part, b1, b2, out.glows);
     return out;
 }
 
 /* Shares points among lamps: faint ones get one by chance. */
 static void place_lamps(search* s) {
     const ty_light_set* lights = &s->run->request.path.scene->lights;
-    ty_random random = ty_random_begin(s->run->request.path.sobol, s->run->def->seed, UINT64_MAX, 0);
+    ty_sampler random = ty_sampler_begin(s->run->request.path.sobol, s->run->def->seed, UINT64_MAX, 0);
     double all = 0;
     for (int32_t i = 0; i < lights->count; ++i) all += lamp_power(&lights->lights[i]);
     for (int32_t i = 0; i < lights->count && all > 0; ++i) {
@@ -199,7 +199,7 @@ static void place_lamps(search* s) {
         if (!(wanted > 0)) continue;
         if (light->two_sided != 0 && flat) count += count % 2;
         const double share = fmin(1, wanted);
-        if (share < 1 && (double)ty_random_white(&random) >= share) continue;
+        if (share < 1 && (double)ty_rng_uniform(&random) >= share) continue;
         for (int32_t k = 0; k < count && s->senders->count < s->senders->surfaces + s->lamp_points; ++k)
             s->senders->at[s->senders->count++] = lamp_point(s, i, k, count, 1 / share);
     }
@@ -212,35 +212,35 @@ static void place_lamps(search* s) {
 static bool find_lit(const search* s, int32_t ray, ty_sender* out) {
     const ty_path_request* request = &s->run->request.path;
     const ty_light_set* lights = &request->scene->lights;
-    const ty_mesh* mesh = request->scene->mesh;
+    const ty_accel* mesh = request->scene->mesh;
     const ty_gather g = {.request = &s->run->request};
     ty_path path;
     ty_segment segment;
     ty_light_sample sample;
     const int32_t anchor = ray / s->lit_each;
     ty_path_begin(&path, request, ~(uint64_t)anchor, (uint32_t)(ray % s->lit_each));
-    ty_path_turn_anywhere(&path);
-    const float u = ty_random_next(&path.random), distance = s->reach * u / (1 - u);
-    const float pick = ty_random_next(&path.random), a = ty_random_next(&path.random), b = ty_random_next(&path.random);
+    ty_path_sample_sphere(&path);
+    const float u = ty_sobol_next(&path.random), distance = s->reach * u / (1 - u);
+    const float pick = ty_sobol_next(&path.random), a = ty_sobol_next(&path.random), b = ty_sobol_next(&path.random);
     const ty_vec from = s->anchors[anchor], at = ty_mad(from, path.direction, distance);
-    if (mesh != NULL && ty_mesh_occluded(mesh, from, path.direction, distance)) return false;
+    if (mesh != NULL && ty_accel_occluded(mesh, from, path.direction, distance)) return false;
     const ty_light_view* light = &lights->lights[lights->distant[(int32_t)(pick * (float)lights->distant_count)]];
     if (!ty_light_sample_from(light, at, a, b, &sample)) return false;
     const float step = 1e-3f * s->reach;
-    ty_gather_segment(&g, at, sample.look, step, &segment);
-    *out = (ty_sender){.position = at, .kind = TY_IMPULSE_POINT, .light = -1, .lit = 1, .toward = sample.look};
+    ty_gather_segment(&g, at, sample.wi, step, &segment);
+    *out = (ty_sender){.position = at, .kind = TY_IMPULSE_POINT, .light = -1, .lit = 1, .toward = sample.wi};
     for (int c = 0; c < 3; ++c) {
         out->sends[c] = segment.scattered[c] / step * (float)lights->distant_count * TY_INV_4PI * sample.radiance[c];
         out->g[c] = segment.scattered[c] > 0 ? segment.turned[c] / segment.scattered[c] : 0;
     }
-    if (!(ty_max3(out->sends) > 0) || (mesh != NULL && ty_mesh_occluded(mesh, at, sample.look, TY_FLOAT_MAX)))
+    if (!(ty_max3(out->sends) > 0) || (mesh != NULL && ty_accel_occluded(mesh, at, sample.wi, TY_FLOAT_MAX)))
         return false;
-    ty_gather_segment(&g, at, sample.look, TY_FLOAT_MAX, &segment);
+    ty_gather_segment(&g, at, sample.wi, TY_FLOAT_MAX, &segment);
     double density = 0;
     for (int32_t i = 0; i < s->anchor_count; ++i) {
         const ty_vec to = ty_sub(s->anchors[i], at);
         const float d2 = ty_dot(to, to), d = sqrtf(d2);
-        if (!(d > 0) || (i != anchor && mesh != NULL && ty_mesh_occluded(mesh, at, ty_scale(to, 1 / d), d))) continue;
+        if (!(d > 0) || (i != anchor && mesh != NULL && ty_accel_occluded(mesh, at, ty_scale(to, 1 / d), d))) continue;
         density += (double)(s->reach / (d2 * (s->reach + d) * (s->reach + d))) * s->lit_each * (double)TY_INV_4PI;
     }
     if (!(density > 0)) return false;

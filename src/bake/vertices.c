@@ -1,7 +1,7 @@
 /* Where the vertices of a mesh gather light. */
 #include "base/context.h"
 #include "base/vector.k.h"
-#include "scene/mesh.h"
+#include "scene/accel.h"
 #include "scene/surface.k.h"
 
 #include <tyndall/bake.h>
@@ -66,7 +66,7 @@ static void place_vertex(const ty_mesh_def* mesh, size_t vertex, const home* at,
     store(ty_mad(corner, ty_sub(middle, corner), inset), receiver->position);
     store(choose_normal(mesh, vertex, mean, face), receiver->normal);
     store(face, receiver->face);
-    receiver->margin = ty_mesh_triangle_margin(face, corners[0], corners[1], corners[2]);
+    receiver->margin = ty_accel_ray_epsilon(face, corners[0], corners[1], corners[2]);
 }
 
 ty_result ty_bake_vertices(const ty_scene* scene, int32_t mesh, ty_bake_receiver* receivers) {

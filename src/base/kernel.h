@@ -73,7 +73,7 @@ TY_FN float ty_expf(float x) {
 /* e^-x for x in [0, 87], exact at 0, to (2 + x) ulp: what rounding x costs anyway. Half the work of ty_expf, and
  * without choices: 2^-x' is split at the nearest whole number by adding 1.5 * 2^23, whose last bits then are the
  * exponent. */
-TY_FN float ty_exp_minus(float x) {
+TY_FN float ty_exp_neg(float x) {
     const float shifted = 12582912.0f - x * 1.44269504f;
     const float r = -(shifted - 12582912.0f) - x * 1.44269504f;
     float p = 1.3276472e-3f;
@@ -108,7 +108,7 @@ TY_FN float ty_logf(float x) {
 }
 
 /* Sine and cosine of 2 pi u, u in [0, 1], to 1.2e-7. */
-TY_FN void ty_sincos_turn(float u, float* sine, float* cosine) {
+TY_FN void ty_sincos_2pi(float u, float* sine, float* cosine) {
     const float quarter = floorf(u * 4.0f + 0.5f);
     const float x = (u * 4.0f - quarter) * 1.57079633f;
     const float square = x * x;

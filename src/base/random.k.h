@@ -19,14 +19,14 @@ typedef struct ty_sobol {
 /* From the primitive polynomials and initial numbers of Joe and Kuo 2008 (new-joe-kuo-6), dimensions 1 to 16. */
 void ty_sobol_matrices(ty_sobol* out);
 
-typedef struct ty_random {
+typedef struct ty_sampler {
     TY_GLOBAL const ty_sobol* sobol;
     uint64_t key;      /* of the white noise of this sample */
     uint64_t counter;  /* white numbers drawn */
     uint32_t scramble; /* of this item's Sobol points */
     uint32_t sample;
     int32_t dimension; /* Sobol numbers drawn */
-} ty_random;
+} ty_sampler;
 
 TY_FN uint64_t ty_mix64(uint64_t x) {
     x ^= x >> 30;
@@ -62,8 +62,8 @@ TY_FN uint32_t ty_owen_scramble(uint32_t x, uint32_t seed) {
     return ty_reverse_bits(x);
 }
 
-TY_FN ty_random ty_random_begin(TY_GLOBAL const ty_sobol* sobol, uint64_t seed, uint64_t item, uint32_t sample) {
-    ty_random random;
+TY_FN ty_sampler ty_sampler_begin(TY_GLOBAL const ty_sobol* sobol, uint64_t seed, uint64_t item, uint32_t sample) {
+    ty_sampler random;
     const uint64_t base = ty_mix64(seed + 0x9e3779b97f4a7c15u) ^ ty_mix64(item + 0xd1b54a32d192ed03u);
     random.sobol = sobol;
     random.key = ty_mix64(base + sample);
@@ -74,7 +74,7 @@ TY_FN ty_random ty_random_begin(TY_GLOBAL const ty_sobol* sobol, uint64_t seed, 
     return random;
 }
 
-TY_FN uint64_t ty_random_bits(ty_random* random) {
+TY_FN uint64_t ty_rng_bits(ty_sampler* random) {
     return ty_mix64(random->key + 0x9e3779b97f4a7c15u * ++random->counter);
 }
 
@@ -84,13 +84,13 @@ TY_FN float ty_unit_float(uint32_t bits) {
 }
 
 /* White noise in [0, 1). */
-TY_FN float ty_random_white(ty_random* random) {
-    return ty_unit_float((uint32_t)(ty_random_bits(random) >> 32));
+TY_FN float ty_rng_uniform(ty_sampler* random) {
+    return ty_unit_float((uint32_t)(ty_rng_bits(random) >> 32));
 }
 
 /* The next well-distributed number in [0, 1); white once the Sobol dimensions are used up. */
-TY_FN float ty_random_next(ty_random* random) {
-    if (random->dimension >= TY_SOBOL_DIMENSIONS) return ty_random_white(random);
+TY_FN float ty_sobol_next(ty_sampler* random) {
+    if (random->dimension >= TY_SOBOL_DIMENSIONS) return ty_rng_uniform(random);
     TY_GLOBAL const uint32_t* matrix = random->sobol->matrix[random->dimension];
     uint32_t point = 0;
     for (uint32_t rest = random->sample; rest != 0; rest &= rest - 1) point ^= matrix[__builtin_ctz(rest)];

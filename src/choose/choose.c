@@ -1,20 +1,20 @@
 /* Which method a scene is rendered by: rules in the order of docs/method/auto.md. */
 #include "base/context.h"
-#include "choose/look.h"
+#include "choose/features.h"
 #include "image/march.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* What rules ask of a look, found by `tyndall figure auto-choice`. */
-static const double faint = 2e-3;        /* opacity below which media do not count */
-static const double enclosed_most = 0.5; /* of what scatters; above it, surfaces and media light each other */
-static const double surfaces_most = 0.3; /* of the frame; above it, the paths that others take for surfaces count */
-static const double seldom = 4;          /* scatterings below which paths are cheap */
-static const double cell_most = 10;      /* mean free paths of a cell, times 1 - g */
-static const double ahead = 0.65;        /* g from which cells do not tell well where light of surfaces goes */
-static const double needle = 0.94;       /* g from which no method but path tracing knows where light comes from */
+/* What rules ask of a features, found by `tyndall figure auto-choice`. */
+static const double min_opacity = 2e-3;   /* opacity below which media do not count */
+static const double max_enclosed = 0.5;   /* of what scatters; above it, surfaces and media light each other */
+static const double max_surfaces = 0.3;   /* of the frame; above it, the paths that others take for surfaces count */
+static const double few_scatterings = 4;  /* scatterings below which paths are cheap */
+static const double max_cell = 10;        /* mean free paths of a cell, times 1 - g */
+static const double g_directional = 0.65; /* g from which cells do not tell well where light of surfaces goes */
+static const double g_path_only = 0.94;   /* g from which no method but path tracing knows where light comes from */
 
 enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
 
@@ -51,17 +51,18 @@ static void name_lights(uint32_t lights, char* out, size_t size) {
 }
 
 /* "media of optical thickness 40, g 0.85, lit by the sun" */
-static void describe(const ty_look* look, char* out, size_t size) {
+static void describe(const ty_scene_features* features, char* out, size_t size) {
     char lights[80];
-    name_lights(look->lights, lights, sizeof lights);
-    snprintf(out, size, "%s media of optical thickness up to %.2g, g %.2g%s%s%s", look->varies ? "uneven" : "even",
-             look->thickness, look->g, lights[0] != '\0' ? ", lit by " : "", lights, look->glows ? ", that glow" : "");
+    name_lights(features->lights, lights, sizeof lights);
+    snprintf(out, size, "%s media of optical thickness up to %.2g, g %.2g%s%s%s",
+             features->heterogeneous ? "uneven" : "even", features->thickness, features->g,
+             lights[0] != '\0' ? ", lit by " : "", lights, features->glows ? ", that glow" : "");
 }
 
 static void set(ty_choice* out, const char* method, const char* because) {
     char media[160];
     out->method = method;
-    describe(&out->look, media, sizeof media);
+    describe(&out->features, media, sizeof media);
     snprintf(out->reason, sizeof out->reason, "%s; %s", media, because);
 }
 
@@ -90,38 +91,38 @@ static bool asks_path(const ty_choose_def* def, ty_choice* out) {
 }
 
 /* How often light scatters before it is absorbed or leaves, about, turns that are nearly none not counted. */
-static double scatterings(const ty_look* look) {
-    const double reduced = look->thickness * (1 - look->g);
-    return 1 / (1 / (1 + reduced) + 1 - look->albedo);
+static double scatterings(const ty_scene_features* features) {
+    const double reduced = features->thickness * (1 - features->g);
+    return 1 / (1 / (1 + reduced) + 1 - features->albedo);
 }
 
 /* Whether surfaces are much of the frame and paths cheap, which others take for surfaces, too. Where surfaces are also
  * all the light there is, paths are noisier than cells, which know that light from everywhere at once. */
-static bool suits_paths(const ty_look* look) {
-    const bool lit_by_surfaces = look->lights == 1 << TY_LIGHT_AREA && look->g < ahead;
-    return look->surfaces > surfaces_most && scatterings(look) < seldom && !lit_by_surfaces;
+static bool suits_paths(const ty_scene_features* features) {
+    const bool lit_by_surfaces = features->lights == 1 << TY_LIGHT_AREA && features->g < g_directional;
+    return features->surfaces > max_surfaces && scatterings(features) < few_scatterings && !lit_by_surfaces;
 }
 
-static const char* why_ordinates(const ty_look* look) {
-    if (!(look->surfaces > 0)) return "no surfaces";
-    if (!(scatterings(look) < seldom)) return "light scatters more than paths are cheap for";
-    return look->surfaces > surfaces_most ? "glowing surfaces are all the light" : "few surfaces";
+static const char* why_ordinates(const ty_scene_features* features) {
+    if (!(features->surfaces > 0)) return "no surfaces";
+    if (!(scatterings(features) < few_scatterings)) return "light scatters more than paths are cheap for";
+    return features->surfaces > max_surfaces ? "glowing surfaces are all the light" : "few surfaces";
 }
 
-static void choose_by_look(ty_choice* out) {
-    const ty_look* look = &out->look;
-    if (look->opacity < faint)
+static void choose_by_features(ty_choice* out) {
+    const ty_scene_features* features = &out->features;
+    if (features->opacity < min_opacity)
         snprintf(out->reason, sizeof out->reason, "no media are in view");
-    else if (look->enclosed > enclosed_most && (look->lights & ~(uint32_t)LPV_LIGHTS) == 0)
+    else if (features->enclosed > max_enclosed && (features->lights & ~(uint32_t)LPV_LIGHTS) == 0)
         set(out, "lpv", "surfaces all around, which lamps or the sun light");
-    else if (look->cell * (1 - look->g) > cell_most)
+    else if (features->cell * (1 - features->g) > max_cell)
         set(out, "path", "too dense for the cells of faster methods");
-    else if (suits_paths(look))
-        set(out, "path", "much of the frame is surfaces, and light scatters seldom");
-    else if (look->g > needle && scatterings(look) < seldom)
+    else if (suits_paths(features))
+        set(out, "path", "much of the frame is surfaces, and light scatters few_scatterings");
+    else if (features->g > g_path_only && scatterings(features) < few_scatterings)
         set(out, "path", "light goes nearly straight on");
     else
-        set(out, "dom", why_ordinates(look));
+        set(out, "dom", why_ordinates(features));
 }
 
 ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {
@@ -129,9 +130,9 @@ ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_c
     ty_result result = ty_check_def(context, def, "ty_default_choose_def");
     if (result == TY_OK && ty_scene_get_view(scene) == NULL) result = TY_ERROR_ARGUMENT;
     ty_choice choice = {.method = "path"};
-    if (result == TY_OK) result = ty_look_at(scene, &choice.look);
+    if (result == TY_OK) result = ty_scene_features_find(scene, &choice.features);
     if (result != TY_OK) return result;
-    if (!asks_path(def, &choice)) choose_by_look(&choice);
+    if (!asks_path(def, &choice)) choose_by_features(&choice);
     *out = choice;
     return TY_OK;
 }

@@ -6,7 +6,7 @@
  * 1 / r^2 cancels) by Gauss and Legendre's rule in a few panels. */
 #include "direct/airlight_parts.h"
 #include "direct/lit.k.h"
-#include "direct/transmittance.k.h"
+#include "scene/transmittance.k.h"
 
 enum { PIECES_MAX = 2 * TY_SPANS_MAX, CUTS_MAX = 64, NODES = 4 };
 
@@ -353,7 +353,7 @@ static void take_panel(const air_ray* ray, const air_lamp* lamp, const air_part*
     const ty_light_view* light = lamp->of->light;
     for (int i = 0; i < NODES; ++i) {
         float sine, cosine, scattered[3], passing[3];
-        ty_sincos_turn((middle + half * node[i]) * (0.5f / TY_PI), &sine, &cosine);
+        ty_sincos_2pi((middle + half * node[i]) * (0.5f / TY_PI), &sine, &cosine);
         const float ahead = panel->sign * cosine, distance = lamp->pass.off / sine;
         const float t = ty_clampf(lamp->pass.nearest + ahead * distance, part->from, part->to);
         float weight = node_weight[i] * 2.0f * half / lamp->pass.off;

@@ -64,7 +64,7 @@ static void place_tubes(ty_beam* beam, int32_t i, double slope) {
 /* ---- shadows of surfaces ---- */
 
 typedef struct hit_job {
-    const ty_mesh* mesh;
+    const ty_accel* mesh;
     const ty_grid_medium* medium;
     ty_beam* beam;
     double way[3], inverse[3];
@@ -119,7 +119,7 @@ static void find_packet(const hit_job* job, int32_t column, int32_t count, int32
         }
         tube[traced++] = i;
     }
-    if (traced > 0) ty_mesh_intersect_packet(job->mesh, rays, traced, hits);
+    if (traced > 0) ty_accel_intersect_packet(job->mesh, rays, traced, hits);
     for (int32_t i = 0; i < traced; ++i) out[tube[i]] = stop_of(job, &hits[i], begin[i], enter[i]);
 }
 

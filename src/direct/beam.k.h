@@ -9,7 +9,7 @@
 
 /* e^-x for any x >= 0. */
 TY_FN float ty_decay(float x) {
-    return ty_exp_minus(ty_minf(x, 87.0f));
+    return ty_exp_neg(ty_minf(x, 87.0f));
 }
 
 /* (1 - e^-x) / x for x >= 0, given e^-x. */

@@ -182,7 +182,7 @@ static void add_density(const ty_medium_view* medium, ty_vec point, double densi
     float sigma_s[3], g[3], glow[3] = {0, 0, 0};
     ty_medium_sigma_s(medium, point, sigma_s);
     ty_medium_g(medium, point, g);
-    if (medium->emits != 0) ty_medium_glow(medium, point, glow);
+    if (medium->emits != 0) ty_medium_emission_coefficient(medium, point, glow);
     for (int c = 0; c < 3; ++c) {
         sums->extinction[c] += density * (double)medium->sigma_t[c];
         sums->scattering[c] += density * (double)sigma_s[c];

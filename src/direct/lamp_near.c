@@ -15,7 +15,7 @@ float ty_lamp_reach(const ty_lamp_job* lamp, ty_vec direction, float far) {
     ty_vec origin = lamp->source->position;
     const float side = ty_dot(lamp->source->direction, direction) < 0 ? -lamp->lift : lamp->lift;
     if (lamp->lift > 0) origin = ty_mad(origin, lamp->source->direction, side);
-    return ty_mesh_intersect(lamp->scene->mesh, origin, direction, far, &hit) ? hit.distance : far;
+    return ty_accel_intersect(lamp->scene->mesh, origin, direction, far, &hit) ? hit.distance : far;
 }
 
 bool ty_lamp_is_near(const ty_lamp_job* lamp, const int32_t cell[3]) {

@@ -175,9 +175,9 @@ static void meet(const void* user, size_t texel, const ty_ray* ray, const ty_hit
     const size_t face = job->map->faces == 1 ? 0 : texel / texels;
     job->depth[texel] = hit->distance * ty_dot(ty_vec_load(ray->direction), job->faces[face].forward);
     if (job->normal == NULL) return;
-    job->normal[3 * texel] = point->normal.x;
-    job->normal[3 * texel + 1] = point->normal.y;
-    job->normal[3 * texel + 2] = point->normal.z;
+    job->normal[3 * texel] = point->ns.x;
+    job->normal[3 * texel + 1] = point->ns.y;
+    job->normal[3 * texel + 2] = point->ns.z;
     for (size_t c = 0; c < 3; ++c) job->albedo[3 * texel + c] = point->albedo[c];
 }
 

@@ -34,7 +34,7 @@ static void disc_of(float a, float b, float* radius, float* turn) {
 static ty_vec direction_in_cone(const ty_shadow_map* map, int32_t face, float x, float y) {
     float radius, turn, sine, cosine;
     disc_of(2.0f * x - 1.0f, 2.0f * y - 1.0f, &radius, &turn);
-    ty_sincos_turn(turn, &sine, &cosine);
+    ty_sincos_2pi(turn, &sine, &cosine);
     const float down = map->cap * radius * radius, across = sqrtf(ty_maxf(0.0f, down * (2.0f - down)));
     const ty_vec along = ty_scale(map->axis[2], face == 0 ? 1.0f - down : down - 1.0f);
     return ty_normalize(ty_mad(ty_mad(along, map->axis[0], across * cosine), map->axis[1], across * sine));
@@ -121,9 +121,9 @@ static void describe(const void* user, size_t index, const ty_ray* ray, const ty
     float light[3];
     find_light(job, ty_vec_load(ray->origin), direction, hit->distance, light);
     const float across = job->map->parallel != 0 ? 1.0f : hit->distance * hit->distance;
-    const float facing = -ty_dot(point->facing, direction);
-    texel->position = ty_hit_leave(hit, point->facing);
-    texel->normal = point->normal;
+    const float facing = -ty_dot(point->ng, direction);
+    texel->position = ty_hit_leave(hit, point->ng);
+    texel->normal = point->ns;
     texel->distance = hit->distance;
     texel->area = job->map->share * across / ty_maxf(facing, 1e-2f);
     for (int c = 0; c < 3; ++c) texel->flux[c] = light[c] * point->albedo[c];
@@ -155,7 +155,7 @@ static void fill(shadow_job* job) {
     ty_shadow_map* map = job->map;
     bool meets = job->scene->view.mesh != NULL;
     map->axis[2] = job->light->kind == TY_KIND_POINT ? ty_vec_make(0, 0, 1) : job->light->direction;
-    ty_frame(map->axis[2], &map->axis[0], &map->axis[1]);
+    ty_onb(map->axis[2], &map->axis[0], &map->axis[1]);
     clear(map);
     if (map->parallel == 0) place_cone(job);
     if (map->parallel != 0 && meets) meets = place_parallel(job);

@@ -59,8 +59,8 @@ static void add_point(source_list* list, int32_t index) {
 static void add_environment(source_list* list, int32_t index) {
     const ty_environment_view* environment = &list->lights->lights[index].environment;
     for (int32_t i = 0; i < list->def.environment; ++i) {
-        ty_random random = ty_random_begin(&list->sobol, list->def.seed, (uint64_t)index, (uint32_t)i);
-        const float u = ty_random_next(&random), v = ty_random_next(&random);
+        ty_sampler random = ty_sampler_begin(&list->sobol, list->def.seed, (uint64_t)index, (uint32_t)i);
+        const float u = ty_sobol_next(&random), v = ty_sobol_next(&random);
         ty_vec look;
         float radiance[3];
         const float pdf = ty_environment_sample(environment, u, v, &look);
@@ -78,8 +78,8 @@ static void add_environment(source_list* list, int32_t index) {
 static void add_surface_point(source_list* list, int32_t index, uint32_t sample, float area) {
     const ty_light_view* light = &list->lights->lights[index];
     const uint64_t item = light->kind == TY_KIND_TRIANGLE ? UINT64_MAX : (uint64_t)index;
-    ty_random random = ty_random_begin(&list->sobol, list->def.seed, item, sample);
-    const float u = ty_random_next(&random), v = ty_random_next(&random);
+    ty_sampler random = ty_sampler_begin(&list->sobol, list->def.seed, item, sample);
+    const float u = ty_sobol_next(&random), v = ty_sobol_next(&random);
     ty_source* source = append(list, TY_SOURCE_LAMP, index);
     source->area = area;
     for (int c = 0; c < 3; ++c) source->color[c] = light->color[c] * area;
@@ -93,7 +93,7 @@ static void add_surface_point(source_list* list, int32_t index, uint32_t sample,
     source->position = ty_light_place(light, u, v, &b1, &b2);
     if (light->textured == NULL) return;
     float sent[3];
-    ty_surface_sent(light->textured, light->part, b1, b2, sent);
+    ty_surface_mean_emission(light->textured, light->part, b1, b2, sent);
     for (int c = 0; c < 3; ++c) source->color[c] = sent[c] * area;
 }
 

@@ -45,7 +45,7 @@ static void trace_bare(const ty_texels* texels, const packet* rays, int32_t coun
     float distances[PACKETS][TY_PACKET];
     const double begun = ty_wall_seconds();
     for (int32_t p = 0; p < count; ++p)
-        ty_mesh_distance_packet(texels->scene->view.mesh, rays[p].rays, rays[p].count, distances[p]);
+        ty_accel_distance_packet(texels->scene->view.mesh, rays[p].rays, rays[p].count, distances[p]);
     *seconds += ty_wall_seconds() - begun;
     for (int32_t p = 0; p < count; ++p)
         for (int32_t i = 0; i < rays[p].count; ++i) {
@@ -69,7 +69,7 @@ static void trace(const ty_texels* texels, const packet* rays, int32_t count, do
     const ty_surface* surfaces = texels->scene->view.surfaces;
     const double begun = ty_wall_seconds();
     for (int32_t p = 0; p < count; ++p)
-        ty_mesh_intersect_packet(texels->scene->view.mesh, rays[p].rays, rays[p].count, hits[p]);
+        ty_accel_intersect_packet(texels->scene->view.mesh, rays[p].rays, rays[p].count, hits[p]);
     *seconds += ty_wall_seconds() - begun;
     ty_surfaces_fetch(surfaces, hits[0], rays[0].count);
     for (int32_t p = 0; p < count; ++p) {

@@ -51,7 +51,7 @@ static void close_some(const wall_job* job, const int32_t line[3], int32_t begin
         rays[i] = ray_from(job->medium, at, job->axis, true);
     }
     if (!is_near(job, &rays[0], (float)count * rays[0].far)) return;
-    ty_mesh_occluded_packet(job->scene->view.mesh, rays, count, closed);
+    ty_accel_occluded_packet(job->scene->view.mesh, rays, count, closed);
     for (int32_t i = 0; i < count; ++i) {
         if (!closed[i]) continue;
         at[job->axis] = begin + i - 1;
@@ -98,10 +98,10 @@ static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty
     ty_ray ray = ray_from(job->medium, at, axis, up);
     ty_hit hit;
     ty_vec origin = ty_vec_load(ray.origin), way = ty_vec_load(ray.direction);
-    bool met = ty_mesh_intersect(view->mesh, origin, way, ray.far, &hit);
+    bool met = ty_accel_intersect(view->mesh, origin, way, ray.far, &hit);
     float depth = hit.distance / ray.far;
     if (!met) {
-        met = ty_mesh_intersect(view->mesh, ty_mad(origin, way, ray.far), ty_scale(way, -1), ray.far, &hit);
+        met = ty_accel_intersect(view->mesh, ty_mad(origin, way, ray.far), ty_scale(way, -1), ray.far, &hit);
         depth = 1 - hit.distance / ray.far;
     }
     *side = (ty_wall){.position = origin, .normal = ty_scale(way, -1), .depth = 0.5f, .stairs = 1};
@@ -110,9 +110,9 @@ static void take_side(const wall_job* job, const int32_t at[3], int32_t face, ty
     ty_surface_point point;
     ty_surfaces_fetch(view->surfaces, &hit, 1);
     ty_surface_evaluate(&view->surfaces[hit.surface], &hit, way, &point);
-    side->normal = point.facing;
-    side->position = ty_hit_leave(&hit, point.facing);
-    side->stairs = fabsf(point.facing.x) + fabsf(point.facing.y) + fabsf(point.facing.z);
+    side->normal = point.ng;
+    side->position = ty_hit_leave(&hit, point.ng);
+    side->stairs = fabsf(point.ng.x) + fabsf(point.ng.y) + fabsf(point.ng.z);
     for (int c = 0; c < 3; ++c) {
         side->albedo[c] = ty_minf(point.albedo[c], 1);
         side->emission[c] = point.light < 0 ? point.emission[c] : 0;

@@ -60,7 +60,7 @@ static void light_sides(const light_job* job, const ty_source* source, int32_t b
         if (bare[count] > 0) ++count;
     }
     if (count == 0) return;
-    ty_mesh_occluded_packet(job->scene->view.mesh, rays, count, shadowed);
+    ty_accel_occluded_packet(job->scene->view.mesh, rays, count, shadowed);
     for (int32_t i = 0; i < count; ++i) {
         const ty_vec origin = ty_vec_load(rays[i].origin), toward = ty_vec_load(rays[i].direction);
         const float far = ty_minf(rays[i].far, 1e30f);
@@ -166,7 +166,7 @@ static void reach_lamp(flood* f, const ty_scene* scene, const ty_grid_medium* me
         for (int a = 0; a < 3; ++a) start[a] = place[a] + lift * (float)medium->cell[a] * normal[a];
         const ty_vec way = ty_sub(ty_vec_load(middle), ty_vec_load(start));
         const float length = sqrtf(ty_dot(way, way));
-        if (length > 0 && ty_mesh_occluded(scene->view.mesh, ty_vec_load(start), ty_scale(way, 1 / length), length))
+        if (length > 0 && ty_accel_occluded(scene->view.mesh, ty_vec_load(start), ty_scale(way, 1 / length), length))
             continue;
         reach(f,
               ((size_t)at[2] * (size_t)f->walls->size[1] + (size_t)at[1]) * (size_t)f->walls->size[0] + (size_t)at[0]);

@@ -224,7 +224,7 @@ static void place_lobes(noise_job* job) {
     for (int32_t t = 0; t < TOWERS; ++t) {
         const uint32_t word = hash(job->def.seed, t, 101, 0);
         float sine, cosine;
-        ty_sincos_turn(fmodf(turn + ((float)t + 0.8f * uniform(word, 0)) / (TOWERS - 1), 1), &sine, &cosine);
+        ty_sincos_2pi(fmodf(turn + ((float)t + 0.8f * uniform(word, 0)) / (TOWERS - 1), 1), &sine, &cosine);
         const float away = t == 0 ? 0.0f : 0.36f + 0.14f * uniform(word, 1);
         const float height = t == 0 ? 0.6f : 0.2f + 0.26f * uniform(word, 2);
         const float width = t == 0 ? 0.44f : 0.28f + 0.12f * uniform(word, 3);
@@ -233,7 +233,7 @@ static void place_lobes(noise_job* job) {
             const float rise = ((float)i + 0.5f) / TOWER_LOBES;
             const float off = width * (1 - 0.75f * rise) * sqrtf(uniform(ball, 1));
             float side, front;
-            ty_sincos_turn(uniform(ball, 0), &side, &front);
+            ty_sincos_2pi(uniform(ball, 0), &side, &front);
             lobe* l = &job->lobes[t * TOWER_LOBES + i];
             l->radius = reach * width * (0.7f + 0.4f * uniform(ball, 2)) * (1 - 0.45f * rise);
             const float gap = margin + l->radius;
@@ -253,7 +253,7 @@ static void place_arch(noise_job* job) {
         const uint32_t ball = hash(job->def.seed, i, 105, 0);
         const float along = ((float)i + 0.5f) / (LOBES - 1), width = 0.29f + 0.05f * uniform(ball, 0);
         float sine, cosine;
-        ty_sincos_turn(fmodf(0.93f + 0.64f * along, 1), &sine, &cosine);
+        ty_sincos_2pi(fmodf(0.93f + 0.64f * along, 1), &sine, &cosine);
         job->lobes[i] = (lobe){.x = 0.5f * e[0] + side * width * cosine,
                                .y = 0.48f * e[1] + side * width * sine,
                                .z = 0.5f * e[2] + side * 0.16f * (uniform(ball, 1) - 0.5f),

@@ -48,10 +48,10 @@ static void add_blurred(const ty_march_request* request, ty_vec direction, const
 
 static void add_ray(const ty_march_request* request, ty_march_ray* ray, ty_vec direction, float offset,
                     ty_march_pixel* pixel) {
-    const ty_mesh* mesh = request->scene->mesh;
+    const ty_accel* mesh = request->scene->mesh;
     const ty_vec origin = request->camera.origin;
     ty_hit hit;
-    const bool hits = mesh != NULL && ty_mesh_intersect(mesh, origin, direction, TY_FLOAT_MAX, &hit);
+    const bool hits = mesh != NULL && ty_accel_intersect(mesh, origin, direction, TY_FLOAT_MAX, &hit);
     ty_march_follow(ray, request, origin, direction, hits ? hit.distance : TY_FLOAT_MAX, offset, 1.0f);
     const ty_march_light light = ray->light;
     for (int c = 0; c < 3; ++c) {

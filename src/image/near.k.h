@@ -76,7 +76,7 @@ TY_FN bool ty_near_in_box(ty_vec p, ty_vec low, ty_vec high) {
 
 /* Whether a point is within a medium's bounds and grid, if they are convex: then so is all between two such points. */
 TY_FN bool ty_near_inside(TY_GLOBAL const ty_medium_view* medium, ty_vec point) {
-    if (medium->bounds == TY_BOUNDED_SHELL) return false;
+    if (medium->bounds == TY_BOUNDED_MESH) return false;
     const ty_vec p = ty_map_point(medium->to_bounds, point);
     if (medium->bounds == TY_BOUNDED_BOX && !ty_near_in_box(p, ty_vec_make(-1, -1, -1), ty_vec_make(1, 1, 1)))
         return false;
@@ -155,7 +155,7 @@ TY_FN bool ty_near_follow(TY_GLOBAL const ty_march_request* request, TY_GLOBAL c
     memset(depth, 0, sizeof depth);
     const ty_near_way way = {point, toward, piece, far};
     far = ty_near_pass(request, &way, extinction, depth);
-    if (scene->mesh != NULL && ty_mesh_occluded(scene->mesh, point, toward, far)) return false;
+    if (scene->mesh != NULL && ty_accel_occluded(scene->mesh, point, toward, far)) return false;
     const float spread = distance < TY_FLOAT_MAX ? (distance - far) / distance : 1.0f;
     for (int32_t f = 0; f < (light->lobes != 0 ? TY_SINGLE_FLUENCES : 1); ++f)
         for (int32_t c = 0; c < 3; ++c) out->passing[f][c] = spread * spread * ty_decay(depth[f][c]);

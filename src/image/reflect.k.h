@@ -18,11 +18,11 @@ TY_FN uint32_t ty_reflect_gather(TY_GLOBAL const ty_march_request* request, ty_m
     for (int c = 0; c < 3; ++c) irradiance[c] = 0.0f;
     for (int32_t i = 0; i < TY_REFLECT_RAYS; ++i) {
         const float u = ((float)i + shift) * (1.0f / TY_REFLECT_RAYS), v = turn + 0.618033989f * (float)i;
-        const ty_vec direction = ty_direction_about(point->normal, sqrtf(1.0f - u), v - floorf(v));
-        if (ty_dot(direction, point->facing) <= 0.0f) continue;
+        const ty_vec direction = ty_direction_about(point->ns, sqrtf(1.0f - u), v - floorf(v));
+        if (ty_dot(direction, point->ng) <= 0.0f) continue;
         const ty_vec origin = ty_hit_leave(hit, direction);
         ty_hit next;
-        const bool hits = ty_mesh_intersect(request->scene->mesh, origin, direction, TY_FLOAT_MAX, &next);
+        const bool hits = ty_accel_intersect(request->scene->mesh, origin, direction, TY_FLOAT_MAX, &next);
         ty_march_follow(ray, request, origin, direction, hits ? next.distance : TY_FLOAT_MAX, turn, TY_REFLECT_STEP);
         steps += ray->steps;
         for (int c = 0; c < 3; ++c)
@@ -46,7 +46,7 @@ TY_FN void ty_reflect(TY_GLOBAL const ty_march_request* request, ty_march_ray* r
     const uint32_t before = ray->steps;
     ray->steps = 0;
     if (ty_cell_inside(&request->surface_field.place, cells))
-        ty_upsample_irradiance(&request->surface_field, cells, point.normal, irradiance);
+        ty_upsample_irradiance(&request->surface_field, cells, point.ns, irradiance);
     else
         ray->steps = ty_reflect_gather(request, ray, hit, &point, offset, irradiance);
     ray->steps += before;

@@ -19,8 +19,8 @@ enum { TY_TRACK_PARTS = 4 };
 /* A medium on a stretch of the ray. */
 typedef struct ty_track {
     TY_GLOBAL const ty_medium_view* medium;
-    ty_bricks bricks;   /* also the ray in the grid's index space */
-    float enter, leave; /* matter without a gap, m along the ray: where the ray is, or what it comes to next */
+    ty_majorant_dda bricks; /* also the ray in the grid's index space */
+    float enter, leave;     /* matter without a gap, m along the ray: where the ray is, or what it comes to next */
     float ahead_enter, ahead_leave;
     int32_t ahead;   /* whether there is more behind a gap */
     int32_t cell[3]; /* the lowest of the eight voxels around the ray */
@@ -45,7 +45,7 @@ TY_FN void ty_track_next_run(ty_track* track) {
     track->enter = track->ahead != 0 ? track->ahead_enter : TY_FLOAT_MAX;
     track->leave = track->ahead != 0 ? track->ahead_leave : TY_FLOAT_MAX;
     while (track->ahead != 0) {
-        track->ahead = ty_bricks_next(&track->bricks) ? 1 : 0;
+        track->ahead = ty_majorant_dda_next(&track->bricks) ? 1 : 0;
         track->ahead_enter = track->bricks.enter;
         track->ahead_leave = track->bricks.leave;
         if (track->ahead == 0 || track->ahead_enter > track->leave) break;
@@ -97,8 +97,8 @@ TY_FN void ty_track_begin(ty_track* track, TY_GLOBAL const ty_medium_view* mediu
     track->live = medium->sigma_t_max;
     track->mean = (medium->sigma_t[0] + medium->sigma_t[1] + medium->sigma_t[2]) * (1.0f / 3.0f);
     track->amount = track->moment = 0.0f;
-    ty_bricks_begin(&track->bricks, medium, origin, direction, enter, leave);
-    track->ahead = ty_bricks_next(&track->bricks) ? 1 : 0;
+    ty_majorant_dda_begin(&track->bricks, medium, origin, direction, enter, leave);
+    track->ahead = ty_majorant_dda_next(&track->bricks) ? 1 : 0;
     track->ahead_enter = track->bricks.enter;
     track->ahead_leave = track->bricks.leave;
     ty_track_next_run(track);
@@ -125,7 +125,7 @@ TY_FN void ty_track_leave(ty_track* track) {
 TY_FN float ty_track_density(const ty_track* track, float t) {
     TY_GLOBAL const ty_medium_view* medium = track->medium;
     if (medium->has_grid == 0) return 1.0f;
-    const ty_bricks* b = &track->bricks;
+    const ty_majorant_dda* b = &track->bricks;
     const float x = b->origin.x + b->direction.x * t - (float)track->cell[0];
     const float y = b->origin.y + b->direction.y * t - (float)track->cell[1];
     const float z = b->origin.z + b->direction.z * t - (float)track->cell[2];
@@ -156,7 +156,7 @@ TY_FN void ty_track_find(ty_track* track, float t) {
     track->parts = 1;
     track->cell_leave = TY_FLOAT_MAX;
     if (track->medium->has_grid == 0) return;
-    const ty_bricks* b = &track->bricks;
+    const ty_majorant_dda* b = &track->bricks;
     ty_track_find_axis(track, 0, b->origin.x, b->direction.x, t);
     ty_track_find_axis(track, 1, b->origin.y, b->direction.y, t);
     ty_track_find_axis(track, 2, b->origin.z, b->direction.z, t);
@@ -167,7 +167,7 @@ TY_FN void ty_track_find(ty_track* track, float t) {
 
 /* On to the voxels around t, where the ray has left those that it was between. */
 TY_FN void ty_track_advance(ty_track* track, float t) {
-    const ty_bricks* b = &track->bricks;
+    const ty_majorant_dda* b = &track->bricks;
     const float origin[3] = {b->origin.x, b->origin.y, b->origin.z};
     const float direction[3] = {b->direction.x, b->direction.y, b->direction.z};
     while (track->cell_leave <= t) {

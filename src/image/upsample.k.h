@@ -71,7 +71,7 @@ TY_FN void ty_upsample_guide(const ty_upsample_view* view, TY_GLOBAL const float
     for (int i = 0; i < 8; ++i) there[i] = cells[i][guide];
     for (int i = 0; i < 8; ++i) {
         const float apart = (there[i] - extinction) / ty_maxf(there[i] + extinction, 1e-30f);
-        weight[i] *= ty_exp_minus(ty_minf(apart * apart * sharpness, 40.0f));
+        weight[i] *= ty_exp_neg(ty_minf(apart * apart * sharpness, 40.0f));
     }
     const float scale = 1.0f / ty_maxf(ty_upsample_sum(weight), 1e-30f);
     for (int i = 0; i < 8; ++i) weight[i] *= scale;

@@ -28,7 +28,7 @@ typedef struct ty_environment_view {
 } ty_environment_view;
 
 /* Angle of (x, y) in turns, (-0.5, 0.5], to 2e-6 (minimax polynomial on [0, 1]). */
-TY_FN float ty_atan2_turns(float y, float x) {
+TY_FN float ty_atan2_over_2pi(float y, float x) {
     const float ax = fabsf(x), ay = fabsf(y);
     const float large = ty_maxf(ax, ay), small = ty_minf(ax, ay);
     const float a = large > 0.0f ? small / large : 0.0f;
@@ -48,11 +48,11 @@ TY_FN float ty_atan2_turns(float y, float x) {
 TY_FN void ty_environment_uv(TY_GLOBAL const ty_environment_view* env, ty_vec look, float* u, float* v) {
     const float height = env->up == 2 ? look.z : look.y;
     /* Counter-clockwise seen from above: from x towards -z when y is up, from x towards y when z is up. */
-    const float angle = ty_atan2_turns(env->up == 2 ? look.y : -look.z, look.x);
+    const float angle = ty_atan2_over_2pi(env->up == 2 ? look.y : -look.z, look.x);
     const float turned = 0.5f - (angle - env->turns);
     const float across = sqrtf(ty_maxf(0.0f, 1.0f - height * height));
     *u = turned - floorf(turned);
-    *v = 2.0f * ty_atan2_turns(across, height);
+    *v = 2.0f * ty_atan2_over_2pi(across, height);
 }
 
 /* Radiance arriving from where unit vector look points: bilinear, wrapping around, repeating at the poles. */
@@ -130,7 +130,7 @@ TY_FN float ty_environment_sample(TY_GLOBAL const ty_environment_view* env, floa
     const float turned = ((float)column + in_column) / (float)env->table_width;
     const float angle = 0.5f - turned + env->turns;
     float sine, cosine;
-    ty_sincos_turn(angle - floorf(angle), &sine, &cosine);
+    ty_sincos_2pi(angle - floorf(angle), &sine, &cosine);
     *look = env->up == 2 ? ty_vec_make(across * cosine, across * sine, height)
                          : ty_vec_make(across * cosine, height, -across * sine);
     return ty_environment_pdf_at(env, column, row);

@@ -97,7 +97,7 @@ static void mean_emission(const ty_surface* surface, int32_t triangle, float mea
         for (int32_t i = 0; i < side; ++i) {
             const float root = sqrtf(((float)i + 0.5f) / (float)side), v = ((float)j + 0.5f) / (float)side;
             float emission[3];
-            ty_surface_sent(surface, triangle, 1.0f - root, root * v, emission);
+            ty_surface_mean_emission(surface, triangle, 1.0f - root, root * v, emission);
             for (int c = 0; c < 3; ++c) sum[c] += (double)emission[c];
         }
     for (int c = 0; c < 3; ++c) mean[c] = (float)(sum[c] / side / side);

@@ -36,14 +36,14 @@ typedef struct ty_light_view {
     ty_environment_view environment;
 } ty_light_view;
 
-/* Lights that are small beside their distance and bright near by: rays through media look for them. */
-TY_FN bool ty_light_is_lamp(int32_t kind) {
+/* Lights that are small beside their distance and bright near by: rays through media wi for them. */
+TY_FN bool ty_light_is_local(int32_t kind) {
     return kind == TY_KIND_POINT || kind == TY_KIND_SPOT || kind == TY_KIND_AREA || kind == TY_KIND_TRIANGLE;
 }
 
 /* A light seen from a point. */
 typedef struct ty_light_sample {
-    ty_vec look;       /* unit, towards the light */
+    ty_vec wi;         /* unit, towards the light */
     float distance;    /* to it; TY_FLOAT_MAX at infinity */
     float radiance[3]; /* radiance / pdf, or for delta lights irradiance on a plane facing the light */
     float pdf;         /* per steradian, this light having been chosen; 0 for delta lights */
@@ -81,10 +81,10 @@ TY_FN ty_vec ty_light_place(TY_GLOBAL const ty_light_view* light, float u, float
     return ty_mad(ty_mad(light->position, light->u, *b1), light->v, *b2);
 }
 
-/* Cosine between a ray that looks along `look` and a flat light's front: negative from behind, and positive from there
+/* Cosine between a ray that looks along `wi` and a flat light's front: negative from behind, and positive from there
  * as well when the light is two-sided. */
-TY_FN float ty_light_facing(TY_GLOBAL const ty_light_view* light, ty_vec look) {
-    const float mu = -ty_dot(look, light->direction);
+TY_FN float ty_light_facing(TY_GLOBAL const ty_light_view* light, ty_vec wi) {
+    const float mu = -ty_dot(wi, light->direction);
     return light->two_sided != 0 ? fabsf(mu) : mu;
 }
 
@@ -94,13 +94,13 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
     out->pdf = 0.0f;
     out->distance = TY_FLOAT_MAX;
     if (light->kind == TY_KIND_DIRECTIONAL) {
-        out->look = ty_scale(light->direction, -1.0f);
+        out->wi = ty_scale(light->direction, -1.0f);
         return ty_light_set_rgb(out->radiance, light->color, 1.0f);
     }
     if (light->kind == TY_KIND_ENVIRONMENT) {
         float radiance[3];
-        out->pdf = ty_environment_sample(&light->environment, u, v, &out->look);
-        ty_environment_radiance(&light->environment, out->look, radiance);
+        out->pdf = ty_environment_sample(&light->environment, u, v, &out->wi);
+        ty_environment_radiance(&light->environment, out->wi, radiance);
         return out->pdf > 0.0f && ty_light_set_rgb(out->radiance, radiance, 1.0f / out->pdf);
     }
     const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
@@ -113,37 +113,37 @@ TY_FN bool ty_light_sample_from(TY_GLOBAL const ty_light_view* light, ty_vec fro
         if (d2 <= light->radius * light->radius) return false;
         const float cap = ty_sphere_cap(light->radius, d2), mu = 1.0f - u * cap;
         const float d = sqrtf(d2);
-        out->look = ty_direction_about(ty_scale(to, 1.0f / d), mu, v);
+        out->wi = ty_direction_about(ty_scale(to, 1.0f / d), mu, v);
         const float off2 = d2 * (1.0f - mu) * (1.0f + mu);
         out->distance = d * mu - sqrtf(ty_maxf(0.0f, light->radius * light->radius - off2));
         out->pdf = 1.0f / (2.0f * TY_PI * cap);
         return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
     }
     out->distance = sqrtf(d2);
-    out->look = ty_scale(to, 1.0f / out->distance);
+    out->wi = ty_scale(to, 1.0f / out->distance);
     if (flat) {
-        const float mu = ty_light_facing(light, out->look);
+        const float mu = ty_light_facing(light, out->wi);
         if (mu <= 0.0f) return false;
         out->pdf = d2 / (mu * light->area);
         if (light->textured == NULL) return ty_light_set_rgb(out->radiance, light->color, 1.0f / out->pdf);
         float emission[3];
-        ty_surface_sent(light->textured, light->part, b1, b2, emission);
+        ty_surface_mean_emission(light->textured, light->part, b1, b2, emission);
         return ty_light_set_rgb(out->radiance, emission, 1.0f / out->pdf);
     }
     const float falloff =
-        light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(out->look, light->direction)) : 1.0f;
+        light->kind == TY_KIND_SPOT ? ty_spot_falloff(light, -ty_dot(out->wi, light->direction)) : 1.0f;
     return ty_light_set_rgb(out->radiance, light->color, falloff / d2);
 }
 
 /* Density per steradian with which ty_light_sample_from picks the direction of a ray that hit a surface light
  * (area, triangle or sphere) at distance, coming from `from`. */
-TY_FN float ty_light_pdf(TY_GLOBAL const ty_light_view* light, ty_vec from, ty_vec look, float distance) {
+TY_FN float ty_light_pdf(TY_GLOBAL const ty_light_view* light, ty_vec from, ty_vec wi, float distance) {
     if (light->kind == TY_KIND_SPHERE) {
         const ty_vec to = ty_sub(light->position, from);
         const float d2 = ty_dot(to, to);
         return d2 <= light->radius * light->radius ? 0.0f : 1.0f / (2.0f * TY_PI * ty_sphere_cap(light->radius, d2));
     }
-    const float mu = ty_light_facing(light, look);
+    const float mu = ty_light_facing(light, wi);
     return mu > 0.0f ? distance * distance / (mu * light->area) : 0.0f;
 }
 

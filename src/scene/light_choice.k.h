@@ -14,7 +14,7 @@ typedef struct ty_light_set {
     TY_GLOBAL const ty_light_node* nodes; /* NULL: no light has a place */
     TY_GLOBAL const uint64_t* trails;     /* per light */
     float placed;                         /* probability of going to the tree */
-    int32_t lamp_count;                   /* lights that ty_light_is_lamp counts */
+    int32_t local_count;                  /* lights that ty_light_is_local counts */
 } ty_light_set;
 
 /* Picks a light for point `from`, on a surface with normal (0 in a medium); *u is stretched back to [0, 1). Returns -1
@@ -43,8 +43,8 @@ TY_FN float ty_lights_probability(TY_GLOBAL const ty_light_set* set, int32_t lig
 }
 
 /* Picks a lamp for the light that it scatters into the stretch [enter, leave] of a ray; -1 where there is none. */
-TY_FN int32_t ty_lights_choose_lamp(TY_GLOBAL const ty_light_set* set, ty_vec origin, ty_vec direction, float enter,
-                                    float leave, float* u, float* probability) {
+TY_FN int32_t ty_lights_choose_local(TY_GLOBAL const ty_light_set* set, ty_vec origin, ty_vec direction, float enter,
+                                     float leave, float* u, float* probability) {
     return ty_light_tree_sample_ray(set->nodes, origin, direction, enter, leave, u, probability);
 }
 

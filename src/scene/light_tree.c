@@ -75,7 +75,7 @@ static float angle_between(ty_vec a, ty_vec b) {
 static ty_vec turn(ty_vec a, ty_vec b, float angle) {
     ty_vec side = ty_mad(b, a, -ty_dot(a, b)), other;
     if (ty_dot(side, side) < 1e-12f)
-        ty_frame(a, &side, &other);
+        ty_onb(a, &side, &other);
     else
         side = ty_normalize(side);
     return ty_normalize(ty_mad(ty_scale(a, cosf(angle)), side, sinf(angle)));

@@ -138,7 +138,7 @@ TY_FN float ty_light_node_ray_importance(TY_GLOBAL const ty_light_node* node, ty
     const ty_vec beside = ty_mad(to, direction, -nearest);
     const float floor2 = 0.1f * node->radius2 + 1e-10f * ty_dot(to, to) + 1e-18f;
     const float off2 = ty_maxf(ty_dot(beside, beside), floor2), off = sqrtf(off2);
-    const float angle = ty_atan2_turns(off * (leave - enter), off2 + (enter - nearest) * (leave - nearest));
+    const float angle = ty_atan2_over_2pi(off * (leave - enter), off2 + (enter - nearest) * (leave - nearest));
     return node->lamp_power * angle / off;
 }
 

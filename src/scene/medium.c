@@ -4,7 +4,7 @@
 #include "base/context.h"
 #include "scene/blackbody.h"
 #include "scene/check.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 
 ty_medium_def ty_default_medium_def(void) {
     return (ty_medium_def){.cookie = TY_DEF_COOKIE,
@@ -229,7 +229,7 @@ static void view_coefficients(const ty_medium_def* def, ty_medium_view* view) {
         view->sigma_s[c] = def->scale * def->sigma_s[c];
         view->sigma_t[c] = def->scale * (def->sigma_s[c] + def->sigma_a[c]);
         view->sigma_t_max = ty_maxf(view->sigma_t_max, view->sigma_t[c]);
-        view->albedo_even[c] = view->sigma_t[c] > 0.0f ? view->sigma_s[c] / view->sigma_t[c] : 0.0f;
+        view->uniform_albedo[c] = view->sigma_t[c] > 0.0f ? view->sigma_s[c] / view->sigma_t[c] : 0.0f;
         view->g[c] = def->g[c];
         if (view->sigma_t[c] != view->sigma_t[0]) view->gray = 0;
         if (view->g[c] != view->g[0]) view->gray_g = 0;
@@ -283,7 +283,7 @@ ty_result ty_medium_view_create(ty_context* context, const ty_medium_def* def, t
         if (def->transfer_count > 0) result = apply_transfer(context, def, view);
     }
     if (result == TY_OK) result = view_fields(context, def, view);
-    view->varies = view->has_grid || view->albedo_fields > 0 || view->has_g_field || view->has_temperature;
+    view->heterogeneous = view->has_grid || view->albedo_fields > 0 || view->has_g_field || view->has_temperature;
     return result;
 }
 

@@ -6,12 +6,12 @@
 #include "base/vector.k.h"
 #include "grid/lookup.k.h"
 #include "scene/blackbody.k.h"
-#include "scene/mesh.h"
+#include "scene/accel.h"
 
 enum { TY_MEDIA_MAX = 64 };
 
 /* Tentative collisions are at least this far apart, relative to the distance: what single precision can tell. */
-#define TY_LEAST_STEP 6e-8f
+#define TY_MIN_COLLISION_STEP 6e-8f
 
 /* A grid beside the density. */
 typedef struct ty_field_view {
@@ -20,21 +20,21 @@ typedef struct ty_field_view {
 } ty_field_view;
 
 /* What a medium is bounded by: ty_bounds_kind. */
-enum { TY_BOUNDED_NOT = 0, TY_BOUNDED_BOX = 1, TY_BOUNDED_SPHERE = 2, TY_BOUNDED_SHELL = 3 };
+enum { TY_BOUNDED_NOT = 0, TY_BOUNDED_BOX = 1, TY_BOUNDED_SPHERE = 2, TY_BOUNDED_MESH = 3 };
 
 typedef struct ty_medium_view {
     ty_grid_view grid; /* looked at if has_grid */
     int32_t has_grid;
-    int32_t varies; /* anything in it does: it cannot be met in closed form */
+    int32_t heterogeneous; /* anything in it does: it cannot be met in closed form */
     int32_t bounds;
-    float to_bounds[12];  /* world to where the bounds are the cube [-1, 1]^3, the unit sphere or the shell */
-    const ty_mesh* shell; /* TY_BOUNDED_SHELL */
-    float to_index[12];   /* world to the grid's index space */
+    float to_bounds[12];   /* world to where the bounds are the cube [-1, 1]^3, the unit sphere or the shell */
+    const ty_accel* shell; /* TY_BOUNDED_MESH */
+    float to_index[12];    /* world to the grid's index space */
     TY_GLOBAL const float* extremes; /* of the density over the grid's bricks, as in ty_grid_view */
     float sigma_s[3];                /* scale included, at density 1 */
     float sigma_t[3];
-    float sigma_t_max;    /* over channels */
-    float albedo_even[3]; /* sigma_s / sigma_t, where no field says otherwise; 0 where nothing collides */
+    float sigma_t_max;       /* over channels */
+    float uniform_albedo[3]; /* sigma_s / sigma_t, where no field says otherwise; 0 where nothing collides */
     float g[3];
     int32_t gray;                                /* sigma_t alike in all channels */
     int32_t gray_g;                              /* g alike in all channels */
@@ -101,17 +101,17 @@ TY_FN bool ty_medium_interval(TY_GLOBAL const ty_medium_view* medium, ty_vec ori
 }
 
 /* Walks the bricks of a grid along a ray; densities within [enter, leave] lie in [low, high]. */
-typedef struct ty_bricks {
+typedef struct ty_majorant_dda {
     TY_GLOBAL const ty_medium_view* medium;
     ty_vec origin, direction; /* index space; the parameter is the world's */
-    float enter, leave, low, high;
+    float enter, leave, minorant, majorant;
     float next[3], step_t[3];
     float end; /* of the whole interval */
     int32_t cell[3], step[3];
     int32_t done;
-} ty_bricks;
+} ty_majorant_dda;
 
-TY_FN void ty_bricks_begin_axis(ty_bricks* b, int32_t axis, float o, float d, float enter) {
+TY_FN void ty_majorant_dda_begin_axis(ty_majorant_dda* b, int32_t axis, float o, float d, float enter) {
     const int32_t count = b->medium->grid.bricks[axis];
     const float inverse_brick = 1.0f / (float)TY_BRICK;
     const float position = (o + d * enter + 1.0f) * inverse_brick;
@@ -129,28 +129,28 @@ TY_FN void ty_bricks_begin_axis(ty_bricks* b, int32_t axis, float o, float d, fl
     b->step_t[axis] = fabsf((float)TY_BRICK * inverse);
 }
 
-TY_FN void ty_bricks_begin(ty_bricks* b, TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction,
-                           float enter, float leave) {
+TY_FN void ty_majorant_dda_begin(ty_majorant_dda* b, TY_GLOBAL const ty_medium_view* medium, ty_vec origin,
+                                 ty_vec direction, float enter, float leave) {
     b->medium = medium;
     b->enter = b->leave = enter;
     b->end = leave;
     b->done = 0;
-    b->low = b->high = 0.0f;
+    b->minorant = b->majorant = 0.0f;
     if (medium->has_grid == 0) return;
     b->origin = ty_map_point(medium->to_index, origin);
     b->direction = ty_map_direction(medium->to_index, direction);
-    ty_bricks_begin_axis(b, 0, b->origin.x, b->direction.x, enter);
-    ty_bricks_begin_axis(b, 1, b->origin.y, b->direction.y, enter);
-    ty_bricks_begin_axis(b, 2, b->origin.z, b->direction.z, enter);
+    ty_majorant_dda_begin_axis(b, 0, b->origin.x, b->direction.x, enter);
+    ty_majorant_dda_begin_axis(b, 1, b->origin.y, b->direction.y, enter);
+    ty_majorant_dda_begin_axis(b, 2, b->origin.z, b->direction.z, enter);
 }
 
 /* Moves to the next brick with any density; false at the end of the interval. A homogeneous medium is one brick. */
-TY_FN bool ty_bricks_next(ty_bricks* b) {
+TY_FN bool ty_majorant_dda_next(ty_majorant_dda* b) {
     if (b->medium->has_grid == 0) {
         if (b->done != 0) return false;
         b->done = 1;
         b->leave = b->end;
-        b->low = b->high = 1.0f;
+        b->minorant = b->majorant = 1.0f;
         return true;
     }
     TY_GLOBAL const ty_grid_view* grid = &b->medium->grid;
@@ -162,8 +162,8 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
             b->medium->extremes +
             2 * ((size_t)b->cell[0] +
                  (size_t)grid->bricks[0] * ((size_t)b->cell[1] + (size_t)grid->bricks[1] * (size_t)b->cell[2]));
-        b->low = ty_maxf(extremes[0], 0.0f);
-        b->high = extremes[1];
+        b->minorant = ty_maxf(extremes[0], 0.0f);
+        b->majorant = extremes[1];
         b->enter = b->leave;
         b->leave = ty_maxf(b->enter, ty_minf(face, b->end));
         b->cell[axis] += b->step[axis];
@@ -172,7 +172,7 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
             b->done = 1;
             b->leave = b->end;
         }
-        if (b->high > 0.0f && b->leave > b->enter) return true;
+        if (b->majorant > 0.0f && b->leave > b->enter) return true;
     }
     return false;
 }
@@ -180,8 +180,8 @@ TY_FN bool ty_bricks_next(ty_bricks* b) {
 /* A random estimate of the grid's value at a point in index space, whose mean is the trilinear value: the voxel that a
  * uniform jitter of one voxel's width picks. Null-collision methods are linear in the density, so they stay unbiased.
  */
-TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_random* random) {
-    const uint64_t bits = ty_random_bits(random);
+TY_FN float ty_grid_jittered(TY_GLOBAL const ty_grid_view* grid, ty_vec p, ty_sampler* random) {
+    const uint64_t bits = ty_rng_bits(random);
     const float scale = 0x1p-21f;
     const int32_t i = (int32_t)floorf(p.x + (float)(uint32_t)(bits >> 43) * scale);
     const int32_t j = (int32_t)floorf(p.y + (float)(uint32_t)(bits >> 22 & 0x1fffffu) * scale);
@@ -229,21 +229,21 @@ TY_FN float ty_transfer_density(TY_GLOBAL const ty_transfer_point* points, int32
 
 /* An estimate of the density at a point in index space, without bounds: its mean is exact. Transfer functions are not
  * linear, so they need the value itself. */
-TY_FN float ty_medium_density_at(TY_GLOBAL const ty_medium_view* medium, ty_vec p, ty_random* random) {
+TY_FN float ty_medium_density_at(TY_GLOBAL const ty_medium_view* medium, ty_vec p, ty_sampler* random) {
     if (medium->transfer != NULL)
         return ty_transfer_density(medium->transfer, medium->transfer_count, ty_grid_value(&medium->grid, p));
     return ty_grid_jittered(&medium->grid, p, random);
 }
 
 /* An estimate of the density at parameter t, within the brick's bounds. */
-TY_FN float ty_bricks_density(const ty_bricks* b, float t, ty_random* random) {
+TY_FN float ty_majorant_dda_density(const ty_majorant_dda* b, float t, ty_sampler* random) {
     if (b->medium->has_grid == 0) return 1.0f;
     const ty_vec p = ty_mad(b->origin, b->direction, t);
-    return ty_clampf(ty_medium_density_at(b->medium, p, random), b->low, b->high);
+    return ty_clampf(ty_medium_density_at(b->medium, p, random), b->minorant, b->majorant);
 }
 
 /* The same at a point of the world that is inside the medium. */
-TY_FN float ty_medium_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point, ty_random* random) {
+TY_FN float ty_medium_density(TY_GLOBAL const ty_medium_view* medium, ty_vec point, ty_sampler* random) {
     if (medium->has_grid == 0) return 1.0f;
     return ty_maxf(0.0f, ty_medium_density_at(medium, ty_map_point(medium->to_index, point), random));
 }
@@ -264,7 +264,7 @@ TY_FN void ty_medium_albedo(TY_GLOBAL const ty_medium_view* medium, ty_vec point
             albedo[c] = ty_lerpf(medium->transfer[i].albedo[c], medium->transfer[i + 1].albedo[c], weight);
         return;
     }
-    for (int32_t c = 0; c < 3; ++c) albedo[c] = medium->albedo_even[c];
+    for (int32_t c = 0; c < 3; ++c) albedo[c] = medium->uniform_albedo[c];
 }
 
 /* Scattering coefficient at density 1 at a point of the world. */
@@ -296,7 +296,7 @@ TY_FN void ty_medium_emission(TY_GLOBAL const ty_medium_view* medium, ty_vec poi
 }
 
 /* The same times the absorption coefficient at density 1: what it sends per metre. */
-TY_FN void ty_medium_glow(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float glow[3]) {
+TY_FN void ty_medium_emission_coefficient(TY_GLOBAL const ty_medium_view* medium, ty_vec point, float glow[3]) {
     float sigma_s[3];
     ty_medium_sigma_s(medium, point, sigma_s);
     ty_medium_emission(medium, point, glow);

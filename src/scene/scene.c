@@ -7,7 +7,7 @@
 #include "scene/medium.h"
 #include "scene/settings.h"
 #include "scene/shape.h"
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 #include "scene/texture.h"
 
 #include <stdio.h>
@@ -44,7 +44,7 @@ static void drop_commit(ty_scene* scene) {
     ty_free_array(context, scene->surfaces, scene->surface_count, sizeof(ty_surface));
     ty_free_array(context, scene->distant_lights, scene->distant_capacity, sizeof(int32_t));
     ty_light_tree_destroy(context, scene->light_tree);
-    ty_mesh_destroy(scene->mesh);
+    ty_accel_destroy(scene->mesh);
     scene->light_tree = NULL;
     scene->distant_lights = NULL;
     scene->medium_views = NULL;
@@ -63,7 +63,7 @@ void ty_scene_destroy(ty_scene* scene) {
     drop_commit(scene);
     for (size_t i = 0; i < scene->medium_count; ++i) ty_medium_release(context, &scene->media[i]);
     for (size_t i = 0; i < scene->light_count; ++i) ty_environment_destroy(context, scene->environments[i]);
-    for (size_t i = 0; i < scene->mesh_count; ++i) ty_triangles_destroy(context, scene->meshes[i]);
+    for (size_t i = 0; i < scene->mesh_count; ++i) ty_triangle_mesh_destroy(context, scene->meshes[i]);
     ty_free_array(context, scene->meshes, scene->mesh_capacity, sizeof *scene->meshes);
     ty_free_array(context, scene->media, scene->medium_capacity, sizeof *scene->media);
     ty_free_array(context, scene->lights, scene->light_capacity, sizeof *scene->lights);
@@ -127,7 +127,7 @@ ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def) {
     if (!ty_grow_array(scene->context, (void**)&scene->meshes, &scene->mesh_capacity, scene->mesh_count,
                        sizeof *scene->meshes))
         return TY_ERROR_MEMORY;
-    const ty_result result = ty_triangles_create(scene->context, def, &scene->meshes[scene->mesh_count]);
+    const ty_result result = ty_triangle_mesh_create(scene->context, def, &scene->meshes[scene->mesh_count]);
     if (result != TY_OK) return result;
     ++scene->mesh_count;
     scene->committed = false;
@@ -170,7 +170,7 @@ static size_t count_lights(const ty_scene* scene) {
         if (ty_shape_emits(shape)) count += shape->kind == TY_SHAPE_SPHERE ? 1 : (size_t)ty_shape_quad_count(shape);
     }
     for (size_t i = 0; i < scene->mesh_count; ++i)
-        if (ty_triangles_emit(scene->meshes[i])) count += scene->meshes[i]->triangle_count;
+        if (ty_triangle_mesh_emits(scene->meshes[i])) count += scene->meshes[i]->triangle_count;
     return count;
 }
 
@@ -190,8 +190,8 @@ static void add_shape_lights(ty_scene* scene, size_t part, size_t* at) {
 }
 
 static ty_result add_mesh_lights(ty_scene* scene, size_t number, size_t* at) {
-    ty_triangles* mesh = scene->meshes[number];
-    if (!ty_triangles_emit(mesh)) return TY_OK;
+    ty_triangle_mesh* mesh = scene->meshes[number];
+    if (!ty_triangle_mesh_emits(mesh)) return TY_OK;
     ty_surface* surface = &scene->surfaces[scene->shape_part_count + number];
     mesh->lights = ty_alloc_array(scene->context, mesh->triangle_count, sizeof *mesh->lights, false);
     if (mesh->lights == NULL) return TY_ERROR_MEMORY;
@@ -214,7 +214,7 @@ static ty_result view_lights(ty_scene* scene, size_t count) {
     for (size_t i = 0; i < count && result == TY_OK; ++i) {
         const ty_light_view* light = &scene->light_views[i];
         ty_light_get_bounds(light, &bounds[i]);
-        set->lamp_count += ty_light_is_lamp(light->kind);
+        set->local_count += ty_light_is_local(light->kind);
         if (light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_ENVIRONMENT)
             scene->distant_lights[set->distant_count++] = (int32_t)i;
     }
@@ -265,14 +265,14 @@ static ty_result commit_surfaces(ty_scene* scene) {
     if (scene->surfaces == NULL) return TY_ERROR_MEMORY;
     for (size_t i = 0; i < scene->shape_part_count; ++i) scene->surfaces[i] = shape_surface(&scene->shape_parts[i]);
     for (size_t i = 0; i < scene->mesh_count; ++i)
-        scene->surfaces[scene->shape_part_count + i] = ty_triangles_get_surface(scene->meshes[i]);
+        scene->surfaces[scene->shape_part_count + i] = ty_triangle_mesh_get_surface(scene->meshes[i]);
     scene->view.surfaces = scene->surfaces;
-    const ty_mesh_parts parts = {.shapes = scene->shape_parts,
-                                 .shape_count = scene->shape_part_count,
-                                 .meshes = scene->meshes,
-                                 .mesh_count = scene->mesh_count,
-                                 .surfaces = scene->surfaces};
-    const ty_result result = ty_mesh_create(scene->context, &parts, &scene->mesh);
+    const ty_accel_input parts = {.shapes = scene->shape_parts,
+                                  .shape_count = scene->shape_part_count,
+                                  .meshes = scene->meshes,
+                                  .mesh_count = scene->mesh_count,
+                                  .surfaces = scene->surfaces};
+    const ty_result result = ty_accel_create(scene->context, &parts, &scene->mesh);
     scene->view.mesh = scene->mesh;
     return result;
 }
@@ -426,7 +426,7 @@ static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) 
 static size_t count_bytes(const ty_scene* scene) {
     size_t sum = sizeof *scene + scene->light_view_count * sizeof(ty_light_view) +
                  scene->medium_count * sizeof(ty_medium_view) + scene->surface_count * sizeof(ty_surface) +
-                 ty_mesh_bytes(scene->mesh) + ty_light_tree_bytes(scene->light_tree);
+                 ty_accel_bytes(scene->mesh) + ty_light_tree_bytes(scene->light_tree);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (scene->environments[i] != NULL) sum += ty_environment_bytes(scene->environments[i]);
     for (size_t i = 0; i < TY_MEDIUM_GRIDS * scene->medium_count; ++i) {
@@ -436,12 +436,12 @@ static size_t count_bytes(const ty_scene* scene) {
         if (!counted) sum += ty_grid_get_info(grid).bytes;
     }
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        const ty_shell* shell = scene->media[i].shell;
+        const ty_closed_mesh* shell = scene->media[i].shell;
         bool counted = shell == NULL;
         for (size_t j = 0; j < i && !counted; ++j) counted = scene->media[j].shell == shell;
-        if (!counted) sum += ty_shell_bytes(shell);
+        if (!counted) sum += ty_closed_mesh_bytes(shell);
     }
-    for (size_t i = 0; i < scene->mesh_count; ++i) sum += ty_triangles_bytes(scene->meshes[i]);
+    for (size_t i = 0; i < scene->mesh_count; ++i) sum += ty_triangle_mesh_bytes(scene->meshes[i]);
     return sum;
 }
 
@@ -489,7 +489,7 @@ void ty_scene_environment(const ty_scene* scene, float radiance[3]) {
 ty_result ty_scene_get_mesh(const ty_scene* scene, int32_t index, ty_mesh_def* out) {
     if (index < 0 || (size_t)index >= scene->mesh_count)
         return ty_fail(scene->context, TY_ERROR_ARGUMENT, "meshes: there is no mesh %d", (int)index);
-    const ty_triangles* mesh = scene->meshes[index];
+    const ty_triangle_mesh* mesh = scene->meshes[index];
     *out = ty_default_mesh_def();
     out->vertex_count = (int64_t)mesh->vertex_count;
     out->triangle_count = (int64_t)mesh->triangle_count;

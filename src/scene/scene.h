@@ -6,7 +6,7 @@
 #include "scene/light_choice.k.h"
 #include "scene/light_tree.h"
 #include "scene/medium.k.h"
-#include "scene/mesh.h"
+#include "scene/accel.h"
 
 #include <tyndall/scene.h>
 
@@ -15,7 +15,7 @@ typedef struct ty_scene_view {
     const ty_medium_view* media;
     int32_t medium_count;
     ty_light_set lights;
-    const ty_mesh* mesh;        /* NULL: no surfaces */
+    const ty_accel* mesh;       /* NULL: no surfaces */
     const ty_surface* surfaces; /* shapes, area lights, meshes */
 } ty_scene_view;
 
@@ -34,7 +34,7 @@ struct ty_scene {
     size_t light_count, light_capacity, environment_capacity;
     ty_shape_def* shapes;
     size_t shape_count, shape_capacity;
-    ty_triangles** meshes;
+    ty_triangle_mesh** meshes;
     size_t mesh_count, mesh_capacity;
 
     bool committed;
@@ -49,7 +49,7 @@ struct ty_scene {
     ty_shape_def* shape_parts; /* shapes and area lights */
     size_t shape_part_count;
     size_t surface_count; /* shape_parts and meshes */
-    ty_mesh* mesh;
+    ty_accel* mesh;
 };
 
 /* The view of a committed scene; NULL, with a message, of any other. */

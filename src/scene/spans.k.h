@@ -10,8 +10,8 @@ enum { TY_SPANS_MAX = 128 };
  * TY_SPANS_MAX they are left out. */
 typedef struct ty_spans {
     int32_t count;
-    int32_t varies; /* whether any of the media does */
-    int32_t emits;  /* whether any of the media does */
+    int32_t heterogeneous; /* whether any of the media does */
+    int32_t emits;         /* whether any of the media does */
     int32_t medium[TY_SPANS_MAX];
     float enter[TY_SPANS_MAX], leave[TY_SPANS_MAX];
 } ty_spans;
@@ -22,7 +22,7 @@ TY_FN void ty_spans_add(ty_spans* spans, TY_GLOBAL const ty_medium_view* media, 
     spans->medium[spans->count] = medium;
     spans->enter[spans->count] = enter;
     spans->leave[spans->count++] = leave;
-    spans->varies |= media[medium].varies;
+    spans->heterogeneous |= media[medium].heterogeneous;
     spans->emits |= media[medium].emits;
 }
 
@@ -34,7 +34,7 @@ TY_FN void ty_spans_add_shell(ty_spans* spans, TY_GLOBAL const ty_medium_view* m
     const ty_vec o = ty_map_point(media[medium].to_bounds, origin);
     const ty_vec d = ty_map_direction(media[medium].to_bounds, direction);
     int32_t inside;
-    const int32_t count = ty_mesh_crossings(media[medium].shell, o, d, crossings, &inside);
+    const int32_t count = ty_accel_crossings(media[medium].shell, o, d, crossings, &inside);
     float end = count > 0 ? crossings[count - 1].t : 0.0f;
     for (int32_t i = count; i-- > 0;) {
         const int32_t before = inside + crossings[i].leaves;
@@ -49,12 +49,12 @@ TY_FN void ty_spans_add_shell(ty_spans* spans, TY_GLOBAL const ty_medium_view* m
 TY_FN void ty_spans_find(TY_GLOBAL const ty_medium_view* media, int32_t count, ty_vec origin, ty_vec direction,
                          float far, ty_spans* spans) {
     spans->count = 0;
-    spans->varies = 0;
+    spans->heterogeneous = 0;
     spans->emits = 0;
     for (int32_t m = 0; m < count; ++m) {
         float enter = 0.0f, leave = far;
         if (!ty_medium_interval(&media[m], origin, direction, &enter, &leave)) continue;
-        if (media[m].bounds == TY_BOUNDED_SHELL)
+        if (media[m].bounds == TY_BOUNDED_MESH)
             ty_spans_add_shell(spans, media, m, origin, direction, enter, leave);
         else
             ty_spans_add(spans, media, m, enter, leave);

@@ -40,8 +40,8 @@ typedef struct ty_surface {
 typedef struct ty_surface_point {
     float albedo[3];
     float emission[3]; /* towards where the ray came from */
-    ty_vec facing;     /* the face's unit normal on that side */
-    ty_vec normal;     /* the same, smoothed: what cosines are taken with */
+    ty_vec ng;         /* the face's unit normal on that side */
+    ty_vec ns;         /* the same, smoothed: what cosines are taken with */
     int32_t light;     /* in the scene view; -1: is not sampled, and all it sends is met */
 } ty_surface_point;
 
@@ -118,7 +118,8 @@ TY_FN float ty_surface_presence(TY_GLOBAL const ty_surface* surface, int32_t tri
 }
 
 /* Radiance that a triangle sends from a point, in the mean over rays. */
-TY_FN void ty_surface_sent(TY_GLOBAL const ty_surface* surface, int32_t triangle, float b1, float b2, float sent[3]) {
+TY_FN void ty_surface_mean_emission(TY_GLOBAL const ty_surface* surface, int32_t triangle, float b1, float b2,
+                                    float sent[3]) {
     const float presence = ty_surface_presence(surface, triangle, b1, b2);
     ty_surface_emission(surface, triangle, b1, b2, sent);
     for (int c = 0; c < 3; ++c) sent[c] *= presence;
@@ -128,8 +129,8 @@ TY_FN void ty_surface_sent(TY_GLOBAL const ty_surface* surface, int32_t triangle
 TY_FN void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit* hit, ty_vec direction,
                                ty_surface_point* out) {
     const bool front = ty_dot(hit->normal, direction) < 0.0f;
-    out->facing = front ? hit->normal : ty_scale(hit->normal, -1.0f);
-    out->normal = out->facing;
+    out->ng = front ? hit->normal : ty_scale(hit->normal, -1.0f);
+    out->ns = out->ng;
     for (int c = 0; c < 3; ++c) {
         out->albedo[c] = surface->albedo[c];
         out->emission[c] = 0.0f;
@@ -150,7 +151,7 @@ TY_FN void ty_surface_evaluate(TY_GLOBAL const ty_surface* surface, const ty_hit
     const ty_vec normal = ty_vec_make(smooth[0], smooth[1], smooth[2]);
     const float square = ty_dot(normal, normal), along = ty_dot(normal, hit->normal);
     if (!(square > 1e-12f) || along == 0.0f) return;
-    out->normal = ty_scale(normal, ((along < 0.0f) == front ? -1.0f : 1.0f) / sqrtf(square));
+    out->ns = ty_scale(normal, ((along < 0.0f) == front ? -1.0f : 1.0f) / sqrtf(square));
 }
 
 #endif

@@ -6,7 +6,7 @@
 enum { BLOCK_RAYS = 256 * TY_PACKET };
 
 typedef struct trace_job {
-    const ty_mesh* mesh;
+    const ty_accel* mesh;
     const ty_ray* rays;
     int64_t count;
     bool coherent;
@@ -22,11 +22,11 @@ _Static_assert(sizeof(ty_hit) == sizeof(ty_ray_hit) && offsetof(ty_hit, surface)
 /* At most a packet of rays, together. */
 static void trace_packet(const trace_job* job, int64_t begin, int32_t count) {
     if (job->hits == NULL) {
-        ty_mesh_occluded_packet(job->mesh, job->rays + begin, count, job->shadowed + begin);
+        ty_accel_occluded_packet(job->mesh, job->rays + begin, count, job->shadowed + begin);
         return;
     }
     ty_hit hits[TY_PACKET];
-    ty_mesh_intersect_packet(job->mesh, job->rays + begin, count, hits);
+    ty_accel_intersect_packet(job->mesh, job->rays + begin, count, hits);
     memcpy(&job->hits[begin], hits, (size_t)count * sizeof *hits);
 }
 
@@ -34,11 +34,11 @@ static void trace_one(const trace_job* job, int64_t at) {
     const ty_ray* ray = &job->rays[at];
     const ty_vec origin = ty_vec_load(ray->origin), direction = ty_vec_load(ray->direction);
     if (job->hits == NULL) {
-        job->shadowed[at] = ty_mesh_occluded(job->mesh, origin, direction, ray->far);
+        job->shadowed[at] = ty_accel_occluded(job->mesh, origin, direction, ray->far);
         return;
     }
     ty_hit hit = {.distance = ray->far, .surface = -1};
-    ty_mesh_intersect(job->mesh, origin, direction, ray->far, &hit);
+    ty_accel_intersect(job->mesh, origin, direction, ray->far, &hit);
     memcpy(&job->hits[at], &hit, sizeof hit);
 }
 

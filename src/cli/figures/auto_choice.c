@@ -164,7 +164,7 @@ static void judge(auto_outcome* out) {
 
 static ty_result note(figure_run* run, const auto_outcome* outcome) {
     const char* name = outcome->scene->name;
-    const ty_look* look = &outcome->choice.look;
+    const ty_scene_features* look = &outcome->choice.features;
     const struct {
         const char* name;
         double value;

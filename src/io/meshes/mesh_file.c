@@ -278,7 +278,7 @@ static void join_instances(const ty_model* model, const ty_affine* to_scene, flo
     }
 }
 
-static ty_result make_shell(const ty_model* model, const char* path, const ty_affine* map, ty_shell** out) {
+static ty_result make_shell(const ty_model* model, const char* path, const ty_affine* map, ty_closed_mesh** out) {
     ty_context* context = model->context;
     const bool clean = ty_last_error(context)[0] == '\0';
     const size_t triangles = (size_t)ty_model_triangles(model);
@@ -299,7 +299,7 @@ static ty_result make_shell(const ty_model* model, const char* path, const ty_af
     return below(context, path, clean, result);
 }
 
-ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_shell** out) {
+ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_closed_mesh** out) {
     ty_result result = check_def(context, path, def);
     if (result == TY_OK && out == NULL) result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_shell: out is NULL");
     if (result != TY_OK) return result;

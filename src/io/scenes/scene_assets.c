@@ -105,7 +105,7 @@ ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* place, 
 }
 
 ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* place, const char* path,
-                        const ty_mesh_file_def* def, ty_shell** out) {
+                        const ty_mesh_file_def* def, ty_closed_mesh** out) {
     for (size_t i = 0; i < reader->asset_count; ++i) {
         const ty_scene_asset* asset = &reader->assets[i];
         if (asset->shell == NULL || strcmp(asset->path, path) != 0) continue;

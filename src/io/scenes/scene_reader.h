@@ -21,7 +21,7 @@ typedef struct ty_scene_asset {
     ty_grid* grid;
     ty_volume_def volume; /* what of the file the grid is; texts are borrowed from root */
     ty_image* image;
-    ty_shell* shell;
+    ty_closed_mesh* shell;
     ty_affine placement; /* of the shell */
 } ty_scene_asset;
 
@@ -95,7 +95,7 @@ ty_result ty_find_mesh_file(ty_scene_reader* reader, const ty_json_path* place, 
 ty_result ty_read_map(ty_scene_reader* reader, const ty_json_path* place, const char* file, const ty_image** out);
 /* file: a path that ty_find_mesh_file gave. placement takes the file's points to the medium's. */
 ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* place, const char* path,
-                        const ty_mesh_file_def* def, ty_shell** out);
+                        const ty_mesh_file_def* def, ty_closed_mesh** out);
 /* A grid of a volume, an object at place; grid_name counts unless the volume names one. Raw volumes
  * without spacing are refused unless filling is true: there is a box to fill. */
 ty_result ty_read_volume(ty_scene_reader* reader, const json_t* volume, const ty_json_path* place,

@@ -50,12 +50,12 @@ static void meet(const inflow* in, int32_t direction, int32_t ray, ty_wall* wall
     entry(in->job, direction, ray, at);
     for (int a = 0; a < 3; ++a) from[a] = (float)at[a];
     *wall = (ty_wall){.position = ty_vec_load(from), .normal = ty_scale(back, -1)};
-    if (!ty_mesh_intersect(view->mesh, ty_vec_load(from), back, TY_FLOAT_MAX, &hit)) return;
+    if (!ty_accel_intersect(view->mesh, ty_vec_load(from), back, TY_FLOAT_MAX, &hit)) return;
     if (ty_dom_is_walled(in->job, hit.position)) return;
     ty_surface_point point;
     ty_surface_evaluate(&view->surfaces[hit.surface], &hit, back, &point);
-    wall->normal = point.facing;
-    wall->position = ty_hit_leave(&hit, point.facing);
+    wall->normal = point.ng;
+    wall->position = ty_hit_leave(&hit, point.ng);
     for (int c = 0; c < 3; ++c) {
         wall->albedo[c] = ty_minf(point.albedo[c], 1);
         wall->emission[c] = point.light < 0 ? point.emission[c] : 0;

@@ -16,7 +16,7 @@ static const double aside[3] = {1e-3, 0.7e-3, 0.4e-3};
 
 typedef struct sight_job {
     const ty_dom* light;
-    const ty_mesh* mesh;
+    const ty_accel* mesh;
     const double* eye;
     const ty_cuts* cuts;      /* NULL: none */
     uint8_t *hidden, *marked; /* as they are, and with another layer */
@@ -57,7 +57,7 @@ static void look_row(void* user, int64_t row, int32_t worker) {
         bool occluded[TY_PACKET];
         for (int32_t i = 0; i < count; ++i)
             rays[i] = ray_to(job, (const int32_t[3]){begin + i, (int32_t)(row % size[1]), (int32_t)(row / size[1])});
-        ty_mesh_occluded_packet(job->mesh, rays, count, occluded);
+        ty_accel_occluded_packet(job->mesh, rays, count, occluded);
         for (int32_t i = 0; i < count; ++i) job->hidden[row * size[0] + begin + i] = occluded[i] ? HIDDEN : SEEN;
     }
 }
@@ -113,7 +113,7 @@ static int64_t rows_of(const ty_dom* light) {
 }
 
 ty_result ty_dom_look(const ty_dom* light, const ty_scene* scene, const double eye[3], uint8_t** hidden) {
-    const ty_mesh* mesh = ty_scene_get_view(scene)->mesh;
+    const ty_accel* mesh = ty_scene_get_view(scene)->mesh;
     *hidden = NULL;
     if (mesh == NULL || light->dark == NULL) return TY_OK;
     sight_job job = {.light = light, .mesh = mesh, .eye = eye, .visit = mark};

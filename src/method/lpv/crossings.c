@@ -29,7 +29,7 @@ static void trace(const crossing_job* job, crossing_packet* packet) {
     bool occluded[TY_PACKET];
     if (packet->count == 0) return;
     const double begun = ty_wall_seconds();
-    ty_mesh_occluded_packet(job->scene->view.mesh, packet->rays, packet->count, occluded);
+    ty_accel_occluded_packet(job->scene->view.mesh, packet->rays, packet->count, occluded);
     packet->seconds += ty_wall_seconds() - begun;
     for (int32_t i = 0; i < packet->count; ++i) *packet->out[i] = occluded[i];
     packet->traced += packet->count;

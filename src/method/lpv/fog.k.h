@@ -52,7 +52,7 @@ typedef struct ty_fog_ray {
     float offset;
     ty_fog_media media; /* of the stretch, where they are homogeneous */
     ty_fog_cells cells; /* of the stretch, where they are not */
-    int32_t varies;
+    int32_t heterogeneous;
     /* Of the step: what its media scatter, times how much of it is seen, and the same along the ray (for where light is
      * looked up). */
     float even[3], directed[3], amount, moment;
@@ -337,12 +337,12 @@ TY_FN bool ty_fog_walk(ty_fog_ray* ray, float t, float end, int32_t level) {
 
 /* From t to end, within which the same media are there; false when nothing behind is seen. */
 TY_FN bool ty_fog_stretch(ty_fog_ray* ray, float t, float end) {
-    if (ray->varies != 0) ty_fog_cells_begin(ray->request, ray->origin, ray->direction, t, end, &ray->cells);
+    if (ray->heterogeneous != 0) ty_fog_cells_begin(ray->request, ray->origin, ray->direction, t, end, &ray->cells);
     while (t < end) {
         float until = end;
         const int32_t level = ty_fog_level(ray, t, &until);
         for (int j = 0; j < TY_LOOK_FLOATS && level < 0; ++j) ray->last[j] = 0.0f;
-        if (ray->varies == 0) {
+        if (ray->heterogeneous == 0) {
             if (level >= 0) ty_fog_walk_even(ray, t, until, level);
             ty_fog_take(ray, &ray->media, t, ty_minf(until - t, TY_FOG_FAR));
         } else if (level < 0) {
@@ -362,7 +362,7 @@ TY_FN bool ty_fog_activate(ty_fog_ray* ray, const ty_spans* spans, float t, floa
     TY_GLOBAL const ty_medium_view* media = ray->request->scene->media;
     bool any = false;
     *end = TY_FLOAT_MAX;
-    ray->varies = 0;
+    ray->heterogeneous = 0;
     memset(&ray->media, 0, sizeof ray->media);
     for (int32_t i = 0; i < spans->count; ++i) {
         if (spans->leave[i] <= t) continue;
@@ -370,7 +370,7 @@ TY_FN bool ty_fog_activate(ty_fog_ray* ray, const ty_spans* spans, float t, floa
         if (spans->enter[i] > t) continue;
         any = true;
         ty_fog_add_medium(&ray->media, &media[spans->medium[i]]);
-        if (media[spans->medium[i]].varies != 0 && ray->request->medium != NULL) ray->varies = 1;
+        if (media[spans->medium[i]].heterogeneous != 0 && ray->request->medium != NULL) ray->heterogeneous = 1;
     }
     return any;
 }
@@ -409,7 +409,7 @@ TY_FN void ty_fog_gather(ty_fog_ray* ray) {
 TY_FN void ty_fog_end(ty_fog_ray* ray, float far) {
     float y[TY_SH_TERMS];
     ty_fog_media media = ray->media;
-    if (ray->varies != 0) {
+    if (ray->heterogeneous != 0) {
         if (ray->cells.leave < far) return;
         /* Where the box's side is what the ray ends at, the cell behind it may have been the next. */
         const int32_t* size = ray->request->medium->box.size;

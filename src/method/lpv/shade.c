@@ -33,7 +33,7 @@ static void trace_shadows(ty_lpv_frame* frame, shadow_packet* packet) {
     bool occluded[TY_PACKET];
     if (packet->count == 0) return;
     const int64_t begun = ty_lpv_clock(frame, TY_CLOCKS, 0);
-    ty_mesh_occluded_packet(frame->scene->mesh, packet->rays, packet->count, occluded);
+    ty_accel_occluded_packet(frame->scene->mesh, packet->rays, packet->count, occluded);
     ty_lpv_clock(frame, TY_CLOCK_RAYS, begun);
     for (int32_t i = 0; i < packet->count; ++i)
         for (int c = 0; c < 3 && !occluded[i]; ++c) packet->pixels[i]->radiance[c] += packet->light[i][c];
@@ -43,7 +43,7 @@ static void trace_shadows(ty_lpv_frame* frame, shadow_packet* packet) {
 
 static void ask_ray(ty_lpv_frame* frame, const ty_light_sample* sample, ty_lpv_pixel* pixel, const float light[3],
                     shadow_packet* packet) {
-    const ty_vec from = ty_mad(pixel->position, pixel->facing, pixel->margin), way = sample->look;
+    const ty_vec from = ty_mad(pixel->position, pixel->facing, pixel->margin), way = sample->wi;
     const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : INFINITY;
     packet->rays[packet->count] = (ty_ray){{from.x, from.y, from.z}, {way.x, way.y, way.z}, far};
     packet->pixels[packet->count] = pixel;
@@ -55,7 +55,7 @@ static void ask_ray(ty_lpv_frame* frame, const ty_light_sample* sample, ty_lpv_p
 static float share_of_light(const ty_lpv_frame* frame, const ty_lit_map* map, const ty_lpv_pixel* pixel,
                             const ty_light_sample* sample) {
     const bool asks = frame->job->def->shadow_rays && frame->scene->mesh != NULL;
-    if (asks && ty_dot(pixel->facing, sample->look) < grazing) return -1.0f;
+    if (asks && ty_dot(pixel->facing, sample->wi) < grazing) return -1.0f;
     const float texel = texel_width(map, sample->distance), own = asks ? own_with_rays : own_without;
     bool sure;
     const float share =
@@ -68,8 +68,8 @@ static float share_of_light(const ty_lpv_frame* frame, const ty_lit_map* map, co
 /* Radiance by a light that nothing shadows; false where there is none. */
 static bool reflect_light(const ty_lpv_frame* frame, int32_t index, const ty_light_sample* sample,
                           const ty_lpv_pixel* pixel, float light[3]) {
-    const float facing = ty_dot(pixel->normal, sample->look) * (1.0f / TY_PI);
-    if (!(facing > 0.0f) || !(ty_dot(pixel->facing, sample->look) > 0.0f)) return false;
+    const float facing = ty_dot(pixel->normal, sample->wi) * (1.0f / TY_PI);
+    if (!(facing > 0.0f) || !(ty_dot(pixel->facing, sample->wi) > 0.0f)) return false;
     float sum = 0.0f;
     for (int c = 0; c < 3; ++c) {
         light[c] = pixel->albedo[c] * facing * sample->radiance[c];
@@ -92,7 +92,7 @@ static void add_light(ty_lpv_frame* frame, int32_t index, ty_lpv_tile* tile) {
         ty_light_sample sample;
         float light[3];
         if (isinf(pixel->distance) || !ty_light_sample_from(view, pixel->position, 0.5f, 0.5f, &sample)) continue;
-        if (!(ty_dot(pixel->normal, sample.look) > 0.0f)) continue;
+        if (!(ty_dot(pixel->normal, sample.wi) > 0.0f)) continue;
         const float share = share_of_light(frame, map, pixel, &sample);
         if (share == 0.0f || !reflect_light(frame, index, &sample, pixel, light)) continue;
         if (share < 0.0f) {

@@ -34,9 +34,9 @@ typedef struct surfel_job {
     const ty_grid_box* box;
     int32_t side;
     double cell[3];
-    int64_t begin[4];   /* the first strip of each axis */
-    surfel_list* lists; /* by worker */
-    ty_layers* layers;  /* by worker; too large for a stack */
+    int64_t begin[4];    /* the first strip of each axis */
+    surfel_list* lists;  /* by worker */
+    ty_all_hits* layers; /* by worker; too large for a stack */
     surfel_strip* strips;
     ty_surfel* out;
     ty_ray_counter* counter;
@@ -121,13 +121,13 @@ static void add_batch(surfel_job* job, const ray_field* field, const ty_ray* ray
     batch->count = 0;
 }
 
-static void add_layers(surfel_job* job, const ray_field* field, const ty_ray* ray, const ty_layer* layers,
+static void add_layers(surfel_job* job, const ray_field* field, const ty_ray* ray, const ty_hit_record* layers,
                        int32_t count, hit_batch* batch, int32_t worker) {
     ty_hit last = {.distance = -INFINITY, .normal = ty_vec_load(ray->direction)};
     for (int32_t i = 0; i < count; ++i) {
         if (!is_behind(ray, &last, layers[i].distance)) continue;
         if (batch->count == BATCH) add_batch(job, field, ray, batch, worker);
-        ty_mesh_layer_hit(job->scene->view.mesh, ray, &layers[i], &last);
+        ty_accel_complete_hit(job->scene->view.mesh, ray, &layers[i], &last);
         batch->hits[batch->count++] = last;
     }
 }
@@ -136,12 +136,12 @@ static void add_layers(surfel_job* job, const ray_field* field, const ty_ray* ra
 static int64_t trace_block(surfel_job* job, const ray_field* field, int32_t left, int32_t top, int32_t worker,
                            double* seconds) {
     ty_ray rays[TY_PACKET];
-    ty_layers* layers = &job->layers[worker];
+    ty_all_hits* layers = &job->layers[worker];
     int32_t count = 0;
     for (int32_t j = top; j < top + BLOCK && j < field->count[1]; ++j)
         for (int32_t i = left; i < left + BLOCK && i < field->count[0]; ++i) rays[count++] = ray_at(job, field, i, j);
     const double begun = ty_wall_seconds();
-    ty_mesh_layers_packet(job->scene->view.mesh, rays, count, layers);
+    ty_accel_all_hits_packet(job->scene->view.mesh, rays, count, layers);
     *seconds += ty_wall_seconds() - begun;
     hit_batch batch;
     batch.count = 0;

@@ -36,8 +36,8 @@ static void take_hit(const ty_lpv_frame* frame, const ty_hit* hit, ty_lpv_pixel*
     ty_surface_evaluate(&frame->scene->surfaces[hit->surface], hit, pixel->direction, &point);
     pixel->distance = hit->distance;
     pixel->position = hit->position;
-    pixel->normal = point.normal;
-    pixel->facing = point.facing;
+    pixel->normal = point.ns;
+    pixel->facing = point.ng;
     pixel->margin = hit->margin;
     for (int c = 0; c < 3; ++c) {
         pixel->albedo[c] = point.albedo[c];
@@ -56,7 +56,7 @@ static void trace(ty_lpv_frame* frame, ty_lpv_tile* tile) {
             rays[i] = (ty_ray){{origin.x, origin.y, origin.z}, {direction.x, direction.y, direction.z}, INFINITY};
         }
         const int64_t begun = ty_lpv_clock(frame, TY_CLOCKS, 0);
-        ty_mesh_intersect_packet(frame->scene->mesh, rays, count, hits);
+        ty_accel_intersect_packet(frame->scene->mesh, rays, count, hits);
         ty_lpv_clock(frame, TY_CLOCK_RAYS, begun);
         for (int32_t i = 0; i < count; ++i) {
             if (hits[i].surface >= 0)

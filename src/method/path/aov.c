@@ -5,11 +5,11 @@
 
 #include <math.h>
 
-bool ty_aovs_need_parts(uint32_t aovs) {
+bool ty_aovs_need_classes(uint32_t aovs) {
     return (aovs & ~(uint32_t)(TY_AOV_VARIANCE | TY_AOV_SAMPLES)) != 0;
 }
 
-bool ty_aovs_need_look(uint32_t aovs) {
+bool ty_aovs_need_first_hit(uint32_t aovs) {
     return (aovs & (uint32_t)(TY_AOV_TRANSMITTANCE | TY_AOV_DEPTH | TY_AOV_NORMAL | TY_AOV_ALBEDO)) != 0;
 }
 
@@ -33,14 +33,14 @@ ty_result ty_path_image_create(const ty_path_run* run, ty_image** out) {
     return result;
 }
 
-static double unit_normal(const ty_path_parts* parts, int c) {
+static double unit_normal(const ty_path_aov_sums* parts, int c) {
     const double* n = parts->normal;
     const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     return length > 0 ? n[c] / length : 0;
 }
 
 /* parts is NULL only for channels that need none. */
-static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_parts* parts, int c) {
+static double pixel_value(uint32_t aov, const ty_path_item* item, const ty_path_aov_sums* parts, int c) {
     const double n = item->count > 0 ? item->count : 1;
     switch (aov) {
     case TY_AOV_VARIANCE: return ty_path_item_variance(item, c);

@@ -5,9 +5,9 @@
 #include "method/path/driver.h"
 
 /* Whether some of these channels are made of parts. */
-bool ty_aovs_need_parts(uint32_t aovs);
+bool ty_aovs_need_classes(uint32_t aovs);
 /* Whether channels say what the first ray meets. */
-bool ty_aovs_need_look(uint32_t aovs);
+bool ty_aovs_need_first_hit(uint32_t aovs);
 
 /* Bytes of an image with these channels, per pixel. */
 size_t ty_aovs_pixel_size(uint32_t aovs);

@@ -22,11 +22,11 @@ typedef struct ty_path_run {
     ty_scene_view view; /* what paths see of the scene: its media may be left out */
     ty_path_request request;
     ty_sobol sobol;
-    int32_t height;        /* of the whole frame; pixels only */
-    uint64_t scene_hash;   /* pixels only */
-    ty_path_item* items;   /* item_count, zeroed or as a state says */
-    ty_path_parts* parts;  /* the same; NULL: not kept */
-    ty_light_view* lights; /* of the scene without its media; NULL: those of the scene */
+    int32_t height;          /* of the whole frame; pixels only */
+    uint64_t scene_hash;     /* pixels only */
+    ty_path_item* items;     /* item_count, zeroed or as a state says */
+    ty_path_aov_sums* parts; /* the same; NULL: not kept */
+    ty_light_view* lights;   /* of the scene without its media; NULL: those of the scene */
     int64_t item_count;
     ty_path_kernel kernel;
     ty_path_stats stats; /* result; before sampling, what the runs before this one did */

@@ -1,6 +1,6 @@
 /* Radiance along given rays, fluence in cells, transmittance between points. */
 #include "base/context.h"
-#include "direct/transmittance.k.h"
+#include "scene/transmittance.k.h"
 #include "method/path/driver.h"
 #include "scene/check.h"
 
@@ -72,7 +72,7 @@ ty_result ty_path_transmittance(const ty_scene* scene, const ty_path_def* def, c
     const float length = sqrtf(ty_dot(way, way));
     for (int c = 0; c < 3; ++c) transmittance[c] = length > 0 ? 0 : 1;
     for (int32_t sample = 0; sample < def->spp && length > 0; ++sample) {
-        ty_random random = ty_random_begin(&run.sobol, def->seed, 0, (uint32_t)sample);
+        ty_sampler random = ty_sampler_begin(&run.sobol, def->seed, 0, (uint32_t)sample);
         float estimate[3];
         ty_transmittance(run.request.scene->media, run.request.scene->medium_count, origin,
                          ty_scale(way, 1.0f / length), length, &random, estimate);

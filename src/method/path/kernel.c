@@ -10,7 +10,7 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     if (request->kind == TY_PATH_PIXELS) {
         const int32_t x = request->crop[0] + (int32_t)(item % request->crop[2]);
         const int32_t y = request->crop[1] + (int32_t)(item / request->crop[2]);
-        const float dx = ty_random_next(&path->random), dy = ty_random_next(&path->random);
+        const float dx = ty_sobol_next(&path->random), dy = ty_sobol_next(&path->random);
         path->origin = request->camera.origin;
         path->direction = ty_camera_direction(&request->camera, (float)x + dx, (float)y + dy);
     } else if (request->kind == TY_PATH_RAYS) {
@@ -24,7 +24,7 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
         for (int a = 0; a < 3; ++a) {
             const int64_t index = rest % request->size[a];
             rest /= request->size[a];
-            const float offset = request->cell[a] > 0 ? ty_random_next(&path->random) : 0.5f;
+            const float offset = request->cell[a] > 0 ? ty_sobol_next(&path->random) : 0.5f;
             point[a] = (float)(request->lower[a] + request->cell[a] * ((double)index + (double)offset));
         }
         ty_path_begin_fluence(path, ty_vec_make(point[0], point[1], point[2]));
@@ -39,43 +39,43 @@ static uint64_t random_item(const ty_path_request* request, int64_t item) {
 }
 
 /* What the path's first ray meets. The random numbers are others than the path's, whose light stays what it is. */
-static void look(const ty_path* path, uint64_t number, uint32_t sample, ty_path_parts* parts) {
+static void look(const ty_path* path, uint64_t number, uint32_t sample, ty_path_aov_sums* parts) {
     const ty_scene_view* scene = path->request->scene;
-    ty_random random = ty_random_begin(path->request->sobol, ~path->request->seed, number, sample);
-    ty_encounter end;
+    ty_sampler random = ty_sampler_begin(path->request->sobol, ~path->request->seed, number, sample);
+    ty_intersection end;
     const bool hits =
-        scene->mesh != NULL && ty_mesh_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit);
+        scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit);
     const float far = hits ? end.hit.distance : TY_FLOAT_MAX;
     float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, glow[3] = {0.0f, 0.0f, 0.0f};
     ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &random, transmittance);
     ty_spans spans;
     ty_collision collision;
     ty_spans_find(scene->media, scene->medium_count, path->origin, path->direction, far, &spans);
-    const bool collides = spans.count > 0 && ty_flight_null(scene->media, &spans, path->origin, path->direction,
-                                                            &random, scattered, glow, &collision);
+    const bool collides = spans.count > 0 && ty_delta_tracking(scene->media, &spans, path->origin, path->direction,
+                                                               &random, scattered, glow, &collision);
     for (int c = 0; c < 3; ++c) {
         parts->transmittance[c] += (double)transmittance[c];
         if (collides) parts->albedo[c] += (double)scattered[c];
     }
     if (!hits) return;
     ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
-    parts->normal[0] += (double)end.point.normal.x;
-    parts->normal[1] += (double)end.point.normal.y;
-    parts->normal[2] += (double)end.point.normal.z;
+    parts->normal[0] += (double)end.point.ns.x;
+    parts->normal[1] += (double)end.point.ns.y;
+    parts->normal[2] += (double)end.point.ns.z;
     parts->depth += (double)far;
     parts->hits += 1;
 }
 
-static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_parts* parts) {
+static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums* parts) {
     for (int c = 0; c < 3; ++c) {
         double value = 0;
-        for (int part = 0; part < TY_PART_COUNT; ++part) value += (double)path->radiance[part][c];
+        for (int part = 0; part < TY_PATH_CLASS_COUNT; ++part) value += (double)path->radiance[part][c];
         sum->mean[c] += value;
         sum->square[c] += value * value;
         if (parts == NULL) continue;
-        parts->uncollided[c] += (double)path->radiance[TY_PART_UNCOLLIDED][c];
-        parts->single[c] += (double)path->radiance[TY_PART_SINGLE][c];
-        parts->multiple[c] += (double)path->radiance[TY_PART_MULTIPLE][c];
+        parts->uncollided[c] += (double)path->radiance[TY_PATH_UNCOLLIDED][c];
+        parts->single[c] += (double)path->radiance[TY_PATH_SINGLE][c];
+        parts->multiple[c] += (double)path->radiance[TY_PATH_MULTIPLE][c];
     }
 }
 
@@ -84,7 +84,7 @@ TY_PATH_KERNEL(TY_JOIN(ty_path_kernel_, TY_ISA)) {
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {
         const uint64_t number = random_item(request, item);
-        ty_path_parts* part = parts != NULL ? &parts[item - begin] : NULL;
+        ty_path_aov_sums* part = parts != NULL ? &parts[item - begin] : NULL;
         for (uint32_t i = first_sample; i < first_sample + count; ++i) {
             ty_path path;
             ty_path_begin(&path, request, number, i);

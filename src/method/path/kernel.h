@@ -39,18 +39,18 @@ typedef struct ty_path_sums {
 } ty_path_sums;
 
 /* Sums of what light did and of what the first ray met; kept only where somebody asks. */
-typedef struct ty_path_parts {
+typedef struct ty_path_aov_sums {
     double uncollided[3]; /* light that did not scatter and was not reflected */
     double single[3], multiple[3];
     double transmittance[3], albedo[3], normal[3]; /* pixels only, see ty_path_def.aovs */
     double depth, hits;                            /* sum of distances, and how many samples hit a surface */
-} ty_path_parts;
+} ty_path_aov_sums;
 
 /* Adds samples [first_sample, first_sample + count) of items [begin, end) to sums[item - begin], and to
  * parts[item - begin] unless parts is NULL; returns vertices. */
 #define TY_PATH_KERNEL(name)                                                                                           \
     uint64_t name(const ty_path_request* request, int64_t begin, int64_t end, uint32_t first_sample, uint32_t count,   \
-                  ty_path_sums* sums, ty_path_parts* parts)
+                  ty_path_sums* sums, ty_path_aov_sums* parts)
 typedef TY_PATH_KERNEL((*ty_path_kernel));
 TY_PATH_KERNEL(ty_path_kernel_v1);
 TY_PATH_KERNEL(ty_path_kernel_v3);

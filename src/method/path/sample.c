@@ -124,7 +124,7 @@ typedef struct block_work {
     uint32_t first, count; /* samples */
     uint64_t vertices;
     ty_path_sums sums[TY_PATH_BLOCK];
-    ty_path_parts parts[TY_PATH_BLOCK];
+    ty_path_aov_sums parts[TY_PATH_BLOCK];
 } block_work;
 
 /* Samples in strides that take a few milliseconds; how they are cut changes no result. False when told to stop. */

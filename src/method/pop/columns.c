@@ -131,7 +131,7 @@ static void trace(const ty_scene* scene, const ty_grid_box* box, const ty_pop_li
         rays[i].far = TY_FLOAT_MAX;
         start[i] = ray.start;
     }
-    ty_mesh_intersect_packet(ty_scene_get_view(scene)->mesh, rays, count, hits);
+    ty_accel_intersect_packet(ty_scene_get_view(scene)->mesh, rays, count, hits);
     for (int32_t i = 0; i < count; ++i)
         hit[i] = hits[i].surface < 0 ? TY_FLOAT_MAX : (float)((double)hits[i].distance + start[i]);
 }

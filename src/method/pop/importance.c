@@ -117,13 +117,13 @@ static void follow_column(gaze_job* job, int32_t column, int32_t row) {
     const float y = ty_lerpf(view->from[1], view->to[1], ((float)row + 0.5f) / COLUMNS);
     const ty_vec along = ty_mad(ty_mad(view->camera.corner, view->camera.dx, x), view->camera.dy, y);
     const float stretch = sqrtf(ty_dot(along, along)), step = (view->far - view->near) / (LAYERS * STEPS);
-    const ty_mesh* mesh = job->scene->view.mesh;
+    const ty_accel* mesh = job->scene->view.mesh;
     const int32_t at = COLUMNS * row + column;
     ty_pop_gaze gaze = {.straight = 1, .first = 1, .second = 1};
     float end = view->far;
     ty_hit hit;
     job->ray[at] = ty_scale(along, 1.0f / stretch);
-    if (mesh != NULL && ty_mesh_intersect(mesh, view->camera.origin, job->ray[at], stretch * end, &hit))
+    if (mesh != NULL && ty_accel_intersect(mesh, view->camera.origin, job->ray[at], stretch * end, &hit))
         end = hit.distance / stretch;
     for (int32_t k = 0; k < LAYERS * STEPS; ++k) {
         const float depth = view->near + step * (float)k, length = ty_minf(step, end - depth);
@@ -181,7 +181,7 @@ static float way_to_side(const ty_pop_murk_view* murk, ty_vec point, ty_vec way)
 static float depth_outward(const gaze_job* job, ty_vec point, ty_vec way) {
     const float length = way_to_side(&job->murk, point, way) / WAY_STEPS;
     float tau = 0.0f;
-    if (job->scene->view.mesh != NULL && ty_mesh_occluded(job->scene->view.mesh, point, way, TY_FLOAT_MAX))
+    if (job->scene->view.mesh != NULL && ty_accel_occluded(job->scene->view.mesh, point, way, TY_FLOAT_MAX))
         return TY_FLOAT_MAX;
     for (int32_t i = 0; i < WAY_STEPS; ++i) {
         const ty_pop_murk murk = ty_pop_murk_at(&job->murk, ty_mad(point, way, ((float)i + 0.5f) * length));

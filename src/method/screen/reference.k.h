@@ -14,7 +14,7 @@
 
 /* The Gaussian, not normalised, at distance^2 in pixels^2. */
 TY_FN float ty_screen_gaussian(float sharpness, float distance_squared) {
-    return ty_exp_minus(ty_minf(sharpness * distance_squared, 87.0f));
+    return ty_exp_neg(ty_minf(sharpness * distance_squared, 87.0f));
 }
 
 /* Its integral from 0 to x, half a pixel beyond the last one that is summed, with what the sum has more (Euler and

@@ -33,7 +33,7 @@ static ty_result add_media(const ty_scene* scene, const ty_scene_view* view, ty_
         const ty_medium_view* medium = &view->media[i];
         if (is_empty(medium)) continue;
         name_medium(scene, i, name);
-        if (medium->varies != 0)
+        if (medium->heterogeneous != 0)
             return ty_fail(scene->context, TY_ERROR_ARGUMENT,
                            "screen: %s is not homogeneous, and the method knows one medium for the whole picture",
                            name);

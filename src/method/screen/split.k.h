@@ -66,8 +66,8 @@ typedef struct ty_screen_parts {
 /* One channel of a pixel. */
 TY_FN ty_screen_parts ty_screen_split_light(float sigma_s, float sigma_a, float airlight, float forward, float radiance,
                                             float distance) {
-    const float absorbed = ty_exp_minus(ty_minf(sigma_a * distance, TY_SCREEN_OPAQUE));
-    const float kept = ty_exp_minus(ty_minf(sigma_s * distance, TY_SCREEN_OPAQUE));
+    const float absorbed = ty_exp_neg(ty_minf(sigma_a * distance, TY_SCREEN_OPAQUE));
+    const float kept = ty_exp_neg(ty_minf(sigma_s * distance, TY_SCREEN_OPAQUE));
     ty_screen_parts parts;
     parts.attenuated = radiance * (absorbed * kept);
     parts.scattered = forward * (radiance * (absorbed * (1.0f - kept)));

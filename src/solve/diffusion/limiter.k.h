@@ -22,8 +22,8 @@ TY_FN float ty_limiter_kershaw(float r) {
 /* (3^n + r^n)^(-1/n), as the larger of the two times what the other adds, so that no power overflows. */
 TY_FN float ty_limiter_larsen(float r, float n) {
     const float large = ty_maxf(3.0f, r), ratio = ty_maxf(ty_minf(3.0f, r) / large, 1e-30f);
-    const float power = ty_exp_minus(ty_minf(-n * ty_logf(ratio), 87.0f));
-    return ty_exp_minus(ty_logf(1.0f + power) / n) / large;
+    const float power = ty_exp_neg(ty_minf(-n * ty_logf(ratio), 87.0f));
+    return ty_exp_neg(ty_logf(1.0f + power) / n) / large;
 }
 
 /* (coth r - 1/r) / r; below 1, where that loses digits, its series. */
@@ -35,7 +35,7 @@ TY_FN float ty_limiter_levermore_pomraning(float r) {
     series = 2.11640212e-3f + s * series;
     series = -2.22222222e-2f + s * series;
     series = 0.333333333f + s * series;
-    const float x = ty_maxf(r, 1.0f), e = ty_exp_minus(ty_minf(2.0f * x, 87.0f));
+    const float x = ty_maxf(r, 1.0f), e = ty_exp_neg(ty_minf(2.0f * x, 87.0f));
     const float closed = ((1.0f + e) / (1.0f - e) - 1.0f / x) / x;
     return r < 1.0f ? series : closed;
 }

@@ -3,10 +3,10 @@
  * Colour: every random choice is made from a mixture over channels in proportion to the path's throughput, and the
  * throughput is divided by the mixture's density. That is single-sample multiple importance sampling over wavelengths
  * with the balance heuristic, carried along: the sum of the throughput over channels never grows. */
-#ifndef TY_PATH_FLIGHT_K_H
-#define TY_PATH_FLIGHT_K_H
+#ifndef TY_METHOD_PATH_COLLISION_K_H
+#define TY_METHOD_PATH_COLLISION_K_H
 
-#include "direct/transmittance.k.h"
+#include "scene/transmittance.k.h"
 
 typedef struct ty_collision {
     float t;
@@ -22,7 +22,7 @@ TY_FN float ty_max3(const float v[3]) {
 }
 
 /* Picks an index in proportion to weights[0..count), whose sum is positive; *u is stretched back to [0, 1). */
-TY_FN int32_t ty_pick(const float* weights, int32_t count, float sum, float* u) {
+TY_FN int32_t ty_sample_discrete(const float* weights, int32_t count, float sum, float* u) {
     float target = *u * sum;
     int32_t i = 0;
     while (i + 1 < count && target >= weights[i]) target -= weights[i++];
@@ -33,19 +33,20 @@ TY_FN int32_t ty_pick(const float* weights, int32_t count, float sum, float* u) 
 /* ---- media that are all homogeneous: in closed form ---- */
 
 /* 1 - exp(-depth), without cancellation in thin media. */
-TY_FN float ty_stopped(float depth) {
+TY_FN float ty_collision_probability(float depth) {
     if (depth > 0.03f) return 1.0f - ty_expf(-depth);
     return depth * (1.0f - depth * (0.5f - depth * (1.0f / 6.0f - depth * (1.0f / 24.0f))));
 }
 
-/* The depth that stops a fraction of the light, the inverse of ty_stopped. */
-TY_FN float ty_stopping_depth(float fraction) {
+/* The depth that stops a fraction of the light, the inverse of ty_collision_probability. */
+TY_FN float ty_sample_collision_depth(float fraction) {
     if (fraction > 0.03f) return -ty_logf(1.0f - fraction);
     return fraction * (1.0f + fraction * (0.5f + fraction * (1.0f / 3.0f + fraction * 0.25f)));
 }
 
 /* Optical depth per channel of homogeneous spans from the ray's origin to t. */
-TY_FN void ty_spans_depth(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float t, float depth[3]) {
+TY_FN void ty_spans_optical_depth(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float t,
+                                  float depth[3]) {
     for (int c = 0; c < 3; ++c) depth[c] = 0.0f;
     for (int32_t i = 0; i < spans->count; ++i) {
         const float length = ty_minf(t, spans->leave[i]) - spans->enter[i];
@@ -55,8 +56,8 @@ TY_FN void ty_spans_depth(TY_GLOBAL const ty_medium_view* media, const ty_spans*
 }
 
 /* The t at which one channel's optical depth reaches `depth`, which is less than that of all spans. */
-TY_FN float ty_spans_invert(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, int32_t channel,
-                            float depth) {
+TY_FN float ty_spans_invert_optical_depth(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, int32_t channel,
+                                          float depth) {
     if (spans->count == 1) return spans->enter[0] + depth / media[spans->medium[0]].sigma_t[channel];
     float at = -1.0f;
     for (;;) {
@@ -74,7 +75,7 @@ TY_FN float ty_spans_invert(TY_GLOBAL const ty_medium_view* media, const ty_span
 }
 
 /* Radiance that homogeneous media send towards the ray's origin, per channel, in closed form. */
-TY_FN void ty_spans_glow(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float radiance[3]) {
+TY_FN void ty_spans_emitted_radiance(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float radiance[3]) {
     float passed[3] = {1.0f, 1.0f, 1.0f};
     float at = 0.0f;
     for (int c = 0; c < 3; ++c) radiance[c] = 0.0f;
@@ -94,7 +95,7 @@ TY_FN void ty_spans_glow(TY_GLOBAL const ty_medium_view* media, const ty_spans* 
         for (int c = 0; c < 3; ++c) {
             if (!(sigma_t[c] > 0.0f)) continue;
             const float depth = sigma_t[c] * (next - at);
-            radiance[c] += passed[c] * (last ? 1.0f : ty_stopped(depth)) * sends[c] / sigma_t[c];
+            radiance[c] += passed[c] * (last ? 1.0f : ty_collision_probability(depth)) * sends[c] / sigma_t[c];
             passed[c] *= last ? 0.0f : ty_expf(-depth);
         }
         if (last) return;
@@ -105,27 +106,28 @@ TY_FN void ty_spans_glow(TY_GLOBAL const ty_medium_view* media, const ty_spans* 
 /* Samples a collision, by u in [0, 1), for light that is known to collide: beta comes in as the throughput at the ray's
  * origin and goes out as that after scattering, up to the phase function; its mean is the integral over the spans.
  * stopped: the fraction of light that collides in the spans. Returns false where nothing scatters. */
-TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, const float stopped[3],
-                                 float u, ty_random* random, float beta[3], ty_collision* out) {
+TY_FN bool ty_sample_homogeneous_collision(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans,
+                                           const float stopped[3], float u, ty_sampler* random, float beta[3],
+                                           ty_collision* out) {
     float weight[3];
     for (int c = 0; c < 3; ++c) weight[c] = beta[c] * stopped[c];
     const float sum = ty_sum3(weight);
     if (!(sum > 0.0f)) return false;
     const bool gray = spans->count == 1 && media[spans->medium[0]].gray != 0;
-    const int32_t channel = gray ? 0 : ty_pick(weight, 3, sum, &u);
-    const float depth = ty_stopping_depth(ty_minf(u, 0x1.fffffep-1f) * stopped[channel]);
-    out->t = ty_spans_invert(media, spans, channel, depth);
+    const int32_t channel = gray ? 0 : ty_sample_discrete(weight, 3, sum, &u);
+    const float depth = ty_sample_collision_depth(ty_minf(u, 0x1.fffffep-1f) * stopped[channel]);
+    out->t = ty_spans_invert_optical_depth(media, spans, channel, depth);
     if (gray) {
         TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[0]];
         out->medium = spans->medium[0];
         out->t = ty_minf(out->t, spans->leave[0]);
-        for (int c = 0; c < 3; ++c) beta[c] *= stopped[0] * medium->albedo_even[c];
+        for (int c = 0; c < 3; ++c) beta[c] *= stopped[0] * medium->uniform_albedo[c];
         return ty_sum3(beta) > 0.0f;
     }
     /* Which medium scatters, and the density of t in the mixture over channels. */
     float depths[3], scattering[TY_SPANS_MAX], sigma_t[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f,
                                                density = 0.0f; /* times sum */
-    ty_spans_depth(media, spans, out->t, depths);
+    ty_spans_optical_depth(media, spans, out->t, depths);
     for (int32_t i = 0; i < spans->count; ++i) {
         scattering[i] = 0.0f;
         if (out->t < spans->enter[i] || out->t > spans->leave[i]) continue;
@@ -141,8 +143,8 @@ TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty
         depths[c] = ty_expf(-depths[c]);
         density += beta[c] * sigma_t[c] * depths[c];
     }
-    float pick = spans->count == 1 ? 0.0f : ty_random_white(random);
-    const int32_t i = spans->count == 1 ? 0 : ty_pick(scattering, spans->count, total, &pick);
+    float pick = spans->count == 1 ? 0.0f : ty_rng_uniform(random);
+    const int32_t i = spans->count == 1 ? 0 : ty_sample_discrete(scattering, spans->count, total, &pick);
     out->medium = spans->medium[i];
     if (!(density > 0.0f) || !(scattering[i] > 0.0f)) return false;
     const float factor = sum / density * (total / scattering[i]);
@@ -153,68 +155,69 @@ TY_FN bool ty_flight_homogeneous(TY_GLOBAL const ty_medium_view* media, const ty
 /* ---- any media: null collisions ---- */
 
 /* Tentative collisions of one medium along a ray, one after another. */
-typedef struct ty_walker {
-    ty_bricks bricks;
+typedef struct ty_majorant_tracker {
+    ty_majorant_dda bricks;
     float t; /* of the tentative collision; TY_FLOAT_MAX past the last */
-} ty_walker;
+} ty_majorant_tracker;
 
-TY_FN void ty_walker_next(ty_walker* walker, float u) {
+TY_FN void ty_majorant_tracker_next(ty_majorant_tracker* walker, float u) {
     float left = ty_exponential(u);
     float t = walker->t;
     for (;;) {
-        const float rate = walker->bricks.high * walker->bricks.medium->sigma_t_max;
+        const float rate = walker->bricks.majorant * walker->bricks.medium->sigma_t_max;
         const float room = (walker->bricks.leave - t) * rate;
         if (left < room) {
-            walker->t = t + ty_maxf(left / rate, TY_LEAST_STEP * t);
+            walker->t = t + ty_maxf(left / rate, TY_MIN_COLLISION_STEP * t);
             return;
         }
         left -= room;
-        if (!ty_bricks_next(&walker->bricks)) break;
+        if (!ty_majorant_dda_next(&walker->bricks)) break;
         t = walker->bricks.enter;
     }
     walker->t = TY_FLOAT_MAX;
 }
 
-TY_FN void ty_walker_begin(ty_walker* walker, TY_GLOBAL const ty_medium_view* medium, ty_vec origin, ty_vec direction,
-                           float enter, float leave, float u) {
-    ty_bricks_begin(&walker->bricks, medium, origin, direction, enter, leave);
+TY_FN void ty_majorant_tracker_begin(ty_majorant_tracker* walker, TY_GLOBAL const ty_medium_view* medium, ty_vec origin,
+                                     ty_vec direction, float enter, float leave, float u) {
+    ty_majorant_dda_begin(&walker->bricks, medium, origin, direction, enter, leave);
     walker->t = enter;
-    ty_walker_next(walker, u);
+    ty_majorant_tracker_next(walker, u);
 }
 
 /* What a tentative collision met: its medium, where, and the albedo there. */
-TY_FN void ty_walker_albedo(const ty_walker* walker, ty_vec origin, ty_vec direction, float albedo[3]) {
+TY_FN void ty_majorant_tracker_albedo(const ty_majorant_tracker* walker, ty_vec origin, ty_vec direction,
+                                      float albedo[3]) {
     ty_medium_albedo(walker->bricks.medium, ty_mad(origin, direction, walker->t), albedo);
 }
 
 /* Decides a tentative collision: true when it is real. Media whose extinction is gray, with a density that is certain,
  * need no lookup. */
-TY_FN bool ty_walker_collides(const ty_walker* walker, ty_vec origin, ty_vec direction, ty_random* random,
-                              float beta[3], float glow[3]) {
+TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* walker, ty_vec origin, ty_vec direction,
+                                        ty_sampler* random, float beta[3], float glow[3]) {
     TY_GLOBAL const ty_medium_view* medium = walker->bricks.medium;
-    const float high = walker->bricks.high;
-    const float u = ty_random_white(random);
+    const float high = walker->bricks.majorant;
+    const float u = ty_rng_uniform(random);
     float albedo[3];
     if (medium->gray != 0 && medium->emits == 0) {
-        const bool real =
-            u * high < walker->bricks.low || u * high < ty_bricks_density(&walker->bricks, walker->t, random);
+        const bool real = u * high < walker->bricks.minorant ||
+                          u * high < ty_majorant_dda_density(&walker->bricks, walker->t, random);
         if (real) {
-            ty_walker_albedo(walker, origin, direction, albedo);
+            ty_majorant_tracker_albedo(walker, origin, direction, albedo);
             for (int c = 0; c < 3; ++c) beta[c] *= albedo[c];
         }
         return real;
     }
-    const float fraction = ty_bricks_density(&walker->bricks, walker->t, random) / (high * medium->sigma_t_max);
+    const float fraction = ty_majorant_dda_density(&walker->bricks, walker->t, random) / (high * medium->sigma_t_max);
     if (medium->emits != 0) {
         float sends[3];
-        ty_medium_glow(medium, ty_mad(origin, direction, walker->t), sends);
+        ty_medium_emission_coefficient(medium, ty_mad(origin, direction, walker->t), sends);
         for (int c = 0; c < 3; ++c) glow[c] += beta[c] * fraction * sends[c];
     }
     float real = 0.0f;
     for (int c = 0; c < 3; ++c) real += beta[c] * medium->sigma_t[c];
     const float probability = fraction * real / ty_sum3(beta);
     if (u < probability) {
-        ty_walker_albedo(walker, origin, direction, albedo);
+        ty_majorant_tracker_albedo(walker, origin, direction, albedo);
         for (int c = 0; c < 3; ++c) beta[c] *= fraction * medium->sigma_t[c] * albedo[c] / probability;
         return true;
     }
@@ -222,26 +225,26 @@ TY_FN bool ty_walker_collides(const ty_walker* walker, ty_vec origin, ty_vec dir
     return false;
 }
 
-/* The first real collision in the spans; beta is updated as in ty_flight_homogeneous, but false means that the light
- * passed all spans, and beta then accounts for that. Media are independent: what happens first, happens. What glows on
- * the way, times the throughput there, is added to glow: every tentative collision has a look. */
-TY_FN bool ty_flight_null(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin, ty_vec direction,
-                          ty_random* random, float beta[3], float glow[3], ty_collision* out) {
-    ty_walker walkers[TY_SPANS_MAX];
+/* The first real collision in the spans; beta is updated as in ty_sample_homogeneous_collision, but false means that
+ * the light passed all spans, and beta then accounts for that. Media are independent: what happens first, happens. What
+ * glows on the way, times the throughput there, is added to glow: every tentative collision has a look. */
+TY_FN bool ty_delta_tracking(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin,
+                             ty_vec direction, ty_sampler* random, float beta[3], float glow[3], ty_collision* out) {
+    ty_majorant_tracker walkers[TY_SPANS_MAX];
     for (int32_t i = 0; i < spans->count; ++i)
-        ty_walker_begin(&walkers[i], &media[spans->medium[i]], origin, direction, spans->enter[i], spans->leave[i],
-                        i == 0 ? ty_random_next(random) : ty_random_white(random));
+        ty_majorant_tracker_begin(&walkers[i], &media[spans->medium[i]], origin, direction, spans->enter[i],
+                                  spans->leave[i], i == 0 ? ty_sobol_next(random) : ty_rng_uniform(random));
     for (;;) {
         int32_t first = 0;
         for (int32_t i = 1; i < spans->count; ++i)
             if (walkers[i].t < walkers[first].t) first = i;
         if (walkers[first].t >= TY_FLOAT_MAX) return false;
-        if (ty_walker_collides(&walkers[first], origin, direction, random, beta, glow)) {
+        if (ty_majorant_tracker_collides(&walkers[first], origin, direction, random, beta, glow)) {
             out->t = walkers[first].t;
             out->medium = spans->medium[first];
             return true;
         }
-        ty_walker_next(&walkers[first], ty_random_white(random));
+        ty_majorant_tracker_next(&walkers[first], ty_rng_uniform(random));
     }
 }
 

@@ -1,5 +1,5 @@
 /* Meshes: checks, and copies in world space. */
-#include "scene/triangles.h"
+#include "scene/triangle_mesh.h"
 
 #include "base/context.h"
 #include "scene/check.h"
@@ -42,8 +42,8 @@ static ty_result check_material(ty_context* context, const ty_material_def* def)
     return result;
 }
 
-ty_result ty_triangles_check(ty_context* context, const char* what, const float* positions, int64_t vertex_count,
-                             const uint32_t* indices, int64_t triangle_count) {
+ty_result ty_triangle_mesh_check(ty_context* context, const char* what, const float* positions, int64_t vertex_count,
+                                 const uint32_t* indices, int64_t triangle_count) {
     if (vertex_count < 1 || triangle_count < 1 || vertex_count > INT32_MAX || triangle_count > INT32_MAX)
         return ty_fail(context, TY_ERROR_ARGUMENT, "%s: %lld vertices and %lld triangles are not both in 1..2^31 - 1",
                        what, (long long)vertex_count, (long long)triangle_count);
@@ -65,7 +65,8 @@ static ty_result check_mesh(ty_context* context, const ty_mesh_def* def) {
     if (result == TY_OK) result = ty_check_affine(context, "mesh.transform", &def->transform);
     if (result == TY_OK) result = check_material(context, &def->material);
     if (result != TY_OK) return result;
-    return ty_triangles_check(context, "mesh", def->positions, def->vertex_count, def->indices, def->triangle_count);
+    return ty_triangle_mesh_check(context, "mesh", def->positions, def->vertex_count, def->indices,
+                                  def->triangle_count);
 }
 
 /* Normals go by the inverse transposed map; what is not finite becomes 0, which counts as none. */
@@ -84,7 +85,7 @@ static void map_normals(const ty_affine* map, const float* in, size_t count, flo
     }
 }
 
-static void map_positions(const ty_affine* map, const float* in, ty_triangles* out) {
+static void map_positions(const ty_affine* map, const float* in, ty_triangle_mesh* out) {
     for (size_t i = 0; i < out->vertex_count; ++i) {
         const double point[3] = {in[3 * i], in[3 * i + 1], in[3 * i + 2]};
         double mapped[3];
@@ -127,10 +128,10 @@ static bool copy_origin(ty_context* context, const ty_mesh_origin* in, ty_mesh_o
     return (out->file == NULL) == (in->file == NULL) && (out->name == NULL) == (in->name == NULL);
 }
 
-ty_result ty_triangles_create(ty_context* context, const ty_mesh_def* def, ty_triangles** out) {
+ty_result ty_triangle_mesh_create(ty_context* context, const ty_mesh_def* def, ty_triangle_mesh** out) {
     const ty_result result = check_mesh(context, def);
     if (result != TY_OK) return result;
-    ty_triangles* t = ty_alloc_array(context, 1, sizeof *t, true);
+    ty_triangle_mesh* t = ty_alloc_array(context, 1, sizeof *t, true);
     if (t == NULL) return TY_ERROR_MEMORY;
     const size_t vertices = (size_t)def->vertex_count, triangles = (size_t)def->triangle_count;
     t->vertex_count = vertices;
@@ -153,13 +154,13 @@ ty_result ty_triangles_create(ty_context* context, const ty_mesh_def* def, ty_tr
         t->uv[set] = copy_values(context, def->uv[set], 2 * vertices, -1e9f, 1e9f, &failed);
     t->colors = copy_values(context, def->colors, 4 * vertices, 0, 1, &failed);
     if (failed) {
-        ty_triangles_destroy(context, t);
+        ty_triangle_mesh_destroy(context, t);
         return TY_ERROR_MEMORY;
     }
     map_positions(&def->transform, def->positions, t);
     for (int a = 0; a < 3; ++a)
         if (!(t->lower[a] >= -1e15 && t->upper[a] <= 1e15)) {
-            ty_triangles_destroy(context, t);
+            ty_triangle_mesh_destroy(context, t);
             return ty_fail(context, TY_ERROR_ARGUMENT, "mesh: its transform takes it outside [-1e15, 1e15]");
         }
     if (t->normals != NULL) map_normals(&def->transform, def->normals, vertices, t->normals);
@@ -168,7 +169,7 @@ ty_result ty_triangles_create(ty_context* context, const ty_mesh_def* def, ty_tr
     return TY_OK;
 }
 
-void ty_triangles_destroy(ty_context* context, ty_triangles* t) {
+void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* t) {
     if (t == NULL) return;
     ty_free_array(context, t->positions, 3 * t->vertex_count + 1, sizeof(float));
     ty_free_array(context, t->normals, 3 * t->vertex_count, sizeof(float));
@@ -183,18 +184,18 @@ void ty_triangles_destroy(ty_context* context, ty_triangles* t) {
     ty_free_array(context, t, 1, sizeof *t);
 }
 
-size_t ty_triangles_bytes(const ty_triangles* t) {
+size_t ty_triangle_mesh_bytes(const ty_triangle_mesh* t) {
     const size_t floats = 3 + (t->normals != NULL ? 3u : 0u) + (t->uv[0] != NULL ? 2u : 0u) +
                           (t->uv[1] != NULL ? 2u : 0u) + (t->colors != NULL ? 4u : 0u);
     const size_t words = 3 + (t->lights != NULL ? 1u : 0u);
     return sizeof *t + floats * sizeof(float) * t->vertex_count + words * sizeof(uint32_t) * t->triangle_count;
 }
 
-bool ty_triangles_emit(const ty_triangles* t) {
+bool ty_triangle_mesh_emits(const ty_triangle_mesh* t) {
     return t->material.emission[0] > 0 || t->material.emission[1] > 0 || t->material.emission[2] > 0;
 }
 
-ty_surface ty_triangles_get_surface(const ty_triangles* t) {
+ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* t) {
     const ty_material_def* material = &t->material;
     ty_surface surface;
     memset(&surface, 0, sizeof surface);

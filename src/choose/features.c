@@ -1,5 +1,5 @@
 /* What the camera sees of a scene, at a glance: a few hundred rays through media, as many around what scatters. */
-#include "choose/look.h"
+#include "choose/features.h"
 
 #include "base/context.h"
 #include "base/float_mode.h"
@@ -17,30 +17,30 @@ static const float least = 1e-3f;
 
 /* One ray of the camera through media. Scattered: what is seen of light that scatters along it, and sums weighted by
  * that. */
-typedef struct look_ray {
+typedef struct view_ray {
     double depth, scattered, g, albedo, cell;
     ty_vec at; /* a place where it scatters, if scattered > 0: one at random, by what is seen */
-} look_ray;
+} view_ray;
 
-typedef struct look_job {
+typedef struct features_job {
     const ty_scene_view* view;
-    ty_random random;
+    ty_sampler random;
     float cell; /* m */
-} look_job;
+} features_job;
 
 /* ---- media along a ray ---- */
 
-typedef struct look_point {
+typedef struct media_point {
     float extinction, scattering, g; /* means of the channels */
-} look_point;
+} media_point;
 
 static float mean(const float rgb[3]) {
     return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
 /* All media whose spans are around parameter t. */
-static look_point media_at(look_job* job, const ty_spans* spans, ty_vec place, float t) {
-    look_point sum = {0, 0, 0};
+static media_point media_at(features_job* job, const ty_spans* spans, ty_vec place, float t) {
+    media_point sum = {0, 0, 0};
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
         const ty_medium_view* medium = &job->view->media[spans->medium[i]];
@@ -56,7 +56,7 @@ static look_point media_at(look_job* job, const ty_spans* spans, ty_vec place, f
     return sum;
 }
 
-static void add_step(look_job* job, const look_point* point, ty_vec place, float length, look_ray* ray) {
+static void add_step(features_job* job, const media_point* point, ty_vec place, float length, view_ray* ray) {
     const float through = ty_expf(-(float)ray->depth), depth = point->extinction * length;
     ray->depth += (double)depth;
     if (!(point->scattering > 0)) return;
@@ -66,7 +66,7 @@ static void add_step(look_job* job, const look_point* point, ty_vec place, float
     ray->g += seen * (double)point->g;
     ray->albedo += seen * (double)albedo;
     ray->cell += seen * (double)(point->extinction * job->cell);
-    if ((double)ty_random_white(&job->random) * ray->scattered < seen) ray->at = place;
+    if ((double)ty_rng_uniform(&job->random) * ray->scattered < seen) ray->at = place;
 }
 
 static int compare_floats(const void* a, const void* b) {
@@ -84,19 +84,19 @@ static int32_t find_ends(const ty_spans* spans, float ends[2 * TY_SPANS_MAX]) {
     return 2 * spans->count;
 }
 
-static look_ray follow(look_job* job, const ty_ray* from, float far) {
+static view_ray follow(features_job* job, const ty_ray* from, float far) {
     ty_spans spans;
     float ends[2 * TY_SPANS_MAX];
-    look_ray ray = {.depth = 0};
+    view_ray ray = {.depth = 0};
     const ty_vec origin = ty_vec_load(from->origin), direction = ty_vec_load(from->direction);
     ty_spans_find(job->view->media, job->view->medium_count, origin, direction, far, &spans);
     const int32_t count = find_ends(&spans, ends);
     for (int32_t i = 0; i + 1 < count; ++i) {
         const float step = (ends[i + 1] - ends[i]) / STEPS;
         for (int32_t s = 0; s < STEPS && step > 0; ++s) {
-            const float t = ends[i] + step * ((float)s + ty_random_white(&job->random));
+            const float t = ends[i] + step * ((float)s + ty_rng_uniform(&job->random));
             const ty_vec place = ty_mad(origin, direction, t);
-            const look_point point = media_at(job, &spans, place, t);
+            const media_point point = media_at(job, &spans, place, t);
             add_step(job, &point, place, step, &ray);
         }
     }
@@ -117,7 +117,7 @@ static void aim(const ty_scene* scene, ty_ray rays[RAYS]) {
     }
 }
 
-static void add_ray(const look_ray* ray, const ty_ray_hit* hit, ty_look* out) {
+static void add_ray(const view_ray* ray, const ty_ray_hit* hit, ty_scene_features* out) {
     const double taken = 1 - exp(-ray->depth);
     out->media += taken > (double)least ? 1.0 / RAYS : 0;
     out->opacity += taken / RAYS;
@@ -129,23 +129,25 @@ static void add_ray(const look_ray* ray, const ty_ray_hit* hit, ty_look* out) {
 }
 
 /* Directions around a place, evenly over the sphere. */
-static void look_around(look_job* job, ty_vec at, float far, ty_ray rays[AROUND]) {
-    const float turn = ty_random_white(&job->random);
+static void sample_enclosure_rays(features_job* job, ty_vec at, float far, ty_ray rays[AROUND]) {
+    const float turn = ty_rng_uniform(&job->random);
     for (int32_t k = 0; k < AROUND; ++k) {
-        const float z = 1 - 2 * ((float)k + ty_random_white(&job->random)) / AROUND;
+        const float z = 1 - 2 * ((float)k + ty_rng_uniform(&job->random)) / AROUND;
         const ty_vec way = ty_direction_about(ty_vec_make(0, 0, 1), z, turn + 0.618034f * (float)k);
         rays[k] = (ty_ray){{at.x, at.y, at.z}, {way.x, way.y, way.z}, far};
     }
 }
 
 /* What is around all places where light scatters, each by what is seen of it. */
-static ty_result find_enclosed(look_job* job, const ty_scene* scene, const look_ray* rays, float far, ty_look* out) {
+static ty_result find_enclosed(features_job* job, const ty_scene* scene, const view_ray* rays, float far,
+                               ty_scene_features* out) {
     ty_context* context = ty_scene_context(scene);
     ty_ray* around = ty_alloc_array(context, RAYS * AROUND, sizeof *around, false);
     bool* shadowed = ty_alloc_array(context, RAYS * AROUND, sizeof *shadowed, true);
     ty_result result = around != NULL && shadowed != NULL ? TY_OK : TY_ERROR_MEMORY;
     double sum = 0, all = 0;
-    for (int32_t i = 0; i < RAYS && result == TY_OK; ++i) look_around(job, rays[i].at, far, around + i * AROUND);
+    for (int32_t i = 0; i < RAYS && result == TY_OK; ++i)
+        sample_enclosure_rays(job, rays[i].at, far, around + i * AROUND);
     if (result == TY_OK) result = ty_scene_trace_shadows(scene, around, RAYS * AROUND, false, shadowed);
     for (int32_t i = 0; i < RAYS * AROUND && result == TY_OK; ++i) {
         all += rays[i / AROUND].scattered;
@@ -163,11 +165,11 @@ static bool is_empty(const ty_medium_view* medium) {
     return !(medium->sigma_t_max > 0);
 }
 
-static void list_media(const ty_scene_view* view, ty_vec camera, ty_look* out) {
+static void list_media(const ty_scene_view* view, ty_vec camera, ty_scene_features* out) {
     ty_spans spans;
     for (int32_t i = 0; i < view->medium_count; ++i) {
         if (is_empty(&view->media[i])) continue;
-        out->varies |= view->media[i].varies != 0;
+        out->heterogeneous |= view->media[i].heterogeneous != 0;
         out->glows |= view->media[i].emits != 0;
     }
     ty_spans_find(view->media, view->medium_count, camera, ty_vec_make(0, 0, 1), TY_FLOAT_MAX, &spans);
@@ -175,7 +177,7 @@ static void list_media(const ty_scene_view* view, ty_vec camera, ty_look* out) {
         out->inside |= spans.enter[i] <= 0 && !is_empty(&view->media[spans.medium[i]]);
 }
 
-static void list_lights(const ty_scene* scene, ty_look* out) {
+static void list_lights(const ty_scene* scene, ty_scene_features* out) {
     for (size_t i = 0; i < scene->light_count; ++i)
         if (mean(scene->lights[i].color) > 0) out->lights |= 1u << scene->lights[i].kind;
     for (int32_t i = 0; i < scene->view.lights.count; ++i) {
@@ -184,7 +186,7 @@ static void list_lights(const ty_scene* scene, ty_look* out) {
     }
 }
 
-static ty_result look_through(look_job* job, const ty_scene* scene, look_ray* rays, ty_look* out) {
+static ty_result trace_view_rays(features_job* job, const ty_scene* scene, view_ray* rays, ty_scene_features* out) {
     ty_context* context = ty_scene_context(scene);
     ty_ray* aimed = ty_alloc_array(context, RAYS, sizeof *aimed, false);
     ty_ray_hit* hits = ty_alloc_array(context, RAYS, sizeof *hits, false);
@@ -209,12 +211,12 @@ static ty_result look_through(look_job* job, const ty_scene* scene, look_ray* ra
     return result;
 }
 
-ty_result ty_look_at(const ty_scene* scene, ty_look* out) {
+ty_result ty_scene_features_find(const ty_scene* scene, ty_scene_features* out) {
     ty_context* context = ty_scene_context(scene);
-    look_job job = {.view = ty_scene_get_view(scene), .random = ty_random_begin(NULL, 0, 0, 0)};
+    features_job job = {.view = ty_scene_get_view(scene), .random = ty_sampler_begin(NULL, 0, 0, 0)};
     double side = 0;
     ty_grid_box box;
-    *out = (ty_look){.media = 0};
+    *out = (ty_scene_features){.media = 0};
     list_lights(scene, out);
     ty_result result = TY_OK;
     if (job.view->medium_count > 0) result = ty_grid_box_fit(scene, CELLS, &box);
@@ -224,9 +226,9 @@ ty_result ty_look_at(const ty_scene* scene, ty_look* out) {
     const ty_camera_def camera = ty_scene_camera(scene);
     list_media(job.view, ty_vec_make((float)camera.position[0], (float)camera.position[1], (float)camera.position[2]),
                out);
-    look_ray* rays = ty_alloc_array(context, RAYS, sizeof *rays, true);
+    view_ray* rays = ty_alloc_array(context, RAYS, sizeof *rays, true);
     if (rays == NULL) return TY_ERROR_MEMORY;
-    if (result == TY_OK) result = look_through(&job, scene, rays, out);
+    if (result == TY_OK) result = trace_view_rays(&job, scene, rays, out);
     if (result == TY_OK && job.view->mesh != NULL) result = find_enclosed(&job, scene, rays, (float)side, out);
     ty_free_array(context, rays, RAYS, sizeof *rays);
     return result;

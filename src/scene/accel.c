@@ -1,5 +1,5 @@
 /* Surfaces through Embree: quads and boxes as one quad mesh, spheres as points with radii, meshes as they are. */
-#include "scene/mesh.h"
+#include "scene/accel.h"
 
 #include "base/context.h"
 #include "base/random.k.h"
@@ -20,7 +20,7 @@ typedef struct mesh_sphere {
     float radius, margin;
 } mesh_sphere;
 
-struct ty_mesh {
+struct ty_accel {
     ty_context* context;
     RTCDevice device;
     RTCScene scene;
@@ -41,11 +41,11 @@ static const float margin_min = 4e-9f;
 
 static bool count_memory(void* user, ssize_t bytes, bool post) {
     (void)post;
-    atomic_fetch_add(&((ty_mesh*)user)->bytes, bytes);
+    atomic_fetch_add(&((ty_accel*)user)->bytes, bytes);
     return true;
 }
 
-static ty_result fail(ty_mesh* mesh, const char* what) {
+static ty_result fail(ty_accel* mesh, const char* what) {
     return ty_fail(mesh->context, TY_ERROR_INTERNAL, "ray tracing structures: %s failed (Embree error %d)", what,
                    mesh->device == NULL ? 0 : (int)rtcGetDeviceError(mesh->device));
 }
@@ -61,7 +61,7 @@ static float quad_margin(ty_vec normal, const float* corners) {
     return ty_maxf(margin_share * ty_dot(seen, largest), margin_min);
 }
 
-float ty_mesh_triangle_margin(ty_vec normal, ty_vec a, ty_vec b, ty_vec c) {
+float ty_accel_ray_epsilon(ty_vec normal, ty_vec a, ty_vec b, ty_vec c) {
     const ty_vec largest = ty_vec_make(ty_maxf(fabsf(a.x), ty_maxf(fabsf(b.x), fabsf(c.x))),
                                        ty_maxf(fabsf(a.y), ty_maxf(fabsf(b.y), fabsf(c.y))),
                                        ty_maxf(fabsf(a.z), ty_maxf(fabsf(b.z), fabsf(c.z))));
@@ -75,7 +75,7 @@ static float sphere_margin(ty_vec center, float radius) {
 }
 
 /* The quads of all quad and box shapes, four corners each, counter-clockwise seen from the front. */
-static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t count) {
+static ty_result add_quads(ty_accel* mesh, const ty_shape_def* shapes, size_t count) {
     for (size_t i = 0; i < count; ++i) mesh->quad_count += (size_t)ty_shape_quad_count(&shapes[i]);
     if (mesh->quad_count == 0) return TY_OK;
     mesh->quads = ty_alloc_array(mesh->context, mesh->quad_count, sizeof *mesh->quads, false);
@@ -111,7 +111,7 @@ static ty_result add_quads(ty_mesh* mesh, const ty_shape_def* shapes, size_t cou
     return TY_OK;
 }
 
-static ty_result add_spheres(ty_mesh* mesh, const ty_shape_def* shapes, size_t count) {
+static ty_result add_spheres(ty_accel* mesh, const ty_shape_def* shapes, size_t count) {
     for (size_t i = 0; i < count; ++i) mesh->sphere_count += shapes[i].kind == TY_SHAPE_SPHERE;
     if (mesh->sphere_count == 0) return TY_OK;
     mesh->spheres = ty_alloc_array(mesh->context, mesh->sphere_count, sizeof *mesh->spheres, false);
@@ -173,7 +173,8 @@ static void filter_alpha(const struct RTCFilterFunctionNArguments* given) {
     }
 }
 
-static ty_result add_triangles(ty_mesh* mesh, const ty_triangles* triangles, unsigned id, const ty_surface* surface) {
+static ty_result add_triangles(ty_accel* mesh, const ty_triangle_mesh* triangles, unsigned id,
+                               const ty_surface* surface) {
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, triangles->positions, 0,
                                3 * sizeof(float), triangles->vertex_count);
@@ -190,8 +191,8 @@ static ty_result add_triangles(ty_mesh* mesh, const ty_triangles* triangles, uns
     return rtcGetDeviceError(mesh->device) == RTC_ERROR_NONE ? TY_OK : fail(mesh, "taking triangles");
 }
 
-static ty_result start_mesh(ty_context* context, ty_mesh** out) {
-    ty_mesh* mesh = ty_alloc_array(context, 1, sizeof *mesh, true);
+static ty_result start_mesh(ty_context* context, ty_accel** out) {
+    ty_accel* mesh = ty_alloc_array(context, 1, sizeof *mesh, true);
     if (mesh == NULL) return TY_ERROR_MEMORY;
     mesh->context = context;
     char config[64];
@@ -199,19 +200,19 @@ static ty_result start_mesh(ty_context* context, ty_mesh** out) {
     mesh->device = rtcNewDevice(config);
     if (mesh->device == NULL) {
         const ty_result result = fail(mesh, "starting Embree");
-        ty_mesh_destroy(mesh);
+        ty_accel_destroy(mesh);
         return result;
     }
     rtcSetDeviceMemoryMonitorFunction(mesh->device, count_memory, mesh);
     mesh->scene = rtcNewScene(mesh->device);
-    /* Queries of their own filters: ty_mesh_layers_packet. */
+    /* Queries of their own filters: ty_accel_all_hits_packet. */
     rtcSetSceneFlags(mesh->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     *out = mesh;
     return TY_OK;
 }
 
 /* Builds, or takes back everything when adding had failed. */
-static ty_result finish_mesh(ty_mesh* mesh, ty_result result, ty_mesh** out) {
+static ty_result finish_mesh(ty_accel* mesh, ty_result result, ty_accel** out) {
     if (result == TY_OK) {
         rtcCommitScene(mesh->scene);
         if (rtcGetDeviceError(mesh->device) != RTC_ERROR_NONE) result = fail(mesh, "building");
@@ -219,14 +220,14 @@ static ty_result finish_mesh(ty_mesh* mesh, ty_result result, ty_mesh** out) {
     if (result == TY_OK)
         *out = mesh;
     else
-        ty_mesh_destroy(mesh);
+        ty_accel_destroy(mesh);
     return result;
 }
 
-ty_result ty_mesh_create(ty_context* context, const ty_mesh_parts* parts, ty_mesh** out) {
+ty_result ty_accel_create(ty_context* context, const ty_accel_input* parts, ty_accel** out) {
     *out = NULL;
     if (parts->shape_count + parts->mesh_count == 0) return TY_OK;
-    ty_mesh* mesh = NULL;
+    ty_accel* mesh = NULL;
     ty_result result = start_mesh(context, &mesh);
     if (result != TY_OK) return result;
     mesh->surfaces = parts->surfaces + parts->shape_count;
@@ -238,7 +239,7 @@ ty_result ty_mesh_create(ty_context* context, const ty_mesh_parts* parts, ty_mes
     return finish_mesh(mesh, result, out);
 }
 
-void ty_mesh_destroy(ty_mesh* mesh) {
+void ty_accel_destroy(ty_accel* mesh) {
     if (mesh == NULL) return;
     ty_context* context = mesh->context;
     if (mesh->scene != NULL) rtcReleaseScene(mesh->scene);
@@ -248,14 +249,14 @@ void ty_mesh_destroy(ty_mesh* mesh) {
     ty_free_array(context, mesh, 1, sizeof *mesh);
 }
 
-size_t ty_mesh_bytes(const ty_mesh* mesh) {
+size_t ty_accel_bytes(const ty_accel* mesh) {
     if (mesh == NULL) return 0;
     return sizeof *mesh + (size_t)atomic_load(&mesh->bytes) + mesh->quad_count * sizeof *mesh->quads +
            mesh->sphere_count * sizeof *mesh->spheres;
 }
 
 /* What ty_hit says of Embree's answer; position comes in as a point on the ray. */
-static void describe_triangle(const ty_mesh* mesh, unsigned geometry, unsigned triangle, float b1, float b2,
+static void describe_triangle(const ty_accel* mesh, unsigned geometry, unsigned triangle, float b1, float b2,
                               ty_hit* hit) {
     const ty_surface* surface = &mesh->surfaces[geometry - MESHES];
     const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
@@ -266,14 +267,14 @@ static void describe_triangle(const ty_mesh* mesh, unsigned geometry, unsigned t
     float area;
     hit->normal = ty_triangle_normal(ab, ac, &area);
     hit->position = ty_mad(ty_mad(a, ab, b1), ac, b2);
-    hit->margin = ty_mesh_triangle_margin(hit->normal, a, b, c);
+    hit->margin = ty_accel_ray_epsilon(hit->normal, a, b, c);
     hit->surface = mesh->first_mesh + (int32_t)(geometry - MESHES);
     hit->part = (int32_t)triangle;
     hit->b1 = b1;
     hit->b2 = b2;
 }
 
-static void describe_hit(const ty_mesh* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
+static void describe_hit(const ty_accel* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
     if (geometry >= MESHES) {
         describe_triangle(mesh, geometry, primitive, b1, b2, hit);
         return;
@@ -307,7 +308,7 @@ static struct RTCRay make_ray(ty_vec origin, ty_vec direction, float far) {
                            .mask = 0xffffffffu};
 }
 
-bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit) {
+bool ty_accel_intersect(const ty_accel* mesh, ty_vec origin, ty_vec direction, float far, ty_hit* hit) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit query = {
@@ -322,7 +323,7 @@ bool ty_mesh_intersect(const ty_mesh* mesh, ty_vec origin, ty_vec direction, flo
     return true;
 }
 
-bool ty_mesh_occluded(const ty_mesh* mesh, ty_vec origin, ty_vec direction, float far) {
+bool ty_accel_occluded(const ty_accel* mesh, ty_vec origin, ty_vec direction, float far) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRay ray = make_ray(origin, direction, far);
@@ -349,13 +350,13 @@ static void set_packet_ray(struct RTCRay16* packet, int32_t i, const ty_ray* ray
 
 /* Ask memory for a triangle before it is looked at: of many that are asked for one after the other it is waited for
  * once. Other geometries are few. */
-static void fetch_triangle(const ty_mesh* mesh, unsigned geometry, unsigned triangle) {
+static void fetch_triangle(const ty_accel* mesh, unsigned geometry, unsigned triangle) {
     if (geometry >= MESHES && geometry != RTC_INVALID_GEOMETRY_ID)
         __builtin_prefetch(mesh->surfaces[geometry - MESHES].indices + 3 * (size_t)triangle);
 }
 
 /* After fetch_triangle. */
-static void fetch_corners(const ty_mesh* mesh, unsigned geometry, unsigned triangle) {
+static void fetch_corners(const ty_accel* mesh, unsigned geometry, unsigned triangle) {
     if (geometry < MESHES || geometry == RTC_INVALID_GEOMETRY_ID) return;
     const ty_surface* surface = &mesh->surfaces[geometry - MESHES];
     const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
@@ -363,7 +364,7 @@ static void fetch_corners(const ty_mesh* mesh, unsigned geometry, unsigned trian
 }
 
 /* The nearest hits; geometry RTC_INVALID_GEOMETRY_ID: none. */
-static void intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, struct RTCRayHit16* packet) {
+static void intersect_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, struct RTCRayHit16* packet) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -377,7 +378,7 @@ static void intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t co
     rtcIntersect16(valid, mesh->scene, &context, packet);
 }
 
-void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
+void ty_accel_intersect_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
     struct RTCRayHit16 packet;
     intersect_packet(mesh, rays, count, &packet);
     for (int32_t i = 0; i < count; ++i) fetch_triangle(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
@@ -393,14 +394,14 @@ void ty_mesh_intersect_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t c
     }
 }
 
-void ty_mesh_distance_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, float* distances) {
+void ty_accel_distance_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, float* distances) {
     struct RTCRayHit16 packet;
     intersect_packet(mesh, rays, count, &packet);
     for (int32_t i = 0; i < count; ++i)
         distances[i] = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? packet.ray.tfar[i] : INFINITY;
 }
 
-void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, bool* occluded) {
+void ty_accel_occluded_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, bool* occluded) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -416,44 +417,44 @@ void ty_mesh_occluded_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t co
 
 /* ---- all layers ---- */
 
-/* The queries of ty_mesh_layers_packet carry where the layers go. */
+/* The queries of ty_accel_all_hits_packet carry where the layers go. */
 typedef struct layer_query {
     struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
-    ty_layers* layers;
+    ty_all_hits* layers;
 } layer_query;
 
 /* Notes a layer, in order: of one distance the lower number first, whatever order Embree finds them in. */
-static void note_layer(ty_layers* layers, uint32_t ray, ty_layer layer) {
-    ty_layer* row = layers->layer[ray];
+static void note_layer(ty_all_hits* layers, uint32_t ray, ty_hit_record layer) {
+    ty_hit_record* row = layers->layer[ray];
     int32_t at = layers->count[ray];
     while (at > 0 && (row[at - 1].distance > layer.distance ||
                       (row[at - 1].distance == layer.distance &&
                        (row[at - 1].geometry > layer.geometry ||
                         (row[at - 1].geometry == layer.geometry && row[at - 1].primitive > layer.primitive)))))
         --at;
-    if (at == TY_LAYERS_MAX) return;
-    if (layers->count[ray] < TY_LAYERS_MAX) ++layers->count[ray];
+    if (at == TY_ALL_HITS_MAX) return;
+    if (layers->count[ray] < TY_ALL_HITS_MAX) ++layers->count[ray];
     for (int32_t i = layers->count[ray] - 1; i > at; --i) row[i] = row[i - 1];
     row[at] = layer;
 }
 
 /* Embree asks whether triangles are there; they are not, so that rays go on. */
 static void pass_layers(const struct RTCFilterFunctionNArguments* given) {
-    ty_layers* layers = ((layer_query*)given->context)->layers;
+    ty_all_hits* layers = ((layer_query*)given->context)->layers;
     const unsigned *ids = (const unsigned*)given->ray + RAY_ID * given->N, *hit = (const unsigned*)given->hit;
     for (unsigned i = 0; i < given->N; ++i) {
         if (given->valid[i] == 0) continue;
         note_layer(layers, ids[i],
-                   (ty_layer){.distance = row(given->ray, RAY_FAR, given->N, i),
-                              .b1 = row(given->hit, HIT_U, given->N, i),
-                              .b2 = row(given->hit, HIT_V, given->N, i),
-                              .geometry = hit[HIT_GEOMETRY * given->N + i],
-                              .primitive = hit[HIT_PRIMITIVE * given->N + i]});
+                   (ty_hit_record){.distance = row(given->ray, RAY_FAR, given->N, i),
+                                   .b1 = row(given->hit, HIT_U, given->N, i),
+                                   .b2 = row(given->hit, HIT_V, given->N, i),
+                                   .geometry = hit[HIT_GEOMETRY * given->N + i],
+                                   .primitive = hit[HIT_PRIMITIVE * given->N + i]});
         given->valid[i] = 0;
     }
 }
 
-void ty_mesh_layers_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t count, ty_layers* out) {
+void ty_accel_all_hits_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, ty_all_hits* out) {
     layer_query query = {.layers = out};
     rtcInitIntersectContext(&query.context);
     query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -474,7 +475,7 @@ void ty_mesh_layers_packet(const ty_mesh* mesh, const ty_ray* rays, int32_t coun
             fetch_corners(mesh, out->layer[i][k].geometry, out->layer[i][k].primitive);
 }
 
-void ty_mesh_layer_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_layer* layer, ty_hit* hit) {
+void ty_accel_complete_hit(const ty_accel* mesh, const ty_ray* ray, const ty_hit_record* layer, ty_hit* hit) {
     hit->distance = layer->distance;
     hit->position = ty_mad(ty_vec_load(ray->origin), ty_vec_load(ray->direction), layer->distance);
     describe_hit(mesh, layer->geometry, layer->primitive, layer->b1, layer->b2, hit);
@@ -482,7 +483,7 @@ void ty_mesh_layer_hit(const ty_mesh* mesh, const ty_ray* ray, const ty_layer* l
 
 /* ---- closed surfaces ---- */
 
-/* The queries of ty_mesh_crossings carry where the crossings go. */
+/* The queries of ty_accel_crossings carry where the crossings go. */
 typedef struct crossing_query {
     struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
     ty_crossing_ray ray;
@@ -505,7 +506,7 @@ static void note_crossing(crossing_query* query, ty_crossing crossing) {
 
 /* Embree asks whether a ray hits a triangle whose box it meets; the ray goes on anyway. */
 static void meet_shell_triangle(const struct RTCIntersectFunctionNArguments* given) {
-    const ty_triangles* triangles = given->geometryUserPtr;
+    const ty_triangle_mesh* triangles = given->geometryUserPtr;
     const uint32_t* corners = triangles->indices + 3 * (size_t)given->primID;
     crossing_query* query = (crossing_query*)given->context;
     ty_crossing crossing;
@@ -517,7 +518,7 @@ static void meet_shell_triangle(const struct RTCIntersectFunctionNArguments* giv
 
 /* A triangle's box, wider by more than ty_crossing_find rounds. */
 static void bound_shell_triangle(const struct RTCBoundsFunctionArguments* given) {
-    const ty_triangles* triangles = given->geometryUserPtr;
+    const ty_triangle_mesh* triangles = given->geometryUserPtr;
     float low[3] = {TY_FLOAT_MAX, TY_FLOAT_MAX, TY_FLOAT_MAX}, high[3] = {-TY_FLOAT_MAX, -TY_FLOAT_MAX, -TY_FLOAT_MAX};
     for (size_t corner = 0; corner < 3; ++corner)
         for (size_t a = 0; a < 3; ++a) {
@@ -537,7 +538,7 @@ static void bound_shell_triangle(const struct RTCBoundsFunctionArguments* given)
     }
 }
 
-static ty_result add_shell(ty_mesh* mesh, const ty_triangles* triangles) {
+static ty_result add_shell(ty_accel* mesh, const ty_triangle_mesh* triangles) {
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)triangles->triangle_count);
     rtcSetGeometryUserData(geometry, (void*)triangles); /* only read */
@@ -549,14 +550,14 @@ static ty_result add_shell(ty_mesh* mesh, const ty_triangles* triangles) {
     return rtcGetDeviceError(mesh->device) == RTC_ERROR_NONE ? TY_OK : fail(mesh, "taking a shell");
 }
 
-ty_result ty_mesh_create_shell(ty_context* context, const ty_triangles* triangles, ty_mesh** out) {
-    ty_mesh* mesh = NULL;
+ty_result ty_accel_create_closed(ty_context* context, const ty_triangle_mesh* triangles, ty_accel** out) {
+    ty_accel* mesh = NULL;
     const ty_result result = start_mesh(context, &mesh);
     return result == TY_OK ? finish_mesh(mesh, add_shell(mesh, triangles), out) : result;
 }
 
-int32_t ty_mesh_crossings(const ty_mesh* shell, ty_vec origin, ty_vec direction,
-                          ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond) {
+int32_t ty_accel_crossings(const ty_accel* shell, ty_vec origin, ty_vec direction,
+                           ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond) {
     crossing_query query = {.ray = ty_crossing_ray_begin(origin, direction), .crossings = crossings};
     rtcInitIntersectContext(&query.context);
     struct RTCRayHit ray = {

@@ -1,5 +1,5 @@
 /* Shells: creation, and how well they are closed. */
-#include "scene/shell.h"
+#include "scene/closed_mesh.h"
 
 #include "base/context.h"
 
@@ -34,7 +34,7 @@ static bool same_position(const float a[3], const float b[3]) {
 }
 
 /* The first vertex at the place of each: files split vertices where normals or texture coordinates part. */
-static bool weld(ty_context* context, const ty_triangles* t, uint32_t* first) {
+static bool weld(ty_context* context, const ty_triangle_mesh* t, uint32_t* first) {
     const size_t slots = slot_count(t->vertex_count);
     uint32_t* table = ty_alloc_array(context, slots, sizeof *table, true); /* vertex + 1 */
     if (table == NULL) return false;
@@ -70,7 +70,7 @@ static void note_edge(shell_edge* table, size_t slots, uint32_t from, uint32_t t
 
 /* How many edges are not passed once in each direction; SIZE_MAX when memory is short. Triangles without area do not
  * count. */
-static size_t count_open_edges(ty_context* context, const ty_triangles* t) {
+static size_t count_open_edges(ty_context* context, const ty_triangle_mesh* t) {
     const size_t slots = slot_count(3 * t->triangle_count);
     uint32_t* first = ty_alloc_array(context, t->vertex_count, sizeof *first, false);
     shell_edge* table = ty_alloc_array(context, slots, sizeof *table, true);
@@ -91,25 +91,25 @@ static size_t count_open_edges(ty_context* context, const ty_triangles* t) {
 }
 
 ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count, const uint32_t* indices,
-                          int64_t triangle_count, ty_shell** out) {
+                          int64_t triangle_count, ty_closed_mesh** out) {
     ty_mesh_def def = ty_default_mesh_def();
     def.vertex_count = vertex_count;
     def.triangle_count = triangle_count;
     def.positions = positions;
     def.indices = indices;
-    ty_result result = ty_triangles_check(context, "shell", positions, vertex_count, indices, triangle_count);
+    ty_result result = ty_triangle_mesh_check(context, "shell", positions, vertex_count, indices, triangle_count);
     if (result != TY_OK) return result;
-    ty_shell* shell = ty_alloc_array(context, 1, sizeof *shell, true);
+    ty_closed_mesh* shell = ty_alloc_array(context, 1, sizeof *shell, true);
     if (shell == NULL) return TY_ERROR_MEMORY;
     shell->context = context;
     atomic_init(&shell->owners, 1);
     size_t open = 0;
-    result = ty_triangles_create(context, &def, &shell->triangles);
+    result = ty_triangle_mesh_create(context, &def, &shell->triangles);
     if (result == TY_OK) {
         open = count_open_edges(context, shell->triangles);
         if (open == SIZE_MAX) result = TY_ERROR_MEMORY;
     }
-    if (result == TY_OK) result = ty_mesh_create_shell(context, shell->triangles, &shell->mesh);
+    if (result == TY_OK) result = ty_accel_create_closed(context, shell->triangles, &shell->mesh);
     if (result != TY_OK) {
         ty_shell_destroy(shell);
         return result;
@@ -120,18 +120,18 @@ ty_result ty_shell_create(ty_context* context, const float* positions, int64_t v
     return TY_OK;
 }
 
-ty_shell* ty_shell_retain(ty_shell* shell) {
+ty_closed_mesh* ty_shell_retain(ty_closed_mesh* shell) {
     if (shell != NULL) atomic_fetch_add(&shell->owners, 1);
     return shell;
 }
 
-void ty_shell_destroy(ty_shell* shell) {
+void ty_shell_destroy(ty_closed_mesh* shell) {
     if (shell == NULL || atomic_fetch_sub(&shell->owners, 1) > 1) return;
-    ty_mesh_destroy(shell->mesh);
-    ty_triangles_destroy(shell->context, shell->triangles);
+    ty_accel_destroy(shell->mesh);
+    ty_triangle_mesh_destroy(shell->context, shell->triangles);
     ty_free_array(shell->context, shell, 1, sizeof *shell);
 }
 
-size_t ty_shell_bytes(const ty_shell* shell) {
-    return sizeof *shell + ty_triangles_bytes(shell->triangles) + ty_mesh_bytes(shell->mesh);
+size_t ty_closed_mesh_bytes(const ty_closed_mesh* shell) {
+    return sizeof *shell + ty_triangle_mesh_bytes(shell->triangles) + ty_accel_bytes(shell->mesh);
 }

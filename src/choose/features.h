@@ -1,10 +1,10 @@
 /* What the camera sees of a scene, at a glance. */
-#ifndef TY_CHOOSE_LOOK_H
-#define TY_CHOOSE_LOOK_H
+#ifndef TY_CHOOSE_FEATURES_H
+#define TY_CHOOSE_FEATURES_H
 
 #include <tyndall/choose.h>
 
 /* The scene is committed. Errors: TY_ERROR_MEMORY. */
-ty_result ty_look_at(const ty_scene* scene, ty_look* out);
+ty_result ty_scene_features_find(const ty_scene* scene, ty_scene_features* out);
 
 #endif

@@ -1,12 +1,12 @@
 /* Meshes as a scene keeps them: in world space, with what their vertices carry. */
-#ifndef TY_SCENE_TRIANGLES_H
-#define TY_SCENE_TRIANGLES_H
+#ifndef TY_SCENE_TRIANGLE_MESH_H
+#define TY_SCENE_TRIANGLE_MESH_H
 
 #include "scene/surface.k.h"
 
 #include <tyndall/scene.h>
 
-typedef struct ty_triangles {
+typedef struct ty_triangle_mesh {
     size_t vertex_count, triangle_count;
     float* positions; /* 3 per vertex, m; one more float after the last, for vector loads */
     float* normals;   /* or NULL */
@@ -17,18 +17,18 @@ typedef struct ty_triangles {
     ty_mesh_origin origin;    /* its texts owned */
     int32_t* lights;          /* per triangle, once committed; NULL when the mesh does not emit */
     double lower[3], upper[3];
-} ty_triangles;
+} ty_triangle_mesh;
 
-ty_result ty_triangles_create(ty_context* context, const ty_mesh_def* def, ty_triangles** out);
-void ty_triangles_destroy(ty_context* context, ty_triangles* triangles);
+ty_result ty_triangle_mesh_create(ty_context* context, const ty_mesh_def* def, ty_triangle_mesh** out);
+void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* triangles);
 /* Vertices and texture coordinates; textures are not counted, as meshes may share them. */
-size_t ty_triangles_bytes(const ty_triangles* triangles);
+size_t ty_triangle_mesh_bytes(const ty_triangle_mesh* triangles);
 
-bool ty_triangles_emit(const ty_triangles* triangles);
-ty_surface ty_triangles_get_surface(const ty_triangles* triangles);
+bool ty_triangle_mesh_emits(const ty_triangle_mesh* triangles);
+ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* triangles);
 
 /* Checks of arrays that shells share: counts, indices, finite positions. */
-ty_result ty_triangles_check(ty_context* context, const char* what, const float* positions, int64_t vertex_count,
-                             const uint32_t* indices, int64_t triangle_count);
+ty_result ty_triangle_mesh_check(ty_context* context, const char* what, const float* positions, int64_t vertex_count,
+                                 const uint32_t* indices, int64_t triangle_count);
 
 #endif
