@@ -1,8 +1,8 @@
-/* Free flights: where along a ray light is scattered next.
+/* Collision sampling along a ray: in closed form in homogeneous media, by delta tracking in any.
  *
- * Colour: every random choice is made from a mixture over channels in proportion to the path's throughput, and the
- * throughput is divided by the mixture's density. That is single-sample multiple importance sampling over wavelengths
- * with the balance heuristic, carried along: the sum of the throughput over channels never grows. */
+ * Colour: each random choice is drawn from a mixture over channels weighted by the path's throughput, and the
+ * throughput is divided by the density of the mixture. This is one-sample MIS over wavelengths with the balance
+ * heuristic (spectral MIS, Wilkie 2014); the sum of the throughput over channels never grows. */
 #ifndef TY_METHOD_PATH_COLLISION_K_H
 #define TY_METHOD_PATH_COLLISION_K_H
 
@@ -21,7 +21,8 @@ TY_FN float ty_max3(const float v[3]) {
     return ty_maxf(v[0], ty_maxf(v[1], v[2]));
 }
 
-/* Picks an index in proportion to weights[0..count), whose sum is positive; *u is stretched back to [0, 1). */
+/* Samples an index with probability proportional to weights[0..count), whose sum is positive; *u is remapped to [0, 1).
+ */
 TY_FN int32_t ty_sample_discrete(const float* weights, int32_t count, float sum, float* u) {
     float target = *u * sum;
     int32_t i = 0;
@@ -30,15 +31,16 @@ TY_FN int32_t ty_sample_discrete(const float* weights, int32_t count, float sum,
     return i;
 }
 
-/* ---- media that are all homogeneous: in closed form ---- */
+/* ---- homogeneous media: closed forms ---- */
 
-/* 1 - exp(-depth), without cancellation in thin media. */
+/* Probability of a collision within an optical depth: 1 - exp(-depth), without cancellation for thin media. */
 TY_FN float ty_collision_probability(float depth) {
     if (depth > 0.03f) return 1.0f - ty_expf(-depth);
     return depth * (1.0f - depth * (0.5f - depth * (1.0f / 6.0f - depth * (1.0f / 24.0f))));
 }
 
-/* The depth that stops a fraction of the light, the inverse of ty_collision_probability. */
+/* Optical depth of a collision for a random number below the collision probability: -ln(1 - fraction), the inverse of
+ * ty_collision_probability. */
 TY_FN float ty_sample_collision_depth(float fraction) {
     if (fraction > 0.03f) return -ty_logf(1.0f - fraction);
     return fraction * (1.0f + fraction * (0.5f + fraction * (1.0f / 3.0f + fraction * 0.25f)));
@@ -55,7 +57,7 @@ TY_FN void ty_spans_optical_depth(TY_GLOBAL const ty_medium_view* media, const t
     }
 }
 
-/* The t at which one channel's optical depth reaches `depth`, which is less than that of all spans. */
+/* The distance t at which a channel's optical depth equals depth, which is below that of all spans. */
 TY_FN float ty_spans_invert_optical_depth(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, int32_t channel,
                                           float depth) {
     if (spans->count == 1) return spans->enter[0] + depth / media[spans->medium[0]].sigma_t[channel];
@@ -74,7 +76,8 @@ TY_FN float ty_spans_invert_optical_depth(TY_GLOBAL const ty_medium_view* media,
     }
 }
 
-/* Radiance that homogeneous media send towards the ray's origin, per channel, in closed form. */
+/* Emitted radiance of homogeneous media at the ray's origin, per channel: the line integral of transmittance times
+ * emission coefficient in closed form. */
 TY_FN void ty_spans_emitted_radiance(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, float radiance[3]) {
     float passed[3] = {1.0f, 1.0f, 1.0f};
     float at = 0.0f;
@@ -103,28 +106,28 @@ TY_FN void ty_spans_emitted_radiance(TY_GLOBAL const ty_medium_view* media, cons
     }
 }
 
-/* Samples a collision, by u in [0, 1), for light that is known to collide: beta comes in as the throughput at the ray's
- * origin and goes out as that after scattering, up to the phase function; its mean is the integral over the spans.
- * stopped: the fraction of light that collides in the spans. Returns false where nothing scatters. */
+/* Samples a collision in the spans with u in [0, 1), given that one occurs. beta: in, the throughput at the ray's
+ * origin; out, the throughput after scattering without the phase function, whose mean is the integral over the spans.
+ * collided: collision probability per channel. False: nothing scatters there. */
 TY_FN bool ty_sample_homogeneous_collision(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans,
-                                           const float stopped[3], float u, ty_sampler* random, float beta[3],
+                                           const float collided[3], float u, ty_sampler* random, float beta[3],
                                            ty_collision* out) {
     float weight[3];
-    for (int c = 0; c < 3; ++c) weight[c] = beta[c] * stopped[c];
+    for (int c = 0; c < 3; ++c) weight[c] = beta[c] * collided[c];
     const float sum = ty_sum3(weight);
     if (!(sum > 0.0f)) return false;
     const bool gray = spans->count == 1 && media[spans->medium[0]].gray != 0;
     const int32_t channel = gray ? 0 : ty_sample_discrete(weight, 3, sum, &u);
-    const float depth = ty_sample_collision_depth(ty_minf(u, 0x1.fffffep-1f) * stopped[channel]);
+    const float depth = ty_sample_collision_depth(ty_minf(u, 0x1.fffffep-1f) * collided[channel]);
     out->t = ty_spans_invert_optical_depth(media, spans, channel, depth);
     if (gray) {
         TY_GLOBAL const ty_medium_view* medium = &media[spans->medium[0]];
         out->medium = spans->medium[0];
         out->t = ty_minf(out->t, spans->leave[0]);
-        for (int c = 0; c < 3; ++c) beta[c] *= stopped[0] * medium->uniform_albedo[c];
+        for (int c = 0; c < 3; ++c) beta[c] *= collided[0] * medium->uniform_albedo[c];
         return ty_sum3(beta) > 0.0f;
     }
-    /* Which medium scatters, and the density of t in the mixture over channels. */
+    /* The medium that scatters, and the density of t in the mixture over channels. */
     float depths[3], scattering[TY_SPANS_MAX], sigma_t[3] = {0.0f, 0.0f, 0.0f}, total = 0.0f,
                                                density = 0.0f; /* times sum */
     ty_spans_optical_depth(media, spans, out->t, depths);
@@ -152,12 +155,12 @@ TY_FN bool ty_sample_homogeneous_collision(TY_GLOBAL const ty_medium_view* media
     return true;
 }
 
-/* ---- any media: null collisions ---- */
+/* ---- heterogeneous media: null collisions ---- */
 
-/* Tentative collisions of one medium along a ray, one after another. */
+/* Tentative collisions of one medium along a ray, sampled from the piecewise constant majorant. */
 typedef struct ty_majorant_tracker {
     ty_majorant_dda bricks;
-    float t; /* of the tentative collision; TY_FLOAT_MAX past the last */
+    float t; /* distance of the tentative collision; TY_FLOAT_MAX past the last */
 } ty_majorant_tracker;
 
 TY_FN void ty_majorant_tracker_next(ty_majorant_tracker* walker, float u) {
@@ -184,16 +187,16 @@ TY_FN void ty_majorant_tracker_begin(ty_majorant_tracker* walker, TY_GLOBAL cons
     ty_majorant_tracker_next(walker, u);
 }
 
-/* What a tentative collision met: its medium, where, and the albedo there. */
+/* Single-scattering albedo at a tentative collision. */
 TY_FN void ty_majorant_tracker_albedo(const ty_majorant_tracker* walker, ty_vec origin, ty_vec direction,
                                       float albedo[3]) {
     ty_medium_albedo(walker->bricks.medium, ty_mad(origin, direction, walker->t), albedo);
 }
 
-/* Decides a tentative collision: true when it is real. Media whose extinction is gray, with a density that is certain,
- * need no lookup. */
+/* Accepts a tentative collision as real or null and updates beta. A gray medium whose minorant already decides needs no
+ * density lookup. Emission is accumulated at every tentative collision. */
 TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* walker, ty_vec origin, ty_vec direction,
-                                        ty_sampler* random, float beta[3], float glow[3]) {
+                                        ty_sampler* random, float beta[3], float emitted[3]) {
     TY_GLOBAL const ty_medium_view* medium = walker->bricks.medium;
     const float high = walker->bricks.majorant;
     const float u = ty_rng_uniform(random);
@@ -211,7 +214,7 @@ TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* walker, ty_ve
     if (medium->emits != 0) {
         float sends[3];
         ty_medium_emission_coefficient(medium, ty_mad(origin, direction, walker->t), sends);
-        for (int c = 0; c < 3; ++c) glow[c] += beta[c] * fraction * sends[c];
+        for (int c = 0; c < 3; ++c) emitted[c] += beta[c] * fraction * sends[c];
     }
     float real = 0.0f;
     for (int c = 0; c < 3; ++c) real += beta[c] * medium->sigma_t[c];
@@ -225,11 +228,12 @@ TY_FN bool ty_majorant_tracker_collides(const ty_majorant_tracker* walker, ty_ve
     return false;
 }
 
-/* The first real collision in the spans; beta is updated as in ty_sample_homogeneous_collision, but false means that
- * the light passed all spans, and beta then accounts for that. Media are independent: what happens first, happens. What
- * glows on the way, times the throughput there, is added to glow: every tentative collision has a look. */
+/* Delta tracking (Woodcock 1965): the first real collision in the spans. beta is updated as in
+ * ty_sample_homogeneous_collision; false means that the light crossed all spans, and beta then accounts for that.
+ * Overlapping media are independent processes, of which the earliest event counts. Emission times throughput is added
+ * to emitted at every tentative collision. */
 TY_FN bool ty_delta_tracking(TY_GLOBAL const ty_medium_view* media, const ty_spans* spans, ty_vec origin,
-                             ty_vec direction, ty_sampler* random, float beta[3], float glow[3], ty_collision* out) {
+                             ty_vec direction, ty_sampler* random, float beta[3], float emitted[3], ty_collision* out) {
     ty_majorant_tracker walkers[TY_SPANS_MAX];
     for (int32_t i = 0; i < spans->count; ++i)
         ty_majorant_tracker_begin(&walkers[i], &media[spans->medium[i]], origin, direction, spans->enter[i],
@@ -239,7 +243,7 @@ TY_FN bool ty_delta_tracking(TY_GLOBAL const ty_medium_view* media, const ty_spa
         for (int32_t i = 1; i < spans->count; ++i)
             if (walkers[i].t < walkers[first].t) first = i;
         if (walkers[first].t >= TY_FLOAT_MAX) return false;
-        if (ty_majorant_tracker_collides(&walkers[first], origin, direction, random, beta, glow)) {
+        if (ty_majorant_tracker_collides(&walkers[first], origin, direction, random, beta, emitted)) {
             out->t = walkers[first].t;
             out->medium = spans->medium[first];
             return true;

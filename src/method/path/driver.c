@@ -116,7 +116,7 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_p
         return result;
     }
     choose_guides(&run->request);
-    run->request.faint = faint_radiance(&run->view.lights);
+    run->request.min_contribution = faint_radiance(&run->view.lights);
     return TY_OK;
 }
 

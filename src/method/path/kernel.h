@@ -28,8 +28,8 @@ typedef struct ty_path_request {
     int32_t guide_count; /* lights that high-g media are guided towards, and their shares, which add up to 1 */
     int32_t guide_light[TY_GUIDES_MAX];
     float guide_share[TY_GUIDES_MAX];
-    float faint;  /* radiance below which a light's contribution is traced by chance */
-    int32_t look; /* pixels: whether what the first ray meets is wanted, too */
+    float min_contribution; /* radiance below which a light's contribution is traced by chance */
+    int32_t look;           /* pixels: whether what the first ray meets is wanted, too */
 } ty_path_request;
 
 /* Sums over an item's samples, one after another, so that how samples fall into passes changes nothing. */

@@ -1,19 +1,20 @@
-/* One light path, from the eye towards the lights: docs/method/path.md explains it. */
+/* One light path from the camera towards the lights, with next-event estimation and multiple importance sampling.
+ * docs/method/path.md gives the estimators. */
 #ifndef TY_PATH_PATH_K_H
 #define TY_PATH_PATH_K_H
 
 #include "method/path/equiangular.k.h"
 #include "scene/phase.k.h"
 
-/* Vertices after which even a path that loses nothing is slowly ended. */
+/* Path depth from which Russian roulette ends even a path whose throughput does not fall. */
 enum { TY_PATH_ROULETTE_DEPTH = 2000 };
 
-/* What became of light between its source and the eye. */
+/* Path classes: the interactions of light between its source and the camera. */
 enum {
-    TY_PATH_UNCOLLIDED = 0, /* nothing */
-    TY_PATH_REFLECTED = 1,  /* only surfaces reflected it */
-    TY_PATH_SINGLE = 2,     /* one scattering in a medium, and nothing else */
-    TY_PATH_MULTIPLE = 3,   /* anything else */
+    TY_PATH_UNCOLLIDED = 0, /* no interaction */
+    TY_PATH_REFLECTED = 1,  /* reflections at surfaces only */
+    TY_PATH_SINGLE = 2,     /* one scattering in a medium and no other interaction */
+    TY_PATH_MULTIPLE = 3,   /* any other sequence */
     TY_PATH_CLASS_COUNT = 4
 };
 
@@ -21,38 +22,38 @@ typedef struct ty_path {
     const ty_path_request* request;
     ty_sampler random;
     ty_vec origin, direction;
-    ty_vec normal;       /* of the surface that the path last left, on its side; 0 in media and at the eye */
+    ty_vec normal;       /* unit normal of the last surface vertex, on the path's side; 0 in media and at the camera */
     float beta[3];       /* throughput */
-    float rr_throughput; /* throughput without what directions were weighted with: what Russian roulette looks at */
-    float pdf;           /* per steradian, of direction; 0 where no light sampling competes (the eye) */
-    int32_t scattered;   /* whether the last vertex is in a medium, where equi-angular sampling competed */
-    float phase;         /* the phase function (green) of that vertex in direction, per steradian */
-    int32_t depth;       /* scatterings and reflections so far */
-    int32_t run;         /* scatterings since the last reflection */
-    int32_t path_class;  /* what became of light that the path finds now */
-    float radiance[TY_PATH_CLASS_COUNT][3]; /* found so far */
+    float rr_throughput; /* throughput without the weights of sampled directions; Russian roulette decides by it */
+    float pdf;           /* solid-angle density of direction, 1/sr; 0 at the camera, where no light was sampled */
+    int32_t scattered; /* nonzero if the last vertex is in a medium, where equiangular sampling shares the MIS weight */
+    float phase;       /* phase function (green) of that vertex in direction, 1/sr */
+    int32_t depth;     /* scatterings and reflections so far */
+    int32_t run;       /* scatterings since the last reflection */
+    int32_t path_class;                     /* class of the light that the path finds next */
+    float radiance[TY_PATH_CLASS_COUNT][3]; /* estimate so far per class, W m^-2 sr^-1 */
 } ty_path;
 
-/* The part after one more scattering, or reflection. */
-TY_FN int32_t ty_path_class_scattered(int32_t part) {
-    return part == TY_PATH_UNCOLLIDED ? TY_PATH_SINGLE : TY_PATH_MULTIPLE;
+/* The path class after one more scattering, or one more reflection. */
+TY_FN int32_t ty_path_class_scattered(int32_t path_class) {
+    return path_class == TY_PATH_UNCOLLIDED ? TY_PATH_SINGLE : TY_PATH_MULTIPLE;
 }
 
-TY_FN int32_t ty_path_class_reflected(int32_t part) {
-    return part <= TY_PATH_REFLECTED ? TY_PATH_REFLECTED : TY_PATH_MULTIPLE;
+TY_FN int32_t ty_path_class_reflected(int32_t path_class) {
+    return path_class <= TY_PATH_REFLECTED ? TY_PATH_REFLECTED : TY_PATH_MULTIPLE;
 }
 
 TY_FN void ty_path_add(ty_path* path, const float radiance[3]) {
     for (int c = 0; c < 3; ++c) path->radiance[path->path_class][c] += radiance[c];
 }
 
-/* What a ray that hit a surface finds there. */
+/* A ray's surface intersection and the material at that point. */
 typedef struct ty_intersection {
     ty_hit hit;
     ty_surface_point point;
 } ty_intersection;
 
-/* The share of light met on a surface that light sampling from where the ray began leaves to the ray. */
+/* MIS weight (balance heuristic) of emission that a ray hits, against light sampling from the ray's origin. */
 TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersection* end) {
     const ty_light_set* lights = &path->request->scene->lights;
     const float distance = end->hit.distance;
@@ -69,7 +70,7 @@ TY_FN float ty_path_mis_weight_emission(const ty_path* path, const ty_intersecti
     return weight;
 }
 
-/* Light that the ray meets at its end. end: NULL where it meets no surface. */
+/* Adds emission at the ray's end. end: NULL if the ray leaves the scene, which adds the environments. */
 TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const ty_intersection* end) {
     const ty_light_set* lights = &path->request->scene->lights;
     float radiance[3];
@@ -94,11 +95,12 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
 
 /* ---- directions in media ---- */
 
-/* What scatters at a vertex: phase functions per channel, mixed by throughput, and lobes about lights. */
+/* Direction sampling at a vertex in a medium: a mixture over channels of their phase functions, weighted by throughput,
+ * and of Henyey-Greenstein lobes about the directions of lights (guiding). */
 typedef struct ty_scatter_vertex {
     ty_vec incoming;
     float g[3];
-    float share[3]; /* of the channels in the mixture; add up to 1 */
+    float share[3]; /* mixture weights of the channels; their sum is 1 */
     int32_t gray;
     float guided;     /* probability of sampling a lobe about a light */
     float guide_g[3]; /* g, g^2, g^4: light that scatters once, twice, four times more */
@@ -117,9 +119,9 @@ TY_FN ty_vec ty_light_axis(const ty_light_view* light, ty_vec from) {
     return d2 > 1e-30f ? ty_scale(to, 1.0f / sqrtf(d2)) : ty_vec_make(0, 0, 1);
 }
 
-/* How much of the directions at a path's vertex of some depth (1: the first) is given to lobes about lights: much only
- * where g nears 1, and falling with depth fast enough that the weights of paths that never take a lobe stay bounded
- * (by 14). Both were chosen by measured cost of noise, in thin and in thick media. */
+/* Probability of sampling a guiding lobe at a vertex of the given depth (1: the first). It is large only for g near 1
+ * and falls with depth fast enough to bound the weight of a path without guided directions (by 14). Both factors
+ * minimise the measured cost of noise (variance times time) in thin and in thick media. */
 TY_FN float ty_guided_fraction(float g, int32_t depth) {
     const float g2 = ty_maxf(g, 0.0f) * ty_maxf(g, 0.0f), g4 = g2 * g2;
     const float fall = 1.0f / (1.0f + 0.25f * (float)(depth - 1));
@@ -186,7 +188,8 @@ TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* ra
 
 /* ---- vertices ---- */
 
-/* The light chosen for a vertex with what probability, and its sample, unshadowed; NULL if there is none. */
+/* Chooses a light for a vertex and samples a point on it, without visibility. *chosen: the discrete probability of that
+ * light. NULL: there is no light, or the sample carries no radiance. */
 TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, float* chosen, ty_light_sample* sample) {
     const ty_light_set* lights = &path->request->scene->lights;
     if (lights->count == 0) return NULL;
@@ -202,23 +205,23 @@ TY_FN const ty_light_view* ty_path_choose_light(ty_path* path, ty_vec from, floa
     return ty_light_sample_from(light, from, u, v, sample) ? light : NULL;
 }
 
-/* Whether no surface lies between a point and a light sample. */
+/* Visibility of a light sample from a point: true if no surface lies between them. */
 TY_FN bool ty_path_light_visible(const ty_path* path, ty_vec from, const ty_light_sample* sample) {
     const ty_accel* mesh = path->request->scene->mesh;
     const float far = sample->distance < TY_FLOAT_MAX ? sample->distance * 0.9999f : TY_FLOAT_MAX;
     return mesh == NULL || !ty_accel_occluded(mesh, from, sample->wi, far);
 }
 
-/* Adds a light sample, with factor per channel (throughput, phase or reflectance, cosine), if nothing shadows it;
- * media attenuate it. */
+/* Radiance of a light sample times factor (throughput, phase function or BRDF, cosine) times visibility and
+ * transmittance. Contributions below request->min_contribution are traced by Russian roulette. */
 TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample* sample, const float factor[3],
                              float radiance[3]) {
     const ty_scene_view* scene = path->request->scene;
     float transmittance[3];
     for (int c = 0; c < 3; ++c) radiance[c] = factor[c] * sample->radiance[c];
     const float most = ty_max3(radiance);
-    if (most < path->request->faint) {
-        const float chance = most / path->request->faint;
+    if (most < path->request->min_contribution) {
+        const float chance = most / path->request->min_contribution;
         const bool traced = ty_rng_uniform(&path->random) < chance;
         for (int c = 0; c < 3; ++c) radiance[c] = traced ? radiance[c] / chance : 0.0f;
     }
@@ -230,9 +233,9 @@ TY_FN void ty_path_add_light(ty_path* path, ty_vec origin, const ty_light_sample
     for (int c = 0; c < 3; ++c) radiance[c] *= transmittance[c];
 }
 
-/* Samples a light from a vertex whose factor (see above) the caller knows how to evaluate: the weight is shared with
- * the vertex taking that direction itself, with density pdf, and with equi-angular sampling of the last stretch. phase:
- * in media, the phase function (green) towards the sample. */
+/* Next-event estimation at a vertex. factor: phase function or BRDF times cosine, per channel. The MIS weight accounts
+ * for directional sampling with solid-angle density pdf, and in media for equiangular sampling of the last ray. phase:
+ * in media, the phase function (green) towards the sample, 1/sr. */
 TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, float chosen,
                                     const ty_light_sample* sample, const float factor[3], float pdf, float phase) {
     float weight = 1.0f / chosen, weighted[3], radiance[3];
@@ -244,8 +247,8 @@ TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, f
     ty_path_add(path, radiance);
 }
 
-/* The equi-angular technique on the ray that the path has just begun: adds light scattered once along it. Rays that
- * pass a lamp at a distance take part by chance. */
+/* Equiangular sampling (Kulla and Fajardo 2012) along the path's current ray: adds the light of a local light that is
+ * scattered into the ray. Russian roulette skips rays that pass the light at a distance. */
 TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const ty_scene_view* scene = path->request->scene;
     const ty_ray_interval stretch = ty_spans_interval(spans);
@@ -293,7 +296,7 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
         path->radiance[ty_path_class_scattered(path->path_class)][c] += radiance[c] * transmittance[c];
 }
 
-/* Light scattered at path->origin by a medium, and the direction in which the path goes on. */
+/* A scattering vertex at path->origin: next-event estimation, then the next direction. */
 TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     ty_scatter_vertex scatter;
     ty_light_sample sample;
@@ -314,7 +317,7 @@ TY_FN void ty_path_scatter(ty_path* path, const ty_medium_view* medium) {
     for (int c = 0; c < 3; ++c) path->beta[c] *= phase[c] / path->pdf;
 }
 
-/* A cosine-distributed direction about the normal of the point where the path is. */
+/* Samples a cosine-weighted direction about the vertex normal. */
 TY_FN void ty_path_sample_cosine_hemisphere(ty_path* path) {
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     const float cosine = ty_maxf(sqrtf(1.0f - u), 1e-4f);
@@ -322,15 +325,15 @@ TY_FN void ty_path_sample_cosine_hemisphere(ty_path* path) {
     path->pdf = cosine * (1.0f / TY_PI);
 }
 
-/* Any direction with equal density. */
+/* Samples a direction uniformly on the sphere. */
 TY_FN void ty_path_sample_sphere(ty_path* path) {
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     path->direction = ty_direction_about(ty_vec_make(0, 0, 1), 1.0f - 2.0f * u, v);
     path->pdf = TY_INV_4PI;
 }
 
-/* Light reflected by a Lambertian surface, and the direction in which the path goes on. Cosines are those of the
- * smoothed normal; nothing comes from behind the face itself. */
+/* A vertex on a Lambertian surface: next-event estimation, then the next direction. Cosines use the shading normal;
+ * directions behind the geometric normal carry no light. */
 TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     const ty_surface_point* point = &at->point;
     ty_light_sample sample;
@@ -349,14 +352,14 @@ TY_FN void ty_path_reflect(ty_path* path, const ty_intersection* at) {
     path->rr_throughput *= ty_max3(point->albedo);
 }
 
-/* Ends paths that have little left to bring, by a chance that keeps the mean. */
-TY_FN bool ty_path_survives(ty_path* path, float before) {
+/* Russian roulette on rr_throughput, unbiased. beta_before: sum of beta before the last interaction. */
+TY_FN bool ty_path_survives(ty_path* path, float beta_before) {
     const float now = ty_sum3(path->beta);
     if (!(now > 0.0f)) return false;
-    path->rr_throughput *= ty_minf(1.0f, now / before);
-    /* What lobes took away can come back, but not more than the phase functions differ by. */
+    path->rr_throughput *= ty_minf(1.0f, now / beta_before);
+    /* Guiding weights can lower beta and later vertices can restore it, by at most the ratio of the phase functions. */
     path->rr_throughput = ty_minf(path->rr_throughput, 1e6f * now);
-    /* Light that nothing absorbs in a closed room would go round for ever. */
+    /* A closed scene without absorption would otherwise never end a path. */
     if (path->depth >= TY_PATH_ROULETTE_DEPTH) path->rr_throughput *= 0.99f;
     if (path->rr_throughput >= 0.2f) return true;
     const float chance = ty_maxf(path->rr_throughput * 2.5f, 0.02f);
@@ -366,10 +369,9 @@ TY_FN bool ty_path_survives(ty_path* path, float before) {
     return true;
 }
 
-/* Without scattering: the path goes on to its ray's end (NULL: it meets no surface), as much of it as media let pass.
- * True when it stands at a surface that reflects. Means of several estimates towards the eye would cost what they save.
- */
-TY_FN bool ty_path_pass_unscattered(ty_path* path, const ty_intersection* end, float before) {
+/* The next event where media only attenuate: throughput times transmittance to the ray's end (NULL: the ray leaves the
+ * scene). True at a reflecting surface. Averaging several transmittance estimates costs as much time as it saves. */
+TY_FN bool ty_path_pass_unscattered(ty_path* path, const ty_intersection* end, float beta_before) {
     const ty_scene_view* scene = path->request->scene;
     const float far = end != NULL ? end->hit.distance : TY_FLOAT_MAX;
     float transmittance[3];
@@ -377,77 +379,78 @@ TY_FN bool ty_path_pass_unscattered(ty_path* path, const ty_intersection* end, f
                      transmittance);
     for (int c = 0; c < 3; ++c) path->beta[c] *= transmittance[c];
     ty_path_add_emission(path, path->beta, end);
-    return end != NULL && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, before);
+    return end != NULL && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
 }
 
-/* The next event of a path: true when it now stands at a vertex, in *medium or, where that is NULL, at *end. */
+/* The next event of a path: true at a new vertex, which lies in *medium or, if that is NULL, on the surface *end. */
 TY_FN bool ty_path_next_event(ty_path* path, const ty_medium_view** medium, ty_intersection* end) {
     const ty_scene_view* scene = path->request->scene;
     const ty_medium_view* media = scene->media;
-    const float before = ty_sum3(path->beta);
-    if (!(before > 1e-30f)) return false;
+    const float beta_before = ty_sum3(path->beta);
+    if (!(beta_before > 1e-30f)) return false;
     const bool last = (path->request->max_depth > 0 && path->depth >= path->request->max_depth) ||
                       (path->request->max_run > 0 && path->run >= path->request->max_run);
     const bool on_surface =
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end->hit);
     if (on_surface) ty_surface_evaluate(&scene->surfaces[end->hit.surface], &end->hit, path->direction, &end->point);
     *medium = NULL;
-    if (path->request->unscattered != 0) return ty_path_pass_unscattered(path, on_surface ? end : NULL, before);
+    if (path->request->unscattered != 0) return ty_path_pass_unscattered(path, on_surface ? end : NULL, beta_before);
     ty_spans spans;
     ty_collision collision;
-    float glow[3] = {0.0f, 0.0f, 0.0f};
+    float emitted[3] = {0.0f, 0.0f, 0.0f};
     ty_spans_find(media, scene->medium_count, path->origin, path->direction,
                   on_surface ? end->hit.distance : TY_FLOAT_MAX, &spans);
     if (spans.count > 0 && scene->lights.local_count > 0 && !last) ty_path_add_equiangular(path, &spans);
     if (spans.heterogeneous != 0) {
         const bool collides = ty_delta_tracking(media, &spans, path->origin, path->direction, &path->random, path->beta,
-                                                glow, &collision);
-        if (spans.emits != 0) ty_path_add(path, glow);
+                                                emitted, &collision);
+        if (spans.emits != 0) ty_path_add(path, emitted);
         if (collides) {
             *medium = &media[collision.medium];
             path->scattered = 1;
             path->origin = ty_mad(path->origin, path->direction, collision.t);
-            return ty_path_survives(path, before);
+            return ty_path_survives(path, beta_before);
         }
         ty_path_add_emission(path, path->beta, on_surface ? end : NULL);
         path->scattered = 0;
-        return on_surface && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, before);
+        return on_surface && ty_max3(end->point.albedo) > 0.0f && ty_path_survives(path, beta_before);
     }
-    /* Homogeneous media: what reaches the end is known, so its light is taken in full and the path goes where it has
-     * more to bring. */
-    float depth[3], stopped[3], passing[3], reflecting = 0.0f, colliding = 0.0f;
+    /* Homogeneous media: the transmittance to the end is known, so emission there is added in full, and the path either
+     * collides or goes on to the surface with probabilities proportional to the throughput of both. */
+    float depth[3], collided[3], transmitted[3], reflecting = 0.0f, colliding = 0.0f;
     ty_spans_optical_depth(media, &spans, TY_FLOAT_MAX, depth);
     if (spans.emits != 0) {
-        ty_spans_emitted_radiance(media, &spans, glow);
-        for (int c = 0; c < 3; ++c) glow[c] *= path->beta[c];
-        ty_path_add(path, glow);
+        ty_spans_emitted_radiance(media, &spans, emitted);
+        for (int c = 0; c < 3; ++c) emitted[c] *= path->beta[c];
+        ty_path_add(path, emitted);
     }
     for (int c = 0; c < 3; ++c) {
-        stopped[c] = ty_collision_probability(depth[c]);
-        passing[c] = path->beta[c] * ty_expf(-depth[c]);
-        colliding += path->beta[c] * stopped[c];
-        if (on_surface) reflecting += passing[c] * end->point.albedo[c];
+        collided[c] = ty_collision_probability(depth[c]);
+        transmitted[c] = path->beta[c] * ty_expf(-depth[c]);
+        colliding += path->beta[c] * collided[c];
+        if (on_surface) reflecting += transmitted[c] * end->point.albedo[c];
     }
-    ty_path_add_emission(path, passing, on_surface ? end : NULL);
+    ty_path_add_emission(path, transmitted, on_surface ? end : NULL);
     const float sum = colliding + reflecting;
     if (!(sum > 0.0f)) return false;
     const float chance = colliding / sum;
     const float u = ty_sobol_next(&path->random);
     if (u < chance) {
-        if (!ty_sample_homogeneous_collision(media, &spans, stopped, u / chance, &path->random, path->beta, &collision))
+        if (!ty_sample_homogeneous_collision(media, &spans, collided, u / chance, &path->random, path->beta,
+                                             &collision))
             return false;
         for (int c = 0; c < 3; ++c) path->beta[c] /= chance;
         *medium = &media[collision.medium];
         path->scattered = 1;
         path->origin = ty_mad(path->origin, path->direction, collision.t);
     } else {
-        for (int c = 0; c < 3; ++c) path->beta[c] = passing[c] / (1.0f - chance);
+        for (int c = 0; c < 3; ++c) path->beta[c] = transmitted[c] / (1.0f - chance);
         path->scattered = 0;
     }
-    return ty_path_survives(path, before);
+    return ty_path_survives(path, beta_before);
 }
 
-/* Follows a path to its end; returns its vertices. */
+/* Traces a path to its end and returns its number of vertices. */
 TY_FN uint32_t ty_path_follow(ty_path* path) {
     const int32_t max_depth = path->request->max_depth;
     const ty_medium_view* medium;
@@ -484,7 +487,7 @@ TY_FN void ty_path_begin(ty_path* path, const ty_path_request* request, uint64_t
     memset(path->radiance, 0, sizeof path->radiance);
 }
 
-/* Starts a path that measures fluence at point: light from everywhere, with equal weight. */
+/* Starts a path that estimates the fluence at a point: the integral of radiance over all directions, W m^-2. */
 TY_FN void ty_path_begin_fluence(ty_path* path, ty_vec point) {
     const float factor[3] = {1.0f, 1.0f, 1.0f};
     ty_light_sample sample;
