@@ -55,8 +55,8 @@ void ty_ordinates_set_sweep_faces(ty_ordinates_job* job, ty_sweep* sweep, int32_
                                   .first = walls->first,
                                   .x = walls->x,
                                   .face = walls->face,
-                                  .sent = job->walls_sent,
-                                  .arrived = job->walls_arrived[iterate]};
+                                  .emitted = job->walls_sent,
+                                  .incident_power = job->walls_arrived[iterate]};
     if (job->thick.count > 0) job->walls = job->thick.sides;
     if (job->walls.count > 0) ty_sweep_set_faces(sweep, &job->walls);
 }

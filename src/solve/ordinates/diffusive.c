@@ -112,7 +112,8 @@ static float onto_wall(const ty_ordinates_job* job, const ty_diffusive_cell* cel
     const ty_ordinates_faces* walls = &job->def->walls;
     const int32_t side = TY_LINK_BOUNDARY_FACE - cell->link[face];
     const float c = conductance(job, cell, face), e = (float)(PI / SQRT_4PI) * walls->emission[side];
-    return ty_outgoing_partial_current(c, phi, cell->push[face], e) / (1 - walls->albedo[side] * (1 - 2 * c) / (1 + 2 * c));
+    return ty_outgoing_partial_current(c, phi, cell->push[face], e) /
+           (1 - walls->albedo[side] * (1 - 2 * c) / (1 + 2 * c));
 }
 
 /* Through a face that no skin is, per area. low: phi. */
@@ -136,7 +137,8 @@ static float flow_out(const ty_ordinates_job* job, const ty_diffusive_cell* cell
     const float phi = low[place_of(job, cell->index).low];
     const int32_t link = cell->link[face];
     if (link < 0) return flow_inside(job, cell, face, phi, low);
-    return ty_outgoing_partial_current(conductance(job, cell, face), phi, cell->push[face], arrived[link]) - arrived[link];
+    return ty_outgoing_partial_current(conductance(job, cell, face), phi, cell->push[face], arrived[link]) -
+           arrived[link];
 }
 
 /* ---- sweeps ---- */
@@ -146,7 +148,8 @@ static float sent_by(const ty_ordinates_job* job, int32_t skin) {
     const ty_interface_face* s = &job->thick.skins[skin];
     const ty_diffusive_cell* cell = &job->thick.cells[s->cell];
     const float phi = job->before[place_of(job, cell->index).low];
-    return ty_maxf(0, ty_outgoing_partial_current(conductance(job, cell, s->face), phi, cell->push[s->face], job->skin_before[skin]));
+    return ty_maxf(0, ty_outgoing_partial_current(conductance(job, cell, s->face), phi, cell->push[s->face],
+                                                  job->skin_before[skin]));
 }
 
 /* The radiance of a skin, an even part and one that goes with the cosine: P1's, as far as the medium scatters, and
@@ -188,7 +191,7 @@ double ty_ordinates_diffusive_receive(ty_ordinates_job* job) {
     if (thick->count > 0 && walls != NULL) memset(walls, 0, sizeof *walls * (size_t)job->def->walls.count);
     for (int32_t side = 0; side < thick->sides.count; ++side) {
         const int32_t source = thick->source[side];
-        const float arrived = thick->sides.arrived[side];
+        const float arrived = thick->sides.incident_power[side];
         if (source >= 0) walls[source] = arrived;
         if (source > TY_LINK_BOUNDARY_FACE) continue;
         const int32_t skin = TY_LINK_BOUNDARY_FACE - source;

@@ -182,9 +182,9 @@ static void lay_out_sides(const finder* f, ty_arena* arena, int32_t** first, int
     thick->sides.first = *first = ty_arena_take(arena, sizeof **first * (rows + 1));
     thick->sides.x = *x = ty_arena_take(arena, sizeof **x * count);
     thick->sides.face = *face = ty_arena_take(arena, sizeof **face * count);
-    thick->sides.sent = thick->sent = ty_arena_take(arena, sizeof(float) * count);
-    thick->sides.tilt = thick->tilt = ty_arena_take(arena, sizeof(float) * count);
-    thick->sides.arrived = ty_arena_take(arena, sizeof(float) * count);
+    thick->sides.emitted = thick->sent = ty_arena_take(arena, sizeof(float) * count);
+    thick->sides.emitted_slope = thick->tilt = ty_arena_take(arena, sizeof(float) * count);
+    thick->sides.incident_power = ty_arena_take(arena, sizeof(float) * count);
     thick->source = ty_arena_take(arena, sizeof *thick->source * count);
 }
 
@@ -237,8 +237,8 @@ static ty_result make_sides(const finder* f) {
     return TY_OK;
 }
 
-ty_result ty_diffusive_cells_find(ty_context* context, const ty_ordinates_def* def, const float* extinction, float* reduced,
-                        const float* absorption, ty_diffusive_cells* out) {
+ty_result ty_diffusive_cells_find(ty_context* context, const ty_ordinates_def* def, const float* extinction,
+                                  float* reduced, const float* absorption, ty_diffusive_cells* out) {
     *out = (ty_diffusive_cells){.context = context};
     const finder f = finder_of(def, extinction, reduced, absorption, out);
     count_cells(&f);

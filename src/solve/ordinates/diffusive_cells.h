@@ -17,7 +17,8 @@
 
 #include <math.h>
 
-/* What is behind a face of a thick cell: another one; below it, a wall, TY_LINK_BOUNDARY_FACE - its side; else a skin. */
+/* What is behind a face of a thick cell: another one; below it, a wall, TY_LINK_BOUNDARY_FACE - its side; else a skin.
+ */
 enum { TY_LINK_DIFFUSIVE = -1, TY_LINK_BOUNDARY_FACE = -2 };
 
 /* A face between a thick cell and another cell or the box's outside. */
@@ -53,8 +54,8 @@ typedef struct ty_diffusive_cells {
 
 /* Finds them. extinction: sigma*; reduced, absorption: sigma* - s_1 and sigma_a, of which the former becomes 1 / (3 D')
  * in thick cells. Errors: TY_ERROR_MEMORY. */
-ty_result ty_diffusive_cells_find(ty_context* context, const ty_ordinates_def* def, const float* extinction, float* reduced,
-                        const float* absorption, ty_diffusive_cells* out);
+ty_result ty_diffusive_cells_find(ty_context* context, const ty_ordinates_def* def, const float* extinction,
+                                  float* reduced, const float* absorption, ty_diffusive_cells* out);
 void ty_diffusive_cells_free(ty_diffusive_cells* thick);
 
 /* c of a cell at a face. edges: of cells, m. */

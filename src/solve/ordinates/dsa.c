@@ -156,7 +156,7 @@ static void linearise(ty_dsa* correction) {
 }
 
 ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
-                               ty_dsa** out) {
+                        ty_dsa** out) {
     *out = NULL;
     ty_dsa* correction = ty_alloc_array(context, 1, sizeof *correction, true);
     if (correction == NULL) return TY_ERROR_MEMORY;

@@ -11,7 +11,7 @@ typedef struct ty_dsa ty_dsa;
  * its planes are not needed any more after this. walls outlive it; where count is not 0, what arrives on a side is sent
  * back times its albedo (Marshak's partial currents), and nothing passes. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,
-                               ty_dsa** out);
+                        ty_dsa** out);
 void ty_dsa_destroy(ty_dsa* correction);
 size_t ty_dsa_bytes(const ty_dsa* correction);
 

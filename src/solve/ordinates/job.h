@@ -40,27 +40,27 @@ typedef struct ty_ordinates_job {
  each row of cells, term by term */
     float* changes[TY_ANDERSON_DEPTH]; /* of low terms, from the mixture to the iterate */
     double leaving[TY_ANDERSON_DEPTH]; /* W, in the sweep that made it and of its correction */
-    float* before;                      /* low terms of the mixture */
-    ty_ordinates_sums* sums;            /* one for each plane */
+    float* before;                     /* low terms of the mixture */
+    ty_ordinates_sums* sums;           /* one for each plane */
     /* Of the sides of walls, if there are any. */
     ty_sweep_faces walls;
-    float *walls_sent, *walls_before;         /* radiance; irradiance, of the mixture */
+    float *walls_sent, *walls_before;        /* radiance; irradiance, of the mixture */
     float* walls_arrived[TY_ANDERSON_DEPTH]; /* irradiance, of the iterates */
     float* walls_changes[TY_ANDERSON_DEPTH]; /* from the mixture to the iterate */
 
     /* Cells whose light is diffusion's; and of their skins, irradiance over sqrt(4 pi). */
     ty_diffusive_cells thick;
-    float *skin_before, *skin_excess;        /* of the mixture; the correction's source on the face */
+    float *skin_before, *skin_excess;       /* of the mixture; the correction's source on the face */
     float* skin_arrived[TY_ANDERSON_DEPTH]; /* of the iterates */
     float* skin_changes[TY_ANDERSON_DEPTH]; /* four times from the mixture to the iterate */
-    double skin_inflow;                      /* through the box's faces into thick cells, W */
+    double skin_inflow;                     /* through the box's faces into thick cells, W */
     void* skin_memory;
     size_t skin_bytes;
 
     double shares[TY_ANDERSON_DEPTH]; /* of the iterates in the next mixture; they add up to 1, or all are 0: dark */
-    int32_t depth;                     /* iterates there is room for */
-    int32_t count;                     /* iterates there are */
-    int32_t latest;                    /* of them */
+    int32_t depth;                    /* iterates there is room for */
+    int32_t count;                    /* iterates there are */
+    int32_t latest;                   /* of them */
     double missing; /* of the last sweep's fluence, relative, for light to be as much as was emitted */
     double emitted; /* by the source and walls, with what comes in, W, if there are thick cells */
     bool given;     /* the only iterate is a start: it is not known what a sweep changes it by */

@@ -47,22 +47,23 @@ typedef struct ty_ordinates_def {
     int32_t size[3]; /* cells along x, y, z: 1..512 each */
     double cell[3];  /* their edges, m */
     const ty_angular_quadrature* set;
-    const ty_angular_quadrature* last; /* directions of one more sweep at the end, through what the others found, so that few
-                                    do not show as rays: not together with inflow; NULL (default): none */
-    int32_t bands;               /* L, 1..TY_SCATTERING_ORDER_MAX */
-    int32_t kept;                /* bands of moments that come out, bands..TY_SCATTERING_ORDER_MAX */
-    const float* extinction;     /* sigma_t, 1/m, x fastest; 0: vacuum */
-    const float* scattering;     /* sigma_s, 1/m, at most sigma_t */
-    const float* g;              /* mean cosine, (-1, 1) */
-    const float* scattered;      /* s_l / sigma_s, l < bands, the same in all cells, in place of what g makes of them:
-                                    the first at most 1, and what it leaves goes straight on; NULL (default): by g */
-    const float* const* source;  /* q_lm: `source_terms` planes */
-    int32_t source_terms;        /* 1 or bands^2 */
+    const ty_angular_quadrature* last; /* directions of one more sweep at the end, through what the others found, so
+                                    that few do not show as rays: not together with inflow; NULL (default): none */
+    int32_t bands;                     /* L, 1..TY_SCATTERING_ORDER_MAX */
+    int32_t kept;                      /* bands of moments that come out, bands..TY_SCATTERING_ORDER_MAX */
+    const float* extinction;           /* sigma_t, 1/m, x fastest; 0: vacuum */
+    const float* scattering;           /* sigma_s, 1/m, at most sigma_t */
+    const float* g;                    /* mean cosine, (-1, 1) */
+    const float* scattered;     /* s_l / sigma_s, l < bands, the same in all cells, in place of what g makes of them:
+                                   the first at most 1, and what it leaves goes straight on; NULL (default): by g */
+    const float* const* source; /* q_lm: `source_terms` planes */
+    int32_t source_terms;       /* 1 or bands^2 */
     ty_ordinates_faces walls;
     const float* inflow; /* radiance that comes in along each of the set's directions, the same all over the box's
                             faces; NULL (default): none */
     bool accelerated;    /* diffusion synthetic acceleration, 2 to 12 sweeps, and cells of more than 6 free paths are
-                            diffusion's (solve/ordinates/diffusive_cells.h); false: source iteration, as many as light scatters */
+                            diffusion's (solve/ordinates/diffusive_cells.h); false: source iteration, as many as light
+                            scatters */
     double tolerance;    /* of what is still to come, rms of fluences; default 1e-3 */
     int32_t sweeps;      /* at most; 0 (default): 100 accelerated, else 10000 */
     float* seen;         /* out: of each cell six numbers, one a face (2 * axis, and 1 more for the upper one): of cells

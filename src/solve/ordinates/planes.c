@@ -174,8 +174,8 @@ static ty_anderson_iterate mixture_of(const ty_ordinates_job* job) {
 
 static const ty_anderson_kernels* best_kernels(void) {
 #if TY_ISA_X86
-    static const ty_anderson_kernels* const kernels[TY_ISA_COUNT] = {
-        &ty_anderson_kernels_v1, &ty_anderson_kernels_v3, &ty_anderson_kernels_v4};
+    static const ty_anderson_kernels* const kernels[TY_ISA_COUNT] = {&ty_anderson_kernels_v1, &ty_anderson_kernels_v3,
+                                                                     &ty_anderson_kernels_v4};
     return kernels[ty_best_isa()];
 #else
     return &ty_anderson_kernels_v1;

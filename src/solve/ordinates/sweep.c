@@ -19,9 +19,9 @@ struct ty_sweep {
     ty_context* context;
     const ty_sweep_kernels* kernels;
     ty_sweep_box box;
-    float* inflow[8];      /* as the box has it */
-    int32_t blocks[2];     /* along y, z */
-    size_t scratch_floats; /* of a thread */
+    float* boundary_radiance[8]; /* as the box has it */
+    int32_t blocks[2];           /* along y, z */
+    size_t scratch_floats;       /* of a thread */
     float* scratch;
     ty_sweep_sums* sums; /* one for each block */
     double leaving[8];   /* of an octant, along y and z */
@@ -38,7 +38,7 @@ static int32_t whole(int32_t count, int32_t of) {
 /* Arrays of the box, which is const to the kernels. */
 typedef struct tables {
     int32_t *order, *place;
-    float *twice[3], *through[3], *harmonics[4], *weighted[4];
+    float *two_mu_over_h[3], *partial_current_weight[3], *y_lm[4], *weighted_y_lm[4];
 } tables;
 
 static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
@@ -48,16 +48,16 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
     tables t;
     box->order = t.order = ty_arena_take(arena, sizeof(int32_t) * (size_t)box->terms);
     for (int a = 0; a < 3; ++a) {
-        box->twice[a] = t.twice[a] = ty_arena_take(arena, sizeof(float) * lanes);
-        box->through[a] = t.through[a] = ty_arena_take(arena, sizeof(float) * lanes);
+        box->two_mu_over_h[a] = t.two_mu_over_h[a] = ty_arena_take(arena, sizeof(float) * lanes);
+        box->partial_current_weight[a] = t.partial_current_weight[a] = ty_arena_take(arena, sizeof(float) * lanes);
     }
     box->place = t.place = ty_arena_take(arena, sizeof(int32_t) * (size_t)whole(box->terms, box->lanes));
     for (int i = 0; i < 4; ++i) {
-        box->harmonics[i] = t.harmonics[i] = ty_arena_take(arena, sizeof(float) * (size_t)box->terms * lanes);
-        box->weighted[i] = t.weighted[i] = ty_arena_take(arena, sizeof(float) * padded * lanes);
+        box->y_lm[i] = t.y_lm[i] = ty_arena_take(arena, sizeof(float) * (size_t)box->terms * lanes);
+        box->weighted_y_lm[i] = t.weighted_y_lm[i] = ty_arena_take(arena, sizeof(float) * padded * lanes);
     }
     for (int o = 0; o < 8; ++o) {
-        box->inflow[o] = sweep->inflow[o] = ty_arena_take(arena, sizeof(float) * lanes);
+        box->boundary_radiance[o] = sweep->boundary_radiance[o] = ty_arena_take(arena, sizeof(float) * lanes);
         box->faces_y[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[2] * lanes);
         box->faces_z[o] = ty_arena_take(arena, sizeof(float) * nx * (size_t)box->size[1] * lanes);
     }
@@ -92,29 +92,31 @@ static void fill_direction(const ty_sweep* sweep, const tables* t, const ty_angu
     ty_harmonics_at(w, bands, y);
     for (int32_t at = 0; at < box->terms; ++at) {
         const int32_t split = at < box->even ? at : whole(box->even, box->lanes) + at - box->even;
-        t->weighted[pair][i * box->padded + split] = (float)((double)set->weight[d] * y[box->order[at]]);
-        t->harmonics[pair][at * lanes + i] = (float)y[box->order[at]];
+        t->weighted_y_lm[pair][i * box->padded + split] = (float)((double)set->weight[d] * y[box->order[at]]);
+        t->y_lm[pair][at * lanes + i] = (float)y[box->order[at]];
     }
 }
 
-static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const ty_angular_quadrature* set, int32_t bands) {
+static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const ty_angular_quadrature* set,
+                 int32_t bands) {
     ty_sweep_box* box = &sweep->box;
     fill_order(box, t);
     for (int32_t i = 0; i < box->groups * box->lanes; ++i)
         for (int a = 0; a < 3; ++a) {
             const bool is = i < box->directions;
             const double cosine = is ? (double)set->direction[a][i] : cell[a];
-            t->twice[a][i] = (float)(2 * cosine / cell[a]);
+            t->two_mu_over_h[a][i] = (float)(2 * cosine / cell[a]);
             const double volume = cell[0] * cell[1] * cell[2];
-            t->through[a][i] = is ? (float)(0.5 * (double)t->twice[a][i] * volume * (double)set->weight[i]) : 0;
+            t->partial_current_weight[a][i] =
+                is ? (float)(0.5 * (double)t->two_mu_over_h[a][i] * volume * (double)set->weight[i]) : 0;
         }
     for (int32_t pair = 0; pair < 4; ++pair)
         for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, pair, i);
 }
 
 ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kernels, const int32_t size[3],
-                               const double cell[3], const ty_angular_quadrature* set, int32_t bands, const float* extinction,
-                               ty_sweep** out) {
+                               const double cell[3], const ty_angular_quadrature* set, int32_t bands,
+                               const float* extinction, ty_sweep** out) {
     *out = NULL;
     ty_sweep* sweep = ty_alloc_array(context, 1, sizeof *sweep, true);
     if (sweep == NULL) return TY_ERROR_MEMORY;
@@ -155,8 +157,8 @@ static const ty_sweep_kernels* best_kernels(void) {
 #endif
 }
 
-ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3], const ty_angular_quadrature* set,
-                          int32_t bands, const float* extinction, ty_sweep** out) {
+ty_result ty_sweep_create(ty_context* context, const int32_t size[3], const double cell[3],
+                          const ty_angular_quadrature* set, int32_t bands, const float* extinction, ty_sweep** out) {
     return ty_sweep_create_with(context, best_kernels(), size, cell, set, bands, extinction, out);
 }
 
@@ -164,7 +166,7 @@ void ty_sweep_set_boundary_radiance(ty_sweep* sweep, const float* radiance) {
     const int32_t directions = sweep->box.directions;
     for (int32_t o = 0; o < 8; ++o)
         for (int32_t i = 0; i < directions; ++i)
-            sweep->inflow[o][i] = radiance != NULL ? radiance[o * directions + i] : 0;
+            sweep->boundary_radiance[o][i] = radiance != NULL ? radiance[o * directions + i] : 0;
 }
 
 void ty_sweep_set_faces(ty_sweep* sweep, const ty_sweep_faces* walls) {
@@ -205,7 +207,7 @@ static void open_faces(const ty_sweep_box* box, const ty_sweep_block* block, con
     const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
     for (int32_t o = 2 * block->pair; o < 2 * block->pair + 2; ++o)
         for (ptrdiff_t g = 0; g < box->groups; ++g) {
-            const float* inflow = box->inflow[o] + g * box->lanes;
+            const float* inflow = box->boundary_radiance[o] + g * box->lanes;
             for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
                 open_row(box, inflow, box->faces_y[o] + (g * box->size[2] + z) * row);
             for (int32_t y = block->begin[0]; y < block->end[0] && first[1]; ++y)
@@ -259,24 +261,24 @@ static void sum_octant(void* user, int64_t index, int32_t worker) {
     (void)worker;
     ty_sweep* sweep = user;
     const ty_sweep_box* box = &sweep->box;
-    sweep->leaving[index] = sum_faces(box, box->faces_y[index], box->through[1], box->size[2]) +
-                            sum_faces(box, box->faces_z[index], box->through[2], box->size[1]);
+    sweep->leaving[index] = sum_faces(box, box->faces_y[index], box->partial_current_weight[1], box->size[2]) +
+                            sum_faces(box, box->faces_z[index], box->partial_current_weight[2], box->size[1]);
 }
 
-ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixed) {
+ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, double* leaving, double* fixups) {
     const int64_t blocks = (int64_t)sweep->blocks[0] * sweep->blocks[1];
     const ty_sweep_faces* walls = sweep->box.walls;
     memset(sweep->sums, 0, sizeof *sweep->sums * (size_t)blocks);
-    if (walls != NULL) memset(walls->arrived, 0, sizeof(float) * (size_t)walls->count);
+    if (walls != NULL) memset(walls->incident_power, 0, sizeof(float) * (size_t)walls->count);
     sweep_job job = {.sweep = sweep, .emission = emission, .moments = moments};
     for (; job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)
         ty_parallel_flushed(sweep->context, blocks, cross_block, &job);
     ty_sweep_sums all = {0};
     for (int64_t i = 0; i < blocks; ++i) {
         all.leaving += sweep->sums[i].leaving;
-        all.fixed += sweep->sums[i].fixed;
+        all.fixups += sweep->sums[i].fixups;
     }
-    if (fixed != NULL) *fixed = (double)all.fixed;
+    if (fixups != NULL) *fixups = (double)all.fixups;
     if (leaving == NULL) return TY_OK;
     ty_parallel_flushed(sweep->context, 8, sum_octant, sweep);
     for (int o = 0; o < 8; ++o) all.leaving += sweep->leaving[o];

@@ -19,11 +19,12 @@ typedef struct ty_sweep_box {
     const int32_t* order;              /* the terms, even ones first */
     const int32_t* place;              /* of each term in that order; filled up to whole lanes with -1 */
     const float* extinction;
-    const float* twice[3];     /* 2 |cosine| / edge, 1/m, one for each direction */
-    const float* through[3];   /* of faces along each axis: W for each unit of radiance */
-    const float* harmonics[4]; /* of octant 2 i: terms in `order`, of each all directions */
-    const float* inflow[8];    /* radiance of an octant's each direction that comes in through the box's faces */
-    const float* weighted[4];  /* of octant 2 i, each direction: `padded` harmonics in `order` times its weight */
+    const float* two_mu_over_h[3];          /* 2 |cosine| / edge, 1/m, one for each direction */
+    const float* partial_current_weight[3]; /* of faces along each axis: W for each unit of radiance */
+    const float* y_lm[4];                   /* of octant 2 i: terms in `order`, of each all directions */
+    const float*
+        boundary_radiance[8];      /* radiance of an octant's each direction that comes in through the box's faces */
+    const float* weighted_y_lm[4]; /* of octant 2 i, each direction: `padded` harmonics in `order` times its weight */
     /* Radiance that goes into the next cells along y and z: of each group planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
     const ty_sweep_faces* walls; /* NULL: there are none */
@@ -38,7 +39,7 @@ typedef struct ty_sweep_block {
 
 typedef struct ty_sweep_sums {
     double leaving; /* through the faces at the ends of rows, W */
-    int64_t fixed;  /* cells, of each direction, that had a face held at 0 */
+    int64_t fixups; /* cells, of each direction, that had a face held at 0 */
 } ty_sweep_sums;
 
 typedef struct ty_sweep_kernels {
@@ -54,7 +55,7 @@ extern const ty_sweep_kernels ty_sweep_kernels_v1, ty_sweep_kernels_v3, ty_sweep
 
 /* ty_sweep_create with kernels of one's choice, for tests. */
 ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kernels, const int32_t size[3],
-                               const double cell[3], const ty_angular_quadrature* set, int32_t bands, const float* extinction,
-                               ty_sweep** out);
+                               const double cell[3], const ty_angular_quadrature* set, int32_t bands,
+                               const float* extinction, ty_sweep** out);
 
 #endif
