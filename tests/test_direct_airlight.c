@@ -1,6 +1,6 @@
 /* Airlight against sums over many points of each ray. */
 #include "direct/airlight.h"
-#include "scene/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 #include "direct_maker.h"
 #include "light_map_maker.h"
 #include "scene/phase.k.h"

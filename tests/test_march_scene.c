@@ -151,7 +151,7 @@ static void shells_bound(void** state) {
     lit_fog fog;
     begin_fog(*state, &fog);
     march_look(fog.scene, 0.25, 0.125, 50, 0.25, 0.125, 0);
-    check_result(*state, ty_shell_create(*state, corners, 6, faces, 8, &shell));
+    check_result(*state, ty_closed_mesh_create(*state, corners, 6, faces, 8, &shell));
     fog.medium.bounds = TY_BOUNDS_SHELL;
     fog.medium.shell = shell;
     ty_image* image = finish(&fog);
@@ -159,7 +159,7 @@ static void shells_bound(void** state) {
     assert_close(march_value(image, "transmittance.R", 0), exp(-0.5 * length), 1e-5);
     assert_close(march_value(image, "R", 0), 0.8 * 3 * -expm1(-0.5 * length), 1e-5);
     ty_image_destroy(image);
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
     ty_scene_destroy(fog.scene);
 }
 

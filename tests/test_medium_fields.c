@@ -136,7 +136,7 @@ static void wrong_fields_are_refused(void** state) {
     def.density_grid = grid;
     assert_int_equal(made_shell(*state, &mesh, &def.shell), TY_OK);
     refuse(*state, &def, "medium.bounds: a grid without a transform fills a box, not a closed mesh");
-    ty_shell_destroy(def.shell);
+    ty_closed_mesh_release(def.shell);
     made_free(&mesh);
     ty_grid_destroy(grid);
 }

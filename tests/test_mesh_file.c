@@ -119,7 +119,8 @@ static void shells_are_closed(void** state) {
     put_tetrahedra("shell.glb", tetrahedra);
     ty_mesh_file_def def = ty_default_mesh_file_def();
     ty_closed_mesh* shell = NULL;
-    if (ty_mesh_file_shell(context, "shell.glb", &def, &shell) != TY_OK) fail_msg("%s", ty_last_error(context));
+    if (ty_mesh_file_create_closed_mesh(context, "shell.glb", &def, &shell) != TY_OK)
+        fail_msg("%s", ty_last_error(context));
     ty_medium_def medium = ty_default_medium_def();
     medium.bounds = TY_BOUNDS_SHELL;
     medium.shell = shell;
@@ -137,7 +138,7 @@ static void shells_are_closed(void** state) {
         ty_grid_destroy(grid);
     }
     ty_scene_destroy(scene);
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
 }
 
 static void cameras_are_found_by_name(void** state) {
@@ -229,11 +230,12 @@ static void wrong_calls_are_refused(void** state) {
     def.transform.m[3] = 1e30; /* what the scene itself refuses names the file */
     assert_failed(context, ty_scene_add_mesh_file(scene, "call.glb", &def), TY_ERROR_INPUT, "call.glb: ", NULL);
     ty_closed_mesh* shell = NULL;
-    assert_failed(context, ty_mesh_file_shell(context, "call.glb", &def, NULL), TY_ERROR_ARGUMENT, "out is NULL", NULL);
+    assert_failed(context, ty_mesh_file_create_closed_mesh(context, "call.glb", &def, NULL), TY_ERROR_ARGUMENT,
+                  "out is NULL", NULL);
     char* empty = with_part(tetrahedra, "[{'nodes':[0,1,2]}]", "[{'nodes':[3]}]");
     put_tetrahedra("empty.glb", empty);
     def = ty_default_mesh_file_def();
-    assert_failed(context, ty_mesh_file_shell(context, "empty.glb", &def, &shell), TY_ERROR_INPUT,
+    assert_failed(context, ty_mesh_file_create_closed_mesh(context, "empty.glb", &def, &shell), TY_ERROR_INPUT,
                   "empty.glb: there are no triangles", NULL);
     free(empty);
     ty_scene_destroy(scene);

@@ -22,7 +22,7 @@ static ty_scene* shell_scene(ty_context* context, const made_mesh* mesh) {
     def.sigma_a[0] = 1;
     if (made_shell(context, mesh, &def.shell) != TY_OK) fail_msg("%s", ty_last_error(context));
     ty_scene* scene = medium_scene(context, &def);
-    ty_shell_destroy(def.shell);
+    ty_closed_mesh_release(def.shell);
     return scene;
 }
 
@@ -248,7 +248,7 @@ static void shells_follow_their_transform(void** state) {
     }
     ty_scene_destroy(scene);
     ty_scene_destroy(boxed);
-    ty_shell_destroy(def.shell);
+    ty_closed_mesh_release(def.shell);
     made_free(&mesh);
 }
 
@@ -280,19 +280,19 @@ static void open_edges_are_counted(void** state) {
     made_add_box(&mesh, low, high);
     assert_int_equal(made_shell(context, &mesh, &shell), TY_OK);
     assert_int_equal(log.count, 0);
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
     --mesh.triangles; /* a hole */
     assert_int_equal(made_shell(context, &mesh, &shell), TY_OK);
     assert_int_equal(log.count, 1);
     assert_non_null(strstr(log.text, " 3 of its edges"));
     assert_string_equal(ty_last_error(context), "");
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
     ++mesh.triangles;
     made_turn(&mesh, mesh.triangles - 1); /* one the wrong way round */
     assert_int_equal(made_shell(context, &mesh, &shell), TY_OK);
     assert_int_equal(log.count, 2);
     assert_non_null(strstr(log.text, " 3 of its edges"));
-    ty_shell_destroy(shell);
+    ty_closed_mesh_release(shell);
     made_free(&mesh);
     ty_context_destroy(context);
 }
@@ -302,18 +302,18 @@ static void wrong_shells_are_refused(void** state) {
     made_mesh mesh = made_nothing();
     made_add_box(&mesh, low, high);
     ty_closed_mesh* shell = NULL;
-    assert_int_equal(ty_shell_create(*state, mesh.positions, 36, mesh.indices, 0, &shell), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_closed_mesh_create(*state, mesh.positions, 36, mesh.indices, 0, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: 36 vertices and 0 triangles");
-    assert_int_equal(ty_shell_create(*state, NULL, 36, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_closed_mesh_create(*state, NULL, 36, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: positions or indices are NULL");
-    assert_int_equal(ty_shell_create(*state, mesh.positions, 35, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
+    assert_int_equal(ty_closed_mesh_create(*state, mesh.positions, 35, mesh.indices, 12, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: indices[35] is 35, and there are 35 vertices");
     mesh.positions[7] = NAN;
     assert_int_equal(made_shell(*state, &mesh, &shell), TY_ERROR_ARGUMENT);
     assert_error(*state, "shell: the position of vertex 2");
     assert_null(shell);
-    assert_null(ty_shell_retain(NULL));
-    ty_shell_destroy(NULL);
+    assert_null(ty_closed_mesh_retain(NULL));
+    ty_closed_mesh_release(NULL);
     made_free(&mesh);
 }
 
@@ -370,7 +370,7 @@ static void spheres_and_shells_cover_cells(void** state) {
                      0.02);
     ty_grid_destroy(grid);
     ty_grid_destroy(meshed);
-    ty_shell_destroy(def.shell);
+    ty_closed_mesh_release(def.shell);
     made_free(&mesh);
 }
 

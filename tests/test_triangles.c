@@ -581,7 +581,7 @@ static ty_result work(ty_context* context) {
     if (result == TY_OK) result = ty_medium_coverage(scene, 0, low, high, size, 2, &coverage);
     ty_grid_destroy(coverage);
     ty_scene_destroy(scene);
-    ty_shell_destroy(medium.shell);
+    ty_closed_mesh_release(medium.shell);
     ty_texture_destroy(def.material.albedo_texture);
     made_free(&mesh);
     return result;

@@ -140,7 +140,7 @@ static inline ty_mesh_def made_def(const made_mesh* mesh) {
 }
 
 static inline ty_result made_shell(ty_context* context, const made_mesh* mesh, ty_closed_mesh** out) {
-    return ty_shell_create(context, mesh->positions, 3 * mesh->triangles, mesh->indices, mesh->triangles, out);
+    return ty_closed_mesh_create(context, mesh->positions, 3 * mesh->triangles, mesh->indices, mesh->triangles, out);
 }
 
 #endif

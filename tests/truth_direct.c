@@ -242,7 +242,7 @@ static void test_shells_and_fields(void** state) {
     add_light(scene, &sun);
     add_light(scene, &lamp);
     compare("shell, fields, overlap", scene, FINE, fewer(1024, 2), 0.025, 0.08);
-    ty_shell_destroy(ball.shell);
+    ty_closed_mesh_release(ball.shell);
     ty_grid_destroy(fog.g_grid);
     made_free(&mesh);
 }

@@ -186,7 +186,7 @@ static void test_box_shell(void** state) {
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = cube_shell(*state, 0.5);
     same(*state, "shell of a box", &shell, &box, 192);
-    ty_shell_destroy(shell.shell);
+    ty_closed_mesh_release(shell.shell);
 }
 
 static void test_ball_shell(void** state) {
@@ -198,7 +198,7 @@ static void test_ball_shell(void** state) {
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = shell_of(*state, &mesh);
     same(*state, "shell of a ball", &shell, &ball, 192);
-    ty_shell_destroy(shell.shell);
+    ty_closed_mesh_release(shell.shell);
 }
 
 /* A cube in two shells, one with a hole that the other fills, half as far across as the cube. */
@@ -230,7 +230,7 @@ static void test_hollow_shell(void** state) {
     }
     assert_same_channel("rind and core, lamp", images[1], 0, images[0], 0, 0.012);
     for (int i = 0; i < 2; ++i) ty_image_destroy(images[i]);
-    ty_shell_destroy(rind.shell);
+    ty_closed_mesh_release(rind.shell);
 }
 
 static void test_shell_cuts_grid(void** state) {
@@ -240,7 +240,7 @@ static void test_shell_cuts_grid(void** state) {
     shell.bounds = TY_BOUNDS_SHELL;
     shell.shell = cube_shell(*state, 0.35);
     same(*state, "grid cut by a shell", &shell, &box, 192);
-    ty_shell_destroy(shell.shell);
+    ty_closed_mesh_release(shell.shell);
     ty_grid_destroy(box.density_grid);
 }
 

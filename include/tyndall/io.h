@@ -153,8 +153,8 @@ TY_API ty_result ty_mesh_file_camera(ty_context* context, const char* path, cons
                                      const char* name, ty_camera_def* camera, bool* found);
 /* All triangles of a file as one shell; to_z_up and transform are applied to it. Errors: TY_ERROR_INPUT (also when
  * there are no triangles), the rest as ty_scene_add_mesh_file. */
-TY_API ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def,
-                                    ty_closed_mesh** out);
+TY_API ty_result ty_mesh_file_create_closed_mesh(ty_context* context, const char* path, const ty_mesh_file_def* def,
+                                                 ty_closed_mesh** out);
 
 /* A material or a camera of a mesh file. */
 typedef struct ty_mesh_file_entry {

@@ -47,12 +47,12 @@ typedef struct ty_closed_mesh ty_closed_mesh;
  * that triangles do not pass as often one way as the other are counted in a warning: rays through such holes see the
  * medium end late or early. Of the places where a ray crosses the mesh the nearest 64 count.
  * Errors: TY_ERROR_ARGUMENT (no triangle, an index past the end, a position not finite), TY_ERROR_MEMORY. */
-TY_API ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count,
-                                 const uint32_t* indices, int64_t triangle_count, ty_closed_mesh** out);
+TY_API ty_result ty_closed_mesh_create(ty_context* context, const float* positions, int64_t vertex_count,
+                                       const uint32_t* indices, int64_t triangle_count, ty_closed_mesh** out);
 /* Adds an owner, and returns the shell. NULL is allowed. */
-TY_API ty_closed_mesh* ty_shell_retain(ty_closed_mesh* shell);
+TY_API ty_closed_mesh* ty_closed_mesh_retain(ty_closed_mesh* shell);
 /* Removes an owner; the last one frees the shell. NULL is allowed. */
-TY_API void ty_shell_destroy(ty_closed_mesh* shell);
+TY_API void ty_closed_mesh_release(ty_closed_mesh* shell);
 
 /* One point of a transfer function. Between points density and albedo are linear in the value; beyond the ends they
  * stay as they are there. */

@@ -3,7 +3,7 @@
 
 #include "base/context.h"
 #include "direct/airlight_parts.h"
-#include "scene/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 #include "direct/uncollided.h"
 
 /* ---- what the media are ---- */

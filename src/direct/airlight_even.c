@@ -6,7 +6,7 @@
  * 1 / r^2 cancels) by Gauss and Legendre's rule in a few panels. */
 #include "direct/airlight_parts.h"
 #include "direct/lit.k.h"
-#include "scene/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 
 enum { PIECES_MAX = 2 * TY_SPANS_MAX, CUTS_MAX = 64, NODES = 4 };
 

@@ -90,8 +90,8 @@ static size_t count_open_edges(ty_context* context, const ty_triangle_mesh* t) {
     return open;
 }
 
-ty_result ty_shell_create(ty_context* context, const float* positions, int64_t vertex_count, const uint32_t* indices,
-                          int64_t triangle_count, ty_closed_mesh** out) {
+ty_result ty_closed_mesh_create(ty_context* context, const float* positions, int64_t vertex_count,
+                                const uint32_t* indices, int64_t triangle_count, ty_closed_mesh** out) {
     ty_mesh_def def = ty_default_mesh_def();
     def.vertex_count = vertex_count;
     def.triangle_count = triangle_count;
@@ -111,7 +111,7 @@ ty_result ty_shell_create(ty_context* context, const float* positions, int64_t v
     }
     if (result == TY_OK) result = ty_accel_create_closed(context, shell->triangles, &shell->mesh);
     if (result != TY_OK) {
-        ty_shell_destroy(shell);
+        ty_closed_mesh_release(shell);
         return result;
     }
     if (open > 0)
@@ -120,12 +120,12 @@ ty_result ty_shell_create(ty_context* context, const float* positions, int64_t v
     return TY_OK;
 }
 
-ty_closed_mesh* ty_shell_retain(ty_closed_mesh* shell) {
+ty_closed_mesh* ty_closed_mesh_retain(ty_closed_mesh* shell) {
     if (shell != NULL) atomic_fetch_add(&shell->owners, 1);
     return shell;
 }
 
-void ty_shell_destroy(ty_closed_mesh* shell) {
+void ty_closed_mesh_release(ty_closed_mesh* shell) {
     if (shell == NULL || atomic_fetch_sub(&shell->owners, 1) > 1) return;
     ty_accel_destroy(shell->mesh);
     ty_triangle_mesh_destroy(shell->context, shell->triangles);

@@ -133,7 +133,7 @@ bool ty_medium_copy(ty_context* context, const ty_medium_def* def, ty_medium_def
     ty_grid* grids[TY_MEDIUM_GRIDS];
     ty_medium_grids(out, grids);
     for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_retain(grids[i]);
-    ty_shell_retain(out->shell);
+    ty_closed_mesh_retain(out->shell);
     return true;
 }
 
@@ -141,7 +141,7 @@ void ty_medium_release(ty_context* context, ty_medium_def* copy) {
     ty_grid* grids[TY_MEDIUM_GRIDS];
     ty_medium_grids(copy, grids);
     for (int i = 0; i < TY_MEDIUM_GRIDS; ++i) ty_grid_destroy(grids[i]);
-    ty_shell_destroy(copy->shell);
+    ty_closed_mesh_release(copy->shell);
     ty_free_text(context, (char*)copy->name);
     ty_free_array(context, (void*)copy->transfer, (size_t)copy->transfer_count, sizeof *copy->transfer);
 }

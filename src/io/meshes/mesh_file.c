@@ -292,16 +292,18 @@ static ty_result make_shell(const ty_model* model, const char* path, const ty_af
     ty_result result = TY_ERROR_MEMORY;
     if (positions != NULL && indices != NULL) {
         join_instances(model, map, positions, indices);
-        result = ty_shell_create(context, positions, (int64_t)vertices, indices, (int64_t)triangles, out);
+        result = ty_closed_mesh_create(context, positions, (int64_t)vertices, indices, (int64_t)triangles, out);
     }
     ty_free_array(context, positions, (size_t)vertices, 3 * sizeof(float));
     ty_free_array(context, indices, triangles, 3 * sizeof(uint32_t));
     return below(context, path, clean, result);
 }
 
-ty_result ty_mesh_file_shell(ty_context* context, const char* path, const ty_mesh_file_def* def, ty_closed_mesh** out) {
+ty_result ty_mesh_file_create_closed_mesh(ty_context* context, const char* path, const ty_mesh_file_def* def,
+                                          ty_closed_mesh** out) {
     ty_result result = check_def(context, path, def);
-    if (result == TY_OK && out == NULL) result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_shell: out is NULL");
+    if (result == TY_OK && out == NULL)
+        result = ty_fail(context, TY_ERROR_ARGUMENT, "ty_mesh_file_create_closed_mesh: out is NULL");
     if (result != TY_OK) return result;
     const ty_affine map = scene_from_file(def);
     ty_model model;

@@ -59,7 +59,7 @@ void ty_free_assets(ty_scene_reader* reader) {
         ty_free_text(reader->context, reader->assets[i].path);
         ty_grid_destroy(reader->assets[i].grid);
         ty_image_destroy(reader->assets[i].image);
-        ty_shell_destroy(reader->assets[i].shell);
+        ty_closed_mesh_release(reader->assets[i].shell);
     }
     ty_free_array(reader->context, reader->assets, reader->asset_capacity, sizeof *reader->assets);
 }
@@ -119,7 +119,8 @@ ty_result ty_read_shell(ty_scene_reader* reader, const ty_json_path* place, cons
     ty_result result = add_asset(reader, place, copy, &asset);
     if (result != TY_OK) return result;
     asset->placement = def->transform;
-    result = ty_reader_below(reader, place, ty_mesh_file_shell(reader->context, asset->path, def, &asset->shell));
+    result = ty_reader_below(reader, place,
+                             ty_mesh_file_create_closed_mesh(reader->context, asset->path, def, &asset->shell));
     if (result == TY_OK) *out = asset->shell;
     return result;
 }

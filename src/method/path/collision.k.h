@@ -6,7 +6,7 @@
 #ifndef TY_METHOD_PATH_COLLISION_K_H
 #define TY_METHOD_PATH_COLLISION_K_H
 
-#include "scene/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 
 typedef struct ty_collision {
     float t;

@@ -13,12 +13,12 @@
 #include "method/path/kernel.h"
 
 /* The part of a ray that is in media. */
-typedef struct ty_ray_interval {
+typedef struct ty_media_interval {
     float enter, leave;
-} ty_ray_interval;
+} ty_media_interval;
 
-TY_FN ty_ray_interval ty_spans_interval(const ty_spans* spans) {
-    ty_ray_interval stretch = {TY_FLOAT_MAX, 0.0f};
+TY_FN ty_media_interval ty_spans_interval(const ty_spans* spans) {
+    ty_media_interval stretch = {TY_FLOAT_MAX, 0.0f};
     for (int32_t i = 0; i < spans->count; ++i) {
         stretch.enter = ty_minf(stretch.enter, spans->enter[i]);
         stretch.leave = ty_maxf(stretch.leave, spans->leave[i]);
@@ -50,7 +50,7 @@ TY_FN float ty_mis_weight_collision(float d2, float r2, float density, float pha
 
 /* Samples a stretch in proportion to the angle under which a point at `nearest` along the ray and `off` beside it sees
  * its parts; returns the density of *t. */
-TY_FN float ty_equiangular_sample(ty_ray_interval stretch, float nearest, float off, float u, float* t) {
+TY_FN float ty_equiangular_sample(ty_media_interval stretch, float nearest, float off, float u, float* t) {
     const float from = atanf((stretch.enter - nearest) / off), to = atanf((stretch.leave - nearest) / off);
     *t = ty_clampf(nearest + off * tanf(ty_lerpf(from, to, u)), stretch.enter, stretch.leave);
     const float beyond = *t - nearest;

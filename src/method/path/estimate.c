@@ -1,6 +1,6 @@
 /* Radiance along given rays, fluence in cells, transmittance between points. */
 #include "base/context.h"
-#include "scene/transmittance.k.h"
+#include "direct/media/transmittance.k.h"
 #include "method/path/driver.h"
 #include "scene/check.h"
 

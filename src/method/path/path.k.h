@@ -251,7 +251,7 @@ TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, f
  * scattered into the ray. Russian roulette skips rays that pass the light at a distance. */
 TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const ty_scene_view* scene = path->request->scene;
-    const ty_ray_interval stretch = ty_spans_interval(spans);
+    const ty_media_interval stretch = ty_spans_interval(spans);
     float pick = scene->lights.local_count > 1 ? ty_rng_uniform(&path->random) : 0.0f, chosen = 1.0f;
     const int32_t lamp = ty_lights_choose_local(&scene->lights, path->origin, path->direction, stretch.enter,
                                                 stretch.leave, &pick, &chosen);

@@ -1,7 +1,7 @@
 /* Transmittance of all media between two points of a ray: exact where media are homogeneous, residual ratio tracking
  * in grids (Novak et al. 2014), whose part below each brick's least density is exact too. */
-#ifndef TY_SCENE_TRANSMITTANCE_K_H
-#define TY_SCENE_TRANSMITTANCE_K_H
+#ifndef TY_DIRECT_MEDIA_TRANSMITTANCE_K_H
+#define TY_DIRECT_MEDIA_TRANSMITTANCE_K_H
 
 #include "scene/spans.k.h"
 
