@@ -46,7 +46,7 @@ static problem make_problem(ty_context* context, const int32_t size[3], int32_t 
     for (int t = 0; t < TERMS_MAX; ++t) p.moments[t] = make_floats(p.cells);
     for (int t = 0; t < bands * bands; ++t) p.sources[t] = p.source[t] = make_floats(p.cells);
     p.def.set = &directions;
-    p.def.bands = p.def.kept = bands;
+    p.def.bands = p.def.output_order = bands;
     p.def.extinction = p.extinction;
     p.def.scattering = p.scattering;
     p.def.g = p.g;
@@ -79,7 +79,7 @@ static void solve(ty_context* context, problem* p) {
     if (ty_ordinates_solve(context, &p->def, p->moments, NULL, 0, &p->stats) != TY_OK)
         fail_msg("%s", ty_last_error(context));
     if (!p->stats.converged) fail_msg("%g is left after %d sweeps", p->stats.change, (int)p->stats.sweeps);
-    for (int t = 0; t < p->def.kept * p->def.kept; ++t)
+    for (int t = 0; t < p->def.output_order * p->def.output_order; ++t)
         for (size_t i = 0; i < p->cells; ++i) assert_true(isfinite(p->moments[t][i]));
 }
 
@@ -322,7 +322,7 @@ static void more_moments_can_be_kept(void** state) {
     few.def.tolerance = many.def.tolerance = 1e-5;
     fill_problem(&few, fill_beam);
     fill_problem(&many, fill_beam);
-    many.def.kept = 5;
+    many.def.output_order = 5;
     solve(*state, &few);
     solve(*state, &many);
     assert_int_equal(many.stats.sweeps, few.stats.sweeps + 1);
@@ -365,7 +365,7 @@ static void a_last_sweep_of_more_directions_shows_no_rays(void** state) {
     for (int i = 0; i < 2; ++i) {
         problem p = make_cube(*state, 21, 1, 0.01, 0);
         fill_problem(&p, fill_lamp);
-        if (i == 1) p.def.last = &more;
+        if (i == 1) p.def.final_set = &more;
         solve(*state, &p);
         assert_energy(&p);
         off[i] = off_inverse_square(&p);
@@ -451,8 +451,8 @@ static void broken_defs_are_refused(void** state) {
         {offsetof(ty_ordinates_def, cell), FIELD_DOUBLE, NAN, "cell[0]"},
         {offsetof(ty_ordinates_def, bands), FIELD_INT, 0, "bands"},
         {offsetof(ty_ordinates_def, bands), FIELD_INT, 13, "bands"},
-        {offsetof(ty_ordinates_def, kept), FIELD_INT, 1, "kept"},
-        {offsetof(ty_ordinates_def, kept), FIELD_INT, 13, "kept"},
+        {offsetof(ty_ordinates_def, output_order), FIELD_INT, 1, "output_order"},
+        {offsetof(ty_ordinates_def, output_order), FIELD_INT, 13, "output_order"},
         {offsetof(ty_ordinates_def, source_terms), FIELD_INT, 2, "source_terms"},
         {offsetof(ty_ordinates_def, tolerance), FIELD_DOUBLE, 0, "tolerance"},
         {offsetof(ty_ordinates_def, tolerance), FIELD_DOUBLE, 1, "tolerance"},
@@ -479,10 +479,10 @@ static void broken_defs_are_refused(void** state) {
     const float inflow[TY_ORDINATES_MAX] = {1};
     for (int i = 0; i < 2; ++i) {
         ty_ordinates_def def = p.def;
-        def.last = i == 0 ? &none : def.set;
-        if (i == 1) def.inflow = inflow;
+        def.final_set = i == 0 ? &none : def.set;
+        if (i == 1) def.boundary_radiance = inflow;
         assert_int_equal(ty_ordinates_solve(*state, &def, p.moments, NULL, 0, NULL), TY_ERROR_ARGUMENT);
-        assert_error(*state, "ordinates: last");
+        assert_error(*state, "ordinates: final_set");
     }
     free_problem(&p);
 }

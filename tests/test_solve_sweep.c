@@ -59,7 +59,8 @@ static const ty_sweep_kernels* kernels_of(int isa) {
 #endif
 }
 
-static void sweep_box_with(void* context, const ty_sweep_kernels* kernels, const ty_angular_quadrature* set, lit_box* box) {
+static void sweep_box_with(void* context, const ty_sweep_kernels* kernels, const ty_angular_quadrature* set,
+                           lit_box* box) {
     ty_sweep* sweep = NULL;
     assert_int_equal(
         ty_sweep_create_with(context, kernels, box->size, box->cell, set, box->bands, box->extinction, &sweep), TY_OK);

@@ -95,7 +95,7 @@ static ty_ordinates_def def_of(const walled_box* box) {
     memcpy(def.size, box->size, sizeof def.size);
     memcpy(def.cell, box->cell, sizeof def.cell);
     def.set = &box->set;
-    def.bands = def.kept = 1;
+    def.bands = def.output_order = 1;
     def.extinction = box->extinction;
     def.scattering = box->scattering;
     def.g = box->g;

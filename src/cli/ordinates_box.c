@@ -58,7 +58,7 @@ ty_result ordinates_box_open(ty_context* context, ordinates_box_kind kind, int32
     }
     out->sources[0] = out->source;
     out->def.set = &out->set;
-    out->def.bands = out->def.kept = 1;
+    out->def.bands = out->def.output_order = 1;
     out->def.extinction = out->extinction;
     out->def.scattering = out->scattering;
     out->def.g = out->g;

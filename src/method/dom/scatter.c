@@ -121,9 +121,9 @@ static ty_ordinates_def define(const ty_dom_job* job) {
     memcpy(def.size, light->box.size, sizeof def.size);
     memcpy(def.cell, job->coarse->cell, sizeof def.cell);
     def.set = job->set;
-    def.last = job->last;
+    def.final_set = job->last;
     def.bands = light->bands;
-    def.kept = light->kept;
+    def.output_order = light->kept;
     def.source_terms = (int32_t)term_count(light->bands);
     def.accelerated = dom->acceleration == TY_DOM_ACCELERATION_DIFFUSION;
     def.tolerance = dom->tolerance;
@@ -148,7 +148,7 @@ static ty_result solve_from(channel_solve* solve, const start_planes* start) {
     def.g = job->coarse->g[plane];
     def.source = source;
     if (light->fit.bands > 0) def.scattered = light->fit.moments;
-    def.seen = light->seen[channel];
+    def.face_fluence = light->seen[channel];
     def.start = start->floats != NULL ? start->planes : NULL;
     def.memory = solve->memory;
     def.progress_user = solve;

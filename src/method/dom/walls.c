@@ -218,8 +218,8 @@ static ty_result carry(ty_dom_job* job, int32_t channel, ty_ordinates_def* def, 
     def->source_terms = 1;
     def->start = NULL;
     def->walls = walls_of(job, channel, job->wall_light[channel]);
-    def->inflow = job->inflow[channel];
-    if (def->inflow != NULL) def->last = NULL;
+    def->boundary_radiance = job->inflow[channel];
+    if (def->boundary_radiance != NULL) def->final_set = NULL;
     const ty_result result = ty_ordinates_solve(job->context, def, planes->moments, NULL, 0, &stats);
     if (result != TY_OK) return result;
     const double scattered = scatter_first(job, channel, planes->moments);
@@ -256,6 +256,6 @@ ty_result ty_dom_reflect(ty_dom_job* job, int32_t channel, ty_ordinates_def* def
     *none = ty_alloc_array(job->context, (size_t)job->walls->count, sizeof(float), true);
     if (*none == NULL) return TY_ERROR_MEMORY;
     def->walls = walls_of(job, channel, *none);
-    def->walls.arrived = job->light->arrived[channel];
+    def->walls.irradiance = job->light->arrived[channel];
     return TY_OK;
 }

@@ -6,31 +6,32 @@
 #include <math.h>
 #include <string.h>
 
-/* Free paths, and those after which light has forgotten its direction, across a thick cell at least. */
-static const double THICK = TY_DIFFUSIVE_FREE_PATHS, THICK_REDUCED = 1.5;
-/* Of P1's D, what a black cell's is less, so that it sends a quarter of its fluence. */
-static const double BLACK = 0.1339745962155614; /* 1 - sqrt(3) / 2 */
-/* The logarithm of what a source grows by from cell to cell is at most this often a cell's free paths. */
-static const double STEEPEST = 2;
+/* Minimum of a diffusive cell's longest edge in mean free paths, and of its shortest edge in transport mean free paths.
+ */
+static const double MIN_THICKNESS = TY_DIFFUSIVE_FREE_PATHS, MIN_REDUCED_THICKNESS = 1.5;
+/* Reduction of P1's D for a black cell, which then emits a quarter of its fluence. */
+static const double BLACK_REDUCTION = 0.1339745962155614; /* 1 - sqrt(3) / 2 */
+/* Maximum of the logarithmic growth of a source from cell to cell, per optical thickness of a cell. */
+static const double MAX_GROWTH = 2;
 
-typedef struct finder {
+typedef struct search {
     const ty_ordinates_def* def;
     const float *extinction, *absorption;
     float* reduced;
-    ty_diffusive_cells* thick;
+    ty_diffusive_cells* diffusive;
     int64_t cells, steps[3];
     double shortest, longest, mean; /* edges, m */
-} finder;
+} search;
 
-static finder finder_of(const ty_ordinates_def* def, const float* extinction, float* reduced, const float* absorption,
-                        ty_diffusive_cells* thick) {
+static search begin_search(const ty_ordinates_def* def, const float* extinction, float* reduced,
+                           const float* absorption, ty_diffusive_cells* diffusive) {
     const int32_t* size = def->size;
     const double* edge = def->cell;
-    return (finder){.def = def,
+    return (search){.def = def,
                     .extinction = extinction,
                     .absorption = absorption,
                     .reduced = reduced,
-                    .thick = thick,
+                    .diffusive = diffusive,
                     .cells = (int64_t)size[0] * size[1] * size[2],
                     .steps = {1, size[0], (int64_t)size[0] * size[1]},
                     .shortest = fmin(fmin(edge[0], edge[1]), edge[2]),
@@ -38,30 +39,31 @@ static finder finder_of(const ty_ordinates_def* def, const float* extinction, fl
                     .mean = cbrt(edge[0] * edge[1] * edge[2])};
 }
 
-static bool is_thick(const finder* f, int64_t cell) {
-    return (double)f->extinction[cell] * f->longest > THICK && (double)f->reduced[cell] * f->shortest > THICK_REDUCED;
+static bool is_diffusive(const search* f, int64_t cell) {
+    return (double)f->extinction[cell] * f->longest > MIN_THICKNESS &&
+           (double)f->reduced[cell] * f->shortest > MIN_REDUCED_THICKNESS;
 }
 
 /* ---- cells ---- */
 
-static void lay_out(const finder* f, ty_arena* arena) {
-    ty_diffusive_cells* thick = f->thick;
-    thick->cells = ty_arena_take(arena, sizeof *thick->cells * (size_t)thick->count);
-    thick->slots = ty_arena_take(arena, sizeof *thick->slots * (size_t)f->cells);
-    thick->first = ty_arena_take(arena, sizeof *thick->first * ((size_t)f->def->size[2] + 1));
-    thick->skins = ty_arena_take(arena, sizeof *thick->skins * (size_t)thick->skin_count);
+static void lay_out(const search* f, ty_arena* arena) {
+    ty_diffusive_cells* diffusive = f->diffusive;
+    diffusive->cells = ty_arena_take(arena, sizeof *diffusive->cells * (size_t)diffusive->count);
+    diffusive->slots = ty_arena_take(arena, sizeof *diffusive->slots * (size_t)f->cells);
+    diffusive->first = ty_arena_take(arena, sizeof *diffusive->first * ((size_t)f->def->size[2] + 1));
+    diffusive->interfaces = ty_arena_take(arena, sizeof *diffusive->interfaces * (size_t)diffusive->interface_count);
 }
 
-/* The cell behind a face; below 0: the box's outside. */
-static int64_t behind(const finder* f, int64_t cell, int face) {
+/* Cell behind a face; negative: outside the box. */
+static int64_t neighbour(const search* f, int64_t cell, int face) {
     const int axis = face / 2;
     const int32_t at = (int32_t)(cell / f->steps[axis] % f->def->size[axis]);
     if ((face & 1) == 0) return at > 0 ? cell - f->steps[axis] : -1;
     return at + 1 < f->def->size[axis] ? cell + f->steps[axis] : -1;
 }
 
-/* A wall's side at a cell's face; below 0: there is none. */
-static int32_t side_at(const finder* f, int64_t cell, int face) {
+/* Boundary face at a cell's face; negative: none. */
+static int32_t side_at(const search* f, int64_t cell, int face) {
     const ty_ordinates_faces* walls = &f->def->walls;
     if (walls->count == 0) return -1;
     const int64_t row = cell / f->def->size[0];
@@ -70,140 +72,145 @@ static int32_t side_at(const finder* f, int64_t cell, int face) {
     return -1;
 }
 
-static int32_t link_of(const finder* f, int64_t cell, int face, int32_t skin) {
+static int32_t link_of(const search* f, int64_t cell, int face, int32_t interface_index) {
     const int32_t side = side_at(f, cell, face);
     if (side >= 0) return TY_LINK_BOUNDARY_FACE - side;
-    const int64_t next = behind(f, cell, face);
-    return next >= 0 && is_thick(f, next) ? TY_LINK_DIFFUSIVE : skin;
+    const int64_t next = neighbour(f, cell, face);
+    return next >= 0 && is_diffusive(f, next) ? TY_LINK_DIFFUSIVE : interface_index;
 }
 
-static void count_cells(const finder* f) {
-    ty_diffusive_cells* thick = f->thick;
+static void count_cells(const search* f) {
+    ty_diffusive_cells* diffusive = f->diffusive;
     for (int64_t i = 0; i < f->cells; ++i) {
-        if (!is_thick(f, i)) continue;
-        ++thick->count;
-        for (int face = 0; face < 6; ++face) thick->skin_count += link_of(f, i, face, 0) >= 0 ? 1 : 0;
+        if (!is_diffusive(f, i)) continue;
+        ++diffusive->count;
+        for (int face = 0; face < 6; ++face) diffusive->interface_count += link_of(f, i, face, 0) >= 0 ? 1 : 0;
     }
 }
 
-static void fill_cells(const finder* f) {
-    ty_diffusive_cells* thick = f->thick;
-    int32_t count = 0, skins = 0;
+static void fill_cells(const search* f) {
+    ty_diffusive_cells* diffusive = f->diffusive;
+    int32_t count = 0, interfaces = 0;
     for (int64_t i = 0; i < f->cells; ++i) {
-        if (i % f->steps[2] == 0) thick->first[i / f->steps[2]] = count;
-        thick->slots[i] = -1;
-        if (!is_thick(f, i)) continue;
-        ty_diffusive_cell* cell = &thick->cells[count];
+        if (i % f->steps[2] == 0) diffusive->first[i / f->steps[2]] = count;
+        diffusive->slots[i] = -1;
+        if (!is_diffusive(f, i)) continue;
+        ty_diffusive_cell* cell = &diffusive->cells[count];
         *cell = (ty_diffusive_cell){.index = (int32_t)i};
         for (int face = 0; face < 6; ++face) {
-            cell->link[face] = link_of(f, i, face, skins);
+            cell->link[face] = link_of(f, i, face, interfaces);
             if (cell->link[face] < 0) continue;
-            thick->skins[skins++] = (ty_interface_face){.cell = count, .face = face, .outer = behind(f, i, face) < 0};
+            diffusive->interfaces[interfaces++] =
+                (ty_interface_face){.cell = count, .face = face, .outer = neighbour(f, i, face) < 0};
         }
-        thick->slots[i] = count++;
+        diffusive->slots[i] = count++;
     }
-    thick->first[f->def->size[2]] = count;
+    diffusive->first[f->def->size[2]] = count;
 }
 
-/* ---- where sources are within cells ---- */
+/* ---- positions of sources within cells ---- */
 
-/* Of a source at x between planes u on both sides of 0, all in diffusion lengths and u above 0, what leaves through the
- * upper one, if nothing stays there. */
-static double share_up(double x, double u) {
+/* Fraction of a source at x that leaves through the upper of two planes at -u and u, without absorption at the planes;
+ * lengths in diffusion lengths, u > 0. */
+static double upward_fraction(double x, double u) {
     return exp(x - u) * expm1(-2 * (u + x)) / expm1(-4 * u);
 }
 
-/* What the source grows by over a cell along an axis, as a logarithm: of it and its thick neighbours, those of an
- * exponential. */
-static double growth_of(const finder* f, const ty_diffusive_cell* cell, int axis) {
+/* Logarithm of the growth of the source over a cell along an axis, from an exponential through it and its diffusive
+ * neighbours. */
+static double growth_of(const search* f, const ty_diffusive_cell* cell, int axis) {
     const float* source = f->def->source[0];
     double low = (double)source[cell->index], high = low;
-    int ways = 0;
-    if (cell->link[2 * axis] == TY_LINK_DIFFUSIVE) low = (double)source[cell->index - f->steps[axis]], ++ways;
-    if (cell->link[2 * axis + 1] == TY_LINK_DIFFUSIVE) high = (double)source[cell->index + f->steps[axis]], ++ways;
-    const double steepest = STEEPEST * (double)f->extinction[cell->index] * f->def->cell[axis];
-    if (ways == 0 || (low <= 0 && high <= 0)) return 0;
-    if (low <= 0 || high <= 0) return low <= 0 ? steepest : -steepest;
-    return fmax(fmin(log(high / low) / ways, steepest), -steepest);
+    int neighbours = 0;
+    if (cell->link[2 * axis] == TY_LINK_DIFFUSIVE) low = (double)source[cell->index - f->steps[axis]], ++neighbours;
+    if (cell->link[2 * axis + 1] == TY_LINK_DIFFUSIVE)
+        high = (double)source[cell->index + f->steps[axis]], ++neighbours;
+    const double max_growth = MAX_GROWTH * (double)f->extinction[cell->index] * f->def->cell[axis];
+    if (neighbours == 0 || (low <= 0 && high <= 0)) return 0;
+    if (low <= 0 || high <= 0) return low <= 0 ? max_growth : -max_growth;
+    return fmax(fmin(log(high / low) / neighbours, max_growth), -max_growth);
 }
 
-/* The middle of an exponential between -1 and 1 that grows so. */
-static double middle_of(double growth) {
+/* Center of mass of an exponential on [-1, 1] with this growth. */
+static double exponential_center(double growth) {
     const double half = growth / 2;
     return fabs(half) < 1e-2 ? half / 3 : 1 / tanh(half) - 1 / half;
 }
 
-/* Along an axis: the source's middle, -1..1, with the free path that what is sent straight on goes. */
-static double place_of(const finder* f, const ty_diffusive_cell* cell, int axis, double reduced) {
+/* Center of the source along an axis, -1..1, displaced by the transport mean free path in the direction of its first
+ * moment. */
+static double source_center(const search* f, const ty_diffusive_cell* cell, int axis, double reduced) {
     static const int terms[3] = {3, 1, 2};
-    const double even = (double)f->def->source[0][cell->index], half = f->def->cell[axis] / 2;
-    double place = middle_of(growth_of(f, cell, axis));
+    const double emission = (double)f->def->source[0][cell->index], half = f->def->cell[axis] / 2;
+    double center = exponential_center(growth_of(f, cell, axis));
     if (f->def->source_terms > 1)
-        place += (double)f->def->source[terms[axis]][cell->index] / (sqrt(3) * even * reduced * half);
-    return fmax(fmin(place, 1), -1);
+        center += (double)f->def->source[terms[axis]][cell->index] / (sqrt(3) * emission * reduced * half);
+    return fmax(fmin(center, 1), -1);
 }
 
-/* A source in the middle fills the cell and leaves as what is there does, and one at a face leaves; in between, as the
- * share of the light that is there by it alone. */
-static void push(const finder* f, ty_diffusive_cell* cell, double reduced) {
+/* A source at the cell's center fills the cell and leaves with its diffuse light; a source at a face leaves directly.
+ * Between the two, the directly leaving fraction is the excess over the centered source. */
+static void set_interface_source(const search* f, ty_diffusive_cell* cell, double reduced) {
     const double source = (double)f->def->source[0][cell->index], absorption = (double)f->absorption[cell->index];
     if (!(source > 0)) return;
-    double shares[6], sum = 0;
+    double fractions[6], sum = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const double u = fmax(f->def->cell[axis] / 2 * sqrt(3 * reduced * absorption), 1e-3);
-        const double place = place_of(f, cell, axis, reduced), even = 1 - place * place, middle = share_up(0, u);
+        const double center = source_center(f, cell, axis, reduced), centered_weight = 1 - center * center,
+                     centered = upward_fraction(0, u);
         for (int up = 0; up < 2; ++up) {
-            shares[2 * axis + up] = share_up(up != 0 ? place * u : -place * u, u) - even * middle;
-            sum += shares[2 * axis + up];
+            fractions[2 * axis + up] =
+                upward_fraction(up != 0 ? center * u : -center * u, u) - centered_weight * centered;
+            sum += fractions[2 * axis + up];
         }
     }
     for (int face = 0; face < 6; ++face)
-        cell->push[face] = (float)(source * f->def->cell[face / 2] * shares[face] / fmax(sum, 1));
+        cell->interface_source[face] = (float)(source * f->def->cell[face / 2] * fractions[face] / fmax(sum, 1));
 }
 
 /* ---- coefficients ---- */
 
-static void set_diffusivity(const finder* f, ty_diffusive_cell* cell) {
+static void set_diffusivity(const search* f, ty_diffusive_cell* cell) {
     const double reduced = (double)f->reduced[cell->index], absorption = (double)f->absorption[cell->index];
     const double u = fmax(f->mean / 2 * sqrt(3 * reduced * absorption), 1e-3);
-    const double long_d = (1 - BLACK * absorption / reduced) / (3 * reduced);
-    cell->d = (float)(long_d * u / tanh(u));
-    cell->edge_d = (float)(long_d * u / (1 + expm1(-2 * u) / (2 * u)));
-    cell->lean = (float)(1 - sqrt(fmin(absorption / reduced, 1)));
-    push(f, cell, reduced);
+    const double base_d = (1 - BLACK_REDUCTION * absorption / reduced) / (3 * reduced);
+    cell->d = (float)(base_d * u / tanh(u));
+    cell->edge_d = (float)(base_d * u / (1 + expm1(-2 * u) / (2 * u)));
+    cell->p1_weight = (float)(1 - sqrt(fmin(absorption / reduced, 1)));
+    set_interface_source(f, cell, reduced);
     f->reduced[cell->index] = 1 / (3 * cell->d);
 }
 
-/* ---- sides for sweeps ---- */
+/* ---- sweep faces ---- */
 
-static void lay_out_sides(const finder* f, ty_arena* arena, int32_t** first, int32_t** x, uint8_t** face) {
-    ty_diffusive_cells* thick = f->thick;
-    const size_t count = (size_t)thick->sides.count, rows = (size_t)f->def->size[1] * (size_t)f->def->size[2];
-    thick->sides.first = *first = ty_arena_take(arena, sizeof **first * (rows + 1));
-    thick->sides.x = *x = ty_arena_take(arena, sizeof **x * count);
-    thick->sides.face = *face = ty_arena_take(arena, sizeof **face * count);
-    thick->sides.emitted = thick->sent = ty_arena_take(arena, sizeof(float) * count);
-    thick->sides.emitted_slope = thick->tilt = ty_arena_take(arena, sizeof(float) * count);
-    thick->sides.incident_power = ty_arena_take(arena, sizeof(float) * count);
-    thick->source = ty_arena_take(arena, sizeof *thick->source * count);
+static void lay_out_sides(const search* f, ty_arena* arena, int32_t** first, int32_t** x, uint8_t** face) {
+    ty_diffusive_cells* diffusive = f->diffusive;
+    const size_t count = (size_t)diffusive->sides.count, rows = (size_t)f->def->size[1] * (size_t)f->def->size[2];
+    diffusive->sides.first = *first = ty_arena_take(arena, sizeof **first * (rows + 1));
+    diffusive->sides.x = *x = ty_arena_take(arena, sizeof **x * count);
+    diffusive->sides.face = *face = ty_arena_take(arena, sizeof **face * count);
+    diffusive->sides.emitted = diffusive->radiance = ty_arena_take(arena, sizeof(float) * count);
+    diffusive->sides.emitted_slope = diffusive->radiance_slope = ty_arena_take(arena, sizeof(float) * count);
+    diffusive->sides.incident_power = ty_arena_take(arena, sizeof(float) * count);
+    diffusive->source = ty_arena_take(arena, sizeof *diffusive->source * count);
 }
 
-/* What a face of a cell is to sweeps. Returns whether it is a side at all. */
-static bool side_of(const finder* f, int64_t cell, int face, int32_t* source) {
-    const ty_diffusive_cells* thick = f->thick;
-    const int32_t side = side_at(f, cell, face), slot = thick->slots[cell];
-    const int64_t next = behind(f, cell, face);
+/* Source index of a cell's face for the sweep. Returns whether the face is a side at all. */
+static bool side_of(const search* f, int64_t cell, int face, int32_t* source) {
+    const ty_diffusive_cells* diffusive = f->diffusive;
+    const int32_t side = side_at(f, cell, face), slot = diffusive->slots[cell];
+    const int64_t next = neighbour(f, cell, face);
     *source = TY_LINK_DIFFUSIVE;
-    if (slot >= 0) return side >= 0 || thick->cells[slot].link[face] >= 0;
+    if (slot >= 0) return side >= 0 || diffusive->cells[slot].link[face] >= 0;
     *source = side;
     if (side >= 0) return true;
-    if (next < 0 || thick->slots[next] < 0) return false;
-    *source = TY_LINK_BOUNDARY_FACE - thick->cells[thick->slots[next]].link[face ^ 1];
+    if (next < 0 || diffusive->slots[next] < 0) return false;
+    *source = TY_LINK_BOUNDARY_FACE - diffusive->cells[diffusive->slots[next]].link[face ^ 1];
     return true;
 }
 
-/* Counts the sides of all cells, and, where there are arrays, fills these. */
-static int32_t go_round(const finder* f, int32_t* first, int32_t* x, uint8_t* faces) {
+/* Counts the sides of all cells, and fills the arrays unless they are NULL. */
+static int32_t fill_sides(const search* f, int32_t* first, int32_t* x, uint8_t* faces) {
     int32_t count = 0, source;
     for (int64_t i = 0; i < f->cells; ++i) {
         if (first != NULL && i % f->def->size[0] == 0) first[i / f->def->size[0]] = count;
@@ -212,7 +219,7 @@ static int32_t go_round(const finder* f, int32_t* first, int32_t* x, uint8_t* fa
             if (first != NULL) {
                 x[count] = (int32_t)(i % f->def->size[0]);
                 faces[count] = (uint8_t)face;
-                f->thick->source[count] = source;
+                f->diffusive->source[count] = source;
             }
             ++count;
         }
@@ -221,26 +228,26 @@ static int32_t go_round(const finder* f, int32_t* first, int32_t* x, uint8_t* fa
     return count;
 }
 
-static ty_result make_sides(const finder* f) {
-    ty_diffusive_cells* thick = f->thick;
+static ty_result make_sides(const search* f) {
+    ty_diffusive_cells* diffusive = f->diffusive;
     int32_t *first, *x;
     uint8_t* face;
-    thick->sides.count = go_round(f, NULL, NULL, NULL);
+    diffusive->sides.count = fill_sides(f, NULL, NULL, NULL);
     ty_arena arena = {0};
     lay_out_sides(f, &arena, &first, &x, &face);
-    thick->side_bytes = arena.used;
-    thick->side_memory = ty_alloc_array(thick->context, thick->side_bytes, 1, true);
-    if (thick->side_memory == NULL) return TY_ERROR_MEMORY;
-    arena = (ty_arena){.base = thick->side_memory};
+    diffusive->side_bytes = arena.used;
+    diffusive->side_memory = ty_alloc_array(diffusive->context, diffusive->side_bytes, 1, true);
+    if (diffusive->side_memory == NULL) return TY_ERROR_MEMORY;
+    arena = (ty_arena){.base = diffusive->side_memory};
     lay_out_sides(f, &arena, &first, &x, &face);
-    go_round(f, first, x, face);
+    fill_sides(f, first, x, face);
     return TY_OK;
 }
 
 ty_result ty_diffusive_cells_find(ty_context* context, const ty_ordinates_def* def, const float* extinction,
                                   float* reduced, const float* absorption, ty_diffusive_cells* out) {
     *out = (ty_diffusive_cells){.context = context};
-    const finder f = finder_of(def, extinction, reduced, absorption, out);
+    const search f = begin_search(def, extinction, reduced, absorption, out);
     count_cells(&f);
     if (out->count == 0) return TY_OK;
     ty_arena arena = {0};
@@ -255,7 +262,8 @@ ty_result ty_diffusive_cells_find(ty_context* context, const ty_ordinates_def* d
     return make_sides(&f);
 }
 
-void ty_diffusive_cells_free(ty_diffusive_cells* thick) {
-    if (thick->memory != NULL) ty_free_array(thick->context, thick->memory, thick->bytes, 1);
-    if (thick->side_memory != NULL) ty_free_array(thick->context, thick->side_memory, thick->side_bytes, 1);
+void ty_diffusive_cells_free(ty_diffusive_cells* diffusive) {
+    if (diffusive->memory != NULL) ty_free_array(diffusive->context, diffusive->memory, diffusive->bytes, 1);
+    if (diffusive->side_memory != NULL)
+        ty_free_array(diffusive->context, diffusive->side_memory, diffusive->side_bytes, 1);
 }

@@ -1,52 +1,52 @@
-/* Iterations. Each mixes what there was so far, sweeps, and corrects what came out by diffusion of what it scatters
- * more than what went in (ordinates_correct.c). The mixture is that whose change would be the least if changes were
- * linear (Anderson acceleration): diffusion knows nothing of what light scattered forward does, and little of vacuum.
- */
+/* Anderson-accelerated iteration. Each step forms a mixed iterate, sweeps it and corrects the result by DSA
+ * (dsa_source.c). The Anderson weights minimise the change of the mixed iterate under the assumption that changes are
+ * linear: diffusion cannot correct errors of forward-peaked scattering, and little of those in vacuum. */
 #include "base/context.h"
 #include "solve/ordinates/job.h"
 
 #include <math.h>
 
-/* Between two reports, s. */
+/* Interval between progress reports, s. */
 static const double REPORT_SECONDS = 0.1;
-/* Cycles of multigrid in a correction, whose solve sweeps and mixtures go on with. What iterations start from is solved
- * until this share of the residual is left, or for so many. */
+/* Multigrid cycles per DSA solve, whose remaining error the following sweeps and Anderson steps remove. The initial
+ * guess is solved to this reduction of the residual, or for at most FIRST_CYCLES. */
 enum { CYCLES = 1, FIRST_CYCLES = 12 };
 static const double FIRST_REDUCTION = 3e-3;
-/* Bounds of what sweeps are expected to leave of a change. */
-static const double SLOWEST = 0.9999, CORRECTED_SLOWEST = 0.9, CORRECTED_FASTEST = 0.5;
-/* Changes whose part across others is less than this share of them tell nothing. */
-static const double LEAST_PART = 1e-10;
-/* Sweeps in a row that find no smaller change before it is clear that there will be none: what rounding does, and
- * keeping radiance from falling below 0, are corrected as if they were changes. */
-enum { PATIENCE = 12 };
+/* Bounds of the convergence factor of a sweep. */
+static const double MAX_RATE = 0.9999, DSA_MAX_RATE = 0.9, DSA_MIN_RATE = 0.5;
+/* Changes whose component orthogonal to the others is smaller than this, relative and squared, are treated as linearly
+ * dependent. */
+static const double MIN_INDEPENDENT = 1e-10;
+/* Sweeps without a smaller change after which the iteration counts as stagnating: rounding errors and the set-to-zero
+ * fix-up are then corrected as if they were changes. */
+enum { MAX_STAGNATION = 12 };
 
 #define SQRT_4PI 3.5449077018110318
 
 typedef double matrix[TY_ANDERSON_DEPTH][TY_ANDERSON_DEPTH];
 
-/* Sweeps that a rate is measured over: with corrections changes do not fall evenly, without they may be next to
- * nothing, and rounding theirs. */
-enum { SPAN = 8, CORRECTED_SPAN = 2 };
+/* Number of sweeps for measuring the convergence factor: accelerated changes decrease irregularly, unaccelerated ones
+ * can be so small that rounding dominates their ratio. */
+enum { SPAN = 8, DSA_SPAN = 2 };
 
 typedef struct iteration {
     ty_ordinates_job* job;
-    matrix products;      /* of changes */
-    double changes[SPAN]; /* rms, relative; of the last sweeps */
-    double least;         /* of all so far */
-    int32_t futile;       /* sweeps since then */
+    matrix products;      /* inner products of changes */
+    double changes[SPAN]; /* relative rms changes of the last sweeps */
+    double min_change;    /* smallest change so far */
+    int32_t stagnation;   /* sweeps since the smallest change */
 } iteration;
 
-/* ---- mixing ---- */
+/* ---- Anderson acceleration ---- */
 
-/* Solves a symmetric system; unknowns that others make up for are 0. */
+/* Solves a symmetric positive semidefinite system; linearly dependent unknowns are set to 0. */
 static void solve_symmetric(matrix a, double* b, int32_t n, double* x) {
-    bool known[TY_ANDERSON_DEPTH] = {false};
-    double first[TY_ANDERSON_DEPTH];
-    for (int32_t i = 0; i < n; ++i) first[i] = a[i][i];
+    bool independent[TY_ANDERSON_DEPTH] = {false};
+    double diagonal[TY_ANDERSON_DEPTH];
+    for (int32_t i = 0; i < n; ++i) diagonal[i] = a[i][i];
     for (int32_t i = 0; i < n; ++i) {
-        known[i] = a[i][i] > LEAST_PART * first[i];
-        for (int32_t j = i + 1; known[i] && j < n; ++j) {
+        independent[i] = a[i][i] > MIN_INDEPENDENT * diagonal[i];
+        for (int32_t j = i + 1; independent[i] && j < n; ++j) {
             const double factor = a[j][i] / a[i][i];
             for (int32_t k = i; k < n; ++k) a[j][k] -= factor * a[i][k];
             b[j] -= factor * b[i];
@@ -54,70 +54,71 @@ static void solve_symmetric(matrix a, double* b, int32_t n, double* x) {
     }
     for (int32_t i = n - 1; i >= 0; --i) {
         x[i] = 0;
-        if (!known[i]) continue;
+        if (!independent[i]) continue;
         double sum = b[i];
         for (int32_t j = i + 1; j < n; ++j) sum -= a[i][j] * x[j];
         x[i] = sum / a[i][i];
     }
 }
 
-/* Shares that make the least of the mixed change: the latest's, less x times its difference from each other's. */
-static void mix(const iteration* it) {
+/* Weights that minimise the norm of the mixed change c_last - sum_i x_i (c_last - c_i). */
+static void update_anderson_weights(const iteration* it) {
     ty_ordinates_job* job = it->job;
     const int32_t last = job->latest;
-    const double* own = it->products[last];
+    const double* with_latest = it->products[last];
     matrix a;
     double b[TY_ANDERSON_DEPTH], x[TY_ANDERSON_DEPTH];
     int32_t others[TY_ANDERSON_DEPTH] = {0}, n = 0;
     for (int32_t i = 0; i < job->count; ++i)
         if (i != last) others[n++] = i;
     for (int32_t i = 0; i < n; ++i) {
-        b[i] = own[last] - own[others[i]];
+        b[i] = with_latest[last] - with_latest[others[i]];
         for (int32_t j = 0; j < n; ++j)
-            a[i][j] = own[last] - own[others[i]] - own[others[j]] + it->products[others[i]][others[j]];
+            a[i][j] = with_latest[last] - with_latest[others[i]] - with_latest[others[j]] +
+                      it->products[others[i]][others[j]];
     }
     solve_symmetric(a, b, n, x);
-    job->shares[last] = 1;
+    job->anderson_weights[last] = 1;
     for (int32_t i = 0; i < n; ++i) {
-        job->shares[others[i]] = x[i];
-        job->shares[last] -= x[i];
+        job->anderson_weights[others[i]] = x[i];
+        job->anderson_weights[last] -= x[i];
     }
 }
 
 /* ---- sweeps ---- */
 
-/* NULL: there is none. */
-static const float* correction(ty_ordinates_job* job, bool first) {
-    if (job->correction == NULL) return NULL;
+/* NULL: no correction. */
+static const float* solve_dsa(ty_ordinates_job* job, bool first) {
+    if (job->dsa == NULL) return NULL;
     const double squares = ty_ordinates_residual(job, first);
-    ty_dsa_solve(job->correction, squares, first ? FIRST_REDUCTION : 0, first ? FIRST_CYCLES : CYCLES);
-    job->leaving[job->latest] += SQRT_4PI * ty_dsa_leakage(job->correction);
-    return ty_dsa_fluence(job->correction);
+    ty_dsa_solve(job->dsa, squares, first ? FIRST_REDUCTION : 0, first ? FIRST_CYCLES : CYCLES);
+    job->leaving[job->latest] += SQRT_4PI * ty_dsa_leakage(job->dsa);
+    return ty_dsa_fluence(job->dsa);
 }
 
-static void begin_with_first(ty_ordinates_job* job) {
-    job->shares[0] = 1;
+static void begin_from_guess(ty_ordinates_job* job) {
+    job->anderson_weights[0] = 1;
     job->count = 1;
-    job->given = true;
+    job->from_guess = true;
 }
 
 void ty_ordinates_start(ty_ordinates_job* job) {
     job->latest = 0;
     ty_ordinates_gather_low_order(job);
-    begin_with_first(job);
+    begin_from_guess(job);
 }
 
 void ty_ordinates_diffusion_initial_guess(ty_ordinates_job* job) {
     job->latest = 0;
-    ty_ordinates_correct(job, correction(job, true));
-    begin_with_first(job);
+    ty_ordinates_correct(job, solve_dsa(job, true));
+    begin_from_guess(job);
 }
 
-/* Where the next iterate goes: over a start, or over the one that changed the most. */
-static void make_room(const iteration* it) {
+/* Selects the slot of the next iterate: replaces the initial guess, or the iterate with the largest change. */
+static void select_slot(const iteration* it) {
     ty_ordinates_job* job = it->job;
-    if (job->given) job->count = 0;
-    job->given = false;
+    if (job->from_guess) job->count = 0;
+    job->from_guess = false;
     if (job->count < job->depth) {
         job->latest = job->count++;
         return;
@@ -127,26 +128,27 @@ static void make_room(const iteration* it) {
         if (it->products[i][i] > it->products[job->latest][job->latest]) job->latest = i;
 }
 
-/* What rounding took from the light or gave it, alike in most cells: next to nothing, but light that scatters ten
- * thousand times meets it as often. emitted, taken: sums over cells, W/m^3 / sqrt(4 pi); arrived: on walls, W. */
-static void account(ty_ordinates_job* job, double emitted, double arrived, double taken) {
+/* Relative loss of energy by rounding, uniform over most cells: negligible per sweep, but it accumulates over ten
+ * thousand scattering orders. emitted, removed: sums over cells, W/m^3 / sqrt(4 pi); incident: on faces, W. */
+static void measure_energy_deficit(ty_ordinates_job* job, double emitted, double incident, double removed) {
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
-    const double left = (job->leaving[job->latest] + arrived) / (volume * SQRT_4PI);
-    job->missing = taken > 0 ? (emitted - left) / taken - 1 : 0;
+    const double lost = (job->leaving[job->latest] + incident) / (volume * SQRT_4PI);
+    job->energy_deficit = removed > 0 ? (emitted - lost) / removed - 1 : 0;
 }
 
 static ty_result sweep(const iteration* it) {
     ty_ordinates_job* job = it->job;
     const double emitted = ty_ordinates_emit(job);
-    make_room(it);
+    select_slot(it);
     ty_ordinates_set_sweep_faces(job, job->sweep, job->latest);
-    const double begun = ty_wall_seconds();
+    const double started = ty_wall_seconds();
     const ty_result result =
         ty_sweep_run(job->sweep, job->emission, job->moments[job->latest], &job->leaving[job->latest], NULL);
-    job->stats->sweep_seconds += ty_wall_seconds() - begun;
+    job->stats->sweep_seconds += ty_wall_seconds() - started;
     ++job->stats->sweeps;
-    const double skins = ty_ordinates_diffusive_receive(job), arrived = skins + ty_ordinates_faces_receive(job);
-    account(job, emitted, arrived, ty_ordinates_gather_low_order(job));
+    const double interfaces = ty_ordinates_diffusive_receive(job),
+                 incident = interfaces + ty_ordinates_faces_receive(job);
+    measure_energy_deficit(job, emitted, incident, ty_ordinates_gather_low_order(job));
     job->leaving[job->latest] += ty_ordinates_diffusive_leakage(job);
     return result;
 }
@@ -155,7 +157,7 @@ static ty_result report(ty_ordinates_job* job) {
     const double now = ty_wall_seconds(), change = job->stats->change;
     if (job->def->progress == NULL || now - job->reported < REPORT_SECONDS) return TY_OK;
     job->reported = now;
-    /* Changes fall about geometrically. */
+    /* Changes decrease about geometrically. */
     const double done = change > 0 && change < 1 ? fmin(log(change) / log(job->def->tolerance), 1) : 0;
     const ty_progress progress = {.stage = "ordinates",
                                   .fraction = done,
@@ -164,64 +166,65 @@ static ty_result report(ty_ordinates_job* job) {
     return job->def->progress(job->def->progress_user, &progress) ? TY_OK : TY_CANCELLED;
 }
 
-/* What a sweep leaves of a change. */
+/* Convergence factor of a sweep. */
 static double rate_of(const iteration* it, double change) {
     const ty_ordinates_job* job = it->job;
-    const int32_t before = job->stats->sweeps - 1, longest = job->correction != NULL ? CORRECTED_SPAN : SPAN;
-    const int32_t span = before < longest ? before : longest;
-    if (span == 0) return SLOWEST;
-    const double first = it->changes[(before - span) % SPAN];
-    const double rate = first > 0 ? fmin(pow(change / first, 1.0 / span), SLOWEST) : SLOWEST;
-    return job->correction != NULL ? fmin(fmax(rate, CORRECTED_FASTEST), CORRECTED_SLOWEST) : rate;
+    const int32_t available = job->stats->sweeps - 1, longest = job->dsa != NULL ? DSA_SPAN : SPAN;
+    const int32_t span = available < longest ? available : longest;
+    if (span == 0) return MAX_RATE;
+    const double first = it->changes[(available - span) % SPAN];
+    const double rate = first > 0 ? fmin(pow(change / first, 1.0 / span), MAX_RATE) : MAX_RATE;
+    return job->dsa != NULL ? fmin(fmax(rate, DSA_MIN_RATE), DSA_MAX_RATE) : rate;
 }
 
-/* Of the energy, what is amiss: in thick media little of the light leaves, and little of it is much of what does. */
+/* Relative energy imbalance: in optically thick media little light leaves, so that a small error of the fluence is a
+ * large one of the leakage. */
 static double imbalance(const ty_ordinates_job* job, const ty_ordinates_sums* sums) {
-    if (job->thick.count == 0 || !(job->emitted > 0)) return 0;
+    if (job->diffusive.count == 0 || !(job->emitted > 0)) return 0;
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
     return fabs((job->leaving[job->latest] + volume * sums->absorbed) / job->emitted - 1);
 }
 
-/* Estimates what is still to come: what changes so shrink to, added up. */
-static void judge(iteration* it, const ty_ordinates_sums* sums) {
+/* Estimates the remaining error as the sum of a geometric series of changes. */
+static void estimate_convergence(iteration* it, const ty_ordinates_sums* sums) {
     ty_ordinates_stats* stats = it->job->stats;
     const double change = sums->change > 0 ? sqrt(sums->change / sums->fluence) : 0, rate = rate_of(it, change);
     stats->change = fmax(change * rate / (1 - rate), imbalance(it->job, sums));
     stats->converged = stats->change <= it->job->def->tolerance;
-    it->futile = change < it->least ? 0 : it->futile + 1;
-    it->least = fmin(it->least, change);
+    it->stagnation = change < it->min_change ? 0 : it->stagnation + 1;
+    it->min_change = fmin(it->min_change, change);
     it->changes[(stats->sweeps - 1) % SPAN] = change;
     if (stats->sweeps <= it->job->history_capacity) it->job->history[stats->sweeps - 1] = stats->change;
 }
 
-/* Of iterations that found no end: what changed the least. */
-static void take_best(const iteration* it) {
+/* Selects the iterate with the smallest change after an iteration without convergence. */
+static void select_best(const iteration* it) {
     ty_ordinates_job* job = it->job;
     for (int32_t i = 0; i < job->count; ++i)
         if (it->products[i][i] < it->products[job->latest][job->latest]) job->latest = i;
-    for (int32_t i = 0; i < job->count; ++i) job->shares[i] = i == job->latest ? 1 : 0;
+    for (int32_t i = 0; i < job->count; ++i) job->anderson_weights[i] = i == job->latest ? 1 : 0;
 }
 
-static bool goes_on(const iteration* it) {
+static bool continues(const iteration* it) {
     const ty_ordinates_def* def = it->job->def;
-    const int32_t limit = def->sweeps > 0 ? def->sweeps : it->job->correction != NULL ? 100 : 10000;
-    const bool hopeless = it->job->correction != NULL && it->futile >= PATIENCE;
-    return !it->job->stats->converged && it->job->stats->sweeps < limit && !hopeless;
+    const int32_t limit = def->sweeps > 0 ? def->sweeps : it->job->dsa != NULL ? 100 : 10000;
+    const bool stagnating = it->job->dsa != NULL && it->stagnation >= MAX_STAGNATION;
+    return !it->job->stats->converged && it->job->stats->sweeps < limit && !stagnating;
 }
 
 ty_result ty_ordinates_iterate(ty_ordinates_job* job) {
-    iteration it = {.job = job, .least = INFINITY};
+    iteration it = {.job = job, .min_change = INFINITY};
     ty_result result = TY_OK;
-    while (result == TY_OK && goes_on(&it)) {
+    while (result == TY_OK && continues(&it)) {
         result = sweep(&it);
         if (result != TY_OK) return result;
-        const ty_ordinates_sums sums = ty_ordinates_correct(job, correction(job, false));
+        const ty_ordinates_sums sums = ty_ordinates_correct(job, solve_dsa(job, false));
         for (int32_t i = 0; i < job->count; ++i)
             it.products[job->latest][i] = it.products[i][job->latest] = sums.products[i];
-        judge(&it, &sums);
-        mix(&it);
+        estimate_convergence(&it, &sums);
+        update_anderson_weights(&it);
         result = report(job);
     }
-    if (!job->stats->converged && !job->given) take_best(&it);
+    if (!job->stats->converged && !job->from_guess) select_best(&it);
     return result;
 }

@@ -1,4 +1,4 @@
-/* Loops over all cells that sweeps are told from, and corrected with. Sums are made plane by plane, in order. */
+/* Loops over all cells before and after a sweep. Sums are formed per plane and added in plane order. */
 #include "base/isa.h"
 #include "base/kernel.h"
 #include "base/parallel.h"
@@ -10,13 +10,13 @@
 
 #define SQRT_4PI 3.5449077018110318
 
-/* Boxes with fewer cells are worked on by one thread: waking others takes longer. */
+/* Smaller boxes run on one thread: waking the others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 12 };
 
 typedef struct loop {
     ty_ordinates_job* job;
     const float* const* planes;
-    float* const* places;
+    float* const* outputs;
     const float* from;
     float *to, *reduced, *absorption;
     int32_t count, terms;
@@ -34,13 +34,13 @@ ty_ordinates_sums ty_ordinates_total(const ty_ordinates_job* job) {
         total.fluence += s->fluence;
         total.emitted += s->emitted;
         total.absorbed += s->absorbed;
-        total.taken += s->taken;
+        total.removed += s->removed;
         for (int i = 0; i < TY_ANDERSON_DEPTH; ++i) total.products[i] += s->products[i];
     }
     return total;
 }
 
-/* Cells of a plane, and where they begin. */
+/* Cells per plane. */
 static size_t plane_cells(const ty_ordinates_job* job) {
     return (size_t)job->def->size[0] * (size_t)job->def->size[1];
 }
@@ -53,16 +53,16 @@ static double power(double base, int32_t exponent) {
     return product;
 }
 
-static bool is_sound(const ty_ordinates_def* def, size_t i) {
+static bool is_in_range(const ty_ordinates_def* def, size_t i) {
     const float sigma = def->extinction[i], scattering = def->scattering[i], g = def->g[i];
     return sigma >= 0 && sigma <= TY_FLOAT_MAX && scattering >= 0 && scattering <= sigma && g > -1 && g < 1;
 }
 
 static bool are_finite(const float* items, size_t count) {
-    int32_t amiss = 0;
-#pragma omp simd reduction(| : amiss)
-    for (size_t i = 0; i < count; ++i) amiss |= fabsf(items[i]) <= TY_FLOAT_MAX ? 0 : 1;
-    return amiss == 0;
+    int32_t invalid = 0;
+#pragma omp simd reduction(| : invalid)
+    for (size_t i = 0; i < count; ++i) invalid |= fabsf(items[i]) <= TY_FLOAT_MAX ? 0 : 1;
+    return invalid == 0;
 }
 
 static void scale_plane(void* user, int64_t z, int32_t worker) {
@@ -71,21 +71,21 @@ static void scale_plane(void* user, int64_t z, int32_t worker) {
     const ty_ordinates_job* job = l->job;
     const ty_ordinates_def* def = job->def;
     const size_t begin = (size_t)z * plane_cells(job);
-    bool sound = true;
+    bool valid = true;
     for (int32_t t = 0; t < def->source_terms; ++t)
-        sound = sound && are_finite(def->source[t] + begin, plane_cells(job));
+        valid = valid && are_finite(def->source[t] + begin, plane_cells(job));
     for (size_t i = begin; i < begin + plane_cells(job); ++i) {
-        sound = sound && is_sound(def, i);
+        valid = valid && is_in_range(def, i);
         const double g = (double)def->g[i];
         const double forward = def->scattered != NULL ? 1 - (double)def->scattered[0] : power(g, def->bands);
         const double sigma = (double)def->extinction[i], scattering = (double)def->scattering[i];
         job->extinction[i] = (float)(sigma - forward * scattering);
         if (l->reduced == NULL) continue;
-        const double turned = def->scattered != NULL ? (double)def->scattered[1] : g - forward;
-        l->reduced[i] = (float)(sigma - (def->bands > 1 ? forward + turned : forward) * scattering);
+        const double first_moment = def->scattered != NULL ? (double)def->scattered[1] : g - forward;
+        l->reduced[i] = (float)(sigma - (def->bands > 1 ? forward + first_moment : forward) * scattering);
         l->absorption[i] = (float)(sigma - scattering);
     }
-    job->sums[z].change = sound ? 0 : 1;
+    job->sums[z].change = valid ? 0 : 1;
 }
 
 bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption) {
@@ -96,8 +96,8 @@ bool ty_ordinates_scale(ty_ordinates_job* job, float* reduced, float* absorption
 
 /* ---- planes and cells ---- */
 
-/* Row by row: planes lie a power of two apart, so that one cell of each at a time would meet in the same lines of a
- * cache. */
+/* Row by row: planes lie a power of two apart, so that reading one cell of each plane at a time would map to the same
+ * cache lines. */
 static void gather_plane(void* user, int64_t z, int32_t worker) {
     (void)worker;
     const loop* l = user;
@@ -125,14 +125,14 @@ static void scatter_plane(void* user, int64_t z, int32_t worker) {
     for (size_t row = begin; row < begin + plane_cells(l->job); row += cells) {
         const float* from = l->from + row * terms;
         for (size_t t = 0; t < terms; ++t) {
-            float* to = l->places[t] + row;
+            float* to = l->outputs[t] + row;
             for (size_t x = 0; x < cells; ++x) to[x] = from[x * terms + t];
         }
     }
 }
 
 void ty_ordinates_scatter(ty_ordinates_job* job, const float* cells, int32_t terms, float* const* planes) {
-    loop l = {.job = job, .places = planes, .terms = terms, .from = cells};
+    loop l = {.job = job, .outputs = planes, .terms = terms, .from = cells};
     ty_ordinates_planes(job, scatter_plane, &l);
 }
 
@@ -153,21 +153,21 @@ void ty_ordinates_widen(ty_ordinates_job* job, const float* from, int32_t terms,
 
 /* ---- emission ---- */
 
-static ty_anderson_iterate mixture_of(const ty_ordinates_job* job) {
+static ty_anderson_iterate make_iterate(const ty_ordinates_job* job) {
     ty_anderson_iterate m = {.cells = job->def->size[0], .bands = job->def->bands};
     for (int32_t i = 0; i < job->count; ++i) {
-        if (job->shares[i] == 0) continue;
+        if (job->anderson_weights[i] == 0) continue;
         m.moments[m.count] = job->moments[i];
-        m.low[m.count] = job->low[i];
-        m.shares[m.count++] = (float)job->shares[i];
+        m.low_order[m.count] = job->low_order[i];
+        m.anderson_weights[m.count++] = (float)job->anderson_weights[i];
     }
     m.scattering = job->def->scattering;
     m.g = job->def->g;
     m.scattered = job->def->scattered;
     m.source = job->def->source[0];
-    m.fixed = job->fixed;
-    m.thick = job->thick.count > 0 ? job->thick.slots : NULL;
-    m.before = job->before;
+    m.source_lm = job->source_lm;
+    m.diffusive = job->diffusive.count > 0 ? job->diffusive.slots : NULL;
+    m.mixed = job->mixed;
     m.emission = job->emission;
     return m;
 }
@@ -187,7 +187,7 @@ static void emit_plane(void* user, int64_t z, int32_t worker) {
     const loop* l = user;
     const ty_ordinates_job* job = l->job;
     const ty_anderson_kernels* kernels = best_kernels();
-    const ty_anderson_iterate m = mixture_of(job);
+    const ty_anderson_iterate m = make_iterate(job);
     const size_t begin = (size_t)z * plane_cells(job), cells = (size_t)job->def->size[0];
     double sum = 0;
     for (size_t i = begin; i < begin + plane_cells(job); i += cells) sum += kernels->emit(&m, i);
@@ -198,8 +198,8 @@ double ty_ordinates_emit(ty_ordinates_job* job) {
     loop l = {.job = job};
     ty_ordinates_planes(job, emit_plane, &l);
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2] * SQRT_4PI;
-    const double walls = ty_ordinates_faces_emit(job), skins = ty_ordinates_diffusive_emit(job);
-    return ty_ordinates_total(job).emitted + (walls + skins + job->stats->entering) / volume;
+    const double walls = ty_ordinates_faces_emit(job), interfaces = ty_ordinates_diffusive_emit(job);
+    return ty_ordinates_total(job).emitted + (walls + interfaces + job->stats->entering) / volume;
 }
 
 /* ---- energy ---- */

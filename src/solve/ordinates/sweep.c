@@ -1,4 +1,4 @@
-/* Sweeps: blocks of rows that light goes through, those that wait for no others at once. */
+/* Transport sweep: blocks of rows in wavefronts of independent blocks. */
 #include "solve/ordinates/sweep_kernel.h"
 
 #include "base/arena.h"
@@ -10,34 +10,34 @@
 #include <string.h>
 
 enum { TERMS_MAX = TY_SCATTERING_ORDER_MAX * TY_SCATTERING_ORDER_MAX };
-/* Of all kernels. */
+/* Maximum of all kernels. */
 enum { LANES_MAX = 16 };
-/* Rows along y and z of a block: what its faces hold stays in a processor's cache. */
+/* Rows of a block along y and z: the radiance at its faces fits in the cache. */
 enum { BLOCK_ROWS = 8 };
 
 struct ty_sweep {
     ty_context* context;
     const ty_sweep_kernels* kernels;
     ty_sweep_box box;
-    float* boundary_radiance[8]; /* as the box has it */
+    float* boundary_radiance[8]; /* writable alias of the box's arrays */
     int32_t blocks[2];           /* along y, z */
-    size_t scratch_floats;       /* of a thread */
+    size_t scratch_floats;       /* per thread */
     float* scratch;
-    ty_sweep_sums* sums; /* one for each block */
-    double leaving[8];   /* of an octant, along y and z */
+    ty_sweep_sums* sums; /* one per block */
+    double leaving[8];   /* per octant, through faces across y and z */
     void* memory;
     size_t bytes;
 };
 
-/* ---- what all sweeps share ---- */
+/* ---- data of all sweeps ---- */
 
-static int32_t whole(int32_t count, int32_t of) {
-    return (count + of - 1) / of * of;
+static int32_t round_up(int32_t count, int32_t multiple) {
+    return (count + multiple - 1) / multiple * multiple;
 }
 
-/* Arrays of the box, which is const to the kernels. */
+/* Writable arrays of the box, which is const to the kernels. */
 typedef struct tables {
-    int32_t *order, *place;
+    int32_t *order, *position;
     float *two_mu_over_h[3], *partial_current_weight[3], *y_lm[4], *weighted_y_lm[4];
 } tables;
 
@@ -51,7 +51,7 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
         box->two_mu_over_h[a] = t.two_mu_over_h[a] = ty_arena_take(arena, sizeof(float) * lanes);
         box->partial_current_weight[a] = t.partial_current_weight[a] = ty_arena_take(arena, sizeof(float) * lanes);
     }
-    box->place = t.place = ty_arena_take(arena, sizeof(int32_t) * (size_t)whole(box->terms, box->lanes));
+    box->position = t.position = ty_arena_take(arena, sizeof(int32_t) * (size_t)round_up(box->terms, box->lanes));
     for (int i = 0; i < 4; ++i) {
         box->y_lm[i] = t.y_lm[i] = ty_arena_take(arena, sizeof(float) * (size_t)box->terms * lanes);
         box->weighted_y_lm[i] = t.weighted_y_lm[i] = ty_arena_take(arena, sizeof(float) * padded * lanes);
@@ -68,7 +68,7 @@ static tables lay_out(ty_sweep* sweep, ty_arena* arena) {
     return t;
 }
 
-/* Whether a harmonic of number l (l + 1) + m changes sign where x does: for m >= 0 it goes with cos m phi. */
+/* True if harmonic l (l + 1) + m changes sign with x: for m >= 0 it varies as cos m phi. */
 static bool is_odd(int32_t term) {
     int32_t l = 0;
     while ((l + 1) * (l + 1) <= term) ++l;
@@ -79,8 +79,8 @@ static bool is_odd(int32_t term) {
 static void fill_order(const ty_sweep_box* box, const tables* t) {
     for (int32_t term = 0, even = 0, odd = box->even; term < box->terms; ++term)
         t->order[is_odd(term) ? odd++ : even++] = term;
-    for (int32_t i = 0; i < whole(box->terms, box->lanes); ++i) t->place[i] = -1;
-    for (int32_t i = 0; i < box->terms; ++i) t->place[box->order[i]] = i;
+    for (int32_t i = 0; i < round_up(box->terms, box->lanes); ++i) t->position[i] = -1;
+    for (int32_t i = 0; i < box->terms; ++i) t->position[box->order[i]] = i;
 }
 
 static void fill_direction(const ty_sweep* sweep, const tables* t, const ty_angular_quadrature* set, int32_t bands,
@@ -91,8 +91,8 @@ static void fill_direction(const ty_sweep* sweep, const tables* t, const ty_angu
     double y[TERMS_MAX];
     ty_harmonics_at(w, bands, y);
     for (int32_t at = 0; at < box->terms; ++at) {
-        const int32_t split = at < box->even ? at : whole(box->even, box->lanes) + at - box->even;
-        t->weighted_y_lm[pair][i * box->padded + split] = (float)((double)set->weight[d] * y[box->order[at]]);
+        const int32_t parity_index = at < box->even ? at : round_up(box->even, box->lanes) + at - box->even;
+        t->weighted_y_lm[pair][i * box->padded + parity_index] = (float)((double)set->weight[d] * y[box->order[at]]);
         t->y_lm[pair][at * lanes + i] = (float)y[box->order[at]];
     }
 }
@@ -103,12 +103,12 @@ static void fill(ty_sweep* sweep, const tables* t, const double cell[3], const t
     fill_order(box, t);
     for (int32_t i = 0; i < box->groups * box->lanes; ++i)
         for (int a = 0; a < 3; ++a) {
-            const bool is = i < box->directions;
-            const double cosine = is ? (double)set->direction[a][i] : cell[a];
+            const bool exists = i < box->directions;
+            const double cosine = exists ? (double)set->direction[a][i] : cell[a];
             t->two_mu_over_h[a][i] = (float)(2 * cosine / cell[a]);
             const double volume = cell[0] * cell[1] * cell[2];
             t->partial_current_weight[a][i] =
-                is ? (float)(0.5 * (double)t->two_mu_over_h[a][i] * volume * (double)set->weight[i]) : 0;
+                exists ? (float)(0.5 * (double)t->two_mu_over_h[a][i] * volume * (double)set->weight[i]) : 0;
         }
     for (int32_t pair = 0; pair < 4; ++pair)
         for (int32_t i = 0; i < box->directions; ++i) fill_direction(sweep, t, set, bands, pair, i);
@@ -124,13 +124,13 @@ ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kern
     sweep->kernels = kernels;
     sweep->box = (ty_sweep_box){.size = {size[0], size[1], size[2]},
                                 .lanes = kernels->lanes,
-                                .groups = whole(set->first[1], kernels->lanes) / kernels->lanes,
+                                .groups = round_up(set->first[1], kernels->lanes) / kernels->lanes,
                                 .directions = set->first[1],
                                 .terms = bands * bands,
                                 .even = bands * (bands + 1) / 2,
                                 .extinction = extinction};
-    sweep->box.padded = whole(sweep->box.even, kernels->lanes) + whole(bands * (bands - 1) / 2, kernels->lanes);
-    for (int a = 0; a < 2; ++a) sweep->blocks[a] = whole(size[a + 1], BLOCK_ROWS) / BLOCK_ROWS;
+    sweep->box.padded = round_up(sweep->box.even, kernels->lanes) + round_up(bands * (bands - 1) / 2, kernels->lanes);
+    for (int a = 0; a < 2; ++a) sweep->blocks[a] = round_up(size[a + 1], BLOCK_ROWS) / BLOCK_ROWS;
     sweep->scratch_floats = kernels->scratch(&sweep->box);
     ty_arena arena = {0};
     lay_out(sweep, &arena);
@@ -187,7 +187,7 @@ double ty_sweep_operations(int32_t bands) {
     return 4.0 * bands * bands + 16;
 }
 
-/* ---- a sweep ---- */
+/* ---- one sweep ---- */
 
 typedef struct sweep_job {
     ty_sweep* sweep;
@@ -196,28 +196,28 @@ typedef struct sweep_job {
     int32_t stage;
 } sweep_job;
 
-/* A row of faces that light comes in through. */
-static void open_row(const ty_sweep_box* box, const float* inflow, float* faces) {
+/* Sets a row of upwind faces to the boundary radiance. */
+static void set_boundary_row(const ty_sweep_box* box, const float* boundary, float* faces) {
     for (ptrdiff_t x = 0; x < box->size[0]; ++x)
-        memcpy(faces + x * box->lanes, inflow, sizeof(float) * (size_t)box->lanes);
+        memcpy(faces + x * box->lanes, boundary, sizeof(float) * (size_t)box->lanes);
 }
 
-/* What comes in where a block is the first along an axis. */
-static void open_faces(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
+/* Sets the boundary radiance of a block that is the first along an axis. */
+static void set_boundary_faces(const ty_sweep_box* box, const ty_sweep_block* block, const bool first[2]) {
     const ptrdiff_t row = (ptrdiff_t)box->size[0] * box->lanes;
     for (int32_t o = 2 * block->pair; o < 2 * block->pair + 2; ++o)
         for (ptrdiff_t g = 0; g < box->groups; ++g) {
-            const float* inflow = box->boundary_radiance[o] + g * box->lanes;
+            const float* boundary = box->boundary_radiance[o] + g * box->lanes;
             for (int32_t z = block->begin[1]; z < block->end[1] && first[0]; ++z)
-                open_row(box, inflow, box->faces_y[o] + (g * box->size[2] + z) * row);
+                set_boundary_row(box, boundary, box->faces_y[o] + (g * box->size[2] + z) * row);
             for (int32_t y = block->begin[0]; y < block->end[0] && first[1]; ++y)
-                open_row(box, inflow, box->faces_z[o] + (g * box->size[1] + y) * row);
+                set_boundary_row(box, boundary, box->faces_z[o] + (g * box->size[1] + y) * row);
         }
 }
 
-/* Light reaches a block so many blocks after the one in the corner where it comes in. A block that several pairs of
- * octants reach at once is gone through by one after another: its moments are sums in a fixed order. */
-static void cross_block(void* user, int64_t index, int32_t worker) {
+/* The wavefront stage of a block is its distance in blocks from the octant's first corner. A block that several pairs
+ * of octants reach in the same stage is swept by one after another, so that its moments are sums in a fixed order. */
+static void sweep_block(void* user, int64_t index, int32_t worker) {
     const sweep_job* job = user;
     ty_sweep* sweep = job->sweep;
     const int32_t* blocks = sweep->blocks;
@@ -228,10 +228,10 @@ static void cross_block(void* user, int64_t index, int32_t worker) {
         block.begin[a] = at[a] * BLOCK_ROWS;
         block.end[a] = end < size ? end : size;
     }
-    int32_t stages[4], way[4][2], first = 0, last = 0;
+    int32_t stages[4], distance[4][2], first = 0, last = 0;
     for (int32_t pair = 0; pair < 4; ++pair) {
-        for (int a = 0; a < 2; ++a) way[pair][a] = (pair >> a & 1) != 0 ? blocks[a] - 1 - at[a] : at[a];
-        stages[pair] = way[pair][0] + way[pair][1];
+        for (int a = 0; a < 2; ++a) distance[pair][a] = (pair >> a & 1) != 0 ? blocks[a] - 1 - at[a] : at[a];
+        stages[pair] = distance[pair][0] + distance[pair][1];
         if (stages[pair] < stages[first]) first = pair;
         if (stages[pair] >= stages[last]) last = pair;
     }
@@ -239,20 +239,21 @@ static void cross_block(void* user, int64_t index, int32_t worker) {
         if (stages[block.pair] != job->stage) continue;
         block.first = block.pair == first;
         block.last = block.pair == last;
-        open_faces(&sweep->box, &block, (const bool[2]){way[block.pair][0] == 0, way[block.pair][1] == 0});
+        set_boundary_faces(&sweep->box, &block,
+                           (const bool[2]){distance[block.pair][0] == 0, distance[block.pair][1] == 0});
         sweep->kernels->cross(&sweep->box, &block, job->emission, job->moments,
                               sweep->scratch + sweep->scratch_floats * (size_t)worker, &sweep->sums[index]);
     }
 }
 
-static double sum_faces(const ty_sweep_box* box, const float* faces, const float* through, int32_t rows) {
+static double sum_faces(const ty_sweep_box* box, const float* faces, const float* current_weight, int32_t rows) {
     double sum = 0;
     for (int32_t g = 0; g < box->groups; ++g) {
         double lanes[LANES_MAX] = {0};
         for (ptrdiff_t i = 0; i < (ptrdiff_t)rows * box->size[0]; ++i, faces += box->lanes)
 #pragma omp simd
             for (int32_t l = 0; l < box->lanes; ++l) lanes[l] += (double)faces[l];
-        for (int32_t l = 0; l < box->lanes; ++l) sum += lanes[l] * (double)through[g * box->lanes + l];
+        for (int32_t l = 0; l < box->lanes; ++l) sum += lanes[l] * (double)current_weight[g * box->lanes + l];
     }
     return sum;
 }
@@ -272,7 +273,7 @@ ty_result ty_sweep_run(ty_sweep* sweep, const float* emission, float* moments, d
     if (walls != NULL) memset(walls->incident_power, 0, sizeof(float) * (size_t)walls->count);
     sweep_job job = {.sweep = sweep, .emission = emission, .moments = moments};
     for (; job.stage < sweep->blocks[0] + sweep->blocks[1] - 1; ++job.stage)
-        ty_parallel_flushed(sweep->context, blocks, cross_block, &job);
+        ty_parallel_flushed(sweep->context, blocks, sweep_block, &job);
     ty_sweep_sums all = {0};
     for (int64_t i = 0; i < blocks; ++i) {
         all.leaving += sweep->sums[i].leaving;

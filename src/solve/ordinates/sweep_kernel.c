@@ -406,7 +406,7 @@ TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands
 TY_INLINE void reorder_cell(const ty_sweep_box* box, const float* sum, float* moments, const ptrdiff_t terms) {
 #if defined(__AVX512F__)
     for (ptrdiff_t t = 0; t < terms; t += LANES) {
-        const __m512i place = _mm512_load_si512(box->place + t), from = _mm512_srai_epi32(place, 4);
+        const __m512i place = _mm512_load_si512(box->position + t), from = _mm512_srai_epi32(place, 4);
         __m512 whole = _mm512_setzero_ps();
         for (int32_t s = 0; s * LANES < terms; ++s)
             whole = _mm512_mask_permutexvar_ps(whole, _mm512_cmpeq_epi32_mask(from, _mm512_set1_epi32(s)), place,
@@ -414,7 +414,7 @@ TY_INLINE void reorder_cell(const ty_sweep_box* box, const float* sum, float* mo
         _mm512_mask_storeu_ps(moments + t, (__mmask16)(terms - t < LANES ? (1 << (terms - t)) - 1 : 0xffff), whole);
     }
 #else
-    for (ptrdiff_t t = 0; t < terms; ++t) moments[t] = sum[box->place[t]];
+    for (ptrdiff_t t = 0; t < terms; ++t) moments[t] = sum[box->position[t]];
 #endif
 }
 

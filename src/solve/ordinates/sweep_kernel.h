@@ -1,59 +1,61 @@
-/* Light through a block of cells along the directions of two octants, built once per instruction set. */
+/* Sweep of a block of cells along the directions of two octants. Compiled once per instruction set. */
 #ifndef TY_SOLVE_ORDINATES_SWEEP_KERNEL_H
 #define TY_SOLVE_ORDINATES_SWEEP_KERNEL_H
 
 #include "solve/ordinates/sweep.h"
 
-/* Cells of a row that are worked on at once. */
+/* Cells of a row that are evaluated together. */
 enum { TY_SWEEP_CELLS = 8 };
 
-/* What all blocks share. Directions of an octant lie in groups of as many as the kernel has lanes, the last of them
- * filled up with dark ones; those of all octants are each other's mirror images. An octant's number says in bits 0 to 2
- * whether its directions go down along x, y and z. */
+/* Data shared by all blocks. Directions of an octant are grouped by SIMD lanes, the last group padded with directions
+ * of zero weight; the octants are mirror images of each other. Bits 0 to 2 of an octant's number: its directions are
+ * negative along x, y and z. */
 typedef struct ty_sweep_box {
     int32_t size[3];
-    int32_t lanes, groups, directions; /* directions: of an octant */
-    int32_t terms;                     /* harmonics */
-    int32_t even;                      /* of them, those that mirroring along x leaves as they are */
-    int32_t padded;                    /* these, and the others, each filled up to whole lanes */
-    const int32_t* order;              /* the terms, even ones first */
-    const int32_t* place;              /* of each term in that order; filled up to whole lanes with -1 */
+    int32_t lanes, groups, directions; /* directions: per octant */
+    int32_t terms;                     /* number of harmonics */
+    int32_t even;                      /* number of harmonics with even parity in x */
+    int32_t padded;                    /* both parities, each padded to whole lanes */
+    const int32_t* order;              /* terms, even parity first */
+    const int32_t* position;           /* position of each term in `order`; padded to whole lanes with -1 */
     const float* extinction;
-    const float* two_mu_over_h[3];          /* 2 |cosine| / edge, 1/m, one for each direction */
-    const float* partial_current_weight[3]; /* of faces along each axis: W for each unit of radiance */
-    const float* y_lm[4];                   /* of octant 2 i: terms in `order`, of each all directions */
+    const float* two_mu_over_h[3];          /* 2 |mu| / h per direction, 1/m */
+    const float* partial_current_weight[3]; /* per direction and face across each axis: W per unit of radiance */
+    const float* y_lm[4];                   /* octant 2 i: all directions of each term in `order` */
+    /* Incident radiance of each direction of an octant, uniform over the box's faces. */
+    const float* boundary_radiance[8];
     const float*
-        boundary_radiance[8];      /* radiance of an octant's each direction that comes in through the box's faces */
-    const float* weighted_y_lm[4]; /* of octant 2 i, each direction: `padded` harmonics in `order` times its weight */
-    /* Radiance that goes into the next cells along y and z: of each group planes of x and z, and of x and y. */
+        weighted_y_lm[4]; /* octant 2 i, per direction: `padded` harmonics in `order` times the direction's weight */
+    /* Upwind radiance of the next cells along y and z: per group, planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
-    const ty_sweep_faces* walls; /* NULL: there are none */
+    const ty_sweep_faces* walls; /* NULL: no boundary faces */
 } ty_sweep_box;
 
-/* Rows of cells, which two octants that differ in x alone go through: 2 * pair and the next. */
+/* Block of rows for a pair of octants that differ in x only: 2 * pair and 2 * pair + 1. */
 typedef struct ty_sweep_block {
     int32_t pair;
     int32_t begin[2], end[2]; /* y, z */
-    bool first, last;         /* of the pairs that go through */
+    bool first, last;         /* this pair is the first, the last of four to sweep the block */
 } ty_sweep_block;
 
 typedef struct ty_sweep_sums {
-    double leaving; /* through the faces at the ends of rows, W */
-    int64_t fixups; /* cells, of each direction, that had a face held at 0 */
+    double leaving; /* through faces at the ends of rows, W */
+    int64_t fixups; /* cells and directions with a set-to-zero fix-up */
 } ty_sweep_sums;
 
 typedef struct ty_sweep_kernels {
     int32_t lanes;
-    /* Floats of scratch memory, which starts as zeros and belongs to one thread at a time. */
+    /* Floats of scratch memory, initially 0, for one thread at a time. */
     size_t (*scratch)(const ty_sweep_box* box);
-    /* Adds to sums, and to moments, which the first pair puts there; their terms are in `order` until the last did. */
+    /* Adds to sums, and to moments, which the first pair initialises; their terms are in `order` until the last pair is
+     * done. */
     void (*cross)(const ty_sweep_box* box, const ty_sweep_block* block, const float* emission, float* moments,
                   float* scratch, ty_sweep_sums* sums);
 } ty_sweep_kernels;
 
 extern const ty_sweep_kernels ty_sweep_kernels_v1, ty_sweep_kernels_v3, ty_sweep_kernels_v4;
 
-/* ty_sweep_create with kernels of one's choice, for tests. */
+/* ty_sweep_create with explicit kernels, for tests. */
 ty_result ty_sweep_create_with(ty_context* context, const ty_sweep_kernels* kernels, const int32_t size[3],
                                const double cell[3], const ty_angular_quadrature* set, int32_t bands,
                                const float* extinction, ty_sweep** out);
