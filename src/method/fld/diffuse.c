@@ -29,7 +29,7 @@ ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
     static const ty_boundary_kind boundaries[] = {TY_BOUNDARY_MARSHAK, TY_BOUNDARY_DIRICHLET};
     static const ty_diffusion_solver solvers[] = {TY_DIFFUSION_MULTIGRID, TY_DIFFUSION_SOR, TY_DIFFUSION_SOR_FLOAT};
     ty_diffusion_def def = ty_default_diffusion_def();
-    def.least_extinction = fld->sigma_eps;
+    def.min_extinction = fld->sigma_eps;
     def.limiter = limiters[fld->limiter];
     def.larsen_power = fld->larsen_power;
     def.streaming = fld->streaming > 0 ? fld->streaming : own_streaming(job);
@@ -38,7 +38,7 @@ ty_diffusion_def ty_fld_diffusion_def(const ty_fld_job* job) {
     def.relaxation = fld->relaxation;
     def.tolerance = fld->tolerance;
     def.iterations = fld->iterations;
-    def.least_iterations = fld->limiter != TY_FLD_LIMITER_NONE ? LEAST_ITERATIONS : 0;
+    def.min_iterations = fld->limiter != TY_FLD_LIMITER_NONE ? LEAST_ITERATIONS : 0;
     return def;
 }
 

@@ -129,7 +129,7 @@ static void fill_term(const ty_pop* light, int c, int t, float* out) {
 
 static ty_result make_seen(const ty_pop* light, fields* f) {
     f->seen = (ty_source_field){.box = light->merged.box,
-                                .term_count = light->diffuse != NULL && !light->diffuse->even ? TY_FIELD_TERMS : 1,
+                                .term_count = light->diffuse != NULL && !light->diffuse->isotropic ? TY_FIELD_TERMS : 1,
                                 .guide = light->guide};
     for (int c = 0; c < 3; ++c)
         for (int t = 0; t < f->seen.term_count; ++t) {

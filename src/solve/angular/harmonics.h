@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/* The first bands^2 of them at a unit vector. */
+/* Evaluates the first bands^2 harmonics at a unit vector. */
 void ty_harmonics_at(const double w[3], int32_t bands, double* y);
 
 #endif

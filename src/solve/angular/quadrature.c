@@ -1,19 +1,19 @@
 /* Directions for discrete ordinates.
  *
- * A set is mirrored along the three axes and the same along each of them: with a direction it has all 48 (or 24, or 8)
- * that swapping and mirroring axes makes of it. Whatever the weights, sums of harmonics then vanish but for the few
- * that look the same themselves, about (L + 1)^2 / 48 up to order L; directions and weights are such that these vanish
- * too, as far as there are unknowns. From 24 directions on they are also such that as much of even light flows through
- * planes across the axes as should: what leaves a box is light of half of the directions, of which sums over all know
- * nothing, and its fluence would be some 0.5% too small with 96 directions, 2% with 24. All weights are positive, no
- * direction lies in a plane of the axes, and an octant's are swept together.
+ * A set is symmetric under mirroring and permutation of the axes: a direction comes with all its 48 (or 24, or 8)
+ * images. For any weights, sums of harmonics then vanish except for the few invariant ones, about (L + 1)^2 / 48 up to
+ * order L; directions and weights make these vanish too, as far as there are unknowns. With 24 or more directions the
+ * set also satisfies the half-range flux condition (sum over mu > 0 of w mu = pi) exactly. Full-range sums cannot see
+ * it, and without it the fluence at a boundary is 0.5 % low with 96 directions, 2 % with 24. All weights are positive,
+ * no direction lies in a plane of the axes, and directions of an octant are contiguous.
  *
- * A set that is exact to order 2 L - 2 keeps L bands of harmonics apart: what scatters is neither lost nor turned. */
+ * A set that is exact to order 2 L - 2 keeps L bands of harmonics orthogonal: scattering conserves energy and
+ * direction. */
 #include "base/context.h"
 #include "solve/angular/quadrature_table.h"
 #include "solve/ordinates/ordinates.h"
 
-/* Orders of three components; an orbit's directions are the first of them, no two of which are the same. */
+/* Permutations of three components; an orbit's directions are the first of them that are distinct. */
 static const int8_t orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
 
 static int32_t orbit_size(const double w[3]) {
@@ -34,7 +34,8 @@ static int32_t fill_octant(const ty_octant_quadrature* octant, ty_angular_quadra
     return at;
 }
 
-ty_result ty_angular_quadrature_create(ty_context* context, int32_t count, ty_angular_quadrature* out, int32_t* exact) {
+ty_result ty_angular_quadrature_create(ty_context* context, int32_t count, ty_angular_quadrature* out,
+                                       int32_t* exactness_order) {
     if (count < 8 || count > TY_ORDINATES_MAX)
         return ty_fail(context, TY_ERROR_ARGUMENT, "%d ordinates: 8 to %d are possible", (int)count, TY_ORDINATES_MAX);
     const ty_octant_quadrature* octant = ty_octant_quadrature_near(count / 8.0);
@@ -49,6 +50,6 @@ ty_result ty_angular_quadrature_create(ty_context* context, int32_t count, ty_an
         }
     }
     out->first[8] = out->count;
-    if (exact != NULL) *exact = octant->exact;
+    if (exactness_order != NULL) *exactness_order = octant->exactness_order;
     return TY_OK;
 }

@@ -1,5 +1,6 @@
-/* Octants of the sets of directions: found by minimising the squares of what must vanish, from random starts; of those
- * that reach 0 one whose weights and distances are nearly even. tests/test_solve_ordinate_set.c holds them to it. */
+/* Octants of the angular quadratures, found by minimising the sum of squares of the moments that must vanish, from
+ * random starts; of the solutions, one with nearly uniform weights and distances is taken.
+ * tests/test_solve_ordinate_set.c checks their moments. */
 #include "solve/angular/quadrature_table.h"
 
 #include <math.h>

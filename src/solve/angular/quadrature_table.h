@@ -1,10 +1,11 @@
-/* Sets of directions that look the same along all axes: what one octant of each is made of. */
+/* Angular quadratures that are symmetric in all axes, one octant each. */
 #ifndef TY_SOLVE_ANGULAR_QUADRATURE_TABLE_H
 #define TY_SOLVE_ANGULAR_QUADRATURE_TABLE_H
 
 #include <stdint.h>
 
-/* A direction, which stands for all its permutations (1, 3 or 6), and the weight of each: an octant's add up to 1. */
+/* A direction that represents all its distinct permutations (1, 3 or 6), and the weight of each; the weights of an
+ * octant sum to 1. */
 typedef struct ty_symmetry_orbit {
     double direction[3];
     double weight;
@@ -12,12 +13,12 @@ typedef struct ty_symmetry_orbit {
 
 typedef struct ty_octant_quadrature {
     int32_t directions;
-    int32_t exact; /* order of harmonics up to which their weighted sums over all octants vanish, but the first's */
-    int32_t count; /* of orbits */
+    int32_t exactness_order; /* order up to which weighted sums of harmonics over all octants vanish, except l = 0 */
+    int32_t count;           /* number of orbits */
     const ty_symmetry_orbit* orbits;
 } ty_octant_quadrature;
 
-/* The one whose number of directions is nearest. */
+/* The quadrature with the closest number of directions. */
 const ty_octant_quadrature* ty_octant_quadrature_near(double directions);
 
 #endif

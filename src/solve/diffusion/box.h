@@ -1,4 +1,4 @@
-/* A box of cells in memory: a layer of ghosts around it, rows padded to even numbers. */
+/* Memory layout of a box of cells: one layer of ghosts, rows padded to an even length. */
 #ifndef TY_SOLVE_DIFFUSION_BOX_H
 #define TY_SOLVE_DIFFUSION_BOX_H
 
@@ -6,7 +6,7 @@
 
 typedef struct ty_box {
     int32_t size[3];
-    ptrdiff_t row, plane; /* items from one row, one plane to the next */
+    ptrdiff_t row, plane; /* stride between rows, and between planes */
 } ty_box;
 
 static inline ty_box ty_box_make(int32_t nx, int32_t ny, int32_t nz) {
@@ -14,7 +14,7 @@ static inline ty_box ty_box_make(int32_t nx, int32_t ny, int32_t nz) {
     return (ty_box){.size = {nx, ny, nz}, .row = row, .plane = row * (ny + 2)};
 }
 
-/* Items of an array, and of it those before cell (0, 0, 0). */
+/* Number of items of an array, and the offset of cell (0, 0, 0). */
 static inline size_t ty_box_items(const ty_box* box) {
     return (size_t)(box->plane * (box->size[2] + 2) + 16);
 }
@@ -27,7 +27,7 @@ static inline ptrdiff_t ty_box_at(const ty_box* box, int32_t y, int32_t z) {
     return box->row * y + box->plane * z;
 }
 
-/* The same for arrays without ghosts. */
+/* Offset of a row in arrays without ghosts. */
 static inline ptrdiff_t ty_box_dense(const ty_box* box, int32_t y, int32_t z) {
     return ((ptrdiff_t)z * box->size[1] + y) * box->size[0];
 }

@@ -1,4 +1,4 @@
-/* Loops over planes of cells of the non-linear problem; built once per instruction set, with TY_ISA naming it. */
+/* Loops over planes of cells of the nonlinear problem. Compiled once per instruction set, which TY_ISA names. */
 #include "solve/diffusion/cell_kernel.h"
 
 #include "solve/diffusion/cells.k.h"
@@ -9,10 +9,10 @@
 
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
-/* What is inlined where a limiter is known, so that loops have no choices. */
+/* Inlined with the limiter known at compile time, so that loops have no branches. */
 #define INLINE static inline __attribute__((always_inline))
 
-/* A row of the box: couplings to the six neighbours, 0 where a boundary is, and what is there instead. */
+/* A row of the box: couplings to the six neighbours (0 at boundaries), and the boundary terms. */
 typedef struct row_view {
     const float *extinction, *absorption, *source;
     float k[6];
@@ -24,15 +24,15 @@ static bool is_edge(const ty_cells* cells, int32_t y, int32_t z) {
     return y == 0 || z == 0 || y == cells->box.size[1] - 1 || z == cells->box.size[2] - 1;
 }
 
-/* Of a row the cells that are among the `depth` nearest to a face of the box: so many ranges, with their ends. */
+/* Cells of a row within `depth` cells of a face of the box; returns the number of ranges. */
 static int32_t ranges_within(const ty_cells* cells, int32_t depth, int32_t y, int32_t z, int32_t ranges[2][2]) {
     const int32_t *size = cells->box.size, nx = size[0];
-    const bool whole = y < depth || z < depth || y >= size[1] - depth || z >= size[2] - depth || 2 * depth >= nx;
+    const bool is_full = y < depth || z < depth || y >= size[1] - depth || z >= size[2] - depth || 2 * depth >= nx;
     ranges[0][0] = 0;
-    ranges[0][1] = whole ? nx : depth;
+    ranges[0][1] = is_full ? nx : depth;
     ranges[1][0] = nx - depth;
     ranges[1][1] = nx;
-    return whole ? 1 : 2;
+    return is_full ? 1 : 2;
 }
 
 INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t face) {
@@ -42,19 +42,19 @@ INLINE void set_side(const ty_cells* cells, row_view* view, int side, ptrdiff_t 
     view->value[side] = cells->sides[side].value + face;
 }
 
-INLINE void open_side(const ty_cells* cells, row_view* view, int side) {
+INLINE void set_interior(const ty_cells* cells, row_view* view, int side) {
     view->k[side] = cells->coupling[side / 2];
     view->a[side] = view->b[side] = 0;
     view->value[side] = cells->zeros;
 }
 
-/* Without boundaries along x. Rows are set in place: copies of views would wait for what was just written. */
+/* Without boundaries along x. Rows are initialised in place: copying a view would stall on store forwarding. */
 INLINE void set_row(const ty_cells* cells, int32_t y, int32_t z, row_view* view) {
     const ptrdiff_t at = ty_box_dense(&cells->box, y, z);
     view->extinction = cells->extinction + at;
     view->absorption = cells->absorption != NULL ? cells->absorption + at : cells->zeros;
     view->source = cells->source + at;
-    for (int side = 0; side < 6; ++side) open_side(cells, view, side);
+    for (int side = 0; side < 6; ++side) set_interior(cells, view, side);
     if (y == 0) set_side(cells, view, 2, cells->sides[2].step * z);
     if (y == cells->box.size[1] - 1) set_side(cells, view, 3, cells->sides[3].step * z);
     if (z == 0) set_side(cells, view, 4, cells->sides[4].step * y);
@@ -65,13 +65,13 @@ INLINE void set_x_side(const ty_cells* cells, int32_t y, int32_t z, int side, ro
     set_side(cells, view, side, cells->sides[side].step * z + y);
 }
 
-/* Cells of a colour that Algorithm 1 has at hand, and those that it relaxes at once. */
+/* Cells of a colour per block of Algorithm 1, and cells relaxed together. */
 enum { SOR_BLOCK = 64, SOR_LANES = 16 };
 
-/* Every other of a row's numbers; `to` has room for whole lanes. Not inlined: there are 200 copies of its call, which
- * the compiler would take a minute for. */
+/* Every other element of a row; `to` is padded to whole vectors. Not inlined: with some 200 calls the compile time
+ * would grow by a minute. */
 #if defined(__AVX512F__)
-/* Rows are short, and compilers leave up to half of one to loops over single numbers. */
+/* Explicit vectors: rows are short, and compilers leave up to half of one to scalar loops. */
 static __attribute__((noinline)) void every_other_float(const float* from, int32_t count, float* to) {
     const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
     for (int32_t n = 0; n < count; n += 16) {
@@ -118,12 +118,13 @@ EVERY_OTHER(double)
             const ptrdiff_t at = ty_box_at(box, y, z);                                                                 \
             const float* extinction = cells->extinction + ty_box_dense(box, y, z);                                     \
             _Pragma("omp simd") for (int32_t i = 0; i < box->size[0]; ++i) diffusivity[at + i] =                       \
-                ty_filter_diffusivity_update(diffusivity[at + i], diffusivity_double(cells, kind, phi + at, extinction[i], i));        \
+                ty_filter_diffusivity_update(diffusivity[at + i],                                                      \
+                                             diffusivity_double(cells, kind, phi + at, extinction[i], i));             \
         }                                                                                                              \
         break
 
-/* Ghosts of D beside plane z: what makes the means at the box's faces 0. */
-static void close_box(const ty_box* box, float* diffusivity, int32_t z) {
+/* Ghosts of D beside plane z that make the face means at the box's faces 0. */
+static void set_diffusivity_ghosts(const ty_box* box, float* diffusivity, int32_t z) {
     const int32_t nx = box->size[0], ny = box->size[1], nz = box->size[2];
     for (int32_t y = 0; y < ny; ++y) {
         float* row = diffusivity + ty_box_at(box, y, z);
@@ -155,11 +156,11 @@ static void diffuse(const ty_cells* cells, const double* phi, float* diffusivity
         DIFFUSE_ROWS(TY_LIMITER_NONE);
     default: break;
     }
-    close_box(box, diffusivity, z);
+    set_diffusivity_ghosts(box, diffusivity, z);
 }
 #undef DIFFUSE_ROWS
 
-static void soften(const ty_cells* cells, const float* diffusivity, float share, float* out, int32_t z) {
+static void damp(const ty_cells* cells, const float* diffusivity, float lambda, float* out, int32_t z) {
     const ty_box* box = &cells->box;
     for (int32_t y = 0; y < box->size[1]; ++y) {
         const float* extinction = cells->extinction + ty_box_dense(box, y, z);
@@ -167,9 +168,9 @@ static void soften(const ty_cells* cells, const float* diffusivity, float share,
         float* row = out + ty_box_at(box, y, z);
 #pragma omp simd
         for (int32_t i = 0; i < box->size[0]; ++i)
-            row[i] = ty_damped_diffusivity(d[i], ty_maxf(extinction[i], cells->least_extinction), share);
+            row[i] = ty_damped_diffusivity(d[i], ty_maxf(extinction[i], cells->min_extinction), lambda);
     }
-    close_box(box, out, z);
+    set_diffusivity_ghosts(box, out, z);
 }
 
 INLINE double assemble_range(const ty_cells* cells, const row_view* view, const double* phi, const float* diff,
@@ -186,20 +187,20 @@ INLINE double assemble_range(const ty_cells* cells, const row_view* view, const 
         const float y0 = k[2] * (d + diff[i - row]), y1 = k[3] * (d + diff[i + row]);
         const float z0 = k[4] * (d + diff[i - plane]), z1 = k[5] * (d + diff[i + plane]);
         const double here = phi[i];
-        double left = (double)view->source[i] * scale - (double)view->absorption[i] * here +
-                      (double)x0 * (phi[i - 1] - here) + (double)x1 * (phi[i + 1] - here) +
-                      (double)y0 * (phi[i - row] - here) + (double)y1 * (phi[i + row] - here) +
-                      (double)z0 * (phi[i - plane] - here) + (double)z1 * (phi[i + plane] - here);
-        float lost = view->absorption[i];
+        double residual = (double)view->source[i] * scale - (double)view->absorption[i] * here +
+                          (double)x0 * (phi[i - 1] - here) + (double)x1 * (phi[i + 1] - here) +
+                          (double)y0 * (phi[i - row] - here) + (double)y1 * (phi[i + row] - here) +
+                          (double)z0 * (phi[i - plane] - here) + (double)z1 * (phi[i + plane] - here);
+        float total_sink = view->absorption[i];
         if (edge)
             for (int s = 0; s < 6; ++s) {
                 const float w = ty_cell_boundary(view->a[s], view->b[s], d);
-                left += (double)w * ((double)view->value[s][s < 2 ? 0 : i] - here);
-                lost += w;
+                residual += (double)w * ((double)view->value[s][s < 2 ? 0 : i] - here);
+                total_sink += w;
             }
-        sink[i] = lost;
-        f[i] = (float)left;
-        sum += left * left;
+        sink[i] = total_sink;
+        f[i] = (float)residual;
+        sum += residual * residual;
     }
     return sum;
 }
@@ -217,7 +218,7 @@ static double assemble(const ty_cells* cells, const double* phi, const float* di
         set_x_side(cells, y, z, 0, &view);
         if (nx == 1) set_x_side(cells, y, z, 1, &view);
         sum += assemble_range(cells, &view, row, diff, level, at, 0, 1, true);
-        open_side(cells, &view, 0);
+        set_interior(cells, &view, 0);
         sum += is_edge(cells, y, z) ? assemble_range(cells, &view, row, diff, level, at, 1, nx - 1, true)
                                     : assemble_range(cells, &view, row, diff, level, at, 1, nx - 1, false);
         if (nx == 1) continue;
@@ -228,15 +229,16 @@ static double assemble(const ty_cells* cells, const double* phi, const float* di
 }
 
 static void update(const ty_cells* cells, const float* x, double* phi, int32_t z) {
-    const double kept = cells->limiter != TY_LIMITER_NONE ? (double)TY_POSITIVITY_FLOOR : -1e300;
+    const double min_fraction = cells->limiter != TY_LIMITER_NONE ? (double)TY_POSITIVITY_FLOOR : -1e300;
     for (int32_t y = 0; y < cells->box.size[1]; ++y) {
         const ptrdiff_t at = ty_box_at(&cells->box, y, z);
         double* row = phi + at;
         const float* change = x + at;
 #pragma omp simd
         for (int32_t i = 0; i < cells->box.size[0]; ++i) {
-            const double next = row[i] + (double)change[i], least = kept > 0 ? kept * row[i] : kept;
-            row[i] = next > least ? next : least;
+            const double next = row[i] + (double)change[i],
+                         min_phi = min_fraction > 0 ? min_fraction * row[i] : min_fraction;
+            row[i] = next > min_phi ? next : min_phi;
         }
     }
 }
@@ -245,7 +247,7 @@ const ty_cell_kernels TY_JOIN(ty_cell_kernels_, TY_ISA) = {
     .ghosts = ghosts_double,
     .ghosts_float = ghosts_float,
     .diffuse = diffuse,
-    .soften = soften,
+    .damp = damp,
     .assemble = assemble,
     .sor = sor_double,
     .sor_float = sor_float,

@@ -1,4 +1,4 @@
-/* The diffuse light: one solve a channel (Eq. 20), and the field that is made of it. */
+/* Diffuse light: one solve per channel (Eq. 20, Koerner 2014), and the field made from it. */
 #include "solve/diffusion/diffuse_light.h"
 
 #include "base/context.h"
@@ -9,57 +9,58 @@
 #include <pthread.h>
 #include <string.h>
 
-/* Relative difference of sources up to which one channel is a multiple of another. */
-static const float alike = 1e-6f;
+/* Relative difference of sources up to which one channel counts as a multiple of another. */
+static const float MAX_DIFFERENCE = 1e-6f;
 
-/* Light that enters a cell many free paths thick scatters within one of its surface and mostly leaves again, but for
- * the equations it comes from the cell's middle and piles up there: fluence would grow with thickness, without bound.
- * What a thick medium sends back depends on its albedo alone, so cells of more than this many transport mean free paths
- * are made that thin. Their fluence is then that of a surface; what passes through a medium of such cells is too much,
- * of little. It is the faces of the box that hold light back most; within, vacuum next to a thick cell takes it. */
-static const double thickest_inside = 2.5, thickest_at_faces = 1.5;
+/* Maximum thickness of a cell, transport mean free paths. Light entering a very thick cell scatters near its surface
+ * and mostly leaves again, but in the discrete equations its source is at the cell's center and accumulates: the
+ * fluence would grow with thickness, without bound. The light a thick medium reflects depends on its albedo only, so
+ * thicker cells are scaled down to these values. Their fluence is then that of a surface; the (small) transmission of a
+ * medium of such cells is overestimated. The effect is strongest at the faces of the box; inside, vacuum beside a thick
+ * cell takes up the light. */
+static const double MAX_THICKNESS_INSIDE = 2.5, MAX_THICKNESS_AT_FACES = 1.5;
 
-/* Channels are solved side by side, one thread each, by few threads and on boxes of at most so many cells: a loop over
- * planes of small boxes is over before other threads have woken up. */
-enum { SIDE_BY_SIDE_THREADS = 4, SIDE_BY_SIDE_CELLS = 1 << 20 };
+/* Channels are solved concurrently, one thread each, with few threads and on boxes of limited size: a loop over planes
+ * of a small box ends before other threads have woken up. */
+enum { CONCURRENT_THREADS = 4, CONCURRENT_CELLS = 1 << 20 };
 
 struct solve_work;
 
-/* One channel's solve. */
+/* Solve of one channel. */
 typedef struct channel_solve {
     struct solve_work* work;
     int32_t channel;
     void* memory;
-    double done; /* of it, 0..1 */
+    double done; /* fraction, 0..1 */
     ty_diffusion_stats stats;
     ty_result result;
 } channel_solve;
 
-/* What the solves of all channels share. */
+/* Data shared by the solves of all channels. */
 typedef struct solve_work {
     ty_context* context;
     const ty_grid_medium* medium;
     float* const* source; /* W m^-3 */
     bool reduced;
-    const ty_diffuse_light* start; /* NULL: none */
+    const ty_diffuse_light* start; /* NULL: no initial guess */
     float* extinction[3];          /* sigma_t (1 - albedo g), 1/m */
     float* absorption[3];
-    int32_t beside;  /* how many are solved side by side */
-    void* memory[3]; /* of as many */
+    int32_t concurrent; /* number of concurrent solves */
+    void* memory[3];    /* one per concurrent solve */
     size_t memory_size;
     ty_diffusion_def def;
     ty_diffuse_light* light;
     ty_diffuse_stats* stats;
     channel_solve solves[3];
-    int32_t count;        /* of them */
-    pthread_mutex_t lock; /* guards what follows, and how much of each is done */
+    int32_t count;        /* number of solves */
+    pthread_mutex_t lock; /* guards the following fields and the solves' done */
     ty_part_progress* progress;
     bool cancelled;
 } solve_work;
 
-static int32_t count_beside(const solve_work* work) {
+static int32_t count_concurrent(const solve_work* work) {
     const int32_t threads = ty_context_threads(work->context);
-    if (threads > SIDE_BY_SIDE_THREADS || work->medium->cells > SIDE_BY_SIDE_CELLS) return 1;
+    if (threads > CONCURRENT_THREADS || work->medium->cells > CONCURRENT_CELLS) return 1;
     return threads < 3 ? threads : 3;
 }
 
@@ -67,21 +68,21 @@ static ty_result begin_work(solve_work* work) {
     const ty_grid_medium* medium = work->medium;
     memcpy(work->def.size, medium->box.size, sizeof work->def.size);
     memcpy(work->def.cell, medium->cell, sizeof work->def.cell);
-    bool whole = true;
-    for (int32_t p = 0; p < medium->planes && whole; ++p) {
+    bool complete = true;
+    for (int32_t p = 0; p < medium->planes && complete; ++p) {
         work->extinction[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
         work->absorption[p] = ty_alloc_array(work->context, medium->cells, sizeof(float), false);
-        whole = work->extinction[p] != NULL && work->absorption[p] != NULL;
+        complete = work->extinction[p] != NULL && work->absorption[p] != NULL;
     }
-    return whole ? TY_OK : TY_ERROR_MEMORY;
+    return complete ? TY_OK : TY_ERROR_MEMORY;
 }
 
-/* Memory of as many solves as there are at a time. */
-static ty_result take_memory(solve_work* work) {
-    work->beside = count_beside(work);
-    if (work->beside > work->count) work->beside = work->count;
+/* Allocates the solver memory of all concurrent solves. */
+static ty_result allocate_memory(solve_work* work) {
+    work->concurrent = count_concurrent(work);
+    if (work->concurrent > work->count) work->concurrent = work->count;
     work->memory_size = ty_diffusion_memory(&work->def);
-    for (int32_t i = 0; i < work->beside; ++i) {
+    for (int32_t i = 0; i < work->concurrent; ++i) {
         work->memory[i] = ty_alloc_array(work->context, work->memory_size, 1, false);
         if (work->memory[i] == NULL) return TY_ERROR_MEMORY;
     }
@@ -106,23 +107,26 @@ static bool is_at_face(const ty_grid_box* box, size_t cell) {
     return false;
 }
 
-/* Makes a plane of cells at most so thick, with their albedo as it is, and gives channels first..end what they emit. */
-static void thin_cells(const solve_work* work, int32_t plane, int32_t first, int32_t end) {
+/* Limits the thickness of cells of a media plane at constant albedo, and adds their emission to the sources of channels
+ * [first, end). */
+static void limit_thickness(const solve_work* work, int32_t plane, int32_t first, int32_t end) {
     const ty_grid_medium* medium = work->medium;
     const double side = fmin(medium->cell[0], fmin(medium->cell[1], medium->cell[2]));
-    const float most_inside = (float)(thickest_inside / side), most_at_faces = (float)(thickest_at_faces / side);
+    const float max_inside = (float)(MAX_THICKNESS_INSIDE / side),
+                max_at_faces = (float)(MAX_THICKNESS_AT_FACES / side);
     for (size_t i = 0; i < medium->cells; ++i) {
-        const float most = is_at_face(&medium->box, i) ? most_at_faces : most_inside;
-        const float extinction = work->extinction[plane][i], part = extinction > most ? most / extinction : 1.0f;
-        work->extinction[plane][i] = extinction * part;
-        work->absorption[plane][i] *= part;
+        const float max_extinction = is_at_face(&medium->box, i) ? max_at_faces : max_inside;
+        const float extinction = work->extinction[plane][i],
+                    scale = extinction > max_extinction ? max_extinction / extinction : 1.0f;
+        work->extinction[plane][i] = extinction * scale;
+        work->absorption[plane][i] *= scale;
         for (int32_t c = first; c < end && medium->emission[c] != NULL; ++c)
-            work->source[c][i] += medium->emission[c][i] * part;
+            work->source[c][i] += medium->emission[c][i] * scale;
     }
 }
 
-/* The paper takes media as isotropic. */
-static void find_coefficients(const solve_work* work) {
+/* The paper assumes isotropic media. */
+static void compute_coefficients(const solve_work* work) {
     const ty_grid_medium* medium = work->medium;
     if (work->reduced) ty_grid_medium_reduce(medium, 1, work->extinction);
     for (int32_t p = 0; p < medium->planes; ++p) {
@@ -130,13 +134,13 @@ static void find_coefficients(const solve_work* work) {
         for (size_t i = 0; i < medium->cells; ++i)
             work->absorption[p][i] = ty_maxf(0.0f, medium->extinction[p][i] - medium->scattering[p][i]);
         if (medium->planes == 3)
-            thin_cells(work, p, p, p + 1);
+            limit_thickness(work, p, p, p + 1);
         else
-            thin_cells(work, p, 0, 3);
+            limit_thickness(work, p, 0, 3);
     }
 }
 
-/* Whether a channel's light is `factor` times that of another: its source is, and the media are gray. */
+/* True if a channel's light is `factor` times that of another: proportional sources in gray media. */
 static bool is_multiple(const solve_work* work, int32_t channel, int32_t of, float* factor) {
     const float* a = work->source[channel];
     const float* b = work->source[of];
@@ -149,7 +153,7 @@ static bool is_multiple(const solve_work* work, int32_t channel, int32_t of, flo
     if (!(sums[1] > 0)) return false;
     *factor = (float)(sums[0] / sums[1]);
     for (size_t i = 0; i < work->medium->cells; ++i)
-        if (fabsf(a[i] - *factor * b[i]) > alike * ty_maxf(a[i], *factor * b[i])) return false;
+        if (fabsf(a[i] - *factor * b[i]) > MAX_DIFFERENCE * ty_maxf(a[i], *factor * b[i])) return false;
     return true;
 }
 
@@ -164,27 +168,27 @@ static void scale_channel(solve_work* work, int32_t channel, int32_t of, float f
     stats->residual[channel] = stats->residual[of];
 }
 
-/* Limiters bound what flows by what there is (R F <= 1) with the gradient between a cell's neighbours; the mean of what
- * its faces let through can be a little more. */
+/* Limiters bound the flux by the fluence (R F <= 1) with the gradient between a cell's neighbours; the mean of its face
+ * fluxes can be slightly larger. */
 static void limit_flux(float* const terms[TY_FIELD_TERMS], size_t cells) {
     for (size_t i = 0; i < cells; ++i) {
         const float square = terms[1][i] * terms[1][i] + terms[2][i] * terms[2][i] + terms[3][i] * terms[3][i];
-        const float most = 3 * terms[0][i];
-        if (square <= most * most) continue;
-        const float factor = most / sqrtf(square);
+        const float max_flux = 3 * terms[0][i];
+        if (square <= max_flux * max_flux) continue;
+        const float factor = max_flux / sqrtf(square);
         for (int t = 1; t < TY_FIELD_TERMS; ++t) terms[t][i] *= factor;
     }
 }
 
-/* The diffuse radiance (phi + 3 E . way) / (4 pi) (Eq. 9) from fluence and the flux through faces that are where the
- * terms will be: a cell's is the mean of its two faces along each axis. */
+/* Diffuse radiance (phi + 3 E . omega) / (4 pi) (Eq. 9, Koerner 2014) from fluence and face fluxes, in place: a cell
+ * has the mean flux of its two faces along each axis. */
 static void make_terms(const solve_work* work, int32_t channel) {
     const int32_t* size = work->medium->box.size;
     float* const* terms = work->light->terms[channel];
     const size_t step[3] = {1, (size_t)size[0], (size_t)size[0] * (size_t)size[1]};
     for (size_t i = 0; i < work->light->cells; ++i) terms[0][i] *= TY_INV_4PI;
     for (int a = 0; a < 3; ++a) {
-        /* Along its own axis an array of faces is one longer, so that no face is overwritten before it is read. */
+        /* A face array is one longer along its own axis, so that no face is overwritten before it is read. */
         const size_t slab = step[a] * (size_t)size[a];
         for (size_t i = 0; i < work->light->cells; ++i) {
             const size_t face = i + i / slab * step[a];
@@ -194,19 +198,19 @@ static void make_terms(const solve_work* work, int32_t channel) {
     limit_flux(terms, work->light->cells);
 }
 
-/* Tells the caller of all channels together. Once one was told to stop, all are. */
+/* Reports the progress of all channels together; one cancellation cancels all channels. */
 static bool report(void* user, const ty_progress* part) {
     channel_solve* solve = user;
     solve_work* work = solve->work;
-    ty_progress whole = *part;
+    ty_progress total = *part;
     pthread_mutex_lock(&work->lock);
     solve->done = part->fraction;
-    whole.fraction = 0;
-    for (int32_t i = 0; i < work->count; ++i) whole.fraction += work->solves[i].done / work->count;
-    work->cancelled = work->cancelled || !ty_part_report(work->progress, &whole);
-    const bool goes_on = !work->cancelled;
+    total.fraction = 0;
+    for (int32_t i = 0; i < work->count; ++i) total.fraction += work->solves[i].done / work->count;
+    work->cancelled = work->cancelled || !ty_part_report(work->progress, &total);
+    const bool continues = !work->cancelled;
     pthread_mutex_unlock(&work->lock);
-    return goes_on;
+    return continues;
 }
 
 static void solve_channel(void* user, int64_t index, int32_t worker) {
@@ -223,7 +227,7 @@ static void solve_channel(void* user, int64_t index, int32_t worker) {
     def.progress_user = solve;
     float* const* terms = work->light->terms[solve->channel];
     if (work->start != NULL) {
-        /* Where the fluence will be: it is read before it is written. */
+        /* The output array holds the initial guess, which is read before it is overwritten. */
         ty_diffuse_light_prolong(work->start, solve->channel, work->medium->box.size, terms[0]);
         def.start = terms[0];
     }
@@ -245,9 +249,9 @@ static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
     stats->leaving[channel] = solved->leaving;
 }
 
-/* The solves from `first` on, as many as there are side by side; a single one has all threads. */
-static ty_result solve_some(solve_work* work, int32_t first) {
-    const int32_t left = work->count - first, count = left < work->beside ? left : work->beside;
+/* Solves the channels from `first` concurrently; a single solve uses all threads. */
+static ty_result solve_batch(solve_work* work, int32_t first) {
+    const int32_t left = work->count - first, count = left < work->concurrent ? left : work->concurrent;
     ty_result result = ty_part_show(work->progress, "fluence");
     if (result != TY_OK) return result;
     for (int32_t i = 0; i < count; ++i) work->solves[first + i].memory = work->memory[i];
@@ -260,7 +264,7 @@ static ty_result solve_some(solve_work* work, int32_t first) {
     return result;
 }
 
-/* Finds which channels have to be solved: of[c] is c itself, or a channel whose light channel c's is a multiple of. */
+/* Selects the channels to solve: of[c] is c itself, or a channel whose light channel c's is a multiple of. */
 static void choose_channels(solve_work* work, int32_t of[3]) {
     work->light->shared = true;
     for (int32_t c = 0; c < 3; ++c) {
@@ -277,34 +281,34 @@ static ty_result solve_channels(solve_work* work) {
     int32_t of[3];
     work->stats->converged = true;
     choose_channels(work, of);
-    ty_result result = take_memory(work);
-    for (int32_t i = 0; i < work->count && result == TY_OK; i += work->beside) result = solve_some(work, i);
+    ty_result result = allocate_memory(work);
+    for (int32_t i = 0; i < work->count && result == TY_OK; i += work->concurrent) result = solve_batch(work, i);
     for (int32_t c = 0; c < 3 && result == TY_OK; ++c)
         if (of[c] < c) scale_channel(work, c, of[c], work->light->color[c]);
     return result;
 }
 
-static bool scatters_evenly(const ty_grid_medium* medium) {
+static bool is_isotropic(const ty_grid_medium* medium) {
     for (int32_t p = 0; p < medium->planes; ++p)
         for (size_t i = 0; i < medium->cells; ++i)
             if (medium->g[p][i] != 0) return false;
     return true;
 }
 
-/* Floats of a term's array: room for the faces along its axis, where its flux comes from. */
+/* Array length of a term, with space for the faces along its axis, from which it is computed. */
 static size_t term_size(const ty_diffuse_light* light, int term) {
     if (term == 0 || light->cells == 0) return light->cells;
     return light->cells + light->cells / (size_t)light->box.size[term - 1];
 }
 
-static ty_result take_light(ty_context* context, const ty_grid_medium* medium, ty_diffuse_light** out) {
+static ty_result create_light(ty_context* context, const ty_grid_medium* medium, ty_diffuse_light** out) {
     ty_diffuse_light* light = ty_alloc_array(context, 1, sizeof *light, true);
     *out = light;
     if (light == NULL) return TY_ERROR_MEMORY;
     light->context = context;
     light->box = medium->box;
     light->cells = medium->cells;
-    light->even = scatters_evenly(medium);
+    light->isotropic = is_isotropic(medium);
     for (int c = 0; c < 3; ++c) {
         for (int t = 0; t < TY_FIELD_TERMS; ++t) {
             light->terms[c][t] = ty_alloc_array(context, term_size(light, t), sizeof(float), true);
@@ -340,13 +344,13 @@ ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffus
                        .progress = progress,
                        .stats = stats};
     pthread_mutex_init(&work.lock, NULL);
-    ty_result result = take_light(medium->context, medium, &work.light);
+    ty_result result = create_light(medium->context, medium, &work.light);
     if (result == TY_OK) result = begin_work(&work);
     if (result == TY_OK) {
-        find_coefficients(&work);
+        compute_coefficients(&work);
         result = solve_channels(&work);
     }
-    stats->bytes = (double)work.memory_size * work.beside;
+    stats->bytes = (double)work.memory_size * work.concurrent;
     end_work(&work);
     *out = result == TY_OK ? work.light : NULL;
     if (result != TY_OK) ty_diffuse_light_destroy(work.light);
@@ -355,7 +359,7 @@ ty_result ty_diffuse_light_refine(const ty_diffuse_light* start, const ty_diffus
 
 ty_source_field ty_diffuse_light_field(const ty_diffuse_light* light, bool directed) {
     ty_source_field field = {
-        .box = light->box, .term_count = directed || !light->even ? TY_FIELD_TERMS : 1, .shared = light->shared};
+        .box = light->box, .term_count = directed || !light->isotropic ? TY_FIELD_TERMS : 1, .shared = light->shared};
     for (int c = 0; c < 3; ++c) {
         field.color[c] = light->color[c];
         for (int t = 0; t < TY_FIELD_TERMS; ++t) field.terms[c][t] = light->terms[c][t];

@@ -1,4 +1,4 @@
-/* Entry points of the diffusion solvers: checks, memory, and what every solver begins and ends with. */
+/* Entry points of the diffusion solvers: argument checks, memory, scaling and common loops. */
 #include "solve/diffusion/job.h"
 
 #include "base/context.h"
@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Boxes with fewer cells are worked on by one thread: waking others takes longer. */
+/* Smaller boxes run on one thread: waking the others takes longer. */
 enum { CELLS_FOR_THREADS = 1 << 14 };
-/* Between two reports, s. */
+/* Interval between progress reports, s. */
 static const double REPORT_SECONDS = 0.1;
 
 ty_diffusion_def ty_default_diffusion_def(void) {
@@ -109,16 +109,16 @@ static ty_result check(ty_context* context, const ty_diffusion_def* def, const t
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: relaxation: %g is outside (0, 2)", def->relaxation);
     if (!(def->tolerance > 0 && def->tolerance < 1))
         return ty_fail(context, TY_ERROR_ARGUMENT, "diffusion: tolerance: %g is outside (0, 1)", def->tolerance);
-    if (!(def->least_extinction >= 0) || def->iterations < 0 || def->least_iterations < 0)
+    if (!(def->min_extinction >= 0) || def->iterations < 0 || def->min_iterations < 0)
         return ty_fail(context, TY_ERROR_ARGUMENT,
-                       "diffusion: least_extinction, iterations and least_iterations are at least 0");
+                       "diffusion: min_extinction, iterations and min_iterations are at least 0");
     return TY_OK;
 }
 
-/* ---- the problem in the solvers' units ---- */
+/* ---- scaling ---- */
 
-/* What a boundary sends into the box through a face, about, W m^-2. */
-static double inflow(const ty_boundary* boundary, ptrdiff_t face) {
+/* Approximate incident flux of a boundary face, W m^-2. */
+static double incident_flux(const ty_boundary* boundary, ptrdiff_t face) {
     if (boundary->value == NULL || boundary->kind == TY_BOUNDARY_REFLECTING) return 0;
     const double value = fabs((double)boundary->value[face]);
     return boundary->kind == TY_BOUNDARY_DIRICHLET ? 0.25 * value : value;
@@ -133,7 +133,7 @@ static double source_square(const ty_diffusion_def* def, const ty_box* box, int3
         int32_t faces[2];
         ty_solve_side_faces(box, side, faces);
         const ptrdiff_t face = (ptrdiff_t)at[axis == 2 ? 1 : 2] * faces[0] + at[axis == 0 ? 1 : 0];
-        source += inflow(&def->boundary[side], face) / def->cell[axis];
+        source += incident_flux(&def->boundary[side], face) / def->cell[axis];
     }
     return source * source;
 }
@@ -148,7 +148,7 @@ static void square_plane(void* user, int64_t index, int32_t worker) {
     job->sums[index].a = sum;
 }
 
-/* Rms of the sources, with what comes in through boundaries, W m^-3. */
+/* Rms of the sources, including the incident flux of boundaries, W m^-3. */
 static double source_rms(ty_diffusion_job* job) {
     const ty_box* box = &job->cells.box;
     ty_solve_planes(job, box, square_plane, job);
@@ -165,7 +165,7 @@ static void set_side(ty_diffusion_job* job, int side) {
     if (boundary->value == NULL || boundary->kind == TY_BOUNDARY_REFLECTING) return;
     int32_t faces[2];
     ty_solve_side_faces(&job->cells.box, side, faces);
-    /* Of a Marshak boundary: net flux phi / 2 - 2 incoming flux = (phi - 4 incoming flux) / 2. */
+    /* Marshak boundary: net flux phi / 2 - 2 incident flux = (phi - 4 incident flux) / 2. */
     const float factor = job->cells.scale * (boundary->kind == TY_BOUNDARY_MARSHAK ? 4 : 1);
     float* value = (float*)to->value;
     for (ptrdiff_t i = 0; i < (ptrdiff_t)faces[0] * faces[1]; ++i) value[i] = boundary->value[i] * factor;
@@ -183,33 +183,33 @@ void ty_solve_set_cells(ty_diffusion_job* job, double rms) {
     cells->extinction = def->extinction;
     cells->absorption = def->absorption;
     cells->source = def->source;
-    cells->least_extinction = (float)(def->least_extinction > 0 ? def->least_extinction : 1e-3 / longest);
+    cells->min_extinction = (float)(def->min_extinction > 0 ? def->min_extinction : 1e-3 / longest);
     cells->scale = (float)(1 / rms);
     cells->limiter = def->limiter;
     cells->larsen_power = (float)def->larsen_power;
     for (int side = 0; side < 6; ++side) set_side(job, side);
 }
 
-/* The fluence that iterations start from where none is given, for sources with an rms of 1: next to none (Algorithm 1),
- * but with boundaries that send light in, or multigrid, what sources of one box length make. An empty box is a solution
- * too: nothing diffuses in it. */
-static double first_phi(const ty_diffusion_def* def) {
-    bool lit = def->solver == TY_DIFFUSION_MULTIGRID;
-    for (int side = 0; side < 6; ++side) lit = lit || def->boundary[side].value != NULL;
+/* Initial fluence without a start, for sources with rms 1: epsilon (Algorithm 1), but for multigrid or boundaries with
+ * incident flux, the magnitude of a source integrated over the box's length. A dark box is also a solution, in which
+ * nothing diffuses. */
+static double initial_fluence(const ty_diffusion_def* def) {
+    bool bright = def->solver == TY_DIFFUSION_MULTIGRID;
+    for (int side = 0; side < 6; ++side) bright = bright || def->boundary[side].value != NULL;
     const double shortest = fmin(fmin(def->cell[0], def->cell[1]), def->cell[2]);
-    return lit ? shortest * (double)def->size[0] : 1e-20 * shortest;
+    return bright ? shortest * (double)def->size[0] : 1e-20 * shortest;
 }
 
 static void set_phi(ty_diffusion_job* job) {
     const ty_box* box = &job->cells.box;
     const ty_diffusion_def* def = job->def;
-    const double first = first_phi(def), least = fmin(first, 1e-20);
+    const double first = initial_fluence(def), min_phi = fmin(first, 1e-20);
     for (int32_t z = 0; z < box->size[2]; ++z)
         for (int32_t y = 0; y < box->size[1]; ++y) {
             const ptrdiff_t at = ty_box_at(box, y, z), dense = ty_box_dense(box, y, z);
             for (int32_t x = 0; x < box->size[0]; ++x) {
                 double phi = def->start != NULL ? (double)def->start[dense + x] * (double)job->cells.scale : first;
-                if (!(phi > least) && def->limiter != TY_LIMITER_NONE) phi = least;
+                if (!(phi > min_phi) && def->limiter != TY_LIMITER_NONE) phi = min_phi;
                 if (def->solver == TY_DIFFUSION_SOR_FLOAT)
                     ((float*)job->phi)[at + x] = (float)phi;
                 else
@@ -218,7 +218,7 @@ static void set_phi(ty_diffusion_job* job) {
         }
 }
 
-/* ---- work ---- */
+/* ---- solve ---- */
 
 void ty_solve_tasks(const ty_diffusion_job* job, const ty_box* box, int64_t count, ty_parallel_fn body, void* user) {
     ty_parallel_flushed(ty_box_cells(box) >= CELLS_FOR_THREADS ? job->context : NULL, count, body, user);
@@ -252,7 +252,7 @@ ty_result ty_solve_note(ty_diffusion_job* job, double residual) {
     const double now = ty_wall_seconds();
     if (def->progress == NULL || now - job->reported < REPORT_SECONDS) return TY_OK;
     job->reported = now;
-    /* Residuals fall about geometrically. */
+    /* Residuals decrease about geometrically. */
     const double done = residual > 0 && residual < 1 ? log(residual) / log(def->tolerance) : 0;
     const ty_progress progress = {.stage = "fluence",
                                   .fraction = fmin(done, 1),
@@ -268,7 +268,7 @@ void ty_solve_choose_kernels(ty_diffusion_job* job) {
     static const ty_level_kernels* const levels[TY_ISA_COUNT] = {&ty_level_kernels_v1, &ty_level_kernels_v3,
                                                                  &ty_level_kernels_v4};
     static const ty_fas_kernels* const stages[TY_ISA_COUNT] = {&ty_fas_kernels_v1, &ty_fas_kernels_v3,
-                                                                 &ty_fas_kernels_v4};
+                                                               &ty_fas_kernels_v4};
     const ty_isa best = ty_best_isa();
     job->stage_kernels = stages[best];
     job->cell_kernels = cells[best];
@@ -307,7 +307,7 @@ ty_result ty_diffusion_solve(ty_context* context, const ty_diffusion_def* def, c
     const size_t bytes = ty_diffusion_memory(def);
     char* memory = def->memory != NULL ? def->memory : ty_alloc_array(context, bytes, 1, false);
     if (memory == NULL) return TY_ERROR_MEMORY;
-    memset(memory, 0, bytes); /* ghosts are 0 until they are set */
+    memset(memory, 0, bytes); /* initial ghosts are 0 */
     ty_arena arena = {.base = memory};
     ty_solve_lay_out(&job, &arena);
     result = solve(&job);

@@ -1,6 +1,4 @@
-/* Loops over planes between two stages of the non-linear problem; built once per instruction set, with TY_ISA naming
- * it.
- */
+/* Loops over planes for the transfer between FAS stages. Compiled once per instruction set, which TY_ISA names. */
 #include "solve/diffusion/cell_kernel.h"
 
 #include "base/kernel.h"
@@ -10,45 +8,45 @@
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
 
-/* Items of a row on the stack. */
+/* Capacity of a row on the stack. */
 enum { ROW_ITEMS = TY_DIFFUSION_SIDE_MAX };
-/* Less fluence than this counts as none. */
-static const float DARK = 1e-30f;
+/* Smaller fluences count as 0. */
+static const float MIN_PHI = 1e-30f;
 
-/* The rows of finer cells that make a coarse row. */
+/* Rows of finer cells within a coarse row. */
 typedef struct child_rows {
     int32_t y_begin, y_end, z_begin, z_end;
-    float share; /* 1 / rows */
+    float weight; /* 1 / rows */
 } child_rows;
 
-static child_rows children_of(const ty_fas_level* fine, const ty_fas_level* coarse, int32_t y, int32_t z) {
+static child_rows make_child_rows(const ty_fas_level* fine, const ty_fas_level* coarse, int32_t y, int32_t z) {
     const int32_t *size = fine->cells.box.size, *n = coarse->children;
     child_rows rows = {y * n[1], (y + 1) * n[1], z * n[2], (z + 1) * n[2], 0};
     if (rows.y_end > size[1]) rows.y_end = size[1];
     if (rows.z_end > size[2]) rows.z_end = size[2];
-    rows.share = 1.0f / (float)((rows.y_end - rows.y_begin) * (rows.z_end - rows.z_begin));
+    rows.weight = 1.0f / (float)((rows.y_end - rows.y_begin) * (rows.z_end - rows.z_begin));
     return rows;
 }
 
-/* Means of pairs of items, times a share; an odd last item is alone. */
-static void pair_means(const float* items, int32_t count, int32_t children, float share, float* out) {
+/* Means of pairs of items, times a weight; an odd last item stands alone. */
+static void pair_means(const float* items, int32_t count, int32_t children, float weight, float* out) {
     if (children == 1) {
 #pragma omp simd
-        for (int32_t i = 0; i < count; ++i) out[i] = share * items[i];
+        for (int32_t i = 0; i < count; ++i) out[i] = weight * items[i];
         return;
     }
-    const float half = 0.5f * share;
+    const float half = 0.5f * weight;
 #pragma omp simd
     for (int32_t i = 0; i < count / 2; ++i) out[i] = half * (items[2 * i] + items[2 * i + 1]);
-    if ((count & 1) != 0) out[count / 2] = share * items[count - 1];
+    if ((count & 1) != 0) out[count / 2] = weight * items[count - 1];
 }
 
-static void thin(const ty_fas_level* fine, const ty_fas_level* coarse, int32_t z) {
+static void restrict_media(const ty_fas_level* fine, const ty_fas_level* coarse, int32_t z) {
     float path[ROW_ITEMS], absorbed[ROW_ITEMS], source[ROW_ITEMS];
     const ty_cells* from = &fine->cells;
     const int32_t nx = from->box.size[0];
     for (int32_t y = 0; y < coarse->cells.box.size[1]; ++y) {
-        const child_rows rows = children_of(fine, coarse, y, z);
+        const child_rows rows = make_child_rows(fine, coarse, y, z);
         memset(path, 0, sizeof(float) * (size_t)nx);
         memset(absorbed, 0, sizeof(float) * (size_t)nx);
         memset(source, 0, sizeof(float) * (size_t)nx);
@@ -59,28 +57,28 @@ static void thin(const ty_fas_level* fine, const ty_fas_level* coarse, int32_t z
                 const float* sigma_a = from->absorption != NULL ? from->absorption + at : from->zeros;
 #pragma omp simd
                 for (int32_t i = 0; i < nx; ++i) {
-                    path[i] += 1.0f / ty_maxf(sigma[i], from->least_extinction);
+                    path[i] += 1.0f / ty_maxf(sigma[i], from->min_extinction);
                     absorbed[i] += sigma_a[i];
                     source[i] += q[i] * from->scale;
                 }
             }
         const ptrdiff_t to = ty_box_dense(&coarse->cells.box, y, z);
         float* extinction = coarse->extinction + to;
-        pair_means(path, nx, coarse->children[0], rows.share, extinction);
-        pair_means(absorbed, nx, coarse->children[0], rows.share, coarse->absorption + to);
-        pair_means(source, nx, coarse->children[0], rows.share, coarse->source + to);
+        pair_means(path, nx, coarse->children[0], rows.weight, extinction);
+        pair_means(absorbed, nx, coarse->children[0], rows.weight, coarse->absorption + to);
+        pair_means(source, nx, coarse->children[0], rows.weight, coarse->source + to);
 #pragma omp simd
         for (int32_t i = 0; i < coarse->cells.box.size[0]; ++i) extinction[i] = 1.0f / extinction[i];
     }
 }
 
 static void restrict_phi(const ty_fas_level* fine, const float* f, const ty_fas_level* coarse, int32_t z) {
-    float sum[ROW_ITEMS], left[ROW_ITEMS];
+    float sum[ROW_ITEMS], residual_sum[ROW_ITEMS];
     const int32_t nx = fine->cells.box.size[0];
     for (int32_t y = 0; y < coarse->cells.box.size[1]; ++y) {
-        const child_rows rows = children_of(fine, coarse, y, z);
+        const child_rows rows = make_child_rows(fine, coarse, y, z);
         memset(sum, 0, sizeof(float) * (size_t)nx);
-        memset(left, 0, sizeof(float) * (size_t)nx);
+        memset(residual_sum, 0, sizeof(float) * (size_t)nx);
         for (int32_t fz = rows.z_begin; fz < rows.z_end; ++fz)
             for (int32_t fy = rows.y_begin; fy < rows.y_end; ++fy) {
                 const ptrdiff_t at = ty_box_at(&fine->cells.box, fy, fz);
@@ -89,20 +87,20 @@ static void restrict_phi(const ty_fas_level* fine, const float* f, const ty_fas_
 #pragma omp simd
                 for (int32_t i = 0; i < nx; ++i) {
                     sum[i] += (float)phi[i];
-                    left[i] += residual[i];
+                    residual_sum[i] += residual[i];
                 }
             }
         const ptrdiff_t to = ty_box_dense(&coarse->cells.box, y, z);
-        float* before = coarse->before + to;
+        float* restricted = coarse->restricted + to;
         double* phi = coarse->phi + ty_box_at(&coarse->cells.box, y, z);
-        pair_means(sum, nx, coarse->children[0], rows.share, before);
-        pair_means(left, nx, coarse->children[0], rows.share, coarse->source + to);
+        pair_means(sum, nx, coarse->children[0], rows.weight, restricted);
+        pair_means(residual_sum, nx, coarse->children[0], rows.weight, coarse->source + to);
 #pragma omp simd
-        for (int32_t i = 0; i < coarse->cells.box.size[0]; ++i) phi[i] = (double)before[i];
+        for (int32_t i = 0; i < coarse->cells.box.size[0]; ++i) phi[i] = (double)restricted[i];
     }
 }
 
-static void balance(const ty_fas_level* stage, const float* f, int32_t z) {
+static void set_fas_source(const ty_fas_level* stage, const float* f, int32_t z) {
     const ty_box* box = &stage->cells.box;
     for (int32_t y = 0; y < box->size[1]; ++y) {
         float* source = stage->source + ty_box_dense(box, y, z);
@@ -112,20 +110,20 @@ static void balance(const ty_fas_level* stage, const float* f, int32_t z) {
     }
 }
 
-static void compare(const ty_fas_level* stage, int32_t z) {
+static void relative_change(const ty_fas_level* stage, int32_t z) {
     const ty_box* box = &stage->cells.box;
     for (int32_t y = 0; y < box->size[1]; ++y) {
-        float* before = stage->before + ty_box_dense(box, y, z);
+        float* restricted = stage->restricted + ty_box_dense(box, y, z);
         const double* phi = stage->phi + ty_box_at(box, y, z);
 #pragma omp simd
         for (int32_t i = 0; i < box->size[0]; ++i) {
-            const float from = ty_maxf(before[i], DARK);
-            before[i] = before[i] > DARK ? (float)((phi[i] - (double)from) / (double)from) : 0.0f;
+            const float from = ty_maxf(restricted[i], MIN_PHI);
+            restricted[i] = restricted[i] > MIN_PHI ? (float)((phi[i] - (double)from) / (double)from) : 0.0f;
         }
     }
 }
 
-/* The coarse cells whose centres are on either side of a fine one's, and how far it is towards the second. */
+/* The coarse cells whose centers enclose that of a fine one; returns the weight of the second. */
 static float neighbours(const ty_fas_level* coarse, int axis, int32_t fine, int32_t at[2]) {
     at[0] = at[1] = fine / coarse->children[axis];
     if (coarse->children[axis] == 1) return 0;
@@ -134,13 +132,13 @@ static float neighbours(const ty_fas_level* coarse, int axis, int32_t fine, int3
     return 0.25f;
 }
 
-/* A row of `before` at a fine y and z. */
-static void blend(const ty_fas_level* coarse, int32_t y, int32_t z, float* out) {
+/* Interpolates a row of `restricted` to a fine y and z. */
+static void interpolate_row(const ty_fas_level* coarse, int32_t y, int32_t z, float* out) {
     const ty_box* box = &coarse->cells.box;
     int32_t ys[2], zs[2];
     const float wy = neighbours(coarse, 1, y, ys), wz = neighbours(coarse, 2, z, zs);
     const float* rows[4];
-    for (int i = 0; i < 4; ++i) rows[i] = coarse->before + ty_box_dense(box, ys[i & 1], zs[i >> 1]);
+    for (int i = 0; i < 4; ++i) rows[i] = coarse->restricted + ty_box_dense(box, ys[i & 1], zs[i >> 1]);
     const float w0 = (1 - wy) * (1 - wz), w1 = wy * (1 - wz), w2 = (1 - wy) * wz, w3 = wy * wz;
 #pragma omp simd
     for (int32_t i = 0; i < box->size[0]; ++i)
@@ -153,7 +151,7 @@ static void correct(const ty_fas_level* fine, const ty_fas_level* coarse, int32_
     float* change = row + 1;
     for (int32_t y = 0; y < fine->cells.box.size[1]; ++y) {
         double* phi = fine->phi + ty_box_at(&fine->cells.box, y, z);
-        blend(coarse, y, z, change);
+        interpolate_row(coarse, y, z, change);
         if (coarse->children[0] == 1) {
 #pragma omp simd
             for (int32_t i = 0; i < nx; ++i) phi[i] *= 1 + (double)change[i];
@@ -172,9 +170,9 @@ static void correct(const ty_fas_level* fine, const ty_fas_level* coarse, int32_
 }
 
 const ty_fas_kernels TY_JOIN(ty_fas_kernels_, TY_ISA) = {
-    .thin = thin,
+    .restrict_media = restrict_media,
     .restrict_phi = restrict_phi,
-    .balance = balance,
-    .compare = compare,
+    .set_fas_source = set_fas_source,
+    .relative_change = relative_change,
     .correct = correct,
 };

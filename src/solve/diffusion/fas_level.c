@@ -1,21 +1,22 @@
-/* The non-linear problem on coarser and coarser boxes, those of multigrid's levels. What changes slowly along light
- * that streams is nearly invisible to Picard iterations, whose D diffuses where the light is carried; on coarse cells
- * it changes fast, and they see it. Full approximation: a coarse stage starts from means of phi, with a source that
- * makes these its solution where the finer stage has no residuals; the finer phi is multiplied by what the coarse one
- * was. Coarse cells have the mean of their children's free paths, not of their extinctions: vacuum stays vacuum. */
+/* Full approximation scheme (FAS): the nonlinear problem on the boxes of the multigrid levels. Errors that vary slowly
+ * along streaming light are nearly invisible to Picard iterations, whose D diffuses where the light is advected; on
+ * coarse cells they vary fast and are visible. A coarse stage starts from means of phi, with a source that makes them
+ * its solution where the finer stage has no residuals; the finer phi is multiplied by the relative change of the coarse
+ * one. Coarse cells have the mean of their children's mean free paths, not of their extinctions: vacuum stays vacuum.
+ */
 #include "solve/diffusion/job.h"
 
 #include <string.h>
 
-/* Of Algorithm 1, after a step of Picard's. */
+/* Sweeps of Algorithm 1 after a Picard step. */
 enum { SWEEPS = 2 };
 
-typedef struct work {
+typedef struct fas_work {
     const ty_diffusion_job* job;
     const ty_fas_level *fine, *coarse;
-    const ty_level* level; /* of the finer */
+    const ty_level* level; /* of the finer stage */
     const float* change;   /* of its phi */
-} work;
+} fas_work;
 
 /* ---- cells ---- */
 
@@ -29,22 +30,22 @@ void ty_fas_lay_out(ty_diffusion_job* job, ty_arena* arena) {
         const size_t cells = (size_t)ty_box_cells(box);
         stage->phi = ty_solve_take_box(arena, box, sizeof(double));
         stage->diffusivity = ty_solve_take_box(arena, box, sizeof(float));
-        float** const dense[] = {&stage->extinction, &stage->absorption, &stage->source, &stage->before};
+        float** const dense[] = {&stage->extinction, &stage->absorption, &stage->source, &stage->restricted};
         for (int a = 0; a < 4; ++a) *dense[a] = ty_arena_take(arena, sizeof(float) * cells);
         for (int side = 0; side < 6; ++side) ty_solve_take_side(arena, box, side, &stage->cells.sides[side]);
         job->stage_count = i + 1;
     }
 }
 
-/* Means of what boundaries say. */
+/* Means of the boundary values. */
 static void fill_side(const ty_fas_level* fine, ty_fas_level* coarse, int side) {
     const int axis = side / 2, u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     const ty_side* from = &fine->cells.sides[side];
     ty_side* to = &coarse->cells.sides[side];
-    const float longer = (float)coarse->children[axis];
+    const float ratio = (float)coarse->children[axis];
     to->kind = from->kind;
-    to->a = from->a / (longer * longer);
-    to->b = from->b / longer;
+    to->a = from->a / (ratio * ratio);
+    to->b = from->b / ratio;
     const int32_t *size = coarse->cells.box.size, *fine_size = fine->cells.box.size, *n = coarse->children;
     for (int32_t j = 0; j < size[v]; ++j)
         for (int32_t i = 0; i < size[u]; ++i) {
@@ -58,31 +59,31 @@ static void fill_side(const ty_fas_level* fine, ty_fas_level* coarse, int side) 
         }
 }
 
-static void thin_plane(void* user, int64_t index, int32_t worker) {
+static void restrict_media_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
-    w->job->stage_kernels->thin(w->fine, w->coarse, (int32_t)index);
+    const fas_work* w = user;
+    w->job->stage_kernels->restrict_media(w->fine, w->coarse, (int32_t)index);
 }
 
 static void fill_stage(const ty_diffusion_job* job, const ty_fas_level* fine, ty_fas_level* coarse) {
     ty_cells* cells = &coarse->cells;
     const ty_cells* from = &fine->cells;
     for (int axis = 0; axis < 3; ++axis) {
-        const float longer = (float)coarse->children[axis];
-        cells->half_inverse[axis] = from->half_inverse[axis] / longer;
-        cells->coupling[axis] = from->coupling[axis] / (longer * longer);
+        const float ratio = (float)coarse->children[axis];
+        cells->half_inverse[axis] = from->half_inverse[axis] / ratio;
+        cells->coupling[axis] = from->coupling[axis] / (ratio * ratio);
     }
     cells->extinction = coarse->extinction;
     cells->absorption = coarse->absorption;
     cells->source = coarse->source;
-    cells->least_extinction = from->least_extinction;
+    cells->min_extinction = from->min_extinction;
     cells->zeros = from->zeros;
     cells->scale = 1;
     cells->limiter = from->limiter;
     cells->larsen_power = from->larsen_power;
     for (int side = 0; side < 6; ++side) fill_side(fine, coarse, side);
-    work w = {.job = job, .fine = fine, .coarse = coarse};
-    ty_solve_planes(job, &cells->box, thin_plane, &w);
+    fas_work w = {.job = job, .fine = fine, .coarse = coarse};
+    ty_solve_planes(job, &cells->box, restrict_media_plane, &w);
     ty_solve_count(job, &from->box, 1);
 }
 
@@ -92,37 +93,37 @@ void ty_fas_restrict_cells(ty_diffusion_job* job) {
     for (int32_t i = 1; i < job->stage_count; ++i) fill_stage(job, &job->stages[i - 1], &job->stages[i]);
 }
 
-/* ---- Picard's step ---- */
+/* ---- Picard step ---- */
 
 static void ghosts_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
+    const fas_work* w = user;
     w->job->cell_kernels->ghosts(&w->fine->cells, w->fine->phi, (int32_t)index);
 }
 
 static void diffuse_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
+    const fas_work* w = user;
     w->job->cell_kernels->diffuse(&w->fine->cells, w->fine->phi, w->fine->diffusivity, (int32_t)index);
 }
 
 static void assemble_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
+    const fas_work* w = user;
     w->job->sums[index].a =
         w->job->cell_kernels->assemble(&w->fine->cells, w->fine->phi, w->fine->diffusivity, w->level, (int32_t)index);
 }
 
 static void update_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
+    const fas_work* w = user;
     w->job->cell_kernels->update(&w->fine->cells, w->change, w->fine->phi, (int32_t)index);
 }
 
 double ty_fas_linearise(ty_diffusion_job* job, int32_t i) {
     const ty_fas_level* stage = &job->stages[i];
     const ty_box* box = &stage->cells.box;
-    work w = {.job = job, .fine = stage, .level = &job->levels[i]};
+    fas_work w = {.job = job, .fine = stage, .level = &job->levels[i]};
     ty_solve_planes(job, box, ghosts_plane, &w);
     ty_solve_planes(job, box, diffuse_plane, &w);
     ty_solve_planes(job, box, assemble_plane, &w);
@@ -130,18 +131,18 @@ double ty_fas_linearise(ty_diffusion_job* job, int32_t i) {
     return ty_solve_sum(job, box->size[2]).a;
 }
 
-static void soften_plane(void* user, int64_t index, int32_t worker) {
+static void damp_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
+    const fas_work* w = user;
     const ty_diffusion_job* job = w->job;
-    job->cell_kernels->soften(&w->fine->cells, w->fine->diffusivity, job->softening, job->direction, (int32_t)index);
+    job->cell_kernels->damp(&w->fine->cells, w->fine->diffusivity, job->damping, job->direction, (int32_t)index);
 }
 
-/* D for the linear problem: the stage's, or less. Of coarser stages it takes up the first part of the same array. */
+/* D for the linear problem: the stage's, damped if enabled. Coarser stages use the beginning of the same array. */
 static const float* linear_diffusivity(const ty_diffusion_job* job, const ty_fas_level* stage) {
-    if (!(job->softening > 0)) return stage->diffusivity;
-    work w = {.job = job, .fine = stage};
-    ty_solve_planes(job, &stage->cells.box, soften_plane, &w);
+    if (!(job->damping > 0)) return stage->diffusivity;
+    fas_work w = {.job = job, .fine = stage};
+    ty_solve_planes(job, &stage->cells.box, damp_plane, &w);
     ty_solve_count(job, &stage->cells.box, 1);
     return job->direction;
 }
@@ -153,53 +154,52 @@ void ty_fas_picard_step(ty_diffusion_job* job, int32_t i, double squares, double
     memcpy(level->coupling, stage->cells.coupling, sizeof level->coupling);
     ty_multigrid_coarsen(job, i);
     const float* change = ty_multigrid_solve(job, i, squares, squares * reduction * reduction, cycles);
-    work w = {.job = job, .fine = stage, .change = change};
+    fas_work w = {.job = job, .fine = stage, .change = change};
     ty_solve_planes(job, &stage->cells.box, update_plane, &w);
     ty_solve_count(job, &stage->cells.box, 1);
 }
 
-/* ---- between stages ---- */
+/* ---- transfer between stages ---- */
 
 static void restrict_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
+    const fas_work* w = user;
     w->job->stage_kernels->restrict_phi(w->fine, w->level->f, w->coarse, (int32_t)index);
 }
 
-static void balance_plane(void* user, int64_t index, int32_t worker) {
+static void fas_source_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
-    w->job->stage_kernels->balance(w->fine, w->level->f, (int32_t)index);
+    const fas_work* w = user;
+    w->job->stage_kernels->set_fas_source(w->fine, w->level->f, (int32_t)index);
 }
 
-static void compare_plane(void* user, int64_t index, int32_t worker) {
+static void relative_change_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
-    w->job->stage_kernels->compare(w->coarse, (int32_t)index);
+    const fas_work* w = user;
+    w->job->stage_kernels->relative_change(w->coarse, (int32_t)index);
 }
 
 static void correct_plane(void* user, int64_t index, int32_t worker) {
     (void)worker;
-    const work* w = user;
+    const fas_work* w = user;
     w->job->stage_kernels->correct(w->fine, w->coarse, (int32_t)index);
 }
 
-/* The finer phi of stage i - 1, from that of stage i and what it was before. */
-static void hand_up(const ty_diffusion_job* job, int32_t i) {
-    work w = {.job = job, .fine = &job->stages[i - 1], .coarse = &job->stages[i]};
-    ty_solve_planes(job, &w.coarse->cells.box, compare_plane, &w);
+/* Corrects phi of stage i - 1 by the relative change of stage i. */
+static void prolong_change(const ty_diffusion_job* job, int32_t i) {
+    fas_work w = {.job = job, .fine = &job->stages[i - 1], .coarse = &job->stages[i]};
+    ty_solve_planes(job, &w.coarse->cells.box, relative_change_plane, &w);
     ty_solve_planes(job, &w.fine->cells.box, correct_plane, &w);
     ty_solve_count(job, &w.fine->cells.box, 1);
 }
 
-/* A step of Picard's, of one cycle: with more, iterations may swing to and fro instead of converging. */
+/* Picard step with one cycle: with more, iterations can oscillate instead of converging. */
 static void smooth(ty_diffusion_job* job, int32_t i) {
     ty_fas_picard_step(job, i, ty_fas_linearise(job, i), 0, 1);
-    for (int sweep = 0; job->softening > 0 && sweep < SWEEPS; ++sweep)
-        ty_fas_relax(job, i, TY_SOR_OMEGA, TY_RELAX_ALL);
+    for (int sweep = 0; job->damping > 0 && sweep < SWEEPS; ++sweep) ty_fas_relax(job, i, TY_SOR_OMEGA, TY_RELAX_ALL);
 }
 
-/* Smooths before and after what coarser stages say. */
+/* Smooths before and after the coarse-level correction. */
 static void visit(ty_diffusion_job* job, int32_t i) {
     smooth(job, i);
     if (i + 1 == job->stage_count) return;
@@ -213,14 +213,14 @@ static void visit(ty_diffusion_job* job, int32_t i) {
 void ty_fas_correct(ty_diffusion_job* job, int32_t i) {
     if (i + 1 >= job->stage_count) return;
     const ty_fas_level *fine = &job->stages[i], *coarse = &job->stages[i + 1];
-    work down = {.job = job, .fine = fine, .coarse = coarse, .level = &job->levels[i]};
+    fas_work down = {.job = job, .fine = fine, .coarse = coarse, .level = &job->levels[i]};
     ty_solve_planes(job, &coarse->cells.box, restrict_plane, &down);
     ty_solve_count(job, &fine->cells.box, 1);
     ty_fas_linearise(job, i + 1);
-    work here = {.job = job, .fine = coarse, .level = &job->levels[i + 1]};
-    ty_solve_planes(job, &coarse->cells.box, balance_plane, &here);
+    fas_work here = {.job = job, .fine = coarse, .level = &job->levels[i + 1]};
+    ty_solve_planes(job, &coarse->cells.box, fas_source_plane, &here);
     visit(job, i + 1);
-    hand_up(job, i + 1);
+    prolong_change(job, i + 1);
 }
 
 static void set_stage(const ty_fas_level* stage, double first) {
@@ -232,16 +232,16 @@ static void set_stage(const ty_fas_level* stage, double first) {
         }
 }
 
-static void expect(const ty_fas_level* stage, double first) {
+static void set_expected(const ty_fas_level* stage, double first) {
     const size_t cells = (size_t)ty_box_cells(&stage->cells.box);
-    for (size_t i = 0; i < cells; ++i) stage->before[i] = (float)first;
+    for (size_t i = 0; i < cells; ++i) stage->restricted[i] = (float)first;
 }
 
 void ty_fas_full_multigrid(ty_diffusion_job* job, double first) {
     for (int32_t i = 1; i < job->stage_count; ++i) set_stage(&job->stages[i], (double)(float)first);
     for (int32_t i = job->stage_count - 1; i > 0; --i) {
         visit(job, i);
-        expect(&job->stages[i], first);
-        hand_up(job, i);
+        set_expected(&job->stages[i], first);
+        prolong_change(job, i);
     }
 }

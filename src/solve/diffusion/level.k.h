@@ -1,25 +1,25 @@
-/* One cell of a level of multigrid. */
+/* Equation of one cell of a multigrid level. */
 #ifndef TY_SOLVE_DIFFUSION_LEVEL_K_H
 #define TY_SOLVE_DIFFUSION_LEVEL_K_H
 
 #include "base/kernel.h"
 
-/* Where nothing leaves a cell and nothing takes light away in it. */
+/* Lower bound of the diagonal, for cells with neither exchange nor sink. */
 #define TY_LEVEL_MIN_DIFFUSIVITY 1e-30f
 
-/* Couplings to the cells below and above along each axis. */
+/* Couplings to the lower and upper neighbours along each axis. */
 typedef struct ty_level_faces {
     float x0, x1, y0, y1, z0, z1;
 } ty_level_faces;
 
-/* Item i of a row, from what is stored for the faces below cells. */
+/* Item i of a row, from couplings stored per lower face. */
 TY_FN ty_level_faces ty_level_faces_stored(TY_GLOBAL const float* gx, TY_GLOBAL const float* gy,
                                            TY_GLOBAL const float* gz, ptrdiff_t row, ptrdiff_t plane, ptrdiff_t i) {
     const ty_level_faces faces = {gx[i], gx[i + 1], gy[i], gy[i + row], gz[i], gz[i + plane]};
     return faces;
 }
 
-/* The same from D, whose ghosts are -D of the cell beside them, so that nothing passes there. */
+/* The same from D, whose ghosts are -D of the cell beside them, which makes couplings at the box's faces 0. */
 TY_FN ty_level_faces ty_level_faces_made(TY_GLOBAL const float* d, float kx, float ky, float kz, ptrdiff_t row,
                                          ptrdiff_t plane, ptrdiff_t i) {
     const float here = d[i];
@@ -28,7 +28,7 @@ TY_FN ty_level_faces ty_level_faces_made(TY_GLOBAL const float* d, float kx, flo
     return faces;
 }
 
-/* What all of a cell's exchanges and its sink take of its own e. */
+/* Diagonal entry: sink plus couplings. */
 TY_FN float ty_level_diagonal(ty_level_faces c, float sink) {
     return ty_maxf(sink + (c.x0 + c.x1) + (c.y0 + c.y1) + (c.z0 + c.z1), TY_LEVEL_MIN_DIFFUSIVITY);
 }
@@ -41,7 +41,7 @@ TY_FN float ty_level_apply(ty_level_faces c, float sink, TY_GLOBAL const float* 
            c.y1 * (here - e[i + row]) + c.z0 * (here - e[i - plane]) + c.z1 * (here - e[i + plane]);
 }
 
-/* e that satisfies the cell's equation. */
+/* Gauss-Seidel value of e. */
 TY_FN float ty_level_relax(ty_level_faces c, float sink, float f, TY_GLOBAL const float* e, ptrdiff_t row,
                            ptrdiff_t plane, ptrdiff_t i) {
     const float sum = f + c.x0 * e[i - 1] + c.x1 * e[i + 1] + c.y0 * e[i - row] + c.y1 * e[i + row] +

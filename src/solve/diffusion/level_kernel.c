@@ -1,4 +1,4 @@
-/* Loops over planes of a level of multigrid; built once per instruction set, with TY_ISA naming it. */
+/* Loops over planes of a multigrid level. Compiled once per instruction set, which TY_ISA names. */
 #include "solve/diffusion/cell_kernel.h"
 
 #include "solve/diffusion/level.k.h"
@@ -8,18 +8,18 @@
 #define TY_JOIN_(a, b) a##b
 #define TY_JOIN(a, b) TY_JOIN_(a, b)
 
-/* Items of a row on the stack. */
+/* Capacity of a row on the stack. */
 enum { ROW_ITEMS = TY_DIFFUSION_SIDE_MAX };
 /* Cells relaxed together. */
 enum { BLOCK = 32 };
 
-/* What is inlined where it is known whether couplings are stored, so that loops have no choices. */
+/* Inlined with the kind of couplings known at compile time, so that loops have no branches. */
 #define INLINE static inline __attribute__((always_inline))
 
 /* A row of a level. */
 typedef struct level_row {
     const float *gx, *gy, *gz; /* stored couplings, or */
-    const float* diffusivity;  /* what they are made of */
+    const float* diffusivity;  /* D from which they are derived */
     float k[3];
     const float *sink, *f;
     float* e;
@@ -44,46 +44,49 @@ INLINE level_row row_of(const ty_level* level, int32_t y, int32_t z) {
     return r;
 }
 
-INLINE ty_level_faces faces_at(const level_row* r, const bool made, ptrdiff_t i) {
-    return made ? ty_level_faces_made(r->diffusivity, r->k[0], r->k[1], r->k[2], r->row, r->plane, i)
-                : ty_level_faces_stored(r->gx, r->gy, r->gz, r->row, r->plane, i);
+INLINE ty_level_faces faces_at(const level_row* r, const bool from_diffusivity, ptrdiff_t i) {
+    return from_diffusivity ? ty_level_faces_made(r->diffusivity, r->k[0], r->k[1], r->k[2], r->row, r->plane, i)
+                            : ty_level_faces_stored(r->gx, r->gy, r->gz, r->row, r->plane, i);
 }
 
-/* Calls row_fn(&row, made, ...) with a constant for `made`. */
+/* Calls row_fn(&row, from_diffusivity, ...) with a constant flag. */
 #define WITH_FACES(row_fn, r, ...)                                                                                     \
     ((r).diffusivity != NULL ? row_fn(&(r), true, __VA_ARGS__) : row_fn(&(r), false, __VA_ARGS__))
 
-/* Cells of a colour from `begin` on. */
-INLINE void relax_apart(const level_row* row, const bool made, int32_t begin, int32_t count) {
+/* Relaxes cells of a colour from `begin` with stride 2. */
+INLINE void relax_strided(const level_row* row, const bool from_diffusivity, int32_t begin, int32_t count) {
     const level_row r = *row;
 #pragma omp simd
     for (int32_t i = begin; i < count; i += 2)
-        r.e[i] = ty_level_relax(faces_at(&r, made, i), r.sink[i], r.f[i], r.e, r.row, r.plane, i);
+        r.e[i] = ty_level_relax(faces_at(&r, from_diffusivity, i), r.sink[i], r.f[i], r.e, r.row, r.plane, i);
 }
 
-/* Those of `cells` neighbours, from all of them: what cells of the other colour would become is dropped. */
-INLINE void relax_block(const level_row* row, const bool made, int32_t first, int32_t begin, const int32_t cells) {
+/* Relaxes a block by evaluating all its cells and discarding the results of the other colour. */
+INLINE void relax_block(const level_row* row, const bool from_diffusivity, int32_t first, int32_t begin,
+                        const int32_t cells) {
     const level_row r = *row;
     float next[BLOCK];
 #pragma omp simd
     for (int32_t i = 0; i < cells; ++i)
-        next[i] = ty_level_relax(faces_at(&r, made, begin + i), r.sink[begin + i], r.f[begin + i], r.e, r.row, r.plane,
-                                 begin + i);
+        next[i] = ty_level_relax(faces_at(&r, from_diffusivity, begin + i), r.sink[begin + i], r.f[begin + i], r.e,
+                                 r.row, r.plane, begin + i);
     for (int32_t i = 0; i < cells / 2; ++i) r.e[begin + first + 2 * i] = next[first + 2 * i];
 }
 
-/* Blocks are faster: vectors are loaded as they lie, and nothing is left for single steps at the end of a row. */
-INLINE void relax_row(const level_row* row, const bool made, int32_t first, int32_t count, bool alone) {
+/* Blocks are faster: vector loads are contiguous, and no scalar remainder is left at the end of a row. */
+INLINE void relax_row(const level_row* row, const bool from_diffusivity, int32_t first, int32_t count, bool alone) {
     int32_t begin = 0;
-    for (; alone && begin + BLOCK <= count; begin += BLOCK) relax_block(row, made, first, begin, BLOCK);
-    for (; alone && begin + BLOCK / 4 <= count; begin += BLOCK / 4) relax_block(row, made, first, begin, BLOCK / 4);
-    relax_apart(row, made, begin + first, count);
+    for (; alone && begin + BLOCK <= count; begin += BLOCK) relax_block(row, from_diffusivity, first, begin, BLOCK);
+    for (; alone && begin + BLOCK / 4 <= count; begin += BLOCK / 4)
+        relax_block(row, from_diffusivity, first, begin, BLOCK / 4);
+    relax_strided(row, from_diffusivity, begin + first, count);
 }
 
-INLINE void begin_row(const level_row* row, const bool made, int32_t first, int32_t count) {
+INLINE void relax_row_from_zero(const level_row* row, const bool from_diffusivity, int32_t first, int32_t count) {
     const level_row r = *row;
 #pragma omp simd
-    for (int32_t i = first; i < count; i += 2) r.e[i] = r.f[i] / ty_level_diagonal(faces_at(&r, made, i), r.sink[i]);
+    for (int32_t i = first; i < count; i += 2)
+        r.e[i] = r.f[i] / ty_level_diagonal(faces_at(&r, from_diffusivity, i), r.sink[i]);
 }
 
 static void relax(const ty_level* level, int32_t color, int32_t z, bool alone) {
@@ -96,14 +99,14 @@ static void relax(const ty_level* level, int32_t color, int32_t z, bool alone) {
 static void begin(const ty_level* level, int32_t color, int32_t z) {
     for (int32_t y = 0; y < level->box.size[1]; ++y) {
         const level_row r = row_of(level, y, z);
-        WITH_FACES(begin_row, r, (color + y + z) & 1, level->box.size[0]);
+        WITH_FACES(relax_row_from_zero, r, (color + y + z) & 1, level->box.size[0]);
     }
 }
 
 /* ---- between levels ---- */
 
-/* Adds pairs of items, or copies them where one cell makes one. */
-static void pair_up(const float* items, int32_t count, int32_t children, float* out) {
+/* Adds pairs of items, or copies them where a coarse cell has one child. */
+static void sum_pairs(const float* items, int32_t count, int32_t children, float* out) {
     if (children == 1) {
         memcpy(out, items, sizeof(float) * (size_t)count);
         return;
@@ -113,21 +116,22 @@ static void pair_up(const float* items, int32_t count, int32_t children, float* 
     if ((count & 1) != 0) out[count / 2] = items[count - 1];
 }
 
-/* The end of the finer cells that make coarse cell i along an axis. */
+/* End of the finer cells within coarse cell i along an axis. */
 static int32_t children_end(const ty_level* fine, const ty_level* coarse, int axis, int32_t i) {
     const int32_t end = (i + 1) * coarse->children[axis];
     return end < fine->box.size[axis] ? end : fine->box.size[axis];
 }
 
 /* Returns the sum of squares. */
-INLINE float add_residual(const level_row* row, const bool made, int32_t count, float* sum) {
+INLINE float add_residual(const level_row* row, const bool from_diffusivity, int32_t count, float* sum) {
     const level_row r = *row;
     float squares = 0;
 #pragma omp simd reduction(+ : squares)
     for (int32_t i = 0; i < count; ++i) {
-        const float left = r.f[i] - ty_level_apply(faces_at(&r, made, i), r.sink[i], r.e, r.row, r.plane, i);
-        sum[i] += left;
-        squares += left * left;
+        const float residual =
+            r.f[i] - ty_level_apply(faces_at(&r, from_diffusivity, i), r.sink[i], r.e, r.row, r.plane, i);
+        sum[i] += residual;
+        squares += residual * residual;
     }
     return squares;
 }
@@ -144,7 +148,7 @@ static double restrict_residual(const ty_level* fine, const ty_level* coarse, in
                 const level_row r = row_of(fine, fy, fz);
                 squares += (double)WITH_FACES(add_residual, r, nx, sum);
             }
-        pair_up(sum, nx, coarse->children[0], coarse->f + ty_box_at(&coarse->box, y, z));
+        sum_pairs(sum, nx, coarse->children[0], coarse->f + ty_box_at(&coarse->box, y, z));
     }
     return squares;
 }
@@ -169,7 +173,7 @@ static void prolong(const ty_level* fine, const ty_level* coarse, int32_t z) {
     }
 }
 
-/* Adds the couplings of a fine row through the faces below along an axis. */
+/* Adds the couplings of a fine row through its lower faces along an axis. */
 static void add_faces(const ty_level* fine, int axis, int32_t y, int32_t z, float* sum) {
     const ptrdiff_t at = ty_box_at(&fine->box, y, z);
     const int32_t count = fine->box.size[0];
@@ -191,8 +195,8 @@ static void add_sinks(const ty_level* fine, int32_t y, int32_t z, float* sum) {
     for (int32_t i = 0; i < fine->box.size[0]; ++i) sum[i] += sink[i];
 }
 
-/* For a coarse row, sums for each fine x of the couplings through the faces below fine cell `index` along an axis, or,
- * without an axis, of sinks. */
+/* Sums over the fine rows of a coarse one, per fine x: couplings through the lower faces of fine cell `index` along an
+ * axis, or sinks. */
 enum { SINKS = -1 };
 
 static void sum_faces(const ty_level* fine, const ty_level* coarse, int axis, int32_t index, int32_t y, int32_t z,
@@ -212,37 +216,36 @@ static void sum_faces(const ty_level* fine, const ty_level* coarse, int axis, in
                 add_faces(fine, axis, fy, fz, sum);
 }
 
-/* What couplings between coarse cells are of the sum of those between their children: centres are twice as far apart.
- */
-static float distance_share(const ty_level* coarse, int axis) {
+/* Ratio of a coarse coupling to the sum of its children's: centers are twice as far apart. */
+static float coupling_ratio(const ty_level* coarse, int axis) {
     return coarse->children[axis] == 2 ? 0.5f : 1.0f;
 }
 
-/* Faces below a coarse row along y or z. */
+/* Lower faces of a coarse row along y or z. */
 static void coarsen_across(const ty_level* fine, const ty_level* coarse, int axis, int32_t y, int32_t z) {
     float sum[ROW_ITEMS];
     const int32_t index = (axis == 1 ? y : z) * coarse->children[axis];
-    const float share = distance_share(coarse, axis);
+    const float ratio = coupling_ratio(coarse, axis);
     sum_faces(fine, coarse, axis, index, y, z, sum);
     float* g = coarse->g[axis] + ty_box_at(&coarse->box, y, z);
-    pair_up(sum, fine->box.size[0], coarse->children[0], g);
+    sum_pairs(sum, fine->box.size[0], coarse->children[0], g);
 #pragma omp simd
-    for (int32_t i = 0; i < coarse->box.size[0]; ++i) g[i] *= share;
+    for (int32_t i = 0; i < coarse->box.size[0]; ++i) g[i] *= ratio;
 }
 
 static void coarsen_along(const ty_level* fine, const ty_level* coarse, int32_t y, int32_t z) {
     float sum[ROW_ITEMS];
     const int32_t children = coarse->children[0];
-    const float share = distance_share(coarse, 0);
+    const float ratio = coupling_ratio(coarse, 0);
     sum_faces(fine, coarse, 0, 0, y, z, sum);
     float* g = coarse->g[0] + ty_box_at(&coarse->box, y, z);
-    for (int32_t i = 0; i < coarse->box.size[0]; ++i) g[i] = share * sum[i * children];
+    for (int32_t i = 0; i < coarse->box.size[0]; ++i) g[i] = ratio * sum[i * children];
 }
 
 static void coarsen_sinks(const ty_level* fine, const ty_level* coarse, int32_t y, int32_t z) {
     float sum[ROW_ITEMS];
     sum_faces(fine, coarse, SINKS, 0, y, z, sum);
-    pair_up(sum, fine->box.size[0], coarse->children[0], coarse->d + ty_box_at(&coarse->box, y, z));
+    sum_pairs(sum, fine->box.size[0], coarse->children[0], coarse->d + ty_box_at(&coarse->box, y, z));
 }
 
 static void coarsen(const ty_level* fine, const ty_level* coarse, int32_t z) {
@@ -269,7 +272,7 @@ static double dot(const ty_level* level, int32_t z) {
     return sum;
 }
 
-static void direct(const ty_level* level, float beta, float* p, int32_t z) {
+static void update_direction(const ty_level* level, float beta, float* p, int32_t z) {
     for (int32_t y = 0; y < level->box.size[1]; ++y) {
         const ptrdiff_t at = ty_box_at(&level->box, y, z);
         const float* e = level->e + at;
@@ -279,12 +282,12 @@ static void direct(const ty_level* level, float beta, float* p, int32_t z) {
     }
 }
 
-INLINE float apply_row(const level_row* row, const bool made, int32_t count, const float* p) {
+INLINE float apply_row(const level_row* row, const bool from_diffusivity, int32_t count, const float* p) {
     const level_row r = *row;
     float sum = 0;
 #pragma omp simd reduction(+ : sum)
     for (int32_t i = 0; i < count; ++i) {
-        const float image = ty_level_apply(faces_at(&r, made, i), r.sink[i], p, r.row, r.plane, i);
+        const float image = ty_level_apply(faces_at(&r, from_diffusivity, i), r.sink[i], p, r.row, r.plane, i);
         r.e[i] = image;
         sum += image * p[i];
     }
@@ -325,7 +328,7 @@ const ty_level_kernels TY_JOIN(ty_level_kernels_, TY_ISA) = {
     .prolong = prolong,
     .coarsen = coarsen,
     .dot = dot,
-    .direct = direct,
+    .update_direction = update_direction,
     .apply = apply,
     .step = step,
 };

@@ -1,71 +1,72 @@
-/* The default solver. Each iteration takes a correction from coarser stages, then D from the fluence and a correction
- * from the linear problem that this makes, in single precision against the residual of the non-linear problem in double
- * precision, then a few sweeps of Algorithm 1, which settle what D does beside boundaries. */
+/* The default solver. Each iteration applies an FAS correction from coarser stages, then a Picard step: D from the
+ * fluence and a correction from the resulting linear problem, in single precision against the double-precision residual
+ * of the nonlinear problem; then a few sweeps of Algorithm 1, which settle D beside boundaries. */
 #include "solve/diffusion/job.h"
 
 #include <math.h>
 
-/* What a linear problem's solve reduces its residual to, where more is lost on single precision; and what the last one
- * aims at, of the tolerance. Of limited problems one cycle is enough: more is lost on the next D. */
-static const double REDUCTION = 1e-7, AIM = 0.3;
+/* Reduction of the residual by a linear solve, limited by single precision; and the target of the last one relative to
+ * the tolerance. Limited problems use one cycle: the next D changes more than further cycles gain. */
+static const double REDUCTION = 1e-7, TARGET = 0.3;
 enum { CYCLES = 30 };
-/* Of Algorithm 1, of all cells, for pictures; for tolerances below FINE more of them, or, in boxes that are large,
- * before these some of so many layers of cells beside the faces, where most is left. Pictures have too few iterations
- * for that to pay, and in small boxes layers are most of all cells. */
+/* Sweeps of Algorithm 1 over all cells at image-quality tolerances. For tolerances below FINE there are more sweeps or,
+ * in large boxes, additional sweeps of FACE_LAYERS layers of cells beside the faces, where residuals are largest.
+ * Coarse tolerances take too few iterations for that to pay, and in small boxes the layers are most of all cells. */
 enum { SWEEPS = 4, MORE_SWEEPS = 8, FACE_SWEEPS = 12, FACE_LAYERS = 8, LARGE = 12 * FACE_LAYERS };
-static const double FINE = 1e-5;
-/* Of D, where light streams (ty_damped_diffusivity): the linear problem answers too little to the fluence there, as D takes
- * half of the change back. Across the gradient it does not, and half would leave that without any gain. */
-static const float SOFTENING = 0.3f;
-/* What an iteration of a limited problem consists of. All of it takes the fewest by far where little but boundaries
- * holds them up; coarser stages work for all limiters that are smooth; Picard's step alone always does. */
-typedef enum means { MEANS_PICARD = 0, MEANS_CORRECTED = 1, MEANS_SWEPT = 2 } means;
-/* Sweeps, which cost more than the rest of an iteration, pay if it leaves less than a share of the least residual so
- * far; but where residuals grow without them, more of them are taken for good. It gains if it leaves less than a larger
- * one: after so many in a row that do not, D is taken as it is and coarser stages are not swept; after as many more,
- * Picard's step is left alone. */
-static const double SWEEPS_PAY = 0.33, GAIN = 0.9;
-enum { PATIENCE = 4 };
+static const double FINE_TOLERANCE = 1e-5;
+/* Damping of D where the flux is limited (ty_damped_diffusivity): the linear problem responds too weakly to the fluence
+ * there, as D takes back half of the change. Across the gradient it does not, and a damping of half would remove all
+ * gain. */
+static const float DAMPING = 0.3f;
+/* Components of an iteration for limited problems. All of them take the fewest iterations where only boundaries slow
+ * convergence; coarser stages work for all smooth limiters; the Picard step alone always works. */
+typedef enum components { COMPONENTS_PICARD = 0, COMPONENTS_CORRECTED = 1, COMPONENTS_SWEPT = 2 } components;
+/* Sweeps, which cost more than the rest of an iteration, pay if the residual falls below SWEEPS_PAY times the smallest
+ * so far; if residuals grow without them, more sweeps are enabled permanently. An iteration gains if the residual falls
+ * below GAIN times the smallest. After PATIENCE iterations in a row without gain, D is undamped and coarser stages are
+ * not swept; after as many again, only the Picard step remains. */
+static const double SWEEPS_GAIN = 0.33, GAIN = 0.9;
+enum { MAX_STAGNATION = 4 };
 
 typedef struct picard {
     ty_diffusion_job* job;
     bool limited;
-    means means;
+    components components;
     int sweeps, face_sweeps;
-    bool swept_again; /* as it went wrong without */
-    double least;     /* residual so far */
-    int32_t futile;   /* iterations since one gained */
+    bool more_sweeps;    /* residuals grew without sweeps */
+    double min_residual; /* smallest residual so far */
+    int32_t stagnation;  /* iterations since the last gain */
 } picard;
 
-/* rms, of a linearised problem's f. */
+/* Rms of f of a linearised problem, from its sum of squares. */
 static double rms(const ty_diffusion_job* job, double squares) {
     return sqrt(squares / (double)ty_box_cells(&job->cells.box));
 }
 
-static void judge(picard* p, double residual) {
-    p->futile = residual < GAIN * p->least ? 0 : p->futile + 1;
-    if (p->means == MEANS_CORRECTED && !p->swept_again && residual > p->least) {
-        p->swept_again = true;
-        p->means = MEANS_SWEPT;
+static void select_components(picard* p, double residual) {
+    p->stagnation = residual < GAIN * p->min_residual ? 0 : p->stagnation + 1;
+    if (p->components == COMPONENTS_CORRECTED && !p->more_sweeps && residual > p->min_residual) {
+        p->more_sweeps = true;
+        p->components = COMPONENTS_SWEPT;
         p->sweeps = MORE_SWEEPS;
-    } else if (p->means == MEANS_SWEPT && !p->swept_again && !(residual < SWEEPS_PAY * p->least)) {
-        p->means = MEANS_CORRECTED;
+    } else if (p->components == COMPONENTS_SWEPT && !p->more_sweeps && !(residual < SWEEPS_GAIN * p->min_residual)) {
+        p->components = COMPONENTS_CORRECTED;
     }
-    p->least = fmin(p->least, residual);
-    if (p->futile < PATIENCE) return;
-    if (!(p->job->softening > 0)) p->means = MEANS_PICARD;
-    p->job->softening = 0;
-    p->futile = 0;
-    p->least = residual;
+    p->min_residual = fmin(p->min_residual, residual);
+    if (p->stagnation < MAX_STAGNATION) return;
+    if (!(p->job->damping > 0)) p->components = COMPONENTS_PICARD;
+    p->job->damping = 0;
+    p->stagnation = 0;
+    p->min_residual = residual;
 }
 
 static void sweep(const picard* p) {
-    if (p->means != MEANS_SWEPT) return;
+    if (p->components != COMPONENTS_SWEPT) return;
     for (int i = 0; i < p->face_sweeps; ++i) ty_fas_relax(p->job, 0, TY_SOR_OMEGA, FACE_LAYERS);
     for (int i = 0; i < p->sweeps; ++i) ty_fas_relax(p->job, 0, TY_SOR_OMEGA, TY_RELAX_ALL);
 }
 
-/* What interpolation left beside boundaries is no business of coarser stages. */
+/* Removes interpolation errors beside boundaries, which coarser stages cannot correct. */
 static void begin(const picard* p) {
     if (!p->limited) return;
     ty_fas_linearise(p->job, 0);
@@ -75,11 +76,11 @@ static void begin(const picard* p) {
 static void iterate(picard* p, double squares) {
     ty_diffusion_job* job = p->job;
     if (!p->limited) {
-        const double aim = AIM * job->def->tolerance / rms(job, squares);
-        ty_fas_picard_step(job, 0, squares, fmax(REDUCTION, aim), CYCLES);
+        const double target = TARGET * job->def->tolerance / rms(job, squares);
+        ty_fas_picard_step(job, 0, squares, fmax(REDUCTION, target), CYCLES);
         return;
     }
-    if (p->means >= MEANS_CORRECTED && job->stage_count > 1) {
+    if (p->components >= COMPONENTS_CORRECTED && job->stage_count > 1) {
         ty_fas_correct(job, 0);
         squares = ty_fas_linearise(job, 0);
     }
@@ -95,24 +96,24 @@ ty_result ty_solve_picard(ty_diffusion_job* job) {
     const ty_diffusion_def* def = job->def;
     picard p = {.job = job,
                 .limited = def->limiter != TY_LIMITER_NONE,
-                .least = INFINITY,
-                .means = MEANS_SWEPT,
+                .min_residual = INFINITY,
+                .components = COMPONENTS_SWEPT,
                 .sweeps = SWEEPS};
     const int32_t limit = def->iterations > 0 ? def->iterations : 500;
-    if (def->tolerance < FINE && is_large(&job->cells.box))
+    if (def->tolerance < FINE_TOLERANCE && is_large(&job->cells.box))
         p.face_sweeps = FACE_SWEEPS;
-    else if (def->tolerance < FINE)
+    else if (def->tolerance < FINE_TOLERANCE)
         p.sweeps = MORE_SWEEPS;
-    if (p.limited) job->softening = SOFTENING;
+    if (p.limited) job->damping = DAMPING;
     ty_fas_restrict_cells(job);
     if (def->start == NULL) ty_fas_full_multigrid(job, ((const double*)job->phi)[0]);
     begin(&p);
     for (int32_t i = 0;; ++i) {
         const double squares = ty_fas_linearise(job, 0), residual = rms(job, squares);
         const ty_result result = ty_solve_note(job, residual);
-        const bool enough = job->stats->converged && i >= def->least_iterations;
-        if (enough || result != TY_OK || i == limit) return result;
-        judge(&p, residual);
+        const bool done = job->stats->converged && i >= def->min_iterations;
+        if (done || result != TY_OK || i == limit) return result;
+        select_components(&p, residual);
         iterate(&p, squares);
         job->stats->iterations = i + 1;
     }

@@ -7,7 +7,7 @@ static double phi_at(const ty_diffusion_job* job, ptrdiff_t at) {
                                                       : ((const double*)job->phi)[at];
 }
 
-/* Net flux out of the box through the face of a cell on its side, W m^-2 in the solvers' units. */
+/* Net flux out of the box through the boundary face of a cell, W m^-2 in the solvers' units. */
 static double flux_out(const ty_diffusion_job* job, int side, const int32_t cell[3], ptrdiff_t at) {
     const ty_side* s = &job->cells.sides[side];
     const int axis = side / 2;
@@ -16,7 +16,7 @@ static double flux_out(const ty_diffusion_job* job, int side, const int32_t cell
     return w * job->def->cell[axis] * (phi_at(job, at) - (double)s->value[face]);
 }
 
-/* Net flux through the face below a cell along an axis, or, for the cell after the last, through the last face. */
+/* Net flux through the lower face of a cell along an axis; for the index after the last cell, through the last face. */
 static double flux_below(const ty_diffusion_job* job, int axis, const int32_t cell[3], ptrdiff_t at) {
     const ty_box* box = &job->cells.box;
     const ptrdiff_t steps[3] = {1, box->row, box->plane};
@@ -41,7 +41,7 @@ static void store_cells(const ty_diffusion_job* job, int32_t y, int32_t z, ty_pl
     }
 }
 
-/* The faces below the cells of a row along an axis; the row after the last holds the last faces. */
+/* Lower faces of the cells of a row along an axis; the row after the last holds the last faces. */
 static void store_flux(const ty_diffusion_job* job, int axis, int32_t y, int32_t z) {
     const ty_box* box = &job->cells.box;
     const int32_t nx = box->size[0] + (axis == 0 ? 1 : 0), ny = box->size[1] + (axis == 1 ? 1 : 0);
@@ -53,8 +53,8 @@ static void store_flux(const ty_diffusion_job* job, int axis, int32_t y, int32_t
     }
 }
 
-/* Light that leaves through the sides of the box that a row touches, W. */
-static double leaving(const ty_diffusion_job* job, int32_t y, int32_t z) {
+/* Power leaving through the sides of the box that a row touches, W. */
+static double leakage(const ty_diffusion_job* job, int32_t y, int32_t z) {
     const ty_box* box = &job->cells.box;
     const double* cell = job->def->cell;
     double sum = 0;
@@ -78,7 +78,7 @@ static void store_plane(void* user, int64_t index, int32_t worker) {
     ty_plane_sums sums = {0};
     for (int32_t y = 0; y < ny; ++y) {
         store_cells(job, y, z, &sums);
-        sums.c += leaving(job, y, z);
+        sums.c += leakage(job, y, z);
     }
     job->sums[z] = sums;
     for (int axis = 0; axis < 3; ++axis) {

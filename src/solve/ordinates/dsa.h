@@ -8,7 +8,7 @@
 
 typedef struct ty_dsa ty_dsa;
 
-/* Uses size, cell, extinction, absorption and least_extinction of the def, with Marshak boundaries; its planes are not
+/* Uses size, cell, extinction, absorption and min_extinction of the def, with Marshak boundaries; its planes are not
  * needed afterwards. walls must outlive the result; with a nonzero count, a side reflects its incident partial current
  * times its albedo (Marshak) and transmits nothing. Errors: TY_ERROR_MEMORY. */
 ty_result ty_dsa_create(ty_context* context, const ty_diffusion_def* def, const ty_ordinates_faces* walls,

@@ -158,7 +158,7 @@ static ty_result scale(ty_ordinates_job* job) {
     }
     diffusion.extinction = reduced;
     diffusion.absorption = absorption;
-    diffusion.least_extinction = MIN_BOX_THICKNESS / longest;
+    diffusion.min_extinction = MIN_BOX_THICKNESS / longest;
     return ty_dsa_create(job->context, &diffusion, &def->walls, &job->dsa);
 }
 

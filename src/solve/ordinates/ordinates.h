@@ -28,9 +28,10 @@ typedef struct ty_angular_quadrature {
 } ty_angular_quadrature;
 
 /* About `count` directions (8..1024), equally many in each octant, mirrored along the axes, without zero components.
- * The weighted sums of spherical harmonics vanish at least up to order *exact (except l = 0); exact may be NULL.
- * docs/method/dom.md describes the set. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
-ty_result ty_angular_quadrature_create(ty_context* context, int32_t count, ty_angular_quadrature* out, int32_t* exact);
+ * The weighted sums of spherical harmonics vanish at least up to order *exactness_order (except l = 0), which may be
+ * NULL. docs/method/dom.md describes the set. Errors: TY_ERROR_ARGUMENT, TY_ERROR_MEMORY. */
+ty_result ty_angular_quadrature_create(ty_context* context, int32_t count, ty_angular_quadrature* out,
+                                       int32_t* exactness_order);
 
 /* Opaque boundary faces, laid out as in ty_sweep_faces. Reflection is diffuse. */
 typedef struct ty_ordinates_faces {
