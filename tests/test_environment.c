@@ -391,7 +391,7 @@ static void cells_hold_all_light(void** state) {
         assert_true(s.view.cells_width <= 256 && s.view.cells_height <= 128);
         for (int32_t i = 0; i < s.view.cells_width * s.view.cells_height; ++i) {
             for (int c = 0; c < 3; ++c) color[c] += (double)s.view.cells[i].color[c];
-            for (int a = 0; a < 3; ++a) flow[a] += (double)s.view.cells[i].flow[a];
+            for (int a = 0; a < 3; ++a) flow[a] += (double)s.view.cells[i].vector_luminance[a];
             solid_angle += (double)s.view.cells[i].solid_angle;
         }
         assert_close(solid_angle, 4 * pi, 1e-4);

@@ -210,7 +210,7 @@ static void hits_name_shape_and_part(void** state) {
     for (int i = 0; i < 4; ++i) {
         assert_true(ty_accel_intersect(mesh, zero, ty_vec_load(ways[i]), TY_FLOAT_MAX, &hit));
         assert_int_equal(hit.surface, i);
-        assert_int_equal(hit.part, 0);
+        assert_int_equal(hit.primitive_id, 0);
         assert_close(hit.distance, distances[i], 1e-5);
     }
     assert_false(ty_accel_intersect(mesh, zero, ty_vec_make(0, 0, 1), TY_FLOAT_MAX, &hit));
@@ -219,7 +219,7 @@ static void hits_name_shape_and_part(void** state) {
         if (part % 2 == 0) way = ty_scale(way, -1);
         assert_true(ty_accel_intersect(mesh, ty_vec_make(5, 0.25f, 0.25f), way, TY_FLOAT_MAX, &hit));
         assert_int_equal(hit.surface, 1);
-        assert_int_equal(hit.part, part);
+        assert_int_equal(hit.primitive_id, part);
         assert_vec_close(hit.normal, way, 0);
     }
     assert_true(ty_accel_bytes(mesh) > 4 * sizeof(ty_vec));
@@ -246,7 +246,7 @@ static void check_leaving(const ty_accel* mesh, const ty_hit* hit, double radius
         if (fabsf(facing) < 0.01f) continue;
         ty_hit again;
         if (!ty_accel_intersect(mesh, ty_hit_leave(hit, way), way, TY_FLOAT_MAX, &again)) continue;
-        if (again.surface != hit->surface || again.part != hit->part) continue;
+        if (again.surface != hit->surface || again.primitive_id != hit->primitive_id) continue;
         const double chord = radius > 0 && facing < 0 ? -2 * radius * (double)facing : 0;
         if (chord == 0 || again.distance < 0.5 * chord)
             fail_msg("from (%g, %g, %g): hit again after %g", (double)hit->position.x, (double)hit->position.y,

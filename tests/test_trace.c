@@ -68,7 +68,7 @@ static void check_hit(const ty_accel* mesh, const ty_ray* ray, const ty_ray_hit*
         return;
     }
     assert_int_equal(hit->surface, expected.surface);
-    assert_int_equal(hit->part, expected.part);
+    assert_int_equal(hit->part, expected.primitive_id);
     assert_close(hit->distance, expected.distance, tolerance);
     assert_vec_close(ty_vec_load(hit->position), expected.position, tolerance);
     assert_vec_close(ty_vec_load(hit->normal), expected.normal, tolerance);

@@ -254,7 +254,7 @@ static void packets_are_single_rays(void** state) {
             missed += !met;
             if (!met) continue;
             assert_int_equal(hits[k].surface, single.surface);
-            assert_int_equal(hits[k].part, single.part);
+            assert_int_equal(hits[k].primitive_id, single.primitive_id);
             assert_close(hits[k].distance, single.distance, 1e-5);
             assert_close(distances[k], single.distance, 1e-5);
             assert_close(layers.layer[k][0].distance, single.distance, 1e-5);
@@ -296,7 +296,7 @@ static void layers_are_met_one_by_one(void** state) {
             assert_true(count < layers.count[0]);
             ty_accel_complete_hit(traced, &ray, &layers.layer[0][count], &layer);
             assert_int_equal(layer.surface, hit.surface);
-            assert_int_equal(layer.part, hit.part);
+            assert_int_equal(layer.primitive_id, hit.primitive_id);
             assert_vec_close(layer.position, hit.position, 1e-3); /* rays that go on begin a margin aside */
             assert_vec_close(layer.normal, hit.normal, 1e-3);
             from = ty_hit_leave(&hit, direction);

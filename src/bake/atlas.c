@@ -181,7 +181,7 @@ static ty_bake_receiver place_receiver(const placer* work, int32_t texel) {
     const ty_vec b = ty_vec_load(work->mesh->positions + 3 * (size_t)corner[1]);
     const ty_vec c = ty_vec_load(work->mesh->positions + 3 * (size_t)corner[2]);
     const ty_vec ab = ty_sub(b, a), ac = ty_sub(c, a);
-    ty_hit hit = {.part = (int32_t)triangle, .b1 = (float)b1, .b2 = (float)b2};
+    ty_hit hit = {.primitive_id = (int32_t)triangle, .b1 = (float)b1, .b2 = (float)b2};
     float area;
     hit.normal = ty_triangle_normal(ab, ac, &area);
     ty_surface_point point;

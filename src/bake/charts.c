@@ -77,7 +77,7 @@ static void end_of(const chart_job* job, int64_t triangle, int corner, double at
     const uint32_t vertex = vertex_of(job, triangle, corner);
     for (int axis = 0; axis < 2; ++axis)
         at[axis] = (double)job->mesh->uv[1][2 * (size_t)vertex + (size_t)axis] * job->sides[axis];
-    ty_hit hit = {.part = (int32_t)triangle, .b1 = corner == 1 ? 1.0f : 0.0f, .b2 = corner == 2 ? 1.0f : 0.0f};
+    ty_hit hit = {.primitive_id = (int32_t)triangle, .b1 = corner == 1 ? 1.0f : 0.0f, .b2 = corner == 2 ? 1.0f : 0.0f};
     const ty_vec a = ty_vec_load(job->mesh->positions + 3 * (size_t)vertex_of(job, triangle, 0));
     const ty_vec b = ty_vec_load(job->mesh->positions + 3 * (size_t)vertex_of(job, triangle, 1));
     const ty_vec c = ty_vec_load(job->mesh->positions + 3 * (size_t)vertex_of(job, triangle, 2));

@@ -177,11 +177,11 @@ static ty_sender lamp_point(const search* s, int32_t index, int32_t k, int32_t c
     const float u = ((float)k + 0.5f) / (float)count, v = ty_unit_float(ty_reverse_bits((uint32_t)k));
     out.kind = TY_IMPULSE_AREA;
     out.light = -1;
-    out.position = ty_light_place(light, u, v, &b1, &b2);
+    out.position = ty_light_point(light, u, v, &b1, &b2);
     out.normal = out.face = ty_scale(light->direction, back ? -1.0f : 1.0f);
     out.area = light->area * (light->two_sided != 0 ? 2.0f : 1.0f) / (float)count;
     out.amount *= out.area;
-    if (light->textured != NULL) ty_surface_mean_emission(light->textured, light->part, b1, b2, out.glows);
+    if (light->textured != NULL) ty_surface_mean_emission(light->textured, light->primitive_id, b1, b2, out.glows);
     return out;
 }
 

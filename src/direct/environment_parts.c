@@ -80,7 +80,7 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
     const float v = ((float)row + 0.5f) / (float)job->size[1];
     for (int32_t column = 0; column < width; ++column) {
         const ty_environment_cell* cell = &cells[column];
-        const double flow[3] = {(double)cell->flow[0], (double)cell->flow[1], (double)cell->flow[2]};
+        const double flow[3] = {(double)cell->vector_luminance[0], (double)cell->vector_luminance[1], (double)cell->vector_luminance[2]};
         const bool z_up = env->up == 2;
         light_sum* sum = &sums[(column + job->shift) % width];
         *sum = (light_sum){.color = {(double)cell->color[0], (double)cell->color[1], (double)cell->color[2]},

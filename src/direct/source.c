@@ -90,10 +90,10 @@ static void add_surface_point(source_list* list, int32_t index, uint32_t sample,
     }
     float b1, b2;
     source->direction = light->direction;
-    source->position = ty_light_place(light, u, v, &b1, &b2);
+    source->position = ty_light_point(light, u, v, &b1, &b2);
     if (light->textured == NULL) return;
     float sent[3];
-    ty_surface_mean_emission(light->textured, light->part, b1, b2, sent);
+    ty_surface_mean_emission(light->textured, light->primitive_id, b1, b2, sent);
     for (int c = 0; c < 3; ++c) source->color[c] = sent[c] * area;
 }
 

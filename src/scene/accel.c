@@ -1,4 +1,5 @@
-/* Surfaces through Embree: quads and boxes as one quad mesh, spheres as points with radii, meshes as they are. */
+/* Acceleration structures by Embree: quads and boxes as one quad mesh, spheres as points with radii, triangle meshes
+ * unchanged. */
 #include "scene/accel.h"
 
 #include "base/context.h"
@@ -8,36 +9,36 @@
 #include <embree3/rtcore.h>
 #include <stdatomic.h>
 #include <stdio.h>
-typedef struct mesh_quad {
-    int32_t shape, part; /* as in ty_hit */
+typedef struct accel_quad {
+    int32_t shape, primitive_id; /* as in ty_hit */
     ty_vec corner, normal;
     float margin;
-} mesh_quad;
+} accel_quad;
 
-typedef struct mesh_sphere {
+typedef struct accel_sphere {
     int32_t shape;
     ty_vec center;
     float radius, margin;
-} mesh_sphere;
+} accel_sphere;
 
 struct ty_accel {
     ty_context* context;
     RTCDevice device;
     RTCScene scene;
     size_t quad_count, sphere_count;
-    mesh_quad* quads;
-    mesh_sphere* spheres;
-    const ty_surface* surfaces; /* of meshes: number i is Embree's geometry MESHES + i */
-    int32_t first_mesh;         /* what surfaces[0] is among the scene view's */
+    accel_quad* quads;
+    accel_sphere* spheres;
+    const ty_surface* surfaces; /* of meshes: surface i is Embree geometry MESHES + i */
+    int32_t first_mesh;         /* index of surfaces[0] in the scene view */
     _Atomic int64_t bytes;
 };
 
-/* Embree's numbers of geometries: all quads, all spheres, then each mesh. */
+/* Embree geometry IDs: all quads, all spheres, then one per mesh. */
 enum { QUADS = 0, SPHERES = 1, MESHES = 2 };
 
-/* How far off a surface to stand, in units of the coordinates whose rounding blurs it: 70 roundings. */
-static const float margin_share = 4e-6f;
-static const float margin_min = 4e-9f;
+/* Self-intersection offset relative to the coordinates that are rounded: 70 roundings. */
+static const float relative_epsilon = 4e-6f;
+static const float min_epsilon = 4e-9f;
 
 static bool count_memory(void* user, ssize_t bytes, bool post) {
     (void)post;
@@ -50,31 +51,32 @@ static ty_result fail(ty_accel* mesh, const char* what) {
                    mesh->device == NULL ? 0 : (int)rtcGetDeviceError(mesh->device));
 }
 
-/* Rounding moves a point off a quad by what it changes of the coordinates that the normal sees: none, if level. */
-static float quad_margin(ty_vec normal, const float* corners) {
+/* Rounding displaces a point from a quad by the rounding errors of the coordinates projected on the normal: none for a
+ * normal along an axis. */
+static float quad_epsilon(ty_vec normal, const float* corners) {
     ty_vec largest = ty_vec_make(0, 0, 0);
     for (int corner = 0; corner < 4; ++corner)
         largest = ty_vec_make(ty_maxf(largest.x, fabsf(corners[3 * corner])),
                               ty_maxf(largest.y, fabsf(corners[3 * corner + 1])),
                               ty_maxf(largest.z, fabsf(corners[3 * corner + 2])));
-    const ty_vec seen = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
-    return ty_maxf(margin_share * ty_dot(seen, largest), margin_min);
+    const ty_vec magnitude = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
+    return ty_maxf(relative_epsilon * ty_dot(magnitude, largest), min_epsilon);
 }
 
 float ty_accel_ray_epsilon(ty_vec normal, ty_vec a, ty_vec b, ty_vec c) {
     const ty_vec largest = ty_vec_make(ty_maxf(fabsf(a.x), ty_maxf(fabsf(b.x), fabsf(c.x))),
                                        ty_maxf(fabsf(a.y), ty_maxf(fabsf(b.y), fabsf(c.y))),
                                        ty_maxf(fabsf(a.z), ty_maxf(fabsf(b.z), fabsf(c.z))));
-    const ty_vec seen = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
-    return ty_maxf(margin_share * ty_dot(seen, largest), margin_min);
+    const ty_vec magnitude = ty_vec_make(fabsf(normal.x), fabsf(normal.y), fabsf(normal.z));
+    return ty_maxf(relative_epsilon * ty_dot(magnitude, largest), min_epsilon);
 }
 
-static float sphere_margin(ty_vec center, float radius) {
+static float sphere_epsilon(ty_vec center, float radius) {
     const float largest = ty_maxf(fabsf(center.x), ty_maxf(fabsf(center.y), fabsf(center.z)));
-    return ty_maxf(margin_share * (largest + radius), margin_min);
+    return ty_maxf(relative_epsilon * (largest + radius), min_epsilon);
 }
 
-/* The quads of all quad and box shapes, four corners each, counter-clockwise seen from the front. */
+/* Quads of all quad and box shapes, four corners each, counter-clockwise seen from the front. */
 static ty_result add_quads(ty_accel* mesh, const ty_shape_def* shapes, size_t count) {
     for (size_t i = 0; i < count; ++i) mesh->quad_count += (size_t)ty_shape_quad_count(&shapes[i]);
     if (mesh->quad_count == 0) return TY_OK;
@@ -99,11 +101,11 @@ static ty_result add_quads(ty_accel* mesh, const ty_shape_def* shapes, size_t co
                     corners[12 * quad + 3 * (size_t)corner + (size_t)a] =
                         (float)(origin[a] + (corner == 1 || corner == 2 ? u[a] : 0) + (corner >= 2 ? v[a] : 0));
             for (unsigned corner = 0; corner < 4; ++corner) indices[4 * quad + corner] = (unsigned)(4 * quad) + corner;
-            mesh->quads[quad] = (mesh_quad){.shape = (int32_t)i,
-                                            .part = q,
-                                            .corner = ty_vec_load(corners + 12 * quad),
-                                            .normal = ty_shape_normal(u, v)};
-            mesh->quads[quad].margin = quad_margin(mesh->quads[quad].normal, corners + 12 * quad);
+            mesh->quads[quad] = (accel_quad){.shape = (int32_t)i,
+                                             .primitive_id = q,
+                                             .corner = ty_vec_load(corners + 12 * quad),
+                                             .normal = ty_shape_normal(u, v)};
+            mesh->quads[quad].margin = quad_epsilon(mesh->quads[quad].normal, corners + 12 * quad);
         }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(mesh->scene, geometry, QUADS);
@@ -130,10 +132,10 @@ static ty_result add_spheres(ty_accel* mesh, const ty_shape_def* shapes, size_t 
         float* point = points + 4 * sphere;
         point[3] = (float)ty_shape_sphere(&shapes[i], center);
         for (int a = 0; a < 3; ++a) point[a] = (float)center[a];
-        mesh->spheres[sphere++] = (mesh_sphere){.shape = (int32_t)i,
-                                                .center = ty_vec_load(point),
-                                                .radius = point[3],
-                                                .margin = sphere_margin(ty_vec_load(point), point[3])};
+        mesh->spheres[sphere++] = (accel_sphere){.shape = (int32_t)i,
+                                                 .center = ty_vec_load(point),
+                                                 .radius = point[3],
+                                                 .margin = sphere_epsilon(ty_vec_load(point), point[3])};
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(mesh->scene, geometry, SPHERES);
@@ -141,14 +143,14 @@ static ty_result add_spheres(ty_accel* mesh, const ty_shape_def* shapes, size_t 
     return TY_OK;
 }
 
-/* A number in [0, 1) that belongs to a ray and a triangle. */
-static float chance_of(const float ray[6], unsigned triangle) {
+/* Hash of a ray and a triangle, uniform in [0, 1). */
+static float ray_hash(const float ray[6], unsigned triangle) {
     uint32_t bits = triangle;
     for (int i = 0; i < 6; ++i) bits = ty_mix32(bits ^ ty_bits_from_float(ray[i]));
     return (float)(bits >> 8) * 0x1p-24f;
 }
 
-/* Where Embree keeps the fields of N rays and hits that it hands to filters, in rows of N. */
+/* Field offsets of N rays and hits in the structures that Embree passes to filters, in rows of N. */
 enum { RAY_ORIGIN = 0, RAY_DIRECTION = 4, RAY_FAR = 8, RAY_ID = 10 };
 enum { HIT_U = 3, HIT_V = 4, HIT_PRIMITIVE = 5, HIT_GEOMETRY = 6 };
 
@@ -156,20 +158,20 @@ static float row(const void* rows, unsigned field, unsigned count, unsigned i) {
     return ((const float*)rows)[field * count + i];
 }
 
-/* Embree asks whether triangles of a mesh with alpha are there. */
-static void filter_alpha(const struct RTCFilterFunctionNArguments* given) {
-    const ty_surface* surface = given->geometryUserPtr;
-    for (unsigned i = 0; i < given->N; ++i) {
-        if (given->valid[i] == 0) continue;
-        const unsigned triangle = ((const unsigned*)given->hit)[HIT_PRIMITIVE * given->N + i];
+/* Embree filter: stochastic alpha test. */
+static void filter_alpha(const struct RTCFilterFunctionNArguments* args) {
+    const ty_surface* surface = args->geometryUserPtr;
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] == 0) continue;
+        const unsigned triangle = ((const unsigned*)args->hit)[HIT_PRIMITIVE * args->N + i];
         float ray[6];
         for (unsigned a = 0; a < 3; ++a) {
-            ray[a] = row(given->ray, RAY_ORIGIN + a, given->N, i);
-            ray[3 + a] = row(given->ray, RAY_DIRECTION + a, given->N, i);
+            ray[a] = row(args->ray, RAY_ORIGIN + a, args->N, i);
+            ray[3 + a] = row(args->ray, RAY_DIRECTION + a, args->N, i);
         }
-        const float presence = ty_surface_presence(surface, (int32_t)triangle, row(given->hit, HIT_U, given->N, i),
-                                                   row(given->hit, HIT_V, given->N, i));
-        if (!(chance_of(ray, triangle) < presence)) given->valid[i] = 0;
+        const float presence = ty_surface_presence(surface, (int32_t)triangle, row(args->hit, HIT_U, args->N, i),
+                                                   row(args->hit, HIT_V, args->N, i));
+        if (!(ray_hash(ray, triangle) < presence)) args->valid[i] = 0;
     }
 }
 
@@ -181,7 +183,7 @@ static ty_result add_triangles(ty_accel* mesh, const ty_triangle_mesh* triangles
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles->indices, 0,
                                3 * sizeof(uint32_t), triangles->triangle_count);
     if (surface->alpha_mode != TY_ALPHA_OPAQUE) {
-        rtcSetGeometryUserData(geometry, (void*)surface); /* only read */
+        rtcSetGeometryUserData(geometry, (void*)surface); /* read only */
         rtcSetGeometryIntersectFilterFunction(geometry, filter_alpha);
         rtcSetGeometryOccludedFilterFunction(geometry, filter_alpha);
     }
@@ -191,7 +193,7 @@ static ty_result add_triangles(ty_accel* mesh, const ty_triangle_mesh* triangles
     return rtcGetDeviceError(mesh->device) == RTC_ERROR_NONE ? TY_OK : fail(mesh, "taking triangles");
 }
 
-static ty_result start_mesh(ty_context* context, ty_accel** out) {
+static ty_result begin_accel(ty_context* context, ty_accel** out) {
     ty_accel* mesh = ty_alloc_array(context, 1, sizeof *mesh, true);
     if (mesh == NULL) return TY_ERROR_MEMORY;
     mesh->context = context;
@@ -205,14 +207,14 @@ static ty_result start_mesh(ty_context* context, ty_accel** out) {
     }
     rtcSetDeviceMemoryMonitorFunction(mesh->device, count_memory, mesh);
     mesh->scene = rtcNewScene(mesh->device);
-    /* Queries of their own filters: ty_accel_all_hits_packet. */
+    /* Filters per query, for ty_accel_all_hits_packet. */
     rtcSetSceneFlags(mesh->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     *out = mesh;
     return TY_OK;
 }
 
-/* Builds, or takes back everything when adding had failed. */
-static ty_result finish_mesh(ty_accel* mesh, ty_result result, ty_accel** out) {
+/* Builds the scene, or destroys everything if adding geometry failed. */
+static ty_result finish_accel(ty_accel* mesh, ty_result result, ty_accel** out) {
     if (result == TY_OK) {
         rtcCommitScene(mesh->scene);
         if (rtcGetDeviceError(mesh->device) != RTC_ERROR_NONE) result = fail(mesh, "building");
@@ -224,19 +226,19 @@ static ty_result finish_mesh(ty_accel* mesh, ty_result result, ty_accel** out) {
     return result;
 }
 
-ty_result ty_accel_create(ty_context* context, const ty_accel_input* parts, ty_accel** out) {
+ty_result ty_accel_create(ty_context* context, const ty_accel_input* input, ty_accel** out) {
     *out = NULL;
-    if (parts->shape_count + parts->mesh_count == 0) return TY_OK;
+    if (input->shape_count + input->mesh_count == 0) return TY_OK;
     ty_accel* mesh = NULL;
-    ty_result result = start_mesh(context, &mesh);
+    ty_result result = begin_accel(context, &mesh);
     if (result != TY_OK) return result;
-    mesh->surfaces = parts->surfaces + parts->shape_count;
-    mesh->first_mesh = (int32_t)parts->shape_count;
-    result = add_quads(mesh, parts->shapes, parts->shape_count);
-    if (result == TY_OK) result = add_spheres(mesh, parts->shapes, parts->shape_count);
-    for (size_t i = 0; i < parts->mesh_count && result == TY_OK; ++i)
-        result = add_triangles(mesh, parts->meshes[i], MESHES + (unsigned)i, &mesh->surfaces[i]);
-    return finish_mesh(mesh, result, out);
+    mesh->surfaces = input->surfaces + input->shape_count;
+    mesh->first_mesh = (int32_t)input->shape_count;
+    result = add_quads(mesh, input->shapes, input->shape_count);
+    if (result == TY_OK) result = add_spheres(mesh, input->shapes, input->shape_count);
+    for (size_t i = 0; i < input->mesh_count && result == TY_OK; ++i)
+        result = add_triangles(mesh, input->meshes[i], MESHES + (unsigned)i, &mesh->surfaces[i]);
+    return finish_accel(mesh, result, out);
 }
 
 void ty_accel_destroy(ty_accel* mesh) {
@@ -255,8 +257,8 @@ size_t ty_accel_bytes(const ty_accel* mesh) {
            mesh->sphere_count * sizeof *mesh->spheres;
 }
 
-/* What ty_hit says of Embree's answer; position comes in as a point on the ray. */
-static void describe_triangle(const ty_accel* mesh, unsigned geometry, unsigned triangle, float b1, float b2,
+/* Fills a ty_hit from Embree's result; position is initially a point on the ray. */
+static void fill_triangle_hit(const ty_accel* mesh, unsigned geometry, unsigned triangle, float b1, float b2,
                               ty_hit* hit) {
     const ty_surface* surface = &mesh->surfaces[geometry - MESHES];
     const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
@@ -269,31 +271,31 @@ static void describe_triangle(const ty_accel* mesh, unsigned geometry, unsigned 
     hit->position = ty_mad(ty_mad(a, ab, b1), ac, b2);
     hit->margin = ty_accel_ray_epsilon(hit->normal, a, b, c);
     hit->surface = mesh->first_mesh + (int32_t)(geometry - MESHES);
-    hit->part = (int32_t)triangle;
+    hit->primitive_id = (int32_t)triangle;
     hit->b1 = b1;
     hit->b2 = b2;
 }
 
-static void describe_hit(const ty_accel* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
+static void fill_hit(const ty_accel* mesh, unsigned geometry, unsigned primitive, float b1, float b2, ty_hit* hit) {
     if (geometry >= MESHES) {
-        describe_triangle(mesh, geometry, primitive, b1, b2, hit);
+        fill_triangle_hit(mesh, geometry, primitive, b1, b2, hit);
         return;
     }
     hit->b1 = hit->b2 = 0.0f;
     if (geometry == SPHERES) {
-        const mesh_sphere* sphere = &mesh->spheres[primitive];
+        const accel_sphere* sphere = &mesh->spheres[primitive];
         hit->normal = ty_normalize(ty_sub(hit->position, sphere->center));
         hit->position = ty_mad(sphere->center, hit->normal, sphere->radius);
         hit->margin = sphere->margin;
         hit->surface = sphere->shape;
-        hit->part = 0;
+        hit->primitive_id = 0;
     } else {
-        const mesh_quad* quad = &mesh->quads[primitive];
+        const accel_quad* quad = &mesh->quads[primitive];
         hit->normal = quad->normal;
         hit->position = ty_mad(hit->position, hit->normal, ty_dot(hit->normal, ty_sub(quad->corner, hit->position)));
         hit->margin = quad->margin;
         hit->surface = quad->shape;
-        hit->part = quad->part;
+        hit->primitive_id = quad->primitive_id;
     }
 }
 
@@ -319,7 +321,7 @@ bool ty_accel_intersect(const ty_accel* mesh, ty_vec origin, ty_vec direction, f
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     hit->distance = query.ray.tfar;
     hit->position = ty_mad(origin, direction, hit->distance);
-    describe_hit(mesh, query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v, hit);
+    fill_hit(mesh, query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v, hit);
     return true;
 }
 
@@ -348,22 +350,21 @@ static void set_packet_ray(struct RTCRay16* packet, int32_t i, const ty_ray* ray
     packet->flags[i] = 0;
 }
 
-/* Ask memory for a triangle before it is looked at: of many that are asked for one after the other it is waited for
- * once. Other geometries are few. */
-static void fetch_triangle(const ty_accel* mesh, unsigned geometry, unsigned triangle) {
+/* Prefetches the indices of a triangle: the latency of many triangles is paid once. Other geometries are few. */
+static void prefetch_triangle(const ty_accel* mesh, unsigned geometry, unsigned triangle) {
     if (geometry >= MESHES && geometry != RTC_INVALID_GEOMETRY_ID)
         __builtin_prefetch(mesh->surfaces[geometry - MESHES].indices + 3 * (size_t)triangle);
 }
 
-/* After fetch_triangle. */
-static void fetch_corners(const ty_accel* mesh, unsigned geometry, unsigned triangle) {
+/* Prefetches the corners; after fetch_triangle. */
+static void prefetch_corners(const ty_accel* mesh, unsigned geometry, unsigned triangle) {
     if (geometry < MESHES || geometry == RTC_INVALID_GEOMETRY_ID) return;
     const ty_surface* surface = &mesh->surfaces[geometry - MESHES];
     const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
     for (int corner = 0; corner < 3; ++corner) __builtin_prefetch(surface->positions + 3 * (size_t)corners[corner]);
 }
 
-/* The nearest hits; geometry RTC_INVALID_GEOMETRY_ID: none. */
+/* Closest hits; geometry RTC_INVALID_GEOMETRY_ID: miss. */
 static void intersect_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, struct RTCRayHit16* packet) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -381,8 +382,8 @@ static void intersect_packet(const ty_accel* mesh, const ty_ray* rays, int32_t c
 void ty_accel_intersect_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, ty_hit* hits) {
     struct RTCRayHit16 packet;
     intersect_packet(mesh, rays, count, &packet);
-    for (int32_t i = 0; i < count; ++i) fetch_triangle(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
-    for (int32_t i = 0; i < count; ++i) fetch_corners(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
+    for (int32_t i = 0; i < count; ++i) prefetch_triangle(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
+    for (int32_t i = 0; i < count; ++i) prefetch_corners(mesh, packet.hit.geomID[i], packet.hit.primID[i]);
     for (int32_t i = 0; i < count; ++i) {
         if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) {
             hits[i] = (ty_hit){.distance = packet.ray.tfar[i], .surface = -1};
@@ -390,7 +391,7 @@ void ty_accel_intersect_packet(const ty_accel* mesh, const ty_ray* rays, int32_t
         }
         hits[i].distance = packet.ray.tfar[i];
         hits[i].position = ty_mad(ty_vec_load(rays[i].origin), ty_vec_load(rays[i].direction), hits[i].distance);
-        describe_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
+        fill_hit(mesh, packet.hit.geomID[i], packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i], &hits[i]);
     }
 }
 
@@ -415,50 +416,50 @@ void ty_accel_occluded_packet(const ty_accel* mesh, const ty_ray* rays, int32_t 
     for (int32_t i = 0; i < count; ++i) occluded[i] = packet.tfar[i] < 0.0f;
 }
 
-/* ---- all layers ---- */
+/* ---- all hits ---- */
 
-/* The queries of ty_accel_all_hits_packet carry where the layers go. */
-typedef struct layer_query {
-    struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
-    ty_all_hits* layers;
-} layer_query;
+/* Query of ty_accel_all_hits_packet, with the output. */
+typedef struct all_hits_query {
+    struct RTCIntersectContext context; /* first, so that Embree's context pointer points to this struct */
+    ty_all_hits* hits;
+} all_hits_query;
 
-/* Notes a layer, in order: of one distance the lower number first, whatever order Embree finds them in. */
-static void note_layer(ty_all_hits* layers, uint32_t ray, ty_hit_record layer) {
-    ty_hit_record* row = layers->layer[ray];
-    int32_t at = layers->count[ray];
+/* Inserts a hit in order of distance, then of geometry and primitive ID, independently of Embree's traversal order. */
+static void insert_hit(ty_all_hits* hits, uint32_t ray, ty_hit_record layer) {
+    ty_hit_record* row = hits->layer[ray];
+    int32_t at = hits->count[ray];
     while (at > 0 && (row[at - 1].distance > layer.distance ||
                       (row[at - 1].distance == layer.distance &&
                        (row[at - 1].geometry > layer.geometry ||
                         (row[at - 1].geometry == layer.geometry && row[at - 1].primitive > layer.primitive)))))
         --at;
     if (at == TY_ALL_HITS_MAX) return;
-    if (layers->count[ray] < TY_ALL_HITS_MAX) ++layers->count[ray];
-    for (int32_t i = layers->count[ray] - 1; i > at; --i) row[i] = row[i - 1];
+    if (hits->count[ray] < TY_ALL_HITS_MAX) ++hits->count[ray];
+    for (int32_t i = hits->count[ray] - 1; i > at; --i) row[i] = row[i - 1];
     row[at] = layer;
 }
 
-/* Embree asks whether triangles are there; they are not, so that rays go on. */
-static void pass_layers(const struct RTCFilterFunctionNArguments* given) {
-    ty_all_hits* layers = ((layer_query*)given->context)->layers;
-    const unsigned *ids = (const unsigned*)given->ray + RAY_ID * given->N, *hit = (const unsigned*)given->hit;
-    for (unsigned i = 0; i < given->N; ++i) {
-        if (given->valid[i] == 0) continue;
-        note_layer(layers, ids[i],
-                   (ty_hit_record){.distance = row(given->ray, RAY_FAR, given->N, i),
-                                   .b1 = row(given->hit, HIT_U, given->N, i),
-                                   .b2 = row(given->hit, HIT_V, given->N, i),
-                                   .geometry = hit[HIT_GEOMETRY * given->N + i],
-                                   .primitive = hit[HIT_PRIMITIVE * given->N + i]});
-        given->valid[i] = 0;
+/* Embree filter: records the hit and rejects it, so that traversal continues. */
+static void collect_hits(const struct RTCFilterFunctionNArguments* args) {
+    ty_all_hits* hits = ((all_hits_query*)args->context)->hits;
+    const unsigned *ids = (const unsigned*)args->ray + RAY_ID * args->N, *hit = (const unsigned*)args->hit;
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] == 0) continue;
+        insert_hit(hits, ids[i],
+                   (ty_hit_record){.distance = row(args->ray, RAY_FAR, args->N, i),
+                                   .b1 = row(args->hit, HIT_U, args->N, i),
+                                   .b2 = row(args->hit, HIT_V, args->N, i),
+                                   .geometry = hit[HIT_GEOMETRY * args->N + i],
+                                   .primitive = hit[HIT_PRIMITIVE * args->N + i]});
+        args->valid[i] = 0;
     }
 }
 
 void ty_accel_all_hits_packet(const ty_accel* mesh, const ty_ray* rays, int32_t count, ty_all_hits* out) {
-    layer_query query = {.layers = out};
+    all_hits_query query = {.hits = out};
     rtcInitIntersectContext(&query.context);
     query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    query.context.filter = pass_layers;
+    query.context.filter = collect_hits;
     struct RTCRay16 packet;
     _Alignas(64) int32_t valid[TY_PACKET];
     for (int32_t i = 0; i < TY_PACKET; ++i) {
@@ -469,34 +470,34 @@ void ty_accel_all_hits_packet(const ty_accel* mesh, const ty_ray* rays, int32_t 
     rtcOccluded16(valid, mesh->scene, &query.context, &packet);
     for (int32_t i = 0; i < count; ++i)
         for (int32_t k = 0; k < out->count[i]; ++k)
-            fetch_triangle(mesh, out->layer[i][k].geometry, out->layer[i][k].primitive);
+            prefetch_triangle(mesh, out->layer[i][k].geometry, out->layer[i][k].primitive);
     for (int32_t i = 0; i < count; ++i)
         for (int32_t k = 0; k < out->count[i]; ++k)
-            fetch_corners(mesh, out->layer[i][k].geometry, out->layer[i][k].primitive);
+            prefetch_corners(mesh, out->layer[i][k].geometry, out->layer[i][k].primitive);
 }
 
 void ty_accel_complete_hit(const ty_accel* mesh, const ty_ray* ray, const ty_hit_record* layer, ty_hit* hit) {
     hit->distance = layer->distance;
     hit->position = ty_mad(ty_vec_load(ray->origin), ty_vec_load(ray->direction), layer->distance);
-    describe_hit(mesh, layer->geometry, layer->primitive, layer->b1, layer->b2, hit);
+    fill_hit(mesh, layer->geometry, layer->primitive, layer->b1, layer->b2, hit);
 }
 
 /* ---- closed surfaces ---- */
 
-/* The queries of ty_accel_crossings carry where the crossings go. */
+/* Query of ty_accel_crossings, with the output. */
 typedef struct crossing_query {
-    struct RTCIntersectContext context; /* first, so that Embree's pointer is this one's */
+    struct RTCIntersectContext context; /* first, so that Embree's context pointer points to this struct */
     ty_crossing_ray ray;
     ty_crossing* crossings;
     int32_t count, beyond;
 } crossing_query;
 
-/* Notes a crossing, in order. */
-static void note_crossing(crossing_query* query, ty_crossing crossing) {
+/* Inserts a crossing in order of distance. */
+static void insert_crossing(crossing_query* query, ty_crossing crossing) {
     int32_t at = query->count;
     while (at > 0 && query->crossings[at - 1].t > crossing.t) --at;
     if (query->count == TY_CROSSINGS_MAX) {
-        query->beyond += at < query->count ? query->crossings[query->count - 1].leaves : crossing.leaves;
+        query->beyond += at < query->count ? query->crossings[query->count - 1].exits : crossing.exits;
         if (at == query->count) return;
         --query->count;
     }
@@ -504,46 +505,46 @@ static void note_crossing(crossing_query* query, ty_crossing crossing) {
     query->crossings[at] = crossing;
 }
 
-/* Embree asks whether a ray hits a triangle whose box it meets; the ray goes on anyway. */
-static void meet_shell_triangle(const struct RTCIntersectFunctionNArguments* given) {
-    const ty_triangle_mesh* triangles = given->geometryUserPtr;
-    const uint32_t* corners = triangles->indices + 3 * (size_t)given->primID;
-    crossing_query* query = (crossing_query*)given->context;
+/* Embree intersection function: records a crossing and reports no hit, so that traversal continues. */
+static void cross_closed_triangle(const struct RTCIntersectFunctionNArguments* args) {
+    const ty_triangle_mesh* triangles = args->geometryUserPtr;
+    const uint32_t* corners = triangles->indices + 3 * (size_t)args->primID;
+    crossing_query* query = (crossing_query*)args->context;
     ty_crossing crossing;
     if (ty_crossing_find(&query->ray, triangles->positions + 3 * (size_t)corners[0],
                          triangles->positions + 3 * (size_t)corners[1], triangles->positions + 3 * (size_t)corners[2],
                          &crossing))
-        note_crossing(query, crossing);
+        insert_crossing(query, crossing);
 }
 
-/* A triangle's box, wider by more than ty_crossing_find rounds. */
-static void bound_shell_triangle(const struct RTCBoundsFunctionArguments* given) {
-    const ty_triangle_mesh* triangles = given->geometryUserPtr;
+/* Bounding box of a triangle, enlarged by more than the rounding of ty_crossing_find. */
+static void bound_closed_triangle(const struct RTCBoundsFunctionArguments* args) {
+    const ty_triangle_mesh* triangles = args->geometryUserPtr;
     float low[3] = {TY_FLOAT_MAX, TY_FLOAT_MAX, TY_FLOAT_MAX}, high[3] = {-TY_FLOAT_MAX, -TY_FLOAT_MAX, -TY_FLOAT_MAX};
     for (size_t corner = 0; corner < 3; ++corner)
         for (size_t a = 0; a < 3; ++a) {
             const float value =
-                triangles->positions[3 * (size_t)triangles->indices[3 * (size_t)given->primID + corner] + a];
+                triangles->positions[3 * (size_t)triangles->indices[3 * (size_t)args->primID + corner] + a];
             low[a] = ty_minf(low[a], value);
             high[a] = ty_maxf(high[a], value);
         }
     const float size = ty_maxf(high[0] - low[0], ty_maxf(high[1] - low[1], high[2] - low[2]));
-    struct RTCBounds* out = given->bounds_o;
+    struct RTCBounds* out = args->bounds_o;
     float* lower[3] = {&out->lower_x, &out->lower_y, &out->lower_z};
     float* upper[3] = {&out->upper_x, &out->upper_y, &out->upper_z};
     for (int a = 0; a < 3; ++a) {
-        const float room = 1e-6f * (size + ty_maxf(fabsf(low[a]), fabsf(high[a])));
-        *lower[a] = low[a] - room;
-        *upper[a] = high[a] + room;
+        const float padding = 1e-6f * (size + ty_maxf(fabsf(low[a]), fabsf(high[a])));
+        *lower[a] = low[a] - padding;
+        *upper[a] = high[a] + padding;
     }
 }
 
-static ty_result add_shell(ty_accel* mesh, const ty_triangle_mesh* triangles) {
+static ty_result add_closed_mesh(ty_accel* mesh, const ty_triangle_mesh* triangles) {
     RTCGeometry geometry = rtcNewGeometry(mesh->device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)triangles->triangle_count);
-    rtcSetGeometryUserData(geometry, (void*)triangles); /* only read */
-    rtcSetGeometryBoundsFunction(geometry, bound_shell_triangle, NULL);
-    rtcSetGeometryIntersectFunction(geometry, meet_shell_triangle);
+    rtcSetGeometryUserData(geometry, (void*)triangles); /* read only */
+    rtcSetGeometryBoundsFunction(geometry, bound_closed_triangle, NULL);
+    rtcSetGeometryIntersectFunction(geometry, cross_closed_triangle);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(mesh->scene, geometry, MESHES);
     rtcReleaseGeometry(geometry);
@@ -552,8 +553,8 @@ static ty_result add_shell(ty_accel* mesh, const ty_triangle_mesh* triangles) {
 
 ty_result ty_accel_create_closed(ty_context* context, const ty_triangle_mesh* triangles, ty_accel** out) {
     ty_accel* mesh = NULL;
-    const ty_result result = start_mesh(context, &mesh);
-    return result == TY_OK ? finish_mesh(mesh, add_shell(mesh, triangles), out) : result;
+    const ty_result result = begin_accel(context, &mesh);
+    return result == TY_OK ? finish_accel(mesh, add_closed_mesh(mesh, triangles), out) : result;
 }
 
 int32_t ty_accel_crossings(const ty_accel* shell, ty_vec origin, ty_vec direction,

@@ -1,4 +1,4 @@
-/* The pinhole camera. */
+/* Pinhole camera. */
 #include "scene/camera.h"
 
 #include "base/context.h"

@@ -1,4 +1,4 @@
-/* The camera as kernels see it. */
+/* Camera view for kernels. */
 #ifndef TY_SCENE_CAMERA_H
 #define TY_SCENE_CAMERA_H
 
@@ -6,7 +6,7 @@
 
 #include <tyndall/scene.h>
 
-/* A ray through image point (x, y), in pixels from the top left, goes along corner + x dx + y dy. */
+/* The ray through image point (x, y), in pixels from the top left, has direction corner + x dx + y dy. */
 typedef struct ty_camera_view {
     ty_vec origin, corner, dx, dy;
 } ty_camera_view;

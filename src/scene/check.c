@@ -1,11 +1,11 @@
-/* Checks that defs share. */
+/* Argument checks shared by defs. */
 #include "scene/check.h"
 
 #include "base/context.h"
 
 #include <math.h>
 
-/* Farthest coordinate taken: its square stays within single precision. */
+/* Largest accepted coordinate: its square is finite in single precision. */
 #define POINT_MAX 1e15
 
 ty_result ty_check_point(ty_context* context, const char* field, const double point[3]) {

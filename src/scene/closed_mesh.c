@@ -1,11 +1,11 @@
-/* Shells: creation, and how well they are closed. */
+/* Closed meshes: creation, and a check for open edges. */
 #include "scene/closed_mesh.h"
 
 #include "base/context.h"
 
 #include <stdatomic.h>
 
-/* Slots of a hash table with open addressing, at least twice as many as entries; a power of two. */
+/* Slots of a hash table with open addressing, at least twice the entries; a power of two. */
 static size_t slot_count(size_t entries) {
     size_t slots = 16;
     while (slots < 2 * entries) slots *= 2;
@@ -33,7 +33,7 @@ static bool same_position(const float a[3], const float b[3]) {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/* The first vertex at the place of each: files split vertices where normals or texture coordinates part. */
+/* First vertex at each position: files duplicate vertices where normals or texture coordinates differ. */
 static bool weld(ty_context* context, const ty_triangle_mesh* t, uint32_t* first) {
     const size_t slots = slot_count(t->vertex_count);
     uint32_t* table = ty_alloc_array(context, slots, sizeof *table, true); /* vertex + 1 */
@@ -50,14 +50,14 @@ static bool weld(ty_context* context, const ty_triangle_mesh* t, uint32_t* first
     return true;
 }
 
-/* An edge between two places, the lower number first. */
-typedef struct shell_edge {
+/* Edge between two positions, the lower index first. */
+typedef struct mesh_edge {
     uint32_t low, high;
-    int32_t triangles; /* that have it; 0: an empty slot */
-    int32_t turns;     /* those that run from low to high, less the others */
-} shell_edge;
+    int32_t triangles; /* number of triangles; 0: an empty slot */
+    int32_t balance;   /* triangles that traverse it from low to high minus the others */
+} mesh_edge;
 
-static void note_edge(shell_edge* table, size_t slots, uint32_t from, uint32_t to) {
+static void insert_edge(mesh_edge* table, size_t slots, uint32_t from, uint32_t to) {
     const uint32_t low = from < to ? from : to, high = from < to ? to : from;
     size_t slot = mix((uint64_t)low << 32 | high) & (slots - 1);
     while (table[slot].triangles != 0 && (table[slot].low != low || table[slot].high != high))
@@ -65,15 +65,15 @@ static void note_edge(shell_edge* table, size_t slots, uint32_t from, uint32_t t
     table[slot].low = low;
     table[slot].high = high;
     ++table[slot].triangles;
-    table[slot].turns += from < to ? 1 : -1;
+    table[slot].balance += from < to ? 1 : -1;
 }
 
-/* How many edges are not passed once in each direction; SIZE_MAX when memory is short. Triangles without area do not
- * count. */
+/* Number of edges that are not traversed once in each direction; SIZE_MAX on allocation failure. Degenerate triangles
+ * do not count. */
 static size_t count_open_edges(ty_context* context, const ty_triangle_mesh* t) {
     const size_t slots = slot_count(3 * t->triangle_count);
     uint32_t* first = ty_alloc_array(context, t->vertex_count, sizeof *first, false);
-    shell_edge* table = ty_alloc_array(context, slots, sizeof *table, true);
+    mesh_edge* table = ty_alloc_array(context, slots, sizeof *table, true);
     size_t open = SIZE_MAX;
     if (first != NULL && table != NULL && weld(context, t, first)) {
         open = 0;
@@ -81,9 +81,9 @@ static size_t count_open_edges(ty_context* context, const ty_triangle_mesh* t) {
             uint32_t corner[3];
             for (size_t k = 0; k < 3; ++k) corner[k] = first[t->indices[3 * i + k]];
             if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) continue;
-            for (int k = 0; k < 3; ++k) note_edge(table, slots, corner[k], corner[(k + 1) % 3]);
+            for (int k = 0; k < 3; ++k) insert_edge(table, slots, corner[k], corner[(k + 1) % 3]);
         }
-        for (size_t i = 0; i < slots; ++i) open += table[i].triangles != 0 && table[i].turns != 0;
+        for (size_t i = 0; i < slots; ++i) open += table[i].triangles != 0 && table[i].balance != 0;
     }
     ty_free_array(context, first, t->vertex_count, sizeof *first);
     ty_free_array(context, table, slots, sizeof *table);

@@ -1,4 +1,4 @@
-/* Closed triangle meshes that media fill. */
+/* Closed triangle meshes as bounds of media. */
 #ifndef TY_SCENE_CLOSED_MESH_H
 #define TY_SCENE_CLOSED_MESH_H
 

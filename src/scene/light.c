@@ -1,4 +1,4 @@
-/* Lights: checks, views, and how likely each is chosen. */
+/* Lights: checks, views, and selection probabilities. */
 #include "scene/light.h"
 
 #include "base/context.h"
@@ -43,7 +43,7 @@ static ty_vec to_vec(const double v[3]) {
     return ty_vec_make((float)v[0], (float)v[1], (float)v[2]);
 }
 
-static ty_vec unit(const double v[3]) {
+static ty_vec normalized(const double v[3]) {
     const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     return ty_vec_make((float)(v[0] / length), (float)(v[1] / length), (float)(v[2] / length));
 }
@@ -73,7 +73,7 @@ ty_light_view ty_light_sphere_view(const double center[3], double radius, const 
     return view;
 }
 
-/* How many texels of a texture a triangle covers. */
+/* Number of texels of a texture under a triangle. */
 static double count_texels(const ty_surface* surface, const ty_texture_view* texture, int32_t set, const float map[6],
                            int32_t triangle) {
     const uint32_t* corners = surface->indices + 3 * (size_t)triangle;
@@ -86,7 +86,7 @@ static double count_texels(const ty_surface* surface, const ty_texture_view* tex
     return area * fabs((double)map[0] * map[4] - (double)map[1] * map[3]) * texture->width * texture->height;
 }
 
-/* Mean radiance over a triangle with textures: about one sample per texel, 16..4096. */
+/* Mean radiance over a textured triangle: about one sample per texel, 16..4096. */
 static void mean_emission(const ty_surface* surface, int32_t triangle, float mean[3]) {
     const double texels =
         fmax(count_texels(surface, &surface->emission_texture, surface->emission_uv, surface->emission_map, triangle),
@@ -113,7 +113,7 @@ bool ty_light_triangle_view(const ty_surface* surface, int32_t triangle, ty_ligh
     out->direction = ty_triangle_normal(out->u, out->v, &out->area);
     if (!(out->area > 0)) return false;
     out->two_sided = surface->two_sided;
-    out->part = triangle;
+    out->primitive_id = triangle;
     if (ty_texture_exists(&surface->emission_texture) || surface->alpha_mode != TY_ALPHA_OPAQUE) {
         out->textured = surface;
         mean_emission(surface, triangle, out->color);
@@ -130,7 +130,7 @@ ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* e
     view.kind = (int32_t)def->kind;
     memcpy(view.color, def->color, sizeof view.color);
     view.position = to_vec(def->position);
-    if (def->kind == TY_LIGHT_DIRECTIONAL || def->kind == TY_LIGHT_SPOT) view.direction = unit(def->direction);
+    if (def->kind == TY_LIGHT_DIRECTIONAL || def->kind == TY_LIGHT_SPOT) view.direction = normalized(def->direction);
     if (def->kind == TY_LIGHT_SPOT) {
         const double half = def->cone * (3.14159265358979323846 / 360);
         view.cos_outer = (float)cos(half);
@@ -143,8 +143,8 @@ ty_light_view ty_light_get_view(const ty_light_def* def, const ty_environment* e
     return view;
 }
 
-/* Fluence at squared distance d2, in W m^-2, mean of the channels. Paths meet a constant environment by themselves in
- * every direction alike, so sampling it would only add noise: it counts as 0. */
+/* Fluence at squared distance d2, W m^-2, mean of the channels. A constant environment counts as 0: paths hit it
+ * uniformly by themselves, so that sampling would only add noise. */
 static double typical_fluence(const ty_light_view* light, double d2) {
     const double color = ((double)light->color[0] + light->color[1] + light->color[2]) / 3;
     const double pi = 3.14159265358979323846;
@@ -159,7 +159,7 @@ static double typical_fluence(const ty_light_view* light, double d2) {
     }
 }
 
-/* Squared distance from a light's place to the box [lower, upper]. */
+/* Squared distance from a light's position to the box [lower, upper]. */
 static double distance2_to_box(const ty_light_view* light, const double lower[3], const double upper[3]) {
     const double place[3] = {light->position.x, light->position.y, light->position.z};
     double sum = 0;
@@ -170,34 +170,34 @@ static double distance2_to_box(const ty_light_view* light, const double lower[3]
     return sum;
 }
 
-static bool has_place(const ty_light_view* light) {
+static bool is_positioned(const ty_light_view* light) {
     return light->kind != TY_KIND_DIRECTIONAL && light->kind != TY_KIND_ENVIRONMENT;
 }
 
 float ty_light_set_choice(ty_light_view* lights, size_t count, const double lower[3], const double upper[3]) {
-    double d2 = 0, placed = 0, sum = 0;
+    double d2 = 0, positioned = 0, sum = 0;
     size_t choices = 0;
     for (int a = 0; a < 3; ++a) d2 += (upper[a] - lower[a]) * (upper[a] - lower[a]) / 16;
     if (!(d2 > 0)) d2 = 1;
     for (size_t i = 0; i < count; ++i) {
-        const double outside2 = has_place(&lights[i]) ? distance2_to_box(&lights[i], lower, upper) : 0;
+        const double outside2 = is_positioned(&lights[i]) ? distance2_to_box(&lights[i], lower, upper) : 0;
         lights[i].typical = (float)fmin(typical_fluence(&lights[i], d2 + outside2), 1e30);
         lights[i].reach2 = (float)fmax(0.3 * lights[i].area, 0.015 * d2);
         sum += (double)lights[i].typical;
-        if (has_place(&lights[i]))
-            placed += (double)lights[i].typical;
+        if (is_positioned(&lights[i]))
+            positioned += (double)lights[i].typical;
         else
             choices += lights[i].typical > 0;
     }
-    choices += placed > 0;
-    const double even = choices > 0 ? 0.1 / (double)choices : 0;
-    const double share = placed > 0 ? 0.9 * placed / sum + even : 0;
-    double running = share;
+    choices += positioned > 0;
+    const double uniform_probability = choices > 0 ? 0.1 / (double)choices : 0;
+    const double positioned_probability = positioned > 0 ? 0.9 * positioned / sum + uniform_probability : 0;
+    double running = positioned_probability;
     for (size_t i = 0; i < count; ++i) {
-        if (has_place(&lights[i]) || !(lights[i].typical > 0)) continue;
-        lights[i].chosen = (float)(0.9 * (double)lights[i].typical / sum + even);
+        if (is_positioned(&lights[i]) || !(lights[i].typical > 0)) continue;
+        lights[i].chosen = (float)(0.9 * (double)lights[i].typical / sum + uniform_probability);
         running += (double)lights[i].chosen;
         lights[i].cumulative = (float)running;
     }
-    return (float)share;
+    return (float)positioned_probability;
 }

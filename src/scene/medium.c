@@ -73,7 +73,7 @@ static ty_result check_transfer(ty_context* context, const ty_medium_def* def) {
     return TY_OK;
 }
 
-/* Fields that are not placed need a box to fill, like densities. */
+/* Fields without a placement need a box to fill, like densities. */
 static ty_result check_fields(ty_context* context, const ty_medium_def* def) {
     const int albedos = (def->albedo_grid[0] != NULL) + (def->albedo_grid[1] != NULL) + (def->albedo_grid[2] != NULL);
     if (albedos != 0 && albedos != 3)
@@ -148,7 +148,7 @@ void ty_medium_release(ty_context* context, ty_medium_def* copy) {
 
 /* ---- views ---- */
 
-/* The map from where bounds are the cube [-1, 1]^3 or the unit sphere to the medium's local space. */
+/* Map from the space where bounds are the cube [-1, 1]^3 or the unit sphere to the medium's local space. */
 static ty_affine bounds_to_local(const ty_medium_def* def) {
     double center[3], half[3];
     const double none[3] = {0, 0, 0};
@@ -160,7 +160,7 @@ static ty_affine bounds_to_local(const ty_medium_def* def) {
     return ty_affine_compose(center, none, half);
 }
 
-/* The map from a grid's index space to the medium's local space. */
+/* Map from a grid's index space to the medium's local space. */
 static ty_affine index_to_local(const ty_medium_def* def, const ty_grid_info* grid) {
     if (grid->placed) return grid->index_to_local;
     double corner[3], cell[3];
@@ -196,7 +196,7 @@ static size_t brick_count(const ty_grid_view* grid) {
     return (size_t)grid->bricks[0] * (size_t)grid->bricks[1] * (size_t)grid->bricks[2];
 }
 
-/* The least and largest density for values in [low, high]. */
+/* Minimum and maximum density for values in [low, high]. */
 static void transfer_extremes(const ty_transfer_point* points, int32_t count, float low, float high, float out[2]) {
     const float ends[2] = {ty_transfer_density(points, count, low), ty_transfer_density(points, count, high)};
     out[0] = ty_minf(ends[0], ends[1]);
@@ -208,7 +208,7 @@ static void transfer_extremes(const ty_transfer_point* points, int32_t count, fl
     }
 }
 
-/* Extremes of the density take the place of the grid's values'. */
+/* Replaces brick extremes of the grid's values by those of the density. */
 static ty_result apply_transfer(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
     view->transfer = def->transfer;
     view->transfer_count = def->transfer_count;
@@ -236,7 +236,7 @@ static void view_coefficients(const ty_medium_def* def, ty_medium_view* view) {
     }
 }
 
-/* Fields, and what glows. */
+/* Albedo, g and temperature fields, and emission. */
 static ty_result view_fields(ty_context* context, const ty_medium_def* def, ty_medium_view* view) {
     if (def->albedo_grid[0] != NULL) {
         const bool one = def->albedo_grid[1] == def->albedo_grid[0] && def->albedo_grid[2] == def->albedo_grid[0];

@@ -1,4 +1,4 @@
-/* The Henyey-Greenstein phase function. */
+/* Henyey-Greenstein phase function (Henyey and Greenstein 1941). */
 #ifndef TY_SCENE_PHASE_K_H
 #define TY_SCENE_PHASE_K_H
 
@@ -6,14 +6,14 @@
 
 #define TY_INV_4PI 0.0795774715459476679f
 
-/* p(mu, g) per steradian; mu: cosine between travel directions before and after. */
+/* p(mu, g) per steradian; mu: cosine between the directions of propagation before and after. */
 TY_FN float ty_hg(float mu, float g) {
-    /* 1 + g^2 - 2 g mu, in the form that keeps its digits where g and mu near 1. */
+    /* 1 + g^2 - 2 g mu, in a form without cancellation for g and mu near 1. */
     const float base = (1.0f - g) * (1.0f - g) + 2.0f * g * (1.0f - mu);
     return TY_INV_4PI * (1.0f - g * g) / (base * sqrtf(base));
 }
 
-/* The cosine whose cumulative probability is u in [0, 1). */
+/* Inverse CDF of the cosine, u in [0, 1). */
 TY_FN float ty_hg_sample_cosine(float g, float u) {
     if (g > -1e-3f && g < 1e-3f) return 1.0f - 2.0f * u;
     const float s = (1.0f - g * g) / (1.0f + g - 2.0f * g * u);

@@ -1,4 +1,4 @@
-/* Scenes: adding, committing, asking. */
+/* Scenes: construction, commit and queries. */
 #include "scene/scene.h"
 
 #include "base/context.h"
@@ -134,7 +134,7 @@ ty_result ty_scene_add_mesh(ty_scene* scene, const ty_mesh_def* def) {
     return TY_OK;
 }
 
-/* An area light as the black surface that it is. */
+/* The black surface of an area light. */
 static ty_shape_def area_light_shape(const ty_light_def* light) {
     ty_shape_def shape = ty_default_shape_def();
     for (int a = 0; a < 3; ++a) {
@@ -160,8 +160,7 @@ static ty_result commit_media(ty_scene* scene) {
     return TY_OK;
 }
 
-/* How many lights there are to sample at most: lights of their own, then one per quad, sphere or triangle that emits.
- */
+/* Maximum number of sampled lights: explicit lights, then one per emissive quad, sphere or triangle. */
 static size_t count_lights(const ty_scene* scene) {
     size_t count = 0;
     for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind != TY_LIGHT_AREA;
@@ -204,7 +203,7 @@ static ty_result add_mesh_lights(ty_scene* scene, size_t number, size_t* at) {
     return TY_OK;
 }
 
-/* What kernels see of the first count lights: those without a place in a list, the others in a tree. */
+/* Kernel view of the first count lights: distant ones in a list, the others in a tree. */
 static ty_result view_lights(ty_scene* scene, size_t count) {
     ty_light_set* set = &scene->view.lights;
     ty_light_bounds* bounds = ty_alloc_array(scene->context, count, sizeof *bounds, false);
@@ -222,7 +221,7 @@ static ty_result view_lights(ty_scene* scene, size_t count) {
     ty_free_array(scene->context, bounds, count, sizeof *bounds);
     if (result != TY_OK) return result;
     const ty_scene_info info = ty_scene_get_info(scene);
-    set->placed = ty_light_set_choice(scene->light_views, count, info.lower, info.upper);
+    set->tree_probability = ty_light_set_choice(scene->light_views, count, info.lower, info.upper);
     set->lights = scene->light_views;
     set->count = (int32_t)count;
     set->distant = scene->distant_lights;
@@ -277,7 +276,7 @@ static ty_result commit_surfaces(ty_scene* scene) {
     return result;
 }
 
-/* Shapes as added, then area lights as the surfaces that they are. */
+/* Shapes in order of addition, then area lights as surfaces. */
 static ty_result list_shape_parts(ty_scene* scene) {
     size_t count = scene->shape_count;
     for (size_t i = 0; i < scene->light_count; ++i) count += scene->lights[i].kind == TY_LIGHT_AREA;
@@ -355,7 +354,7 @@ void ty_scene_set_camera_source(ty_scene* scene, const char* source) {
     snprintf(scene->camera_source, sizeof scene->camera_source, "%s", source);
 }
 
-/* m; empty when lower is above upper. */
+/* m; empty when lower is above upper */
 typedef struct extent {
     double lower[3], upper[3];
 } extent;
@@ -422,7 +421,7 @@ static const ty_texture* numbered_texture(const ty_scene* scene, size_t number) 
     return number % 2 == 0 ? material->albedo_texture : material->emission_texture;
 }
 
-/* What is shared counts once. */
+/* Shared data count once. */
 static size_t count_bytes(const ty_scene* scene) {
     size_t sum = sizeof *scene + scene->light_view_count * sizeof(ty_light_view) +
                  scene->medium_count * sizeof(ty_medium_view) + scene->surface_count * sizeof(ty_surface) +

@@ -1,4 +1,4 @@
-/* A scene's insides: what was added, and the flat view that kernels take. */
+/* Scene storage, and the flat view for kernels. */
 #ifndef TY_SCENE_SCENE_H
 #define TY_SCENE_SCENE_H
 
@@ -10,7 +10,7 @@
 
 #include <tyndall/scene.h>
 
-/* Everything a kernel needs, as plain arrays. */
+/* Kernel view of a scene, as plain arrays. */
 typedef struct ty_scene_view {
     const ty_medium_view* media;
     int32_t medium_count;
@@ -52,12 +52,12 @@ struct ty_scene {
     ty_accel* mesh;
 };
 
-/* The view of a committed scene; NULL, with a message, of any other. */
+/* View of a committed scene; otherwise NULL, with a message. */
 const ty_scene_view* ty_scene_get_view(const ty_scene* scene);
-/* Whether the scene is committed and has media, which `method` cannot do without. Errors: TY_ERROR_ARGUMENT. */
+/* Fails unless the scene is committed and has media, which `method` requires. Errors: TY_ERROR_ARGUMENT. */
 ty_result ty_scene_check_media(const ty_scene* scene, const char* method);
 
-/* The box around all surfaces, m; a point when there are none. */
+/* Bounding box of all surfaces, m; a point without surfaces. */
 void ty_scene_surface_extent(const ty_scene* scene, double lower[3], double upper[3]);
 
 #endif

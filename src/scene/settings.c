@@ -1,4 +1,4 @@
-/* What scenes ask of methods, unless they say otherwise. */
+/* Default render settings. */
 #include "scene/settings.h"
 
 #include <string.h>

@@ -1,13 +1,13 @@
-/* What scenes ask of methods. */
+/* Render settings of scenes. */
 #ifndef TY_SCENE_SETTINGS_H
 #define TY_SCENE_SETTINGS_H
 
 #include <tyndall/scene.h>
 
-/* Of scenes that say nothing: the one place for what is in settings; methods' default defs are made of them. */
+/* Defaults of all settings, in this one place; the methods' default defs are derived from them. */
 extern const ty_render_settings ty_default_settings;
 
-/* A setting's place among the words that the schema lets through; 0 if it is none of them. */
+/* Index of a setting's value among the words allowed by the schema; 0 if there is no match. */
 int32_t ty_setting_index(const char* word, const char* const* words, int32_t count);
 
 #endif

@@ -1,4 +1,4 @@
-/* Textures: checks, storage, sampling from outside kernels. */
+/* Textures: checks, storage, lookup from outside kernels. */
 #include "scene/texture.h"
 
 #include "base/context.h"
@@ -14,7 +14,7 @@ struct ty_texture {
     int32_t width, height;
     ty_wrap wrap[2];
     bool nearest;
-    uint8_t* rgba8; /* one of the two */
+    uint8_t* rgba8; /* one of the two is set */
     float* floats;
     float decode[256];
 };
@@ -40,7 +40,7 @@ static ty_result check_def(ty_context* context, const ty_texture_def* def) {
     return TY_OK;
 }
 
-/* The inverse of sRGB's curve (IEC 61966-2-1) for 8-bit codes. */
+/* Inverse sRGB transfer function (IEC 61966-2-1) for 8-bit codes. */
 static void fill_decode(float decode[256]) {
     for (int code = 0; code < 256; ++code) {
         const double value = code / 255.0;

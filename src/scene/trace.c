@@ -1,4 +1,4 @@
-/* Many rays through a scene, for callers outside the kernels. */
+/* Batches of rays through a scene, for callers outside the kernels. */
 #include "base/float_mode.h"
 #include "base/context.h"
 #include "scene/scene.h"
@@ -10,8 +10,8 @@ typedef struct trace_job {
     const ty_ray* rays;
     int64_t count;
     bool coherent;
-    ty_ray_hit* hits; /* or NULL, when only */
-    bool* shadowed;   /* is asked for */
+    ty_ray_hit* hits; /* or NULL, if only */
+    bool* shadowed;   /* is requested */
 } trace_job;
 
 _Static_assert(sizeof(ty_hit) == sizeof(ty_ray_hit) && offsetof(ty_hit, surface) == offsetof(ty_ray_hit, surface) &&
@@ -19,7 +19,7 @@ _Static_assert(sizeof(ty_hit) == sizeof(ty_ray_hit) && offsetof(ty_hit, surface)
                    offsetof(ty_hit, margin) == offsetof(ty_ray_hit, margin),
                "kernels and callers see hits alike");
 
-/* At most a packet of rays, together. */
+/* Traces at most one packet of rays. */
 static void trace_packet(const trace_job* job, int64_t begin, int32_t count) {
     if (job->hits == NULL) {
         ty_accel_occluded_packet(job->mesh, job->rays + begin, count, job->shadowed + begin);

@@ -69,7 +69,7 @@ static ty_result check_mesh(ty_context* context, const ty_mesh_def* def) {
                                   def->triangle_count);
 }
 
-/* Normals go by the inverse transposed map; what is not finite becomes 0, which counts as none. */
+/* Normals transform by the inverse transpose; non-finite ones become 0, which counts as none. */
 static void map_normals(const ty_affine* map, const float* in, size_t count, float* out) {
     ty_affine inverse;
     ty_affine_invert(map, &inverse);
@@ -98,7 +98,7 @@ static void map_positions(const ty_affine* map, const float* in, ty_triangle_mes
     }
 }
 
-/* Mirroring maps turn triangles inside out unless two corners change places. */
+/* Maps with negative determinant flip the orientation of triangles; swapping two corners restores it. */
 static void copy_indices(const ty_mesh_def* def, uint32_t* out) {
     const double* m = def->transform.m;
     const double determinant =
@@ -111,7 +111,7 @@ static void copy_indices(const ty_mesh_def* def, uint32_t* out) {
     }
 }
 
-/* A copy of per-vertex values clamped to [low, high], where not finite ones count as low; *failed stays true. */
+/* Copy of per-vertex values clamped to [low, high], with non-finite ones as low; *failed stays true. */
 static float* copy_values(ty_context* context, const float* in, size_t count, float low, float high, bool* failed) {
     if (in == NULL || *failed) return NULL;
     float* out = ty_alloc_array(context, count, sizeof *out, false);
@@ -120,7 +120,7 @@ static float* copy_values(ty_context* context, const float* in, size_t count, fl
     return out;
 }
 
-/* Texts that are NULL stay so; false: no memory. */
+/* NULL strings stay NULL; false: allocation failure. */
 static bool copy_origin(ty_context* context, const ty_mesh_origin* in, ty_mesh_origin* out) {
     *out = *in;
     out->file = in->file == NULL ? NULL : ty_copy_text(context, in->file);

@@ -1,4 +1,4 @@
-/* Meshes as a scene keeps them: in world space, with what their vertices carry. */
+/* Triangle meshes of a scene, in world space, with vertex attributes. */
 #ifndef TY_SCENE_TRIANGLE_MESH_H
 #define TY_SCENE_TRIANGLE_MESH_H
 
@@ -13,21 +13,21 @@ typedef struct ty_triangle_mesh {
     float* uv[2];     /* or NULL */
     float* colors;    /* or NULL */
     uint32_t* indices;
-    ty_material_def material; /* its textures retained */
-    ty_mesh_origin origin;    /* its texts owned */
-    int32_t* lights;          /* per triangle, once committed; NULL when the mesh does not emit */
+    ty_material_def material; /* textures retained */
+    ty_mesh_origin origin;    /* strings owned */
+    int32_t* lights;          /* per triangle, set on commit; NULL without emission */
     double lower[3], upper[3];
 } ty_triangle_mesh;
 
 ty_result ty_triangle_mesh_create(ty_context* context, const ty_mesh_def* def, ty_triangle_mesh** out);
 void ty_triangle_mesh_destroy(ty_context* context, ty_triangle_mesh* triangles);
-/* Vertices and texture coordinates; textures are not counted, as meshes may share them. */
+/* Bytes of vertices and texture coordinates; textures are not counted, as meshes may share them. */
 size_t ty_triangle_mesh_bytes(const ty_triangle_mesh* triangles);
 
 bool ty_triangle_mesh_emits(const ty_triangle_mesh* triangles);
 ty_surface ty_triangle_mesh_get_surface(const ty_triangle_mesh* triangles);
 
-/* Checks of arrays that shells share: counts, indices, finite positions. */
+/* Checks of arrays shared with closed meshes: counts, indices, finite positions. */
 ty_result ty_triangle_mesh_check(ty_context* context, const char* what, const float* positions, int64_t vertex_count,
                                  const uint32_t* indices, int64_t triangle_count);
 

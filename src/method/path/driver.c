@@ -96,7 +96,7 @@ static ty_result take_lights(ty_path_run* run, const ty_scene* scene) {
     if (run->lights == NULL) return TY_ERROR_MEMORY;
     memcpy(run->lights, set->lights, (size_t)set->count * sizeof *run->lights);
     ty_scene_surface_extent(scene, lower, upper);
-    set->placed = ty_light_set_choice(run->lights, (size_t)set->count, lower, upper);
+    set->tree_probability = ty_light_set_choice(run->lights, (size_t)set->count, lower, upper);
     set->lights = run->lights;
     return TY_OK;
 }

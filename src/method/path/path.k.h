@@ -261,7 +261,7 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const ty_light_view* light = &scene->lights.lights[lamp];
     float b1, b2;
     const bool flat = light->kind == TY_KIND_AREA || light->kind == TY_KIND_TRIANGLE;
-    const ty_vec place = flat ? ty_light_place(light, u, v, &b1, &b2) : light->position;
+    const ty_vec place = flat ? ty_light_point(light, u, v, &b1, &b2) : light->position;
     const ty_vec to = ty_sub(place, path->origin);
     const float nearest = ty_dot(to, path->direction);
     const ty_vec off = ty_mad(to, path->direction, -nearest);

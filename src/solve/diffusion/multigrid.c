@@ -90,7 +90,7 @@ static void relax_slab(void* user, int64_t index, int32_t worker) {
 }
 
 /* Second colour of the planes at a seam. */
-static void relax_seams(void* user, int64_t index, int32_t worker) {
+static void relax_seam(void* user, int64_t index, int32_t worker) {
     (void)worker;
     const pass* p = user;
     const int32_t begin = ((int32_t)index + 1) * SLAB;
@@ -121,7 +121,7 @@ static void relax(const ty_diffusion_job* job, const ty_level* level, int32_t fi
     pass p = {.job = job, .fine = level, .color = first, .fresh = fresh};
     const int32_t slabs = (level->box.size[2] + SLAB - 1) / SLAB;
     ty_solve_tasks(job, &level->box, slabs, relax_slab, &p);
-    ty_solve_tasks(job, &level->box, slabs - 1, relax_seams, &p);
+    ty_solve_tasks(job, &level->box, slabs - 1, relax_seam, &p);
     ty_solve_count(job, &level->box, 1);
 }
 
