@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 enum { MESSAGE_SIZE = 1024, ALIGNMENT = 64 };
-/* Bytes of a large page, and from which size on arrays are rounded up to whole ones. */
+/* Bytes of a large page, and minimum array size for rounding to whole large pages. */
 enum { LARGE_PAGE = 1 << 21, LARGE = 1 << 22 };
 
 static const double mebibyte = 1048576;
@@ -27,7 +27,7 @@ struct ty_context {
     pthread_mutex_t lock; /* guards message and the log callback */
     char message[MESSAGE_SIZE];
     double machine_memory; /* bytes */
-    _Atomic size_t taken;  /* bytes of arrays that were not given back yet */
+    _Atomic size_t taken;  /* bytes of allocated arrays */
     ty_team team;          /* all threads but the caller's */
     ty_team_member members[];
 };
@@ -60,8 +60,8 @@ static size_t round_up(size_t size, size_t to) {
     return (size + to - 1) / to * to;
 }
 
-/* Large arrays are on large pages where the system has them: the first touch of each small one costs as much as working
- * through it. */
+/* Large arrays use large pages where available: the first touch of small pages costs as much as the computation on
+ * them. */
 static void* default_alloc(void* user, size_t size) {
     (void)user;
 #ifdef MADV_HUGEPAGE
@@ -87,7 +87,7 @@ static int32_t available_processors(void) {
     return count < 1 ? 1 : count > TY_THREADS_MAX ? TY_THREADS_MAX : count;
 }
 
-/* Bytes of physical memory; infinite where the system does not tell. */
+/* Bytes of physical memory; infinite if unknown. */
 static double physical_memory(void) {
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     return pages > 0 && page > 0 ? (double)pages * (double)page : INFINITY;
@@ -186,7 +186,7 @@ ty_result ty_check_def(ty_context* context, const void* def, const char* default
     return ty_fail(context, TY_ERROR_ARGUMENT, "a def was not made by %s()", default_function);
 }
 
-/* More than the machine has would be promised, and the process killed when it uses what it was promised. */
+/* The system overcommits memory and kills the process on use; larger requests are rejected here. */
 static bool machine_has(const ty_context* context, double bytes) {
     return bytes + (double)atomic_load(&context->taken) <= context->machine_memory;
 }
@@ -211,7 +211,7 @@ static void clear_part(void* user, int64_t index, int32_t worker) {
     memset(all->begin + begin, 0, left < CLEARED_AT_ONCE ? left : CLEARED_AT_ONCE);
 }
 
-/* By all threads: the system makes pages when they are written to. */
+/* Clears memory on all threads: pages are mapped on first write. */
 static void clear(ty_context* context, void* begin, size_t size) {
     clearing all = {begin, size};
     ty_parallel_for(context, (int64_t)((size + CLEARED_AT_ONCE - 1) / CLEARED_AT_ONCE), clear_part, &all);

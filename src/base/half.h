@@ -1,4 +1,4 @@
-/* IEEE half floats as 16-bit words, in plain integer arithmetic so that every build rounds alike. */
+/* IEEE half floats as 16-bit words, in integer arithmetic, so that all builds round identically. */
 #ifndef TY_BASE_HALF_H
 #define TY_BASE_HALF_H
 
