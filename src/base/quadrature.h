@@ -10,9 +10,9 @@ static inline double ty_integrate(double (*f)(const void* user, double x), const
     double sum = 0;
     const double half = (b - a) / (2 * panels);
     for (int panel = 0; panel < panels; ++panel) {
-        const double middle = a + (2 * panel + 1) * half;
+        const double center = a + (2 * panel + 1) * half;
         for (int i = 0; i < 4; ++i)
-            sum += weight[i] * (f(user, middle - half * node[i]) + f(user, middle + half * node[i]));
+            sum += weight[i] * (f(user, center - half * node[i]) + f(user, center + half * node[i]));
     }
     return sum * half;
 }

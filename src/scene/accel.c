@@ -557,7 +557,7 @@ ty_result ty_accel_create_closed(ty_context* context, const ty_triangle_mesh* tr
     return result == TY_OK ? finish_accel(mesh, add_closed_mesh(mesh, triangles), out) : result;
 }
 
-int32_t ty_accel_crossings(const ty_accel* shell, ty_vec origin, ty_vec direction,
+int32_t ty_accel_crossings(const ty_accel* closed, ty_vec origin, ty_vec direction,
                            ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond) {
     crossing_query query = {.ray = ty_crossing_ray_begin(origin, direction), .crossings = crossings};
     rtcInitIntersectContext(&query.context);
@@ -565,7 +565,7 @@ int32_t ty_accel_crossings(const ty_accel* shell, ty_vec origin, ty_vec directio
         .ray = make_ray(origin, direction, TY_FLOAT_MAX),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}},
     };
-    rtcIntersect1(shell->scene, &query.context, &ray);
+    rtcIntersect1(closed->scene, &query.context, &ray);
     *beyond = query.beyond;
     return query.count;
 }

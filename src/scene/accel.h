@@ -72,7 +72,7 @@ enum { TY_CROSSINGS_MAX = 64 };
 ty_result ty_accel_create_closed(ty_context* context, const ty_triangle_mesh* triangles, ty_accel** out);
 /* Crossings of a ray (direction of any length) with a closed mesh beyond the origin, nearest first; returns their
  * number. Beyond TY_CROSSINGS_MAX the farthest are dropped; *beyond: exits minus entries among the dropped ones. */
-int32_t ty_accel_crossings(const ty_accel* shell, ty_vec origin, ty_vec direction,
+int32_t ty_accel_crossings(const ty_accel* closed, ty_vec origin, ty_vec direction,
                            ty_crossing crossings[TY_CROSSINGS_MAX], int32_t* beyond);
 
 #endif

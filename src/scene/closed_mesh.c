@@ -99,39 +99,39 @@ ty_result ty_closed_mesh_create(ty_context* context, const float* positions, int
     def.indices = indices;
     ty_result result = ty_triangle_mesh_check(context, "shell", positions, vertex_count, indices, triangle_count);
     if (result != TY_OK) return result;
-    ty_closed_mesh* shell = ty_alloc_array(context, 1, sizeof *shell, true);
-    if (shell == NULL) return TY_ERROR_MEMORY;
-    shell->context = context;
-    atomic_init(&shell->owners, 1);
+    ty_closed_mesh* closed = ty_alloc_array(context, 1, sizeof *closed, true);
+    if (closed == NULL) return TY_ERROR_MEMORY;
+    closed->context = context;
+    atomic_init(&closed->owners, 1);
     size_t open = 0;
-    result = ty_triangle_mesh_create(context, &def, &shell->triangles);
+    result = ty_triangle_mesh_create(context, &def, &closed->triangles);
     if (result == TY_OK) {
-        open = count_open_edges(context, shell->triangles);
+        open = count_open_edges(context, closed->triangles);
         if (open == SIZE_MAX) result = TY_ERROR_MEMORY;
     }
-    if (result == TY_OK) result = ty_accel_create_closed(context, shell->triangles, &shell->mesh);
+    if (result == TY_OK) result = ty_accel_create_closed(context, closed->triangles, &closed->mesh);
     if (result != TY_OK) {
-        ty_closed_mesh_release(shell);
+        ty_closed_mesh_release(closed);
         return result;
     }
     if (open > 0)
         ty_log(context, TY_LOG_WARNING, "a shell is not closed: %zu of its edges do not join two triangles", open);
-    *out = shell;
+    *out = closed;
     return TY_OK;
 }
 
-ty_closed_mesh* ty_closed_mesh_retain(ty_closed_mesh* shell) {
-    if (shell != NULL) atomic_fetch_add(&shell->owners, 1);
-    return shell;
+ty_closed_mesh* ty_closed_mesh_retain(ty_closed_mesh* closed) {
+    if (closed != NULL) atomic_fetch_add(&closed->owners, 1);
+    return closed;
 }
 
-void ty_closed_mesh_release(ty_closed_mesh* shell) {
-    if (shell == NULL || atomic_fetch_sub(&shell->owners, 1) > 1) return;
-    ty_accel_destroy(shell->mesh);
-    ty_triangle_mesh_destroy(shell->context, shell->triangles);
-    ty_free_array(shell->context, shell, 1, sizeof *shell);
+void ty_closed_mesh_release(ty_closed_mesh* closed) {
+    if (closed == NULL || atomic_fetch_sub(&closed->owners, 1) > 1) return;
+    ty_accel_destroy(closed->mesh);
+    ty_triangle_mesh_destroy(closed->context, closed->triangles);
+    ty_free_array(closed->context, closed, 1, sizeof *closed);
 }
 
-size_t ty_closed_mesh_bytes(const ty_closed_mesh* shell) {
-    return sizeof *shell + ty_triangle_mesh_bytes(shell->triangles) + ty_accel_bytes(shell->mesh);
+size_t ty_closed_mesh_bytes(const ty_closed_mesh* closed) {
+    return sizeof *closed + ty_triangle_mesh_bytes(closed->triangles) + ty_accel_bytes(closed->mesh);
 }

@@ -13,6 +13,6 @@ struct ty_closed_mesh {
     ty_accel* mesh;
 };
 
-size_t ty_closed_mesh_bytes(const ty_closed_mesh* shell);
+size_t ty_closed_mesh_bytes(const ty_closed_mesh* closed);
 
 #endif

@@ -95,8 +95,8 @@ ty_result ty_environment_make_cells(ty_context* context, ty_environment* env) {
     const size_t columns = (size_t)(texels ? env->width : env->cells_width);
     env->cells = ty_alloc_array(context, ty_environment_cell_count(env), sizeof *env->cells, true);
     column_azimuth* azimuths = ty_alloc_array(context, columns, sizeof *azimuths, false);
-    const bool enough = env->cells != NULL && azimuths != NULL;
-    if (enough) {
+    const bool allocated = env->cells != NULL && azimuths != NULL;
+    if (allocated) {
         fill_azimuths(env, (int32_t)columns, azimuths);
         if (texels)
             sum_texels(env, azimuths);
@@ -104,5 +104,5 @@ ty_result ty_environment_make_cells(ty_context* context, ty_environment* env) {
             sample_cells(env, azimuths);
     }
     ty_free_array(context, azimuths, columns, sizeof *azimuths);
-    return enough ? TY_OK : TY_ERROR_MEMORY;
+    return allocated ? TY_OK : TY_ERROR_MEMORY;
 }

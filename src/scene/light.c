@@ -161,11 +161,11 @@ static double typical_fluence(const ty_light_view* light, double d2) {
 
 /* Squared distance from a light's position to the box [lower, upper]. */
 static double distance2_to_box(const ty_light_view* light, const double lower[3], const double upper[3]) {
-    const double place[3] = {light->position.x, light->position.y, light->position.z};
+    const double position[3] = {light->position.x, light->position.y, light->position.z};
     double sum = 0;
     for (int a = 0; a < 3; ++a) {
-        const double beyond = fmax(fmax(lower[a] - place[a], place[a] - upper[a]), 0);
-        sum += beyond * beyond;
+        const double outside = fmax(fmax(lower[a] - position[a], position[a] - upper[a]), 0);
+        sum += outside * outside;
     }
     return sum;
 }

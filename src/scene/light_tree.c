@@ -320,9 +320,9 @@ static cluster build(builder* b, int32_t begin, int32_t end, int depth, uint64_t
     const cluster first = build(b, begin, boundary, depth + 1, trail);
     const int32_t next = (int32_t)tree->node_count;
     const cluster second = build(b, boundary, end, depth + 1, trail | (uint64_t)1 << depth);
-    const cluster whole = cluster_union(&first, &second);
-    tree->nodes[at] = node_of(&whole, next);
-    return whole;
+    const cluster joined = cluster_union(&first, &second);
+    tree->nodes[at] = node_of(&joined, next);
+    return joined;
 }
 
 static cluster light_cluster(const ty_light_bounds* bounds, double power) {
@@ -341,8 +341,8 @@ static ty_result fill_tree(ty_context* context, const ty_light_bounds* bounds, s
     cluster* lights = ty_alloc_array(context, placed, sizeof *lights, false);
     int32_t* numbers = ty_alloc_array(context, placed, 2 * sizeof *numbers, false);
     tree->nodes = ty_alloc_array(context, 2 * placed - 1, sizeof *tree->nodes, false);
-    const bool enough = lights != NULL && numbers != NULL && tree->nodes != NULL;
-    if (!enough) {
+    const bool allocated = lights != NULL && numbers != NULL && tree->nodes != NULL;
+    if (!allocated) {
         ty_free_array(context, tree->nodes, 2 * placed - 1, sizeof *tree->nodes);
         tree->nodes = NULL;
     } else {
@@ -361,7 +361,7 @@ static ty_result fill_tree(ty_context* context, const ty_light_bounds* bounds, s
     }
     ty_free_array(context, lights, placed, sizeof *lights);
     ty_free_array(context, numbers, placed, 2 * sizeof *numbers);
-    return enough ? TY_OK : TY_ERROR_MEMORY;
+    return allocated ? TY_OK : TY_ERROR_MEMORY;
 }
 
 ty_result ty_light_tree_create(ty_context* context, const ty_light_bounds* bounds, size_t count, ty_light_tree** out) {

@@ -136,9 +136,9 @@ TY_FN float ty_light_node_ray_importance(TY_GLOBAL const ty_light_node* node, ty
                                          float enter, float leave) {
     const ty_vec to = ty_sub(node->center, origin);
     const float closest = ty_dot(to, direction);
-    const ty_vec beside = ty_mad(to, direction, -closest);
+    const ty_vec perpendicular = ty_mad(to, direction, -closest);
     const float floor2 = 0.1f * node->radius2 + 1e-10f * ty_dot(to, to) + 1e-18f;
-    const float off2 = ty_maxf(ty_dot(beside, beside), floor2), off = sqrtf(off2);
+    const float off2 = ty_maxf(ty_dot(perpendicular, perpendicular), floor2), off = sqrtf(off2);
     const float angle = ty_atan2_over_2pi(off * (leave - enter), off2 + (enter - closest) * (leave - closest));
     return node->local_power * angle / off;
 }

@@ -173,10 +173,10 @@ static size_t count_lights(const ty_scene* scene) {
     return count;
 }
 
-static void add_shape_lights(ty_scene* scene, size_t part, size_t* at) {
-    const ty_shape_def* shape = &scene->shape_parts[part];
+static void add_shape_lights(ty_scene* scene, size_t index, size_t* at) {
+    const ty_shape_def* shape = &scene->shape_parts[index];
     if (!ty_shape_emits(shape)) return;
-    scene->surfaces[part].first_light = (int32_t)*at;
+    scene->surfaces[index].first_light = (int32_t)*at;
     double origin[3], u[3], v[3];
     if (shape->kind == TY_SHAPE_SPHERE) {
         const double radius = ty_shape_sphere(shape, origin);
@@ -231,11 +231,11 @@ static ty_result view_lights(ty_scene* scene, size_t count) {
 }
 
 static ty_result commit_lights(ty_scene* scene) {
-    const size_t most = count_lights(scene);
-    if (most == 0) return TY_OK;
-    scene->light_views = ty_alloc_array(scene->context, most, sizeof(ty_light_view), false);
+    const size_t max_lights = count_lights(scene);
+    if (max_lights == 0) return TY_OK;
+    scene->light_views = ty_alloc_array(scene->context, max_lights, sizeof(ty_light_view), false);
     if (scene->light_views == NULL) return TY_ERROR_MEMORY;
-    scene->light_view_count = most;
+    scene->light_view_count = max_lights;
     size_t at = 0;
     for (size_t i = 0; i < scene->light_count; ++i)
         if (scene->lights[i].kind != TY_LIGHT_AREA)

@@ -48,7 +48,7 @@ static void fill_decode(float decode[256]) {
     }
 }
 
-static float mend(float value) {
+static float sanitize(float value) {
     return isfinite(value) && value > 0 ? fminf(value, (float)TY_COLOR_MAX) : 0.0f;
 }
 
@@ -58,8 +58,8 @@ static void copy_image(ty_texture* texture, const ty_image* image) {
     const float* alpha = ty_image_plane_const(image, ty_image_find_channel(image, "A"));
     const size_t count = (size_t)texture->width * (size_t)texture->height;
     for (size_t i = 0; i < count; ++i) {
-        for (int c = 0; c < 3; ++c) texture->floats[4 * i + (size_t)c] = mend(planes[c][i]);
-        texture->floats[4 * i + 3] = alpha != NULL ? fminf(mend(alpha[i]), 1.0f) : 1.0f;
+        for (int c = 0; c < 3; ++c) texture->floats[4 * i + (size_t)c] = sanitize(planes[c][i]);
+        texture->floats[4 * i + 3] = alpha != NULL ? fminf(sanitize(alpha[i]), 1.0f) : 1.0f;
     }
 }
 

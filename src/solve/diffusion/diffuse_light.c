@@ -199,12 +199,12 @@ static void make_terms(const solve_work* work, int32_t channel) {
 }
 
 /* Reports the progress of all channels together; one cancellation cancels all channels. */
-static bool report(void* user, const ty_progress* part) {
+static bool report(void* user, const ty_progress* channel_progress) {
     channel_solve* solve = user;
     solve_work* work = solve->work;
-    ty_progress total = *part;
+    ty_progress total = *channel_progress;
     pthread_mutex_lock(&work->lock);
-    solve->done = part->fraction;
+    solve->done = channel_progress->fraction;
     total.fraction = 0;
     for (int32_t i = 0; i < work->count; ++i) total.fraction += work->solves[i].done / work->count;
     work->cancelled = work->cancelled || !ty_part_report(work->progress, &total);
@@ -251,7 +251,7 @@ static void note_solve(ty_diffuse_stats* stats, const channel_solve* solve) {
 
 /* Solves the channels from `first` concurrently; a single solve uses all threads. */
 static ty_result solve_batch(solve_work* work, int32_t first) {
-    const int32_t left = work->count - first, count = left < work->concurrent ? left : work->concurrent;
+    const int32_t remaining = work->count - first, count = remaining < work->concurrent ? remaining : work->concurrent;
     ty_result result = ty_part_show(work->progress, "fluence");
     if (result != TY_OK) return result;
     for (int32_t i = 0; i < count; ++i) work->solves[first + i].memory = work->memory[i];

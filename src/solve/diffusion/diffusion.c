@@ -194,10 +194,10 @@ void ty_solve_set_cells(ty_diffusion_job* job, double rms) {
  * incident flux, the magnitude of a source integrated over the box's length. A dark box is also a solution, in which
  * nothing diffuses. */
 static double initial_fluence(const ty_diffusion_def* def) {
-    bool bright = def->solver == TY_DIFFUSION_MULTIGRID;
-    for (int side = 0; side < 6; ++side) bright = bright || def->boundary[side].value != NULL;
+    bool has_magnitude = def->solver == TY_DIFFUSION_MULTIGRID;
+    for (int side = 0; side < 6; ++side) has_magnitude = has_magnitude || def->boundary[side].value != NULL;
     const double shortest = fmin(fmin(def->cell[0], def->cell[1]), def->cell[2]);
-    return bright ? shortest * (double)def->size[0] : 1e-20 * shortest;
+    return has_magnitude ? shortest * (double)def->size[0] : 1e-20 * shortest;
 }
 
 static void set_phi(ty_diffusion_job* job) {

@@ -36,9 +36,8 @@ typedef struct ty_boundary {
 } ty_boundary;
 
 typedef enum ty_diffusion_solver {
-    TY_DIFFUSION_MULTIGRID =
-        0,                /* Picard iterations with multigrid as the linear solver, corrected on coarser levels (FAS) */
-    TY_DIFFUSION_SOR = 1, /* Algorithm 1 (Koerner 2014), in double precision */
+    TY_DIFFUSION_MULTIGRID = 0, /* Picard iterations by multigrid, with FAS corrections from coarser levels */
+    TY_DIFFUSION_SOR = 1,       /* Algorithm 1 (Koerner 2014), in double precision */
     TY_DIFFUSION_SOR_FLOAT = 2, /* the same in single precision: sufficient for a tolerance of 1e-4 */
     TY_DIFFUSION_SOLVER_COUNT = 3
 } ty_diffusion_solver;

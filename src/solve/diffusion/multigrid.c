@@ -202,21 +202,21 @@ static void clear(const ty_box* box, float* items) {
 }
 
 /* Subtracts A e from f; returns the residual's sum of squares. */
-static double begin_conjugate_gradients(const pass* whole) {
-    const ty_diffusion_job* job = whole->job;
-    const ty_box* box = &whole->fine->box;
+static double begin_conjugate_gradients(const pass* initial) {
+    const ty_diffusion_job* job = initial->job;
+    const ty_box* box = &initial->fine->box;
     const ptrdiff_t origin = ty_box_origin(box);
-    memcpy(job->direction - origin, whole->fine->e - origin, sizeof(float) * ty_box_items(box));
+    memcpy(job->direction - origin, initial->fine->e - origin, sizeof(float) * ty_box_items(box));
     clear(box, job->change);
-    pass p = *whole;
+    pass p = *initial;
     p.factor = 1;
     sum_planes(&p, apply_plane);
     return sum_planes(&p, step_plane);
 }
 
 /* Continues from e; the result is in job->change. */
-static void conjugate_gradients(const pass* whole, double target, int32_t cycles) {
-    pass p = *whole;
+static void conjugate_gradients(const pass* initial, double target, int32_t cycles) {
+    pass p = *initial;
     double squares = begin_conjugate_gradients(&p), previous_product = 0; /* f.e of the previous step */
     clear(&p.fine->box, p.job->direction);
     for (int i = 0; i < cycles && squares > target; ++i) {

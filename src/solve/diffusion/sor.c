@@ -48,9 +48,9 @@ static double pass(sweep* s, int32_t color) {
 
 /* Fraction of a box's cells within `depth` cells of its faces. */
 static double fraction_within(const ty_box* box, int32_t depth) {
-    double beyond = 1;
-    for (int a = 0; a < 3; ++a) beyond *= fmax(0, 1 - 2.0 * depth / box->size[a]);
-    return 1 - beyond;
+    double interior = 1;
+    for (int a = 0; a < 3; ++a) interior *= fmax(0, 1 - 2.0 * depth / box->size[a]);
+    return 1 - interior;
 }
 
 double ty_fas_relax(ty_diffusion_job* job, int32_t i, double omega, int32_t depth) {

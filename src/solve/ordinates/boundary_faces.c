@@ -109,9 +109,9 @@ double ty_ordinates_entering(const ty_ordinates_def* def) {
         }
     for (int32_t d = 0; d < def->set->count; ++d)
         for (int a = 0; a < 3; ++a) {
-            const double along = (double)def->set->direction[a][d], edge = def->cell[(a + 1) % 3];
-            power += (double)def->boundary_radiance[d] * (double)def->set->weight[d] * fabs(along) * edge *
-                     def->cell[(a + 2) % 3] * open[2 * a + (along < 0 ? 1 : 0)];
+            const double mu = (double)def->set->direction[a][d], edge = def->cell[(a + 1) % 3];
+            power += (double)def->boundary_radiance[d] * (double)def->set->weight[d] * fabs(mu) * edge *
+                     def->cell[(a + 2) % 3] * open[2 * a + (mu < 0 ? 1 : 0)];
         }
     return power;
 }

@@ -120,15 +120,15 @@ static double upward_fraction(double x, double u) {
  * neighbours. */
 static double growth_of(const search* f, const ty_diffusive_cell* cell, int axis) {
     const float* source = f->def->source[0];
-    double low = (double)source[cell->index], high = low;
+    double lower = (double)source[cell->index], upper = lower;
     int neighbours = 0;
-    if (cell->link[2 * axis] == TY_LINK_DIFFUSIVE) low = (double)source[cell->index - f->steps[axis]], ++neighbours;
+    if (cell->link[2 * axis] == TY_LINK_DIFFUSIVE) lower = (double)source[cell->index - f->steps[axis]], ++neighbours;
     if (cell->link[2 * axis + 1] == TY_LINK_DIFFUSIVE)
-        high = (double)source[cell->index + f->steps[axis]], ++neighbours;
+        upper = (double)source[cell->index + f->steps[axis]], ++neighbours;
     const double max_growth = MAX_GROWTH * (double)f->extinction[cell->index] * f->def->cell[axis];
-    if (neighbours == 0 || (low <= 0 && high <= 0)) return 0;
-    if (low <= 0 || high <= 0) return low <= 0 ? max_growth : -max_growth;
-    return fmax(fmin(log(high / low) / neighbours, max_growth), -max_growth);
+    if (neighbours == 0 || (lower <= 0 && upper <= 0)) return 0;
+    if (lower <= 0 || upper <= 0) return lower <= 0 ? max_growth : -max_growth;
+    return fmax(fmin(log(upper / lower) / neighbours, max_growth), -max_growth);
 }
 
 /* Center of mass of an exponential on [-1, 1] with this growth. */

@@ -131,8 +131,8 @@ typedef struct pair {
 
 static pair find_pair(int32_t index, int32_t ratio, int32_t size) {
     if (ratio == 1) return (pair){{index, index}, {1, 0}};
-    const int32_t near = index / 2, beside = (index & 1) != 0 ? near + 1 : near - 1;
-    return (pair){{near, beside < 0 || beside >= size ? near : beside}, {0.75f, 0.25f}};
+    const int32_t near = index / 2, adjacent = (index & 1) != 0 ? near + 1 : near - 1;
+    return (pair){{near, adjacent < 0 || adjacent >= size ? near : adjacent}, {0.75f, 0.25f}};
 }
 
 /* Interpolates one coarse term across rows; the end cells are repeated on both sides. */

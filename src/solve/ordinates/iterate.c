@@ -132,8 +132,8 @@ static void select_slot(const iteration* it) {
  * thousand scattering orders. emitted, removed: sums over cells, W/m^3 / sqrt(4 pi); incident: on faces, W. */
 static void measure_energy_deficit(ty_ordinates_job* job, double emitted, double incident, double removed) {
     const double volume = job->def->cell[0] * job->def->cell[1] * job->def->cell[2];
-    const double lost = (job->leaving[job->latest] + incident) / (volume * SQRT_4PI);
-    job->energy_deficit = removed > 0 ? (emitted - lost) / removed - 1 : 0;
+    const double outgoing = (job->leaving[job->latest] + incident) / (volume * SQRT_4PI);
+    job->energy_deficit = removed > 0 ? (emitted - outgoing) / removed - 1 : 0;
 }
 
 static ty_result sweep(const iteration* it) {

@@ -118,7 +118,7 @@ double ty_ordinates_entering(const ty_ordinates_def* def);
 /* Adds changes and products, called by ty_ordinates_correct. */
 void ty_ordinates_faces_compare(ty_ordinates_job* job, ty_ordinates_sums* sums);
 /* Power emitted by the faces themselves, and absorbed from an irradiance, W. */
-void ty_ordinates_faces_balance(ty_ordinates_job* job, const float* arrived, double* emitted, double* absorbed);
+void ty_ordinates_faces_balance(ty_ordinates_job* job, const float* irradiance, double* emitted, double* absorbed);
 
 /* Makes the first iterate, whose moments are set, the initial guess. */
 void ty_ordinates_start(ty_ordinates_job* job);

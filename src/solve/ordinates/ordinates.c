@@ -272,8 +272,8 @@ static ty_result solve(ty_ordinates_job* job, float* const* moments) {
     if (result != TY_OK) return result;
     result = ty_ordinates_iterate(job);
     if (job->dsa != NULL) job->stats->cycles += ty_dsa_cycles(job->dsa);
-    const bool more = job->def->output_order > job->def->bands || job->def->final_set != NULL;
-    if (result == TY_OK && more) return sweep_final(job, moments);
+    const bool needs_sweep = job->def->output_order > job->def->bands || job->def->final_set != NULL;
+    if (result == TY_OK && needs_sweep) return sweep_final(job, moments);
     if (result == TY_OK || result == TY_CANCELLED) store(job, moments);
     return result;
 }

@@ -330,14 +330,14 @@ static void sweep_row_segments(const row_faces* row, const float* extinction, co
                                stream streams[2], ty_sweep_sums* sums) {
     const ty_sweep_box* box = row->box;
     const ty_sweep_faces* walls = box->walls;
-    const lanes inflow[2] = {streams[0].psi_x, streams[1].psi_x};
+    const lanes upwind[2] = {streams[0].psi_x, streams[1].psi_x};
     exchange_face_radiance(row, streams, false);
     for (int32_t begin = 0, end; begin < box->size[0]; begin = end) {
         const int32_t low = find_face(row, begin, 0), high = find_face(row, begin, 1);
         const bool has_low = low < row->end && walls->x[low] == begin, has_high = high < row->end;
         end = has_high ? walls->x[high] + 1 : box->size[0];
-        streams[0].psi_x = inflow[0];
-        streams[1].psi_x = inflow[1];
+        streams[0].psi_x = upwind[0];
+        streams[1].psi_x = upwind[1];
         if (has_low) streams[0].psi_x = emitted_radiance(row, low);
         if (has_high) streams[1].psi_x = emitted_radiance(row, high);
         sweep_cells(box, row->group, extinction, scratch, begin, end, streams, sums);
@@ -406,12 +406,12 @@ TY_INLINE void remove_padding(float* sum, ptrdiff_t cells, const ptrdiff_t bands
 TY_INLINE void reorder_cell(const ty_sweep_box* box, const float* sum, float* moments, const ptrdiff_t terms) {
 #if defined(__AVX512F__)
     for (ptrdiff_t t = 0; t < terms; t += LANES) {
-        const __m512i place = _mm512_load_si512(box->position + t), from = _mm512_srai_epi32(place, 4);
-        __m512 whole = _mm512_setzero_ps();
+        const __m512i position = _mm512_load_si512(box->position + t), from = _mm512_srai_epi32(position, 4);
+        __m512 ordered = _mm512_setzero_ps();
         for (int32_t s = 0; s * LANES < terms; ++s)
-            whole = _mm512_mask_permutexvar_ps(whole, _mm512_cmpeq_epi32_mask(from, _mm512_set1_epi32(s)), place,
-                                               _mm512_loadu_ps(sum + s * LANES));
-        _mm512_mask_storeu_ps(moments + t, (__mmask16)(terms - t < LANES ? (1 << (terms - t)) - 1 : 0xffff), whole);
+            ordered = _mm512_mask_permutexvar_ps(ordered, _mm512_cmpeq_epi32_mask(from, _mm512_set1_epi32(s)), position,
+                                                 _mm512_loadu_ps(sum + s * LANES));
+        _mm512_mask_storeu_ps(moments + t, (__mmask16)(terms - t < LANES ? (1 << (terms - t)) - 1 : 0xffff), ordered);
     }
 #else
     for (ptrdiff_t t = 0; t < terms; ++t) moments[t] = sum[box->position[t]];

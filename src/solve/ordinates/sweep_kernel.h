@@ -24,8 +24,7 @@ typedef struct ty_sweep_box {
     const float* y_lm[4];                   /* octant 2 i: all directions of each term in `order` */
     /* Incident radiance of each direction of an octant, uniform over the box's faces. */
     const float* boundary_radiance[8];
-    const float*
-        weighted_y_lm[4]; /* octant 2 i, per direction: `padded` harmonics in `order` times the direction's weight */
+    const float* weighted_y_lm[4]; /* octant 2 i: weighted harmonics of each direction, `padded` in `order` */
     /* Upwind radiance of the next cells along y and z: per group, planes of x and z, and of x and y. */
     float *faces_y[8], *faces_z[8];
     const ty_sweep_faces* walls; /* NULL: no boundary faces */
