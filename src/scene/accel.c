@@ -356,7 +356,7 @@ static void prefetch_triangle(const ty_accel* mesh, unsigned geometry, unsigned 
         __builtin_prefetch(mesh->surfaces[geometry - MESHES].indices + 3 * (size_t)triangle);
 }
 
-/* Prefetches the corners; after fetch_triangle. */
+/* Prefetches the corners; after prefetch_triangle. */
 static void prefetch_corners(const ty_accel* mesh, unsigned geometry, unsigned triangle) {
     if (geometry < MESHES || geometry == RTC_INVALID_GEOMETRY_ID) return;
     const ty_surface* surface = &mesh->surfaces[geometry - MESHES];

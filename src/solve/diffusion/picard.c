@@ -9,9 +9,10 @@
  * the tolerance. Limited problems use one cycle: the next D changes more than further cycles gain. */
 static const double REDUCTION = 1e-7, TARGET = 0.3;
 enum { CYCLES = 30 };
-/* Sweeps of Algorithm 1 over all cells at image-quality tolerances. For tolerances below FINE there are more sweeps or,
- * in large boxes, additional sweeps of FACE_LAYERS layers of cells beside the faces, where residuals are largest.
- * Coarse tolerances take too few iterations for that to pay, and in small boxes the layers are most of all cells. */
+/* Sweeps of Algorithm 1 over all cells at image-quality tolerances. For tolerances below FINE_TOLERANCE there are more
+ * sweeps or, in large boxes, additional sweeps of FACE_LAYERS layers of cells beside the faces, where residuals are
+ * largest. Coarse tolerances take too few iterations for that to pay, and in small boxes the layers are most of all
+ * cells. */
 enum { SWEEPS = 4, MORE_SWEEPS = 8, FACE_SWEEPS = 12, FACE_LAYERS = 8, LARGE = 12 * FACE_LAYERS };
 static const double FINE_TOLERANCE = 1e-5;
 /* Damping of D where the flux is limited (ty_damped_diffusivity): the linear problem responds too weakly to the fluence
@@ -21,10 +22,10 @@ static const float DAMPING = 0.3f;
 /* Components of an iteration for limited problems. All of them take the fewest iterations where only boundaries slow
  * convergence; coarser stages work for all smooth limiters; the Picard step alone always works. */
 typedef enum components { COMPONENTS_PICARD = 0, COMPONENTS_CORRECTED = 1, COMPONENTS_SWEPT = 2 } components;
-/* Sweeps, which cost more than the rest of an iteration, pay if the residual falls below SWEEPS_PAY times the smallest
+/* Sweeps, which cost more than the rest of an iteration, pay if the residual falls below SWEEPS_GAIN times the smallest
  * so far; if residuals grow without them, more sweeps are enabled permanently. An iteration gains if the residual falls
- * below GAIN times the smallest. After PATIENCE iterations in a row without gain, D is undamped and coarser stages are
- * not swept; after as many again, only the Picard step remains. */
+ * below GAIN times the smallest. After MAX_STAGNATION iterations in a row without gain, D is undamped and coarser
+ * stages are not swept; after as many again, only the Picard step remains. */
 static const double SWEEPS_GAIN = 0.33, GAIN = 0.9;
 enum { MAX_STAGNATION = 4 };
 
