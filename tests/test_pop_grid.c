@@ -13,10 +13,10 @@ static void test_axis_frame(void** state) {
     for (int a = 0; a < 6; ++a) {
         const double way[3] = {a / 2 == 0, a / 2 == 1, a / 2 == 2}, sign = a % 2 ? -1 : 1;
         const ty_light_part light = parallel_light(sign * way[0], sign * way[1], sign * way[2]);
-        ty_pop_frame frame;
-        ty_pop_frame_fit(&box, &light, 16, &frame);
+        ty_pop_grid frame;
+        ty_pop_grid_fit(&box, &light, 16, &frame);
         assert_vec_close(frame.step, ty_vec_make(0.0625f, 0.0625f, 0.0625f), 1e-8);
-        const ty_vec middle = ty_pop_middle(&frame, 3, 5, 0);
+        const ty_vec middle = ty_pop_cell_center(&frame, 3, 5, 0);
         const double place[3] = {(double)middle.x * 16, (double)middle.y * 16, (double)middle.z * 16};
         for (int b = 0; b < 3; ++b) assert_close(place[b] - floor(place[b]), 0.5, 1e-5);
         assert_close(place[a / 2], sign > 0 ? 0.5 : 15.5, 1e-5);
@@ -31,8 +31,8 @@ static void test_slanted_frame(void** state) {
     for (int n = 0; n < 20; ++n) {
         const ty_vec way = random_unit(&random);
         const ty_light_part light = parallel_light((double)way.x, (double)way.y, (double)way.z);
-        ty_pop_frame frame;
-        ty_pop_frame_fit(&box, &light, 10, &frame);
+        ty_pop_grid frame;
+        ty_pop_grid_fit(&box, &light, 10, &frame);
         assert_vec_close(frame.axis[2], way, 1e-6);
         const float step[3] = {frame.step.x, frame.step.y, frame.step.z};
         for (int a = 0; a < 3; ++a) {
@@ -53,19 +53,19 @@ static void test_slanted_frame(void** state) {
 static void test_radial_frame(void** state) {
     (void)state;
     const ty_grid_box box = {{-1, -1, -1}, {1, 1, 1}, {16, 16, 16}};
-    ty_pop_frame frame;
+    ty_pop_grid frame;
     ty_light_part light = point_light(0, 0, 0);
-    ty_pop_frame_fit(&box, &light, 20, &frame);
+    ty_pop_grid_fit(&box, &light, 20, &frame);
     assert_int_equal(frame.kind, TY_LIGHT_PART_RADIAL);
     assert_close((double)ty_pop_radius(&frame, 20), sqrt(3), 1e-4);
     assert_true((double)frame.inner <= 0.0501);
     assert_close((double)frame.growth, sqrt(4 * 3.14159265) / 20, 2e-3);
     light = point_light(1.5, 0, 0);
-    ty_pop_frame_fit(&box, &light, 20, &frame);
+    ty_pop_grid_fit(&box, &light, 20, &frame);
     assert_int_equal(frame.kind, TY_LIGHT_PART_RADIAL);
     assert_close((double)frame.inner, 0.5, 1e-6);
     light = point_light(60, 0, 0);
-    ty_pop_frame_fit(&box, &light, 20, &frame);
+    ty_pop_grid_fit(&box, &light, 20, &frame);
     assert_int_equal(frame.kind, TY_LIGHT_PART_PARALLEL);
     assert_vec_close(frame.axis[2], ty_vec_make(-1, 0, 0), 1e-6);
 }
@@ -92,9 +92,9 @@ static double mean_decay(double sigma, double from, double to) {
 }
 
 static void check_cell(const pop_case* c, const double sigma[3], int32_t i, int32_t j, int32_t k, size_t plane) {
-    const ty_pop_frame* frame = &c->light.frame;
-    const ty_vec middle = ty_pop_middle(frame, i, j, k), way = ty_pop_way(frame, i, j);
-    const double length = (double)ty_pop_length(frame, k);
+    const ty_pop_grid* frame = &c->light.grid;
+    const ty_vec middle = ty_pop_cell_center(frame, i, j, k), way = ty_pop_direction(frame, i, j);
+    const double length = (double)ty_pop_cell_length(frame, k);
     const double below = frame->kind == TY_LIGHT_PART_RADIAL
                              ? (double)ty_pop_radius(frame, (float)k + 0.5f) - (double)ty_pop_radius(frame, (float)k)
                              : 0.5 * length;
@@ -122,7 +122,7 @@ static void check_homogeneous(ty_context* context, const ty_light_part* ordinate
     pop_case made = pop_begin(scene, ordinate, TY_POP_MODE_SPLIT, 16, 1);
     pop_run(&made);
     assert_int_equal(made.light.planes, colored ? 3 : 1);
-    const ty_pop_frame* frame = &made.light.frame;
+    const ty_pop_grid* frame = &made.light.grid;
     for (int p = 0; p < made.light.planes; ++p) {
         const double kept = fmax(0, g), s = (double)sigma_s[p], t = s + (double)sigma_a[p];
         const double sigma[3] = {t, t - kept * s, t - kept * kept * s};
@@ -193,7 +193,7 @@ static double between_cosines(double a, double low, double high) {
 static double disc_lobe(double mu, const double* p) {
     const float m = (float)mu, g = (float)p[3], disc = (float)p[4], width = ty_pop_disc_width(disc);
     const float lobe = ty_pop_disc_lobe(fabsf(g), disc, width);
-    const float once = ty_pop_disc_once(m, g, width, lobe, ty_pop_disc_mean(lobe, width));
+    const float once = ty_pop_disc_single(m, g, width, lobe, ty_pop_disc_mean(lobe, width));
     const float u = (float)p[0], r = (float)p[1], s = (float)p[2];
     return (double)(u * once + ty_pop_disc_forward(m, u, r, s, g, disc, width, lobe));
 }
@@ -236,7 +236,7 @@ static void test_patches(void** state) {
     for (int i = -999; i <= 999; ++i) {
         const double a = i / 1000.0;
         float front, side, back;
-        ty_pop_patches((float)a, &front, &side, &back);
+        ty_pop_patch_fractions((float)a, &front, &side, &back);
         assert_close((double)(front + 4 * side + back), 1, 1e-6);
         assert_close((double)front, between_cosines(a, c, 1), 2e-5);
         assert_close((double)side, 0.25 * between_cosines(a, -c, c), 2e-5);
@@ -265,10 +265,10 @@ static void test_see(void** state) {
         pop_run(&second);
         const float* seen = pop_seen(&first.light, 4, 5, 6);
         assert_close((double)seen[1], 2 * (double)seen[0], 1e-6);
-        ty_pop_see(first.medium, second.eye, &first.light);
-        const size_t floats = ty_pop_seen_floats(&first.light.frame, first.light.floats);
+        ty_pop_evaluate_lobes(first.medium, second.eye, &first.light);
+        const size_t floats = ty_pop_accumulated_floats(&first.light.grid, first.light.floats);
         for (size_t i = 0; i < floats; ++i)
-            assert_close((double)first.light.seen[i], (double)second.light.seen[i], 1e-6);
+            assert_close((double)first.light.accumulated[i], (double)second.light.accumulated[i], 1e-6);
         pop_end(&first);
         pop_end(&second);
     }
@@ -283,13 +283,13 @@ static void test_seen_value(void** state) {
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 32, 1);
     pop_run(&made);
     for (int32_t k = 0; k < 32; k += 5) {
-        const ty_vec at = ty_pop_middle(&made.light.frame, 7, 20, k);
+        const ty_vec at = ty_pop_cell_center(&made.light.grid, 7, 20, k);
         const ty_vec to = ty_normalize(ty_sub(ty_vec_load(made.eye), at));
         const double depth = (double)at.x, t = sigma_s + sigma_a, mu = (double)to.x;
         const double u = exp(-t * depth), r = exp(-(t - g * sigma_s) * depth), s = exp(-(t - g * g * sigma_s) * depth);
         const double p[5] = {u, r, s, g, 0.8}, expected = disc_lobe(mu, p);
         const float* seen = pop_seen(&made.light, 7, 20, k);
-        const double weight = (double)seen[TY_POP_WEIGHT];
+        const double weight = (double)seen[TY_POP_CELL_WEIGHT];
         assert_true(weight > 0);
         assert_close((double)seen[0], weight * expected, 1e-3 * weight * expected);
         assert_close((double)seen[3], weight * r, 1e-3 * weight * r);
@@ -357,11 +357,11 @@ static void test_shadows(void** state) {
             light.shadowed = 1;
             pop_case made = pop_begin(scene, &light, TY_POP_MODE_SPLIT, 16, 1);
             pop_run(&made);
-            const ty_pop_frame* frame = &made.light.frame;
+            const ty_pop_grid* frame = &made.light.grid;
             for (int32_t k = 0; k < 16; ++k)
                 for (int32_t j = 0; j < 16; ++j)
                     for (int32_t i = 0; i < 16; ++i) {
-                        const ty_vec at = ty_pop_middle(frame, i, j, k);
+                        const ty_vec at = ty_pop_cell_center(frame, i, j, k);
                         const bool beyond = (double)at.y<heights[inside] - 0.2, beside = fabsf(at.x - 0.5f)> 0.4f;
                         if (!beside || fabsf(at.y - 0.5f) > 0.5f || fabsf(at.x - 0.5f) > 0.5f) continue;
                         const float fluence = pop_seen(&made.light, i, j, k)[3];
@@ -396,7 +396,7 @@ static void test_floor(void** state) {
         pop_run(&made);
         for (int32_t k = 0; k < 12; ++k)
             for (int32_t i = 0; i < 144; ++i) {
-                const ty_vec at = ty_pop_middle(&made.light.frame, i % 12, i / 12, k);
+                const ty_vec at = ty_pop_cell_center(&made.light.grid, i % 12, i / 12, k);
                 if (at.y > 0 && at.y < 1) assert_true(pop_seen(&made.light, i % 12, i / 12, k)[3] > 0);
             }
         pop_end(&made);
@@ -420,7 +420,7 @@ static void test_profiles(void** state) {
         pop_run(&made);
         for (int32_t j = 0; j < 16; ++j)
             for (int32_t i = 0; i < 16; ++i) {
-                const double mu = -(double)ty_pop_way(&made.light.frame, i, j).y,
+                const double mu = -(double)ty_pop_direction(&made.light.grid, i, j).y,
                              value = pop_value(&made.light, i, j, 0, 3);
                 if (profile == TY_LIGHT_PART_EVEN) assert_close(value, 1, 0.1);
                 if (profile == TY_LIGHT_PART_COSINE) assert_close(value, fmax(0, mu), 0.1 * fmax(0, mu));
@@ -436,10 +436,10 @@ static void test_afar(void** state) {
     const ty_medium_def medium = pop_cube(1, 0, 0);
     const ty_light_part light = point_light(0.5, 0.5, -5);
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 16, 1);
-    assert_int_equal(made.light.frame.kind, TY_LIGHT_PART_PARALLEL);
+    assert_int_equal(made.light.grid.kind, TY_LIGHT_PART_PARALLEL);
     pop_run(&made);
     for (int32_t k = 0; k < 16; ++k) {
-        const ty_vec at = ty_pop_middle(&made.light.frame, 3, 12, k);
+        const ty_vec at = ty_pop_cell_center(&made.light.grid, 3, 12, k);
         const ty_vec off = ty_sub(at, light.position);
         const double square = (double)ty_dot(off, off);
         assert_close(pop_value(&made.light, 3, 12, k, 3) * square, exp(-(double)at.z), 1e-3);
@@ -450,8 +450,8 @@ static void test_afar(void** state) {
 /* ---- uneven media ---- */
 
 static void check_finite(const pop_case* made) {
-    const size_t floats = ty_pop_seen_floats(&made->light.frame, made->light.floats);
-    for (size_t i = 0; i < floats; ++i) assert_true(fabsf(made->light.seen[i]) < 1e9f);
+    const size_t floats = ty_pop_accumulated_floats(&made->light.grid, made->light.floats);
+    for (size_t i = 0; i < floats; ++i) assert_true(fabsf(made->light.accumulated[i]) < 1e9f);
 }
 
 /* Emptiness, thick cells, an eye in the middle of a cell, all g: numbers stay numbers. */
@@ -467,14 +467,14 @@ static void test_extremes(void** state) {
                     ty_light_part light = radial ? point_light(0.5, 0.5, 0.5) : parallel_light(0, 0, 1);
                     light.color[2] = 0;
                     pop_case made = pop_begin(scene_of(*state, &medium), &light, (ty_pop_mode)mode, 8, 5);
-                    const ty_vec middle = ty_pop_middle(&made.light.frame, 3, 3, 3);
+                    const ty_vec middle = ty_pop_cell_center(&made.light.grid, 3, 3, 3);
                     memcpy(made.eye, &middle, sizeof made.eye);
                     pop_run(&made);
                     check_finite(&made);
-                    ty_pop_see(made.medium, made.eye, &made.light);
+                    ty_pop_evaluate_lobes(made.medium, made.eye, &made.light);
                     check_finite(&made);
                     float radiance[3] = {0, 0, 0}, uncollided[3] = {0, 0, 0};
-                    ty_pop_light_radiance(made.medium, &made.light, middle, ty_pop_way(&made.light.frame, 3, 3),
+                    ty_pop_light_radiance(made.medium, &made.light, middle, ty_pop_direction(&made.light.grid, 3, 3),
                                           radiance, uncollided);
                     for (int c = 0; c < 3; ++c) assert_true(fabsf(radiance[c]) < 1e11f && uncollided[c] < 1e9f);
                     pop_end(&made);
@@ -490,13 +490,13 @@ static void test_one_density(void** state) {
     const ty_light_part light = parallel_light(0.3, -1, 0.1);
     pop_case made = pop_begin(scene_of(*state, &medium), &light, TY_POP_MODE_SPLIT, 8, 1);
     pop_run(&made);
-    const size_t floats = ty_pop_seen_floats(&made.light.frame, made.light.floats);
+    const size_t floats = ty_pop_accumulated_floats(&made.light.grid, made.light.floats);
     float* one = malloc(floats * sizeof *one);
     assert_non_null(one);
-    memcpy(one, made.light.seen, floats * sizeof *one);
+    memcpy(one, made.light.accumulated, floats * sizeof *one);
     made.medium->g[2][77] += 1e-4f; /* no longer even */
     pop_run(&made);
-    for (size_t i = 0; i < floats; ++i) assert_close((double)made.light.seen[i], (double)one[i], 2e-4);
+    for (size_t i = 0; i < floats; ++i) assert_close((double)made.light.accumulated[i], (double)one[i], 2e-4);
     free(one);
     pop_end(&made);
     ty_grid_destroy(medium.density_grid);

@@ -88,10 +88,10 @@ static void sharp_lights_are_left_out(void** state) {
     }
     found f = find(scene, &def, NULL);
     assert_int_equal(f.count, 16 + 2); /* the ninth and tenth are not sharp */
-    for (int i = 0; i < 8; ++i) assert_true(ty_pop_is_sharp(scene, &def, i));
-    for (int i = 8; i < 11; ++i) assert_false(ty_pop_is_sharp(scene, &def, i));
+    for (int i = 0; i < 8; ++i) assert_true(ty_pop_uses_fine_grid(scene, &def, i));
+    for (int i = 8; i < 11; ++i) assert_false(ty_pop_uses_fine_grid(scene, &def, i));
     def.mode = TY_POP_MODE_COLLIDED;
-    assert_false(ty_pop_is_sharp(scene, &def, 0));
+    assert_false(ty_pop_uses_fine_grid(scene, &def, 0));
     forget(&f, scene);
 }
 

@@ -1,4 +1,4 @@
-/* Options: their defaults and their checks. */
+/* Options of the method: defaults and range checks. */
 #include "base/context.h"
 #include "image/march.h"
 #include "method/pop/job.h"

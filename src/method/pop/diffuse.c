@@ -1,25 +1,25 @@
-/* Split mode: what turns aside of all light, and its diffusion. */
+/* Split mode: the diffusion source from all light, and its diffusion. */
 #include "base/context.h"
 #include "direct/inside.h"
 #include "direct/turned.h"
 #include "method/pop/job.h"
 
-/* Adds what turns aside of the ordinates' light and of sharp beams. */
-static void turn_aside(ty_pop_job* job) {
+/* Adds the reduced scattering of the ordinates' light and the delta-Eddington sources of beams. */
+static void add_source(ty_pop_job* job) {
     const ty_grid_medium* medium = job->medium;
     for (int32_t c = 0; c < 3; ++c) {
         const int32_t plane = medium->planes == 3 ? c : 0;
         const float* fluence = job->light->merged.fluence[c];
         for (size_t i = 0; i < medium->cells; ++i)
             job->source[c][i] += fluence[i] * ty_turned_coefficient(medium->scattering[plane][i], medium->g[plane][i]);
-        for (size_t i = 0; i < job->carried.cells; ++i) job->source[c][i] += job->carried.of[c][0][i];
+        for (size_t i = 0; i < job->delta_source.cells; ++i) job->source[c][i] += job->delta_source.arrays[c][0][i];
     }
 }
 
-/* Of light that comes from outside. */
-static const double streaming_outside = 0.5;
+/* Default max flux fraction for light sources outside the box. */
+static const double max_flux_outside = 0.5;
 
-static double own_streaming(const ty_pop* light) {
+static double default_max_flux(const ty_pop* light) {
     const ty_grid_box* box = &light->merged.box;
     ty_inside sum = {0, 0};
     for (int32_t i = 0; i < light->light_count; ++i) {
@@ -36,19 +36,19 @@ static double own_streaming(const ty_pop* light) {
         else
             ty_inside_add_lamp(&sum, box, ordinate->position, ordinate->color);
     }
-    return ty_inside_streaming(&sum, streaming_outside);
+    return ty_inside_streaming(&sum, max_flux_outside);
 }
 
 ty_result ty_pop_diffuse(ty_pop_job* job) {
     ty_diffusion_def def = ty_default_diffusion_def();
     ty_diffuse_stats stats = {.converged = false};
     const double begun = ty_wall_seconds();
-    def.streaming = job->def->streaming > 0 ? job->def->streaming : own_streaming(job->light);
+    def.streaming = job->def->streaming > 0 ? job->def->streaming : default_max_flux(job->light);
     def.tolerance = job->def->tolerance;
-    turn_aside(job);
+    add_source(job);
     const ty_result result =
         ty_diffuse_light_solve(&def, true, job->medium, job->source, &job->progress, &job->light->diffuse, &stats);
-    if (result == TY_OK) ty_pop_carried_add(&job->carried, job->light->diffuse);
+    if (result == TY_OK) ty_pop_delta_source_add_fluence(&job->delta_source, job->light->diffuse);
     job->stats.residuum_seconds = ty_wall_seconds() - begun;
     job->stats.converged = stats.converged;
     for (int c = 0; c < 3; ++c)

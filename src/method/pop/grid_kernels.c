@@ -1,4 +1,4 @@
-/* Which build of the loops over ordinates' grids runs. */
+/* Run-time choice of the instruction set for the grid loops. */
 #include "base/isa.h"
 #include "method/pop/grid_kernel.h"
 

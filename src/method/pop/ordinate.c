@@ -1,4 +1,4 @@
-/* A scene's lights as ordinates. */
+/* Conversion of a scene's lights to ordinates. */
 #include "method/pop/ordinate.h"
 
 #include "base/context.h"
@@ -10,8 +10,8 @@ typedef struct ordinate_list {
     const ty_scene* scene;
     const ty_pop_def* def;
     const ty_light_view* lights;
-    ty_vec middle; /* of the media */
-    float longest; /* side of their box, m */
+    ty_vec center;      /* of the media's box */
+    float longest_edge; /* of the media's box, m */
     ty_light_part* items;
     int32_t count;
 } ordinate_list;
@@ -20,17 +20,17 @@ static bool is_black(const float color[3]) {
     return !(color[0] + color[1] + color[2] > 0);
 }
 
-static bool may_be_sharp(const ty_light_view* light) {
+static bool can_use_fine_grid(const ty_light_view* light) {
     if (is_black(light->color)) return false;
     return light->kind == TY_KIND_DIRECTIONAL || light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT;
 }
 
-bool ty_pop_is_sharp(const ty_scene* scene, const ty_pop_def* def, int32_t light) {
+bool ty_pop_uses_fine_grid(const ty_scene* scene, const ty_pop_def* def, int32_t light) {
     const ty_light_set* set = &scene->view.lights;
-    if (!def->sharp || def->mode != TY_POP_MODE_SPLIT || !may_be_sharp(&set->lights[light])) return false;
+    if (!def->sharp || def->mode != TY_POP_MODE_SPLIT || !can_use_fine_grid(&set->lights[light])) return false;
     int32_t before = 0;
-    for (int32_t i = 0; i < light; ++i) before += may_be_sharp(&set->lights[i]);
-    return before < TY_POP_SHARP_MAX;
+    for (int32_t i = 0; i < light; ++i) before += can_use_fine_grid(&set->lights[i]);
+    return before < TY_POP_FINE_LIGHTS_MAX;
 }
 
 static ty_light_part* append(ordinate_list* list, const ty_source* source) {
@@ -45,37 +45,37 @@ static ty_light_part* append(ordinate_list* list, const ty_source* source) {
     return ordinate;
 }
 
-/* Point and spot lights: there is no distance below which they are not points, so media are asked for one. */
+/* Point and spot lights: they have no size, so the lower bound of r is relative to the media's box. */
 static void add_point(ordinate_list* list, const ty_source* source) {
     ty_light_part* ordinate = append(list, source);
     ordinate->profile = list->lights[source->light].kind == TY_KIND_SPOT ? TY_LIGHT_PART_SPOT : TY_LIGHT_PART_EVEN;
-    ordinate->least = 1e-3f * list->longest;
+    ordinate->least = 1e-3f * list->longest_edge;
 }
 
-/* Mean cosine of light from a disc of some area about the way to the middle of the media: its solid angle over 4 pi is
- * what w / N is for directions. */
+/* Mean cosine of a disc of some area seen from the box's center: (1 - Omega / 4 pi)^beta, as (1 - w_n / N)^beta of
+ * environment directions (Elek 2014). */
 static float cosine_of_area(const ordinate_list* list, ty_vec position, float area) {
-    const ty_vec off = ty_sub(list->middle, position);
-    const float distance2 = ty_maxf(ty_dot(off, off), 0.25f * list->longest * list->longest);
-    const float share = ty_minf(area / (4 * TY_PI * distance2), 1);
-    return powf(1 - share, (float)list->def->prefilter);
+    const ty_vec off = ty_sub(list->center, position);
+    const float distance2 = ty_maxf(ty_dot(off, off), 0.25f * list->longest_edge * list->longest_edge);
+    const float fraction = ty_minf(area / (4 * TY_PI * distance2), 1);
+    return powf(1 - fraction, (float)list->def->prefilter);
 }
 
-/* A point of a surface; side: 1 in front of it, -1 behind. Its 1 / r^2 is held where the part that it stands for is no
- * point any more: about the radius of a disc of the same area. */
+/* One point of a surface. side: 1 for its front, -1 for its back. The lower bound of r in 1 / r^2 is the radius of a
+ * disc of the point's area, below which that area is not a point. */
 static void add_surface_point(ordinate_list* list, const ty_source* source, float side) {
     ty_light_part* ordinate = append(list, source);
-    const float lift = 1e-4f * list->longest;
+    const float offset = 1e-4f * list->longest_edge;
     ordinate->profile = TY_LIGHT_PART_COSINE;
     ordinate->direction = ty_scale(source->direction, side);
-    ordinate->position = ty_mad(source->position, ordinate->direction, lift);
-    ordinate->least = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest);
+    ordinate->position = ty_mad(source->position, ordinate->direction, offset);
+    ordinate->least = ty_maxf(sqrtf(source->area / TY_PI), 1e-3f * list->longest_edge);
     ordinate->cosine = cosine_of_area(list, source->position, source->area);
 }
 
 static void add_source(ordinate_list* list, const ty_source* source) {
     const ty_light_view* light = &list->lights[source->light];
-    if (is_black(source->color) || ty_pop_is_sharp(list->scene, list->def, source->light)) return;
+    if (is_black(source->color) || ty_pop_uses_fine_grid(list->scene, list->def, source->light)) return;
     if (light->kind == TY_KIND_DIRECTIONAL) append(list, source);
     if (light->kind == TY_KIND_POINT || light->kind == TY_KIND_SPOT) add_point(list, source);
     if (source->area > 0) add_surface_point(list, source, 1);
@@ -101,7 +101,7 @@ static ty_result add_environments(ordinate_list* list, const float* importance) 
     return TY_OK;
 }
 
-/* Ordinates that sources and environments become at most. */
+/* Upper bound of the number of ordinates from sources and environments. */
 static int64_t capacity_of(const ordinate_list* list, int32_t sources) {
     int64_t capacity = 2 * (int64_t)sources;
     for (int32_t i = 0; i < list->scene->view.lights.count; ++i)
@@ -109,14 +109,14 @@ static int64_t capacity_of(const ordinate_list* list, int32_t sources) {
     return capacity;
 }
 
-static void measure_box(ordinate_list* list, const ty_grid_box* box) {
-    double middle[3], longest = 0;
+static void set_box(ordinate_list* list, const ty_grid_box* box) {
+    double center[3], longest_edge = 0;
     for (int a = 0; a < 3; ++a) {
-        middle[a] = 0.5 * (box->lower[a] + box->upper[a]);
-        longest = fmax(longest, box->upper[a] - box->lower[a]);
+        center[a] = 0.5 * (box->lower[a] + box->upper[a]);
+        longest_edge = fmax(longest_edge, box->upper[a] - box->lower[a]);
     }
-    list->middle = ty_vec_make((float)middle[0], (float)middle[1], (float)middle[2]);
-    list->longest = (float)longest;
+    list->center = ty_vec_make((float)center[0], (float)center[1], (float)center[2]);
+    list->longest_edge = (float)longest_edge;
 }
 
 ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, const ty_grid_box* box,
@@ -128,7 +128,7 @@ ty_result ty_pop_ordinates_create(const ty_scene* scene, const ty_pop_def* def, 
     if (result != TY_OK) return result;
     ordinate_list list = {.scene = scene, .def = def, .lights = scene->view.lights.lights};
     const int64_t capacity = capacity_of(&list, source_count);
-    measure_box(&list, box);
+    set_box(&list, box);
     if (capacity > INT32_MAX)
         result = ty_fail(scene->context, TY_ERROR_ARGUMENT, "ordinates: %lld of them", (long long)capacity);
     if (result == TY_OK) {
