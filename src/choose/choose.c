@@ -1,4 +1,4 @@
-/* Which method a scene is rendered by: rules in the order of docs/method/auto.md. */
+/* Choice of the method for a scene: rules in the order of docs/method/auto.md. */
 #include "base/context.h"
 #include "choose/features.h"
 #include "image/march.h"
@@ -7,14 +7,16 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What rules ask of a features, found by `tyndall figure auto-choice`. */
-static const double min_opacity = 2e-3;   /* opacity below which media do not count */
-static const double max_enclosed = 0.5;   /* of what scatters; above it, surfaces and media light each other */
-static const double max_surfaces = 0.3;   /* of the frame; above it, the paths that others take for surfaces count */
-static const double few_scatterings = 4;  /* scatterings below which paths are cheap */
-static const double max_cell = 10;        /* mean free paths of a cell, times 1 - g */
-static const double g_directional = 0.65; /* g from which cells do not tell well where light of surfaces goes */
-static const double g_path_only = 0.94;   /* g from which no method but path tracing knows where light comes from */
+/* Thresholds of the rules on scene features, measured by `tyndall figure auto-choice`. */
+static const double min_opacity = 2e-3; /* opacity below which media are negligible */
+static const double max_enclosed =
+    0.5; /* fraction of the scattered light; above it, surfaces and media light each other */
+static const double max_surfaces =
+    0.3; /* fraction of the frame; above it, path tracing's treatment of surfaces matters */
+static const double few_scatterings = 4;  /* number of scatterings below which paths are cheap */
+static const double max_cell = 10;        /* cell size in reduced mean free paths */
+static const double g_directional = 0.65; /* g from which cells resolve the directions of light from surfaces poorly */
+static const double g_path_only = 0.94;   /* g from which only path tracing resolves the directions of light */
 
 enum { LPV_LIGHTS = 1 << TY_LIGHT_DIRECTIONAL | 1 << TY_LIGHT_POINT | 1 << TY_LIGHT_SPOT };
 
@@ -22,14 +24,14 @@ ty_choose_def ty_default_choose_def(void) {
     return (ty_choose_def){.cookie = TY_DEF_COOKIE};
 }
 
-/* ---- words ---- */
+/* ---- reason text ---- */
 
 static void append(char* text, size_t size, const char* more) {
     const size_t used = strlen(text);
     snprintf(text + used, size - used, "%s", more);
 }
 
-/* "the sun, lamps and an environment" */
+/* For example "the sun, lamps and an environment". */
 static void name_lights(uint32_t lights, char* out, size_t size) {
     static const struct {
         uint32_t kinds;
@@ -50,7 +52,7 @@ static void name_lights(uint32_t lights, char* out, size_t size) {
     }
 }
 
-/* "media of optical thickness 40, g 0.85, lit by the sun" */
+/* For example "media of optical thickness 40, g 0.85, lit by the sun". */
 static void describe(const ty_scene_features* features, char* out, size_t size) {
     char lights[80];
     name_lights(features->lights, lights, sizeof lights);
@@ -73,7 +75,7 @@ typedef struct asked {
     const char* words;
 } asked;
 
-/* Whether only path tracing does what is asked. */
+/* True if only path tracing supports the request. */
 static bool asks_path(const ty_choose_def* def, ty_choice* out) {
     static const asked asks[] = {{TY_ASK_RESUME, "it alone can go on later"},
                                  {TY_ASK_ERROR, "it alone goes on until an error is reached"},
@@ -90,14 +92,15 @@ static bool asks_path(const ty_choose_def* def, ty_choice* out) {
     return true;
 }
 
-/* How often light scatters before it is absorbed or leaves, about, turns that are nearly none not counted. */
+/* Estimated number of scatterings before absorption or escape, by the reduced optical thickness. */
 static double scatterings(const ty_scene_features* features) {
     const double reduced = features->thickness * (1 - features->g);
     return 1 / (1 / (1 + reduced) + 1 - features->albedo);
 }
 
-/* Whether surfaces are much of the frame and paths cheap, which others take for surfaces, too. Where surfaces are also
- * all the light there is, paths are noisier than cells, which know that light from everywhere at once. */
+/* True if surfaces cover much of the frame and paths are cheap; the faster methods trace paths for surfaces as well.
+ * If area lights are the only light, paths are noisier than cells, which gather that light from all directions at
+ * once. */
 static bool suits_paths(const ty_scene_features* features) {
     const bool lit_by_surfaces = features->lights == 1 << TY_LIGHT_AREA && features->g < g_directional;
     return features->surfaces > max_surfaces && scatterings(features) < few_scatterings && !lit_by_surfaces;
@@ -118,7 +121,7 @@ static void choose_by_features(ty_choice* out) {
     else if (features->cell * (1 - features->g) > max_cell)
         set(out, "path", "too dense for the cells of faster methods");
     else if (suits_paths(features))
-        set(out, "path", "much of the frame is surfaces, and light scatters few_scatterings");
+        set(out, "path", "much of the frame is surfaces, and light scatters seldom");
     else if (features->g > g_path_only && scatterings(features) < few_scatterings)
         set(out, "path", "light goes nearly straight on");
     else

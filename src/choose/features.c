@@ -1,4 +1,5 @@
-/* What the camera sees of a scene, at a glance: a few hundred rays through media, as many around what scatters. */
+/* Features of a scene as seen by its camera, estimated from a few hundred rays through media and as many from their
+ * scattering points. */
 #include "choose/features.h"
 
 #include "base/context.h"
@@ -12,42 +13,42 @@
 
 enum { COLUMNS = 32, ROWS = 24, RAYS = COLUMNS * ROWS, STEPS = 32, AROUND = 8, CELLS = 40 };
 
-/* Fractions of light below which it does not count. */
-static const float least = 1e-3f;
+/* Opacity of a ray below which it counts as without media. */
+static const float min_fraction = 1e-3f;
 
-/* One ray of the camera through media. Scattered: what is seen of light that scatters along it, and sums weighted by
- * that. */
+/* One camera ray through media. `scattered`: light scattered towards the camera along it; the other sums are
+ * weighted by it. */
 typedef struct view_ray {
     double depth, scattered, g, albedo, cell;
-    ty_vec at; /* a place where it scatters, if scattered > 0: one at random, by what is seen */
+    ty_vec at; /* scattering point if scattered > 0: one sample in proportion to the light scattered */
 } view_ray;
 
 typedef struct features_job {
     const ty_scene_view* view;
     ty_sampler random;
-    float cell; /* m */
+    float cell; /* cell edge, m */
 } features_job;
 
 /* ---- media along a ray ---- */
 
 typedef struct media_point {
-    float extinction, scattering, g; /* means of the channels */
+    float extinction, scattering, g; /* channel means; 1/m, 1/m, 1 */
 } media_point;
 
 static float mean(const float rgb[3]) {
     return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
-/* All media whose spans are around parameter t. */
-static media_point media_at(features_job* job, const ty_spans* spans, ty_vec place, float t) {
+/* Sum of all media whose spans contain parameter t. */
+static media_point media_at(features_job* job, const ty_spans* spans, ty_vec point_at, float t) {
     media_point sum = {0, 0, 0};
     for (int32_t i = 0; i < spans->count; ++i) {
         if (t < spans->enter[i] || t > spans->leave[i]) continue;
         const ty_medium_view* medium = &job->view->media[spans->medium[i]];
-        const float density = ty_medium_density(medium, place, &job->random);
+        const float density = ty_medium_density(medium, point_at, &job->random);
         float sigma_s[3], g[3];
-        ty_medium_sigma_s(medium, place, sigma_s);
-        ty_medium_g(medium, place, g);
+        ty_medium_sigma_s(medium, point_at, sigma_s);
+        ty_medium_g(medium, point_at, g);
         sum.extinction += density * mean(medium->sigma_t);
         sum.scattering += density * mean(sigma_s);
         sum.g += density * mean(sigma_s) * mean(g);
@@ -56,17 +57,17 @@ static media_point media_at(features_job* job, const ty_spans* spans, ty_vec pla
     return sum;
 }
 
-static void add_step(features_job* job, const media_point* point, ty_vec place, float length, view_ray* ray) {
+static void add_step(features_job* job, const media_point* point, ty_vec point_at, float length, view_ray* ray) {
     const float through = ty_expf(-(float)ray->depth), depth = point->extinction * length;
     ray->depth += (double)depth;
     if (!(point->scattering > 0)) return;
     const float albedo = point->scattering / point->extinction;
-    const double seen = (double)(through * (1 - ty_expf(-depth)) * albedo);
-    ray->scattered += seen;
-    ray->g += seen * (double)point->g;
-    ray->albedo += seen * (double)albedo;
-    ray->cell += seen * (double)(point->extinction * job->cell);
-    if ((double)ty_rng_uniform(&job->random) * ray->scattered < seen) ray->at = place;
+    const double scattered_light = (double)(through * (1 - ty_expf(-depth)) * albedo);
+    ray->scattered += scattered_light;
+    ray->g += scattered_light * (double)point->g;
+    ray->albedo += scattered_light * (double)albedo;
+    ray->cell += scattered_light * (double)(point->extinction * job->cell);
+    if ((double)ty_rng_uniform(&job->random) * ray->scattered < scattered_light) ray->at = point_at;
 }
 
 static int compare_floats(const void* a, const void* b) {
@@ -74,8 +75,8 @@ static int compare_floats(const void* a, const void* b) {
     return (x > y) - (x < y);
 }
 
-/* Where media begin and end along the ray, in order; between two neighbours the same media are there. */
-static int32_t find_ends(const ty_spans* spans, float ends[2 * TY_SPANS_MAX]) {
+/* Sorted ends of the media's intervals along the ray; the set of media is constant between two neighbours. */
+static int32_t find_interval_ends(const ty_spans* spans, float ends[2 * TY_SPANS_MAX]) {
     for (int32_t i = 0; i < spans->count; ++i) {
         ends[2 * i] = spans->enter[i];
         ends[2 * i + 1] = spans->leave[i];
@@ -84,28 +85,28 @@ static int32_t find_ends(const ty_spans* spans, float ends[2 * TY_SPANS_MAX]) {
     return 2 * spans->count;
 }
 
-static view_ray follow(features_job* job, const ty_ray* from, float far) {
+static view_ray march_ray(features_job* job, const ty_ray* from, float far) {
     ty_spans spans;
     float ends[2 * TY_SPANS_MAX];
     view_ray ray = {.depth = 0};
     const ty_vec origin = ty_vec_load(from->origin), direction = ty_vec_load(from->direction);
     ty_spans_find(job->view->media, job->view->medium_count, origin, direction, far, &spans);
-    const int32_t count = find_ends(&spans, ends);
+    const int32_t count = find_interval_ends(&spans, ends);
     for (int32_t i = 0; i + 1 < count; ++i) {
         const float step = (ends[i + 1] - ends[i]) / STEPS;
         for (int32_t s = 0; s < STEPS && step > 0; ++s) {
             const float t = ends[i] + step * ((float)s + ty_rng_uniform(&job->random));
-            const ty_vec place = ty_mad(origin, direction, t);
-            const media_point point = media_at(job, &spans, place, t);
-            add_step(job, &point, place, step, &ray);
+            const ty_vec point_at = ty_mad(origin, direction, t);
+            const media_point point = media_at(job, &spans, point_at, t);
+            add_step(job, &point, point_at, step, &ray);
         }
     }
     return ray;
 }
 
-/* ---- the frame ---- */
+/* ---- frame ---- */
 
-static void aim(const ty_scene* scene, ty_ray rays[RAYS]) {
+static void make_camera_rays(const ty_scene* scene, ty_ray rays[RAYS]) {
     const ty_camera_def camera = ty_scene_camera(scene);
     const ty_camera_view view = ty_camera_get_view(&camera, camera.resolution[0], camera.resolution[1]);
     for (int32_t i = 0; i < RAYS; ++i) {
@@ -118,9 +119,9 @@ static void aim(const ty_scene* scene, ty_ray rays[RAYS]) {
 }
 
 static void add_ray(const view_ray* ray, const ty_ray_hit* hit, ty_scene_features* out) {
-    const double taken = 1 - exp(-ray->depth);
-    out->media += taken > (double)least ? 1.0 / RAYS : 0;
-    out->opacity += taken / RAYS;
+    const double absorbed = 1 - exp(-ray->depth);
+    out->media += absorbed > (double)min_fraction ? 1.0 / RAYS : 0;
+    out->opacity += absorbed / RAYS;
     out->thickness = fmax(out->thickness, ray->depth);
     out->surfaces += hit->surface >= 0 ? 1.0 / RAYS : 0;
     out->g += ray->g;
@@ -128,17 +129,17 @@ static void add_ray(const view_ray* ray, const ty_ray_hit* hit, ty_scene_feature
     out->cell += ray->cell;
 }
 
-/* Directions around a place, evenly over the sphere. */
+/* Stratified uniform directions around a point. */
 static void sample_enclosure_rays(features_job* job, ty_vec at, float far, ty_ray rays[AROUND]) {
-    const float turn = ty_rng_uniform(&job->random);
+    const float rotation = ty_rng_uniform(&job->random);
     for (int32_t k = 0; k < AROUND; ++k) {
         const float z = 1 - 2 * ((float)k + ty_rng_uniform(&job->random)) / AROUND;
-        const ty_vec way = ty_direction_about(ty_vec_make(0, 0, 1), z, turn + 0.618034f * (float)k);
-        rays[k] = (ty_ray){{at.x, at.y, at.z}, {way.x, way.y, way.z}, far};
+        const ty_vec direction = ty_direction_about(ty_vec_make(0, 0, 1), z, rotation + 0.618034f * (float)k);
+        rays[k] = (ty_ray){{at.x, at.y, at.z}, {direction.x, direction.y, direction.z}, far};
     }
 }
 
-/* What is around all places where light scatters, each by what is seen of it. */
+/* Fraction of rays from scattering points that hit surfaces, weighted by scattered light. */
 static ty_result find_enclosed(features_job* job, const ty_scene* scene, const view_ray* rays, float far,
                                ty_scene_features* out) {
     ty_context* context = ty_scene_context(scene);
@@ -159,7 +160,7 @@ static ty_result find_enclosed(features_job* job, const ty_scene* scene, const v
     return result;
 }
 
-/* ---- what needs no rays ---- */
+/* ---- features without rays ---- */
 
 static bool is_empty(const ty_medium_view* medium) {
     return !(medium->sigma_t_max > 0);
@@ -188,16 +189,16 @@ static void list_lights(const ty_scene* scene, ty_scene_features* out) {
 
 static ty_result trace_view_rays(features_job* job, const ty_scene* scene, view_ray* rays, ty_scene_features* out) {
     ty_context* context = ty_scene_context(scene);
-    ty_ray* aimed = ty_alloc_array(context, RAYS, sizeof *aimed, false);
+    ty_ray* camera_rays = ty_alloc_array(context, RAYS, sizeof *camera_rays, false);
     ty_ray_hit* hits = ty_alloc_array(context, RAYS, sizeof *hits, false);
-    ty_result result = aimed != NULL && hits != NULL ? TY_OK : TY_ERROR_MEMORY;
+    ty_result result = camera_rays != NULL && hits != NULL ? TY_OK : TY_ERROR_MEMORY;
     if (result == TY_OK) {
-        aim(scene, aimed);
-        result = ty_scene_trace(scene, aimed, RAYS, true, hits);
+        make_camera_rays(scene, camera_rays);
+        result = ty_scene_trace(scene, camera_rays, RAYS, true, hits);
     }
     double scattered = 0;
     for (int32_t i = 0; i < RAYS && result == TY_OK; ++i) {
-        rays[i] = follow(job, &aimed[i], hits[i].distance);
+        rays[i] = march_ray(job, &camera_rays[i], hits[i].distance);
         add_ray(&rays[i], &hits[i], out);
         scattered += rays[i].scattered;
     }
@@ -206,7 +207,7 @@ static ty_result trace_view_rays(features_job* job, const ty_scene* scene, view_
         out->albedo /= scattered;
         out->cell /= scattered;
     }
-    ty_free_array(context, aimed, RAYS, sizeof *aimed);
+    ty_free_array(context, camera_rays, RAYS, sizeof *camera_rays);
     ty_free_array(context, hits, RAYS, sizeof *hits);
     return result;
 }

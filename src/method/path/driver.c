@@ -1,4 +1,4 @@
-/* What every run begins with: checked options, lights that guide, the kernel, memory. */
+/* Preparation common to all runs: option checks, guiding lights, kernel, memory. */
 #include "method/path/driver.h"
 
 #include "base/context.h"
@@ -8,14 +8,15 @@
 #include "scene/check.h"
 #include "scene/light.h"
 
-/* Of the radiance that an isotropic medium scatters under the typical light. */
-static const float faint_fraction = 0.5f;
+/* Contributions are traced by chance below this fraction of the radiance that an isotropic medium scatters under the
+ * typical light. */
+static const float contribution_fraction = 0.5f;
 
 ty_path_def ty_default_path_def(void) {
     return (ty_path_def){.cookie = TY_DEF_COOKIE, .spp = 64, .aovs = TY_AOV_VARIANCE, .state_seconds = 60};
 }
 
-/* The best kernel this processor runs. */
+/* The kernel for this processor's best instruction set. */
 static ty_path_kernel choose_kernel(const char** isa) {
     const ty_isa best = ty_best_isa();
     *isa = ty_isa_name(best);
@@ -42,7 +43,7 @@ static ty_result check_def(ty_context* context, const ty_path_def* def) {
     return ty_check_resolution(context, "path", def->width, def->height);
 }
 
-/* Lights with a place or direction of their own, the likeliest first: what high-g media are guided towards. */
+/* Chooses the guiding lights of high-g media: local and directional lights, most probable first. */
 static void choose_guides(ty_path_request* request) {
     const ty_scene_view* scene = request->scene;
     float sum = 0;
@@ -55,15 +56,15 @@ static void choose_guides(ty_path_request* request) {
         }
         if (best < 0) break;
         sum += scene->lights.lights[best].typical;
-        request->guide_share[request->guide_count] = scene->lights.lights[best].typical;
+        request->guide_weight[request->guide_count] = scene->lights.lights[best].typical;
         request->guide_light[request->guide_count++] = best;
     }
-    for (int32_t j = 0; j < request->guide_count; ++j) request->guide_share[j] /= sum;
+    for (int32_t j = 0; j < request->guide_count; ++j) request->guide_weight[j] /= sum;
 }
 
 static float faint_radiance(const ty_light_set* lights) {
     float sum = 0;
-    for (int32_t i = 0; i < lights->count; ++i) sum += faint_fraction * lights->lights[i].typical * TY_INV_4PI;
+    for (int32_t i = 0; i < lights->count; ++i) sum += contribution_fraction * lights->lights[i].typical * TY_INV_4PI;
     return sum;
 }
 
@@ -87,8 +88,8 @@ ty_result ty_path_prepare(const ty_scene* scene, const ty_path_def* def, ty_path
     return TY_OK;
 }
 
-/* How far apart a scene's things are decides which lights are likely, so without its media lights are others. */
-static ty_result take_lights(ty_path_run* run, const ty_scene* scene) {
+/* Lights for a scene without its media: their sampling probabilities depend on the scene's extent. */
+static ty_result replace_lights(ty_path_run* run, const ty_scene* scene) {
     ty_light_set* set = &run->view.lights;
     if (!run->def->ignore_media || set->count == 0) return TY_OK;
     double lower[3], upper[3];
@@ -101,16 +102,17 @@ static ty_result take_lights(ty_path_run* run, const ty_scene* scene) {
     return TY_OK;
 }
 
-static ty_result take_items(ty_path_run* run, bool with_parts) {
+static ty_result take_items(ty_path_run* run, bool with_aov_sums) {
     const size_t count = (size_t)run->item_count;
     run->items = ty_alloc_array(run->context, count, sizeof *run->items, true);
-    if (run->items != NULL && with_parts) run->parts = ty_alloc_array(run->context, count, sizeof *run->parts, true);
-    return run->items != NULL && (run->parts != NULL) == with_parts ? TY_OK : TY_ERROR_MEMORY;
+    if (run->items != NULL && with_aov_sums)
+        run->aov_sums = ty_alloc_array(run->context, count, sizeof *run->aov_sums, true);
+    return run->items != NULL && (run->aov_sums != NULL) == with_aov_sums ? TY_OK : TY_ERROR_MEMORY;
 }
 
-ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_parts) {
-    ty_result result = take_lights(run, scene);
-    if (result == TY_OK) result = take_items(run, with_parts);
+ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums) {
+    ty_result result = replace_lights(run, scene);
+    if (result == TY_OK) result = take_items(run, with_aov_sums);
     if (result != TY_OK) {
         ty_path_run_end(run);
         return result;
@@ -123,10 +125,10 @@ ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_p
 void ty_path_run_end(ty_path_run* run) {
     ty_free_array(run->context, run->lights, (size_t)run->view.lights.count, sizeof *run->lights);
     ty_free_array(run->context, run->items, (size_t)run->item_count, sizeof *run->items);
-    ty_free_array(run->context, run->parts, (size_t)run->item_count, sizeof *run->parts);
+    ty_free_array(run->context, run->aov_sums, (size_t)run->item_count, sizeof *run->aov_sums);
     run->lights = NULL;
     run->items = NULL;
-    run->parts = NULL;
+    run->aov_sums = NULL;
 }
 
 double ty_path_item_mean(const ty_path_item* item, int channel) {

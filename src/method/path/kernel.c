@@ -1,4 +1,4 @@
-/* The path tracer's kernel; built once per instruction set, with TY_ISA naming it. */
+/* Path tracing kernel; compiled once per instruction set, named by TY_ISA. */
 #include "method/path/path.k.h"
 
 #include "base/float_mode.h"
@@ -31,51 +31,52 @@ static void start(ty_path* path, const ty_path_request* request, int64_t item) {
     }
 }
 
-/* The number that an item's random numbers come from: a pixel's does not depend on the crop. */
+/* Index of an item's random sequence. A pixel's does not depend on the crop. */
 static uint64_t random_item(const ty_path_request* request, int64_t item) {
     if (request->kind != TY_PATH_PIXELS) return (uint64_t)item;
     const int64_t x = request->crop[0] + item % request->crop[2], y = request->crop[1] + item / request->crop[2];
     return (uint64_t)(y * request->width + x);
 }
 
-/* What the path's first ray meets. The random numbers are others than the path's, whose light stays what it is. */
-static void look(const ty_path* path, uint64_t number, uint32_t sample, ty_path_aov_sums* parts) {
+/* Adds the first-hit channels. Separate random numbers leave the path's own sequence unchanged. */
+static void add_first_hit(const ty_path* path, uint64_t number, uint32_t sample, ty_path_aov_sums* aov_sums) {
     const ty_scene_view* scene = path->request->scene;
     ty_sampler random = ty_sampler_begin(path->request->sobol, ~path->request->seed, number, sample);
     ty_intersection end;
     const bool hits =
         scene->mesh != NULL && ty_accel_intersect(scene->mesh, path->origin, path->direction, TY_FLOAT_MAX, &end.hit);
     const float far = hits ? end.hit.distance : TY_FLOAT_MAX;
-    float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, glow[3] = {0.0f, 0.0f, 0.0f};
+    float transmittance[3], scattered[3] = {1.0f, 1.0f, 1.0f}, emission[3] = {0.0f, 0.0f, 0.0f};
     ty_transmittance(scene->media, scene->medium_count, path->origin, path->direction, far, &random, transmittance);
     ty_spans spans;
     ty_collision collision;
     ty_spans_find(scene->media, scene->medium_count, path->origin, path->direction, far, &spans);
     const bool collides = spans.count > 0 && ty_delta_tracking(scene->media, &spans, path->origin, path->direction,
-                                                               &random, scattered, glow, &collision);
+                                                               &random, scattered, emission, &collision);
     for (int c = 0; c < 3; ++c) {
-        parts->transmittance[c] += (double)transmittance[c];
-        if (collides) parts->albedo[c] += (double)scattered[c];
+        aov_sums->transmittance[c] += (double)transmittance[c];
+        if (collides) aov_sums->albedo[c] += (double)scattered[c];
     }
     if (!hits) return;
     ty_surface_evaluate(&scene->surfaces[end.hit.surface], &end.hit, path->direction, &end.point);
-    parts->normal[0] += (double)end.point.ns.x;
-    parts->normal[1] += (double)end.point.ns.y;
-    parts->normal[2] += (double)end.point.ns.z;
-    parts->depth += (double)far;
-    parts->hits += 1;
+    aov_sums->normal[0] += (double)end.point.ns.x;
+    aov_sums->normal[1] += (double)end.point.ns.y;
+    aov_sums->normal[2] += (double)end.point.ns.z;
+    aov_sums->depth += (double)far;
+    aov_sums->hits += 1;
 }
 
-static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums* parts) {
+static void add_sample(const ty_path* path, ty_path_sums* sum, ty_path_aov_sums* aov_sums) {
     for (int c = 0; c < 3; ++c) {
         double value = 0;
-        for (int part = 0; part < TY_PATH_CLASS_COUNT; ++part) value += (double)path->radiance[part][c];
+        for (int path_class = 0; path_class < TY_PATH_CLASS_COUNT; ++path_class)
+            value += (double)path->radiance[path_class][c];
         sum->mean[c] += value;
         sum->square[c] += value * value;
-        if (parts == NULL) continue;
-        parts->uncollided[c] += (double)path->radiance[TY_PATH_UNCOLLIDED][c];
-        parts->single[c] += (double)path->radiance[TY_PATH_SINGLE][c];
-        parts->multiple[c] += (double)path->radiance[TY_PATH_MULTIPLE][c];
+        if (aov_sums == NULL) continue;
+        aov_sums->uncollided[c] += (double)path->radiance[TY_PATH_UNCOLLIDED][c];
+        aov_sums->single[c] += (double)path->radiance[TY_PATH_SINGLE][c];
+        aov_sums->multiple[c] += (double)path->radiance[TY_PATH_MULTIPLE][c];
     }
 }
 
@@ -84,14 +85,14 @@ TY_PATH_KERNEL(TY_JOIN(ty_path_kernel_, TY_ISA)) {
     uint64_t vertices = 0;
     for (int64_t item = begin; item < end; ++item) {
         const uint64_t number = random_item(request, item);
-        ty_path_aov_sums* part = parts != NULL ? &parts[item - begin] : NULL;
+        ty_path_aov_sums* sums_of_item = aov_sums != NULL ? &aov_sums[item - begin] : NULL;
         for (uint32_t i = first_sample; i < first_sample + count; ++i) {
             ty_path path;
             ty_path_begin(&path, request, number, i);
             start(&path, request, item);
-            if (part != NULL && request->look != 0) look(&path, number, i, part);
+            if (sums_of_item != NULL && request->first_hit != 0) add_first_hit(&path, number, i, sums_of_item);
             vertices += ty_path_follow(&path);
-            add_sample(&path, &sums[item - begin], part);
+            add_sample(&path, &sums[item - begin], sums_of_item);
         }
     }
     ty_restore_denormals(thread_state);

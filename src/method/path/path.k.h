@@ -100,7 +100,7 @@ TY_FN void ty_path_add_emission(ty_path* path, const float throughput[3], const 
 typedef struct ty_scatter_vertex {
     ty_vec incoming;
     float g[3];
-    float share[3]; /* mixture weights of the channels; their sum is 1 */
+    float weight[3]; /* mixture weights of the channels; their sum is 1 */
     int32_t gray;
     float guided;     /* probability of sampling a lobe about a light */
     float guide_g[3]; /* g, g^2, g^4: light that scatters once, twice, four times more */
@@ -136,11 +136,11 @@ TY_FN void ty_scatter_vertex_begin(ty_scatter_vertex* s, const ty_path* path, co
     s->gray = medium->gray_g;
     ty_medium_g(medium, path->origin, s->g);
     for (int c = 0; c < 3; ++c) {
-        s->share[c] = path->beta[c] / sum;
-        g += s->share[c] * s->g[c];
+        s->weight[c] = path->beta[c] / sum;
+        g += s->weight[c] * s->g[c];
     }
     s->guide_count = request->guide_count;
-    s->axis_share = request->guide_share;
+    s->axis_share = request->guide_weight;
     s->guided = s->guide_count > 0 ? ty_guided_fraction(g, path->depth) : 0.0f;
     if (s->guided <= 0.0f) return;
     s->guide_g[0] = g;
@@ -159,7 +159,7 @@ TY_FN void ty_scatter_vertex_phase(const ty_scatter_vertex* s, ty_vec direction,
 }
 
 TY_FN float ty_scatter_vertex_pdf(const ty_scatter_vertex* s, ty_vec direction, const float phase[3]) {
-    const float plain = s->share[0] * phase[0] + s->share[1] * phase[1] + s->share[2] * phase[2];
+    const float plain = s->weight[0] * phase[0] + s->weight[1] * phase[1] + s->weight[2] * phase[2];
     if (s->guided <= 0.0f) return plain;
     float lobes = 0.0f;
     for (int32_t i = 0; i < s->guide_count; ++i) {
@@ -181,7 +181,7 @@ TY_FN ty_vec ty_scatter_vertex_sample(const ty_scatter_vertex* s, ty_sampler* ra
         g = s->guide_g[ty_sample_discrete(lobes, 3, 3.0f, &u)];
     } else {
         u = (u - s->guided) / (1.0f - s->guided);
-        if (s->gray == 0) g = s->g[ty_sample_discrete(s->share, 3, 1.0f, &u)];
+        if (s->gray == 0) g = s->g[ty_sample_discrete(s->weight, 3, 1.0f, &u)];
     }
     return ty_hg_sample(axis, g, ty_minf(u, 0x1.fffffep-1f), v);
 }
@@ -251,10 +251,10 @@ TY_FN void ty_path_add_vertex_light(ty_path* path, const ty_light_view* light, f
  * scattered into the ray. Russian roulette skips rays that pass the light at a distance. */
 TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const ty_scene_view* scene = path->request->scene;
-    const ty_media_interval stretch = ty_spans_interval(spans);
+    const ty_media_interval interval = ty_spans_interval(spans);
     float pick = scene->lights.local_count > 1 ? ty_rng_uniform(&path->random) : 0.0f, chosen = 1.0f;
-    const int32_t lamp = ty_lights_choose_local(&scene->lights, path->origin, path->direction, stretch.enter,
-                                                stretch.leave, &pick, &chosen);
+    const int32_t lamp = ty_lights_choose_local(&scene->lights, path->origin, path->direction, interval.enter,
+                                                interval.leave, &pick, &chosen);
     const float u = ty_sobol_next(&path->random), v = ty_sobol_next(&path->random);
     const float along = ty_sobol_next(&path->random);
     if (lamp < 0) return;
@@ -266,11 +266,11 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
     const float nearest = ty_dot(to, path->direction);
     const ty_vec off = ty_mad(to, path->direction, -nearest);
     const float off2 = ty_dot(off, off) + 1e-10f * light->reach2;
-    const float beyond = nearest - ty_clampf(nearest, stretch.enter, stretch.leave);
+    const float beyond = nearest - ty_clampf(nearest, interval.enter, interval.leave);
     const float chance = ty_mis_near_weight(off2 + beyond * beyond, light->reach2);
     if (ty_rng_uniform(&path->random) >= chance) return;
     float t;
-    const float density = ty_equiangular_sample(stretch, nearest, sqrtf(off2), along, &t);
+    const float density = ty_equiangular_sample(interval, nearest, sqrtf(off2), along, &t);
     const ty_vec at = ty_mad(path->origin, path->direction, t);
     ty_light_sample sample;
     if (!ty_light_sample_from(light, at, u, v, &sample)) return;
@@ -284,8 +284,8 @@ TY_FN void ty_path_add_equiangular(ty_path* path, const ty_spans* spans) {
         float sigma_s[3], g[3];
         ty_medium_sigma_s(medium, at, sigma_s);
         ty_medium_g(medium, at, g);
-        const float share = ty_mis_small_light_weight(sample.pdf, ty_hg(mu, g[1]));
-        const float amount = share * weight * ty_medium_density(medium, at, &path->random);
+        const float mis_weight = ty_mis_small_light_weight(sample.pdf, ty_hg(mu, g[1]));
+        const float amount = mis_weight * weight * ty_medium_density(medium, at, &path->random);
         for (int c = 0; c < 3; ++c) factor[c] += path->beta[c] * amount * sigma_s[c] * ty_hg(mu, g[c]);
     }
     if (!(ty_sum3(factor) > 0.0f)) return;
