@@ -63,7 +63,7 @@ static float profile_of(const ty_scene_view* view, const ty_light_part* ordinate
 }
 
 /* Ray of the incident light. For a point light in a parallel grid it runs to the center of the column. */
-static column_ray lit_ray(const ty_pop_grid* grid, const ty_light_part* ordinate, const column_ray* ray) {
+static column_ray incident_ray(const ty_pop_grid* grid, const ty_light_part* ordinate, const column_ray* ray) {
     if (grid->kind == TY_LIGHT_PART_RADIAL || ordinate->kind == TY_LIGHT_PART_PARALLEL) return *ray;
     const float point[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};
     const double half = 0.5 * (double)grid->step.z * grid->size[2];
@@ -103,7 +103,7 @@ static column_ray shadow_ray(const ty_scene* scene, const ty_grid_box* box, cons
     const ty_light_part* ordinate = &light->ordinate;
     const double u = 0.25 + 0.5 * (number % 2), v = number < 2 ? 0.25 : 0.75;
     const column_ray along = ray_of(&light->grid, column, u, v);
-    column_ray ray = lit_ray(&light->grid, ordinate, &along);
+    column_ray ray = incident_ray(&light->grid, ordinate, &along);
     if (ordinate->kind == TY_LIGHT_PART_PARALLEL) {
         ray.start = -reach_back(scene, box);
         for (int a = 0; a < 3; ++a) ray.origin[a] += ray.start * ray.direction[a];
@@ -162,10 +162,10 @@ void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, c
     const ty_pop_grid* grid = &light->grid;
     const ty_light_part* ordinate = &light->ordinate;
     const ty_scene_view* view = scene != NULL ? ty_scene_get_view(scene) : NULL;
-    const int32_t all = grid->size[0] * grid->size[1], whole = TY_POP_BLOCK / grid->size[0] * grid->size[0];
+    const int32_t all = grid->size[0] * grid->size[1], max_count = TY_POP_BLOCK / grid->size[0] * grid->size[0];
     columns->grid = grid;
     columns->first = first;
-    columns->count = all - first < whole ? all - first : whole;
+    columns->count = all - first < max_count ? all - first : max_count;
     columns->shaded = view != NULL && view->mesh != NULL && ordinate->shadowed != 0;
     columns->inverse_square = grid->kind == TY_LIGHT_PART_PARALLEL && ordinate->kind == TY_LIGHT_PART_RADIAL;
     const float light_position[3] = {ordinate->position.x, ordinate->position.y, ordinate->position.z};
@@ -179,7 +179,7 @@ void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, c
             columns->direction[a][i] = (float)ray.direction[a];
         }
         if (view == NULL) continue;
-        const column_ray incident = lit_ray(grid, ordinate, &ray);
+        const column_ray incident = incident_ray(grid, ordinate, &ray);
         columns->across[i] = across_of(columns->grid, first + i);
         columns->profile[i] = profile_of(view, ordinate, &incident);
     }

@@ -249,7 +249,7 @@ static void sum_row(void* user, int64_t index, int32_t worker) {
 /* ---- map ---- */
 
 /* Spherical convolution for one row of the map; the kernel is isotropic at the poles too. */
-static void smooth_row_of_map(void* user, int64_t index, int32_t worker) {
+static void smooth_map_row(void* user, int64_t index, int32_t worker) {
     (void)worker;
     importance_job* job = user;
     float sum[WIDTH] = {0}, weight = 0.0f;
@@ -261,10 +261,9 @@ static void smooth_row_of_map(void* user, int64_t index, int32_t worker) {
             const float mu = job->direction_of[0][a] * job->direction_of[0][b] +
                              job->direction_of[1][a] * job->direction_of[1][b] +
                              job->direction_of[2][a] * job->direction_of[2][b];
-            const float fraction = solid_angle * ty_expf(SMOOTHNESS * (mu - 1.0f));
-            weight += fraction;
-            for (int32_t i = 0; i < WIDTH; ++i)
-                sum[i] += fraction * job->importance[WIDTH * other + (i + shift) % WIDTH];
+            const float kernel = solid_angle * ty_expf(SMOOTHNESS * (mu - 1.0f));
+            weight += kernel;
+            for (int32_t i = 0; i < WIDTH; ++i) sum[i] += kernel * job->importance[WIDTH * other + (i + shift) % WIDTH];
         }
     }
     for (int32_t i = 0; i < WIDTH; ++i) job->smoothed[WIDTH * row + i] = sum[i] / weight;
@@ -321,7 +320,7 @@ static void find_importance(importance_job* job, float* map) {
     ty_parallel_flushed(context, COLUMNS, march_row, job);
     ty_parallel_flushed(context, BLOCKS, find_out_transmittances, job);
     ty_parallel_flushed(context, HEIGHT, sum_row, job);
-    ty_parallel_flushed(context, HEIGHT, smooth_row_of_map, job);
+    ty_parallel_flushed(context, HEIGHT, smooth_map_row, job);
     memcpy(map, job->smoothed, sizeof job->smoothed);
     normalize(map);
 }

@@ -197,7 +197,7 @@ static ty_result run_batches(batch* b, ty_parallel_fn run) {
             initial += b->propagations[i].initial_seconds;
             propagation += b->propagations[i].propagation_seconds;
             stats->left += b->propagations[i].unpropagated;
-            job->initial_energy += b->propagations[i].initial;
+            job->initial_light += b->propagations[i].initial;
         }
         /* Wall time is divided in the ratio of the threads' summed times. */
         const double fraction = initial + propagation > 0 ? propagation / (initial + propagation) : 0;
@@ -313,7 +313,7 @@ ty_result ty_pop_light_ordinates(ty_pop_job* job) {
     result = !split && job->def->residuum > 0 ? propagate_with_residuum(job) : light_grids(job, NULL);
     if (result == TY_OK && split) balance(job);
     if (!split) {
-        job->stats.left = job->initial_energy > 0 ? job->stats.left / job->initial_energy : 0;
+        job->stats.left = job->initial_light > 0 ? job->stats.left / job->initial_light : 0;
         job->stats.converged = job->stats.left <= residuum_tolerance;
     }
     return result;
