@@ -8,7 +8,7 @@
 
 double ty_parse_number(const char* text, const char** end) {
     char* rest = NULL;
-    const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* takes no memory */
+    const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* the "C" locale needs no allocation */
     const double value = strtod_l(text, &rest, plain);
     freelocale(plain);
     *end = rest;

@@ -1,14 +1,14 @@
-/* Numbers in text files, which mean the same in every locale. */
+/* Numbers in text files, independent of the locale. */
 #ifndef TY_IO_NUMBER_H
 #define TY_IO_NUMBER_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The number at the start of text after blanks, "-1.5e3", "inf" and "nan" included; *end is what follows it, or text
- * when there is none. text ends with a zero. */
+/* Parses the number at the start of text after blanks, "-1.5e3", "inf" and "nan" included; *end points after it, or
+ * to text if there is none. text is zero-terminated. */
 double ty_parse_number(const char* text, const char** end);
-/* The same for a whole number that fits; *end is text when it does not. */
+/* Parses an integer in the range of int64_t; *end is text if there is none. */
 int64_t ty_parse_integer(const char* text, const char** end);
 
 #endif

@@ -1,4 +1,4 @@
-/* Points in JSON files: where probes stand. */
+/* Points in JSON files: positions of probes. */
 #include "io/points.h"
 
 #include "base/context.h"

@@ -1,4 +1,4 @@
-/* Words and numbers as messages about JSON name them. */
+/* Words and numbers in messages about JSON. */
 #define _GNU_SOURCE
 #include "io/schema_text.h"
 #include "io/json_locate.h"
@@ -23,7 +23,7 @@ static size_t smaller(size_t a, size_t b) {
 size_t ty_word_distance(const char* a, const char* b) {
     const size_t rows = strnlen(a, WORD_MAX);
     const size_t columns = strnlen(b, WORD_MAX);
-    size_t line[3][WORD_MAX + 1]; /* of the table: two before, before, now */
+    size_t line[3][WORD_MAX + 1]; /* rows of the distance table: two before, previous, current */
     for (size_t j = 0; j <= columns; ++j) line[0][j] = j;
     for (size_t i = 1; i <= rows; ++i) {
         size_t* now = line[i % 3];
@@ -46,7 +46,7 @@ static bool begins_with(const char* word, const char* start) {
     return start[i] == '\0' && i >= 3;
 }
 
-bool ty_word_near(const char* a, const char* b) {
+bool ty_word_is_similar(const char* a, const char* b) {
     const size_t length = smaller(strnlen(a, WORD_MAX), strnlen(b, WORD_MAX));
     return ty_word_distance(a, b) <= (length + 1) / 3 || begins_with(a, b) || begins_with(b, a);
 }

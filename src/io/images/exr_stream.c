@@ -1,4 +1,4 @@
-/* OpenEXR's core C interface over bytes in memory and over the file being written. */
+/* Stream callbacks of OpenEXR's core C library: bytes in memory for reading, a file for writing. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/images/exr.h"
 
@@ -21,7 +21,8 @@ static int64_t read_bytes(exr_const_context_t exr, void* user, void* buffer, uin
     (void)fail;
     const ty_exr_stream* s = user;
     const uint64_t left = offset < s->size ? s->size - offset : 0;
-    const uint64_t count = size < left ? size : left; /* the header is read ahead, so short reads are no error */
+    const uint64_t count =
+        size < left ? size : left; /* the library reads ahead of the header, so short reads are no error */
     if (count > 0) memcpy(buffer, s->bytes + offset, count);
     return (int64_t)count;
 }

@@ -9,7 +9,7 @@
 
 enum { CHANNEL_NAME_SHORT = 31 };
 
-/* The library's own step of compressing a chunk. */
+/* The library's default chunk compressor. */
 typedef struct chunk_compressor {
     exr_result_t (*compress)(exr_encode_pipeline_t* encode);
 } chunk_compressor;
@@ -39,8 +39,8 @@ static exr_result_t write_header(exr_context_t exr, const ty_image* image) {
     return code;
 }
 
-/* A chunk as long as its pixels counts as not compressed, so one that ZIP leaves at just that length, as noise does
- * now and then, must hold the pixels themselves: OpenEXR 3.1's core takes ZIP's bytes. */
+/* A chunk with the length of its pixels counts as uncompressed. If ZIP yields exactly that length, which happens
+ * with noise, the chunk must hold the raw pixels; the core of OpenEXR 3.1 stores ZIP's bytes. */
 static exr_result_t compress_clearly(exr_encode_pipeline_t* encode) {
     const chunk_compressor* compressor = encode->encoding_user_data;
     const exr_result_t code = compressor->compress(encode);

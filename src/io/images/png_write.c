@@ -21,15 +21,15 @@ static void ignore_warning(png_structp png, png_const_charp text) {
     (void)text;
 }
 
-/* Rows without gaps between them. */
+/* Rows without padding. */
 typedef struct raster {
     const void* rows;
     size_t stride; /* bytes */
     uint32_t width, height;
-    int depth, colour; /* as libpng has them; 8-bit colour is sRGB, 16-bit samples are plain numbers */
+    int depth, colour; /* libpng's constants; 8-bit color is sRGB, 16-bit samples are linear numbers */
 } raster;
 
-/* libpng leaves by longjmp; nothing here is changed between setjmp and that. */
+/* libpng leaves by longjmp: no variable here changes between setjmp and longjmp. */
 static bool encode(png_structp png, png_infop info, FILE* stream, const raster* image) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_init_io(png, stream);
@@ -82,7 +82,7 @@ ty_result ty_image_write_png(ty_context* context, const ty_image* image, double 
 
 static uint16_t to_word(float value, double scale) {
     const double scaled = (double)value * scale;
-    if (!(scaled > 0)) return 0; /* NaN too */
+    if (!(scaled > 0)) return 0; /* true for NaN too */
     return scaled < 65535 ? (uint16_t)(scaled + 0.5) : 65535;
 }
 

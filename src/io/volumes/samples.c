@@ -1,4 +1,4 @@
-/* Voxels as raw bytes. */
+/* Conversion of raw voxel samples. */
 #include "io/volumes/samples.h"
 
 #include "base/context.h"
@@ -35,7 +35,7 @@ ty_grid_type ty_sample_grid_type(ty_sample_type type) {
     return type == TY_SAMPLE_HALF || type == TY_SAMPLE_INT8 || type == TY_SAMPLE_UINT8 ? TY_GRID_F16 : TY_GRID_F32;
 }
 
-/* The unsigned number of 1, 2, 4 or 8 bytes at from. */
+/* Loads an unsigned number of 1, 2, 4 or 8 bytes. */
 static uint64_t load(const uint8_t* from, size_t size, bool swap) {
     uint64_t bits = 0;
     if (size == 1) return *from;
@@ -63,7 +63,7 @@ static float narrowed(uint64_t bits) {
     return (float)value;
 }
 
-/* A row of voxels, step bytes apart: each is loaded and turned into a value by an expression of its bits. */
+/* Converts a row of voxels `step` bytes apart by an expression of their bits. */
 #define TY_CONVERT_ROW(size, output, expression)                                                                       \
     for (size_t i = 0; i < count; ++i) {                                                                               \
         const uint64_t bits = load(from + step * i, size, swap);                                                       \

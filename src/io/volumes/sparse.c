@@ -1,4 +1,4 @@
-/* Sparse trees made dense. */
+/* Conversion of sparse trees to dense grids. */
 #include "io/volumes/sparse.h"
 
 #include "base/context.h"
@@ -49,7 +49,7 @@ static int compare_origins(const void* a, const void* b) {
     return memcmp(a, b, sizeof(int32_t[3]));
 }
 
-/* Whether no two of the root's entries are for the same place. */
+/* True if all root entries have different origins. */
 static bool roots_differ(const ty_sparse* sparse) {
     if (sparse->root_count == 0) return true;
     qsort(sparse->roots, sparse->root_count, sizeof *sparse->roots, compare_origins);
@@ -68,7 +68,7 @@ bool ty_sparse_add_tile(ty_sparse* sparse, const int32_t origin[3], int32_t side
     return add_cell(sparse, &cell);
 }
 
-/* The lowest and highest bit that is set among the lowest 8. */
+/* Extends the active range along an axis by the lowest and highest set bit of 8. */
 static void include_bits(ty_sparse* sparse, int axis, int32_t origin, unsigned bits) {
     include(sparse, axis, origin + __builtin_ctz(bits), origin + (31 - __builtin_clz(bits)));
 }
@@ -87,7 +87,7 @@ bool ty_sparse_add_leaf(ty_sparse* sparse, const int32_t origin[3], const uint8_
     return add_cell(sparse, &cell);
 }
 
-/* Work for ty_parallel_for: slices get their background, then groups of cells their values. */
+/* Job of ty_parallel_for: slices get the background, then groups of cells their values. */
 typedef struct fill_job {
     const ty_sparse* sparse;
     ty_sparse_decode decode;
@@ -115,7 +115,7 @@ static void fill_slice(void* user, int64_t k, int32_t worker) {
     fill_values(job, voxels * (size_t)k, voxels, job->sparse->background);
 }
 
-/* The part of a cell inside the dense box, in voxels of the box: [first, last). */
+/* Intersection of a cell with the dense box, in voxels of the box: [first, last). */
 static bool clip_cell(const fill_job* job, const ty_sparse_cell* cell, int64_t first[3], int64_t last[3]) {
     for (int a = 0; a < 3; ++a) {
         const int64_t start = (int64_t)cell->origin[a] - job->lower[a], end = start + cell->side;
@@ -174,7 +174,7 @@ static ty_result damaged(const ty_sparse* sparse) {
     return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: damaged or cut short (%s)", sparse->path, sparse->name);
 }
 
-/* Everything but the values: the active box and where it lies. */
+/* Sets the dense grid's def without its values: the active box and its transform. */
 static ty_result describe_grid(const ty_sparse* sparse, const ty_affine* index_to_world, ty_grid_def* def,
                                int32_t lower[3], size_t* voxels) {
     const bool empty = sparse->active == 0;

@@ -1,4 +1,4 @@
-/* Volumes of any kind: which reader a file is for, file sequences, checks that readers share. */
+/* Volumes of any format: choice of the reader, file sequences, common validation. */
 #include "io/volumes/volume_file.h"
 
 #include "base/context.h"
@@ -47,7 +47,7 @@ ty_result ty_check_component(ty_context* context, const char* path, const char* 
 ty_result ty_volume_path(ty_context* context, const char* path, int32_t frame, char* out, size_t size) {
     if (path == NULL || out == NULL) return ty_fail(context, TY_ERROR_ARGUMENT, "ty_volume_path: path or out is NULL");
     if (frame < 0) return ty_fail(context, TY_ERROR_ARGUMENT, "frame is %d, below 0", frame);
-    const char* slash = strrchr(path, '/'); /* folders keep their #s */
+    const char* slash = strrchr(path, '/'); /* #s in folders are literal */
     const size_t name = slash != NULL ? (size_t)(slash + 1 - path) : 0;
     const size_t first = name + strcspn(path + name, "#"), digits = strspn(path + first, "#");
     char number[64] = "";
@@ -68,7 +68,7 @@ static bool has_extension(const char* path, const char* extension) {
     return length > size && strcasecmp(path + length - size, extension) == 0;
 }
 
-/* Told by the first bytes; a file that is none of the known kinds is raw unless its name says otherwise. */
+/* Detects the format from the first bytes; an unknown file is raw unless its extension says otherwise. */
 static ty_result find_kind(ty_context* context, const char* path, volume_kind* kind) {
     static const struct {
         const char *magic, *extensions[2];
@@ -104,14 +104,14 @@ static ty_result check_def(ty_context* context, const ty_volume_def* def, const 
     return TY_OK;
 }
 
-/* Raw files need a size, which also tells that a file is meant to be one. */
+/* Raw files need a size, which also marks a file as raw. */
 static ty_result check_raw(ty_context* context, const char* path, const ty_volume_def* def) {
     if (def->raw_size[0] > 0 && def->raw_size[1] > 0 && def->raw_size[2] > 0) return TY_OK;
     return ty_fail(context, TY_ERROR_INPUT,
                    "%s: neither OpenVDB nor NanoVDB nor NRRD; a raw volume needs its size (raw_size)", path);
 }
 
-/* The file that a call means, frame and all, and its kind. out is only looked at for NULL. */
+/* File of a call, with the frame number, and its format. `out` is only checked for NULL. */
 static ty_result find_file(ty_context* context, const char* path, const ty_volume_def* def, const void* out,
                            char file[PATH_SIZE], volume_kind* kind) {
     ty_result result = check_def(context, def, out);
