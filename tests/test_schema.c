@@ -168,11 +168,11 @@ static void test_words(void** state) {
     assert_int_equal(ty_word_distance("Sigma_S", "sigma_s"), 0);
     assert_int_equal(ty_word_distance("tpye", "type"), 1);
     assert_int_equal(ty_word_distance("abcdef", "badcfe"), 3);
-    assert_true(ty_word_near("sigma_z", "sigma_s"));
-    assert_true(ty_word_near("fov", "fov_y"));
-    assert_true(ty_word_near("cam", "camera"));
-    assert_false(ty_word_near("u", "g"));
-    assert_false(ty_word_near("radius", "density"));
+    assert_true(ty_word_is_similar("sigma_z", "sigma_s"));
+    assert_true(ty_word_is_similar("fov", "fov_y"));
+    assert_true(ty_word_is_similar("cam", "camera"));
+    assert_false(ty_word_is_similar("u", "g"));
+    assert_false(ty_word_is_similar("radius", "density"));
     char long_word[200];
     memset(long_word, 'x', sizeof long_word - 1);
     long_word[sizeof long_word - 1] = '\0';

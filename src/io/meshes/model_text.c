@@ -1,11 +1,11 @@
-/* Lines, words and numbers of mesh files that are text. */
+/* Lines, words and numbers of text mesh files. */
 #include "io/meshes/model_text.h"
 
 #include "io/number.h"
 
 #include <string.h>
 
-/* Ends of lines are blanks too: within a line they are there only after a backslash. */
+/* Line ends count as blanks: inside a line they occur only after a backslash. */
 static bool is_blank(const char* at, const char* end) {
     if (*at == '\\') return at + 1 < end && (at[1] == '\n' || at[1] == '\r');
     return *at == ' ' || *at == '\t' || *at == '\n' || *at == '\r' || *at == '\v' || *at == '\f';
@@ -15,7 +15,7 @@ static void skip_blanks(ty_words* words) {
     while (words->at < words->end && is_blank(words->at, words->end)) ++words->at;
 }
 
-/* Whether the line from start that ends before newline goes on after it. */
+/* True if the line from `start` to `newline` continues on the next one. */
 static bool goes_on(const char* start, const char* newline) {
     if (newline > start && newline[-1] == '\r') --newline;
     return newline > start && newline[-1] == '\\';

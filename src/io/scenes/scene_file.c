@@ -1,4 +1,4 @@
-/* Scene files: text, overrides, schema, then calls of the scene's own functions. */
+/* Scene files: text, overrides, schema validation, then calls of the scene's own functions. */
 #include "base/context.h"
 #include "io/scenes/builtin.h"
 #include "io/file.h"
@@ -18,10 +18,10 @@ const char* ty_scene_schema(void) {
     return ty_scene_schema_text;
 }
 
-/* ---- From text to a checked tree ---- */
+/* ---- text to validated JSON ---- */
 
 ty_result ty_reader_parse(ty_scene_reader* reader) {
-    static const char mark[] = "\xef\xbb\xbf"; /* some editors begin UTF-8 with it */
+    static const char mark[] = "\xef\xbb\xbf"; /* UTF-8 byte order mark, which some editors write */
     if (reader->length >= 3 && memcmp(reader->text, mark, 3) == 0) {
         reader->text += 3;
         reader->length -= 3;
@@ -58,9 +58,9 @@ static ty_result hash_tree(ty_scene_reader* reader) {
     return TY_OK;
 }
 
-/* ---- Sections ---- */
+/* ---- sections ---- */
 
-/* A word; out stays as it is when the key is absent. */
+/* Reads a word; out is unchanged if the key is absent. */
 static void read_word(const json_t* object, const char* key, char out[16]) {
     const char* word = json_string_value(json_object_get(object, key));
     if (word != NULL) snprintf(out, 16, "%s", word);
@@ -194,7 +194,7 @@ static void free_reader(ty_scene_reader* reader) {
     json_decref(reader->root);
 }
 
-/* ---- Entrances ---- */
+/* ---- entry points ---- */
 
 ty_result ty_scene_parse(ty_context* context, const char* text, size_t length, const char* name, const char* folder,
                          const char* const* overrides, int32_t override_count, ty_scene** out) {
@@ -226,8 +226,8 @@ static ty_result fail_builtin(ty_context* context, const char* path) {
     return ty_fail(context, TY_ERROR_INPUT, "%s", text);
 }
 
-/* What a file by such a name is in a scene, or NULL: volumes, meshes and images are easily given in its place. */
-static const char* part_of_scene(const char* path) {
+/* Role of a file in a scene, by its name, or NULL: volumes, meshes and images are easily passed instead of a scene. */
+static const char* file_role(const char* path) {
     static const char* const images[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", NULL};
     if (ty_has_extension(path, ty_volume_extensions))
         return "a volume; a scene has it as \"file\" of a medium's density";
@@ -250,7 +250,7 @@ ty_result ty_scene_load(ty_context* context, const char* path, const char* const
     size_t size;
     ty_result result = ty_read_file(context, path, FILE_SIZE_MAX, &bytes, &size);
     if (result != TY_OK) return result;
-    const char* part = part_of_scene(path);
+    const char* part = file_role(path);
     if (part != NULL) {
         ty_free_file(context, bytes, size);
         return ty_fail(context, TY_ERROR_INPUT, "%s: not a scene but %s (docs/scene.md)", path, part);
