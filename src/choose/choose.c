@@ -70,18 +70,18 @@ static void set(ty_choice* out, const char* method, const char* because) {
 
 /* ---- rules ---- */
 
-typedef struct asked {
+typedef struct request {
     uint32_t ask;
     const char* words;
-} asked;
+} request;
 
 /* True if only path tracing supports the request. */
 static bool asks_path(const ty_choose_def* def, ty_choice* out) {
-    static const asked asks[] = {{TY_ASK_RESUME, "it alone can go on later"},
-                                 {TY_ASK_ERROR, "it alone goes on until an error is reached"},
-                                 {TY_ASK_TIME, "it alone makes the best of a time"},
-                                 {TY_ASK_CROP, "it alone renders a part of the frame"},
-                                 {TY_ASK_SAMPLES, "samples per pixel are asked for"}};
+    static const request asks[] = {{TY_ASK_RESUME, "it alone can go on later"},
+                                   {TY_ASK_ERROR, "it alone goes on until an error is reached"},
+                                   {TY_ASK_TIME, "it alone makes the best of a time"},
+                                   {TY_ASK_CROP, "it alone renders a part of the frame"},
+                                   {TY_ASK_SAMPLES, "samples per pixel are asked for"}};
     for (size_t i = 0; i < sizeof asks / sizeof asks[0]; ++i)
         if ((def->asks & asks[i].ask) != 0) {
             snprintf(out->reason, sizeof out->reason, "%s", asks[i].words);
@@ -106,7 +106,7 @@ static bool suits_paths(const ty_scene_features* features) {
     return features->surfaces > max_surfaces && scatterings(features) < few_scatterings && !lit_by_surfaces;
 }
 
-static const char* why_ordinates(const ty_scene_features* features) {
+static const char* ordinates_reason(const ty_scene_features* features) {
     if (!(features->surfaces > 0)) return "no surfaces";
     if (!(scatterings(features) < few_scatterings)) return "light scatters more than paths are cheap for";
     return features->surfaces > max_surfaces ? "glowing surfaces are all the light" : "few surfaces";
@@ -125,7 +125,7 @@ static void choose_by_features(ty_choice* out) {
     else if (features->g > g_path_only && scatterings(features) < few_scatterings)
         set(out, "path", "light goes nearly straight on");
     else
-        set(out, "dom", why_ordinates(features));
+        set(out, "dom", ordinates_reason(features));
 }
 
 ty_result ty_choose_method(const ty_scene* scene, const ty_choose_def* def, ty_choice* out) {

@@ -67,30 +67,30 @@ static bool more(const cursor* c) {
     return c->at < c->end;
 }
 
-static void step_on(cursor* c) {
+static void advance(cursor* c) {
     if (*c->at == '\n') ++c->line;
     ++c->at;
 }
 
 static void skip_space(cursor* c) {
-    while (more(c) && (*c->at == ' ' || *c->at == '\t' || *c->at == '\n' || *c->at == '\r')) step_on(c);
+    while (more(c) && (*c->at == ' ' || *c->at == '\t' || *c->at == '\n' || *c->at == '\r')) advance(c);
 }
 
 /* Skips c and the space after it if c comes next. */
 static bool skip_character(cursor* c, char character) {
     if (!more(c) || *c->at != character) return false;
-    step_on(c);
+    advance(c);
     skip_space(c);
     return true;
 }
 
 static void skip_string(cursor* c) {
-    step_on(c);
+    advance(c);
     while (more(c) && *c->at != '"') {
-        if (*c->at == '\\') step_on(c);
-        if (more(c)) step_on(c);
+        if (*c->at == '\\') advance(c);
+        if (more(c)) advance(c);
     }
-    if (more(c)) step_on(c);
+    if (more(c)) advance(c);
 }
 
 /* Skips one value and the space after it. */
@@ -105,7 +105,7 @@ static void skip_value(cursor* c) {
         }
         if (first == '{' || first == '[') ++depth;
         if (first == '}' || first == ']') --depth;
-        step_on(c);
+        advance(c);
     }
 }
 

@@ -25,7 +25,7 @@ static ty_result fill(ty_context* context, const char* path, const json_t* list,
     return TY_OK;
 }
 
-static ty_result take(ty_context* context, const char* path, const json_t* root, float** out, int64_t* count) {
+static ty_result read_points(ty_context* context, const char* path, const json_t* root, float** out, int64_t* count) {
     const json_t* list = json_is_object(root) ? json_object_get(root, "positions") : root;
     const size_t size = json_array_size(list);
     if (size == 0)
@@ -50,7 +50,7 @@ ty_result ty_points_parse(ty_context* context, const char* path, const uint8_t* 
     json_t* root = json_loadb((const char*)text, size, JSON_REJECT_DUPLICATES, &error);
     if (root == NULL)
         return ty_fail(context, TY_ERROR_INPUT, "%s:%d: %s", path, error.line < 1 ? 1 : error.line, error.text);
-    const ty_result result = take(context, path, root, out, count);
+    const ty_result result = read_points(context, path, root, out, count);
     json_decref(root);
     return result;
 }

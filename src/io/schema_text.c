@@ -12,7 +12,7 @@
 
 enum { WORD_MAX = 63, SHOWN_MAX = 60 };
 
-static char fold(char c) {
+static char fold_case(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
@@ -31,9 +31,10 @@ size_t ty_word_distance(const char* a, const char* b) {
         const size_t* two_before = line[(i + 1) % 3];
         now[0] = i;
         for (size_t j = 1; j <= columns; ++j) {
-            const bool same = fold(a[i - 1]) == fold(b[j - 1]);
+            const bool same = fold_case(a[i - 1]) == fold_case(b[j - 1]);
             now[j] = smaller(smaller(now[j - 1], before[j]) + 1, before[j - 1] + (same ? 0 : 1));
-            if (i > 1 && j > 1 && fold(a[i - 1]) == fold(b[j - 2]) && fold(a[i - 2]) == fold(b[j - 1]))
+            if (i > 1 && j > 1 && fold_case(a[i - 1]) == fold_case(b[j - 2]) &&
+                fold_case(a[i - 2]) == fold_case(b[j - 1]))
                 now[j] = smaller(now[j], two_before[j - 2] + 1);
         }
     }
@@ -42,7 +43,7 @@ size_t ty_word_distance(const char* a, const char* b) {
 
 static bool begins_with(const char* word, const char* start) {
     size_t i = 0;
-    while (start[i] != '\0' && fold(word[i]) == fold(start[i])) ++i;
+    while (start[i] != '\0' && fold_case(word[i]) == fold_case(start[i])) ++i;
     return start[i] == '\0' && i >= 3;
 }
 

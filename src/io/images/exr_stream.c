@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static void keep_message(exr_const_context_t exr, exr_result_t code, const char* text) {
+static void store_message(exr_const_context_t exr, exr_result_t code, const char* text) {
     (void)code;
     void* user = NULL;
     if (exr == NULL || exr_get_user_data(exr, &user) != EXR_ERR_SUCCESS || user == NULL) return;
@@ -50,7 +50,7 @@ static int64_t write_bytes(exr_const_context_t exr, void* user, const void* buff
 
 exr_context_initializer_t ty_exr_initializer(ty_exr_stream* stream) {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    setup.error_handler_fn = keep_message;
+    setup.error_handler_fn = store_message;
     setup.user_data = stream;
     setup.read_fn = read_bytes;
     setup.size_fn = byte_count;

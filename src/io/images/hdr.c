@@ -13,7 +13,7 @@ typedef struct reader {
     const uint8_t* end;
 } reader;
 
-static size_t left(const reader* r) {
+static size_t bytes_left(const reader* r) {
     return (size_t)(r->end - r->at);
 }
 
@@ -21,7 +21,7 @@ enum { LINE_SIZE = 256 };
 
 /* Reads the next header line without its end, truncated to LINE_SIZE; false at the end of the file. */
 static bool next_line(reader* r, char line[LINE_SIZE]) {
-    const uint8_t* newline = left(r) > 0 ? memchr(r->at, '\n', left(r)) : NULL;
+    const uint8_t* newline = bytes_left(r) > 0 ? memchr(r->at, '\n', bytes_left(r)) : NULL;
     if (newline == NULL) return false;
     size_t length = (size_t)(newline - r->at);
     if (length > LINE_SIZE - 1) length = LINE_SIZE - 1;
@@ -61,11 +61,11 @@ static ty_result read_header(ty_context* context, const char* path, reader* r, i
 /* Reads one of the four planes of a scanline: runs (128 + n, value) and literals (n, values ...). */
 static bool read_plane(reader* r, uint8_t* rgbe, size_t width) {
     for (size_t x = 0; x < width;) {
-        if (left(r) < 2) return false;
+        if (bytes_left(r) < 2) return false;
         size_t count = *r->at++;
         const bool run = count > 128;
         if (run) count -= 128;
-        if (count == 0 || count > width - x || (!run && left(r) < count)) return false;
+        if (count == 0 || count > width - x || (!run && bytes_left(r) < count)) return false;
         for (size_t i = 0; i < count; ++i, ++x) rgbe[4 * x] = r->at[run ? 0 : i];
         r->at += run ? 1 : count;
     }
@@ -77,7 +77,7 @@ static bool read_plane(reader* r, uint8_t* rgbe, size_t width) {
 static bool read_pixels(reader* r, uint8_t* rgbe, size_t width) {
     unsigned shift = 0;
     for (size_t x = 0; x < width;) {
-        if (left(r) < 4) return false;
+        if (bytes_left(r) < 4) return false;
         const uint8_t* pixel = r->at;
         r->at += 4;
         if (pixel[0] != 1 || pixel[1] != 1 || pixel[2] != 1) {
@@ -96,7 +96,8 @@ static bool read_pixels(reader* r, uint8_t* rgbe, size_t width) {
 
 static bool read_scanline(reader* r, uint8_t* rgbe, size_t width) {
     /* Flat data cannot start this way: a normalised pixel has one of R, G and B at least 128. */
-    const bool planes = width >= 8 && width < 32768 && left(r) >= 4 && r->at[0] == 2 && r->at[1] == 2 && r->at[2] < 128;
+    const bool planes =
+        width >= 8 && width < 32768 && bytes_left(r) >= 4 && r->at[0] == 2 && r->at[1] == 2 && r->at[2] < 128;
     if (!planes) return read_pixels(r, rgbe, width);
     if ((size_t)(r->at[2] << 8 | r->at[3]) != width) return false;
     r->at += 4;
@@ -126,8 +127,8 @@ ty_result ty_read_hdr(ty_context* context, const char* path, const uint8_t* byte
     ty_result result = read_header(context, path, &r, &width, &height);
     if (result == TY_OK) result = ty_check_image_size(context, path, size, width, height, 3);
     if (result != TY_OK) return result;
-    if (left(&r) < (size_t)height * 4)
-        return ty_fail(context, TY_ERROR_INPUT, "%s: cut short: %zu bytes for %lld rows", path, left(&r),
+    if (bytes_left(&r) < (size_t)height * 4)
+        return ty_fail(context, TY_ERROR_INPUT, "%s: cut short: %zu bytes for %lld rows", path, bytes_left(&r),
                        (long long)height);
     ty_image* image = NULL;
     uint8_t* rgbe = ty_alloc_array(context, (size_t)width, 4, false);

@@ -23,7 +23,7 @@ typedef struct reader {
     char message[JMSG_LENGTH_MAX];
 } reader;
 
-static void leave(j_common_ptr jpeg) {
+static void handle_error(j_common_ptr jpeg) {
     reader* r = jpeg->client_data;
     jpeg->err->format_message(jpeg, r->message);
     longjmp(r->jump, 1);
@@ -32,7 +32,8 @@ static void leave(j_common_ptr jpeg) {
 /* level is -1 for a warning. The three warnings below leave the pixels intact. */
 static void handle_message(j_common_ptr jpeg, int level) {
     const int code = jpeg->err->msg_code;
-    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_ADOBE_XFORM && code != JWRN_JFIF_MAJOR) leave(jpeg);
+    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_ADOBE_XFORM && code != JWRN_JFIF_MAJOR)
+        handle_error(jpeg);
 }
 
 static void limit_scans(j_common_ptr jpeg) {
@@ -45,7 +46,7 @@ static void limit_scans(j_common_ptr jpeg) {
 /* libjpeg leaves by longjmp: no local variable changes between setjmp and longjmp, here and below. */
 static bool read_header(reader* r, const uint8_t* bytes, size_t size) {
     r->jpeg.err = jpeg_std_error(&r->errors);
-    r->errors.error_exit = leave;
+    r->errors.error_exit = handle_error;
     r->errors.emit_message = handle_message;
     r->progress.progress_monitor = limit_scans;
     r->jpeg.client_data = r;

@@ -10,7 +10,7 @@
 
 enum { MESSAGE_SIZE = 128 };
 
-static void keep_message(png_structp png, png_const_charp text) {
+static void store_message(png_structp png, png_const_charp text) {
     char* message = png_get_error_ptr(png);
     strncpy(message, text, MESSAGE_SIZE - 1);
     longjmp(png_jmpbuf(png), 1);
@@ -48,7 +48,7 @@ static bool encode(png_structp png, png_infop info, FILE* stream, const raster* 
 
 static ty_result write_png(ty_context* context, const raster* image, const char* path) {
     char message[MESSAGE_SIZE] = "";
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message, ignore_warning);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, message, store_message, ignore_warning);
     png_infop info = png == NULL ? NULL : png_create_info_struct(png);
     ty_output output;
     ty_result result = info == NULL ? ty_fail(context, TY_ERROR_MEMORY, "not enough memory to write %s", path) : TY_OK;

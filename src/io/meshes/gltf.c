@@ -10,21 +10,21 @@ enum { GLB_HEAD = 12, CHUNK_HEAD = 8, CHUNK_JSON = 0x4e4f534a, CHUNK_BIN = 0x004
 
 /* ---- container ---- */
 
-static uint32_t take_u32(const uint8_t* at) {
+static uint32_t read_u32(const uint8_t* at) {
     return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
 /* Finds the JSON text in a GLB, and its binary chunk if present. */
 static ty_result open_glb(ty_gltf* gltf, const uint8_t* bytes, size_t size, const uint8_t** text, size_t* length) {
     if (size < GLB_HEAD) return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: cut short", gltf->path);
-    const uint32_t version = take_u32(bytes + 4), stated = take_u32(bytes + 8);
+    const uint32_t version = read_u32(bytes + 4), stated = read_u32(bytes + 8);
     if (version != 2)
         return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: a GLB of version %u; only 2 can be read", gltf->path,
                        version);
     if (stated > size)
         return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: cut short: %zu bytes of %u", gltf->path, size, stated);
     for (size_t at = GLB_HEAD; at + CHUNK_HEAD <= stated;) {
-        const uint32_t chunk = take_u32(bytes + at), type = take_u32(bytes + at + 4);
+        const uint32_t chunk = read_u32(bytes + at), type = read_u32(bytes + at + 4);
         const uint8_t* content = bytes + at + CHUNK_HEAD;
         if (chunk > stated - at - CHUNK_HEAD)
             return ty_fail(gltf->context, TY_ERROR_INPUT, "%s: a chunk of %u bytes reaches past the end", gltf->path,

@@ -147,8 +147,8 @@ static const char* mesh_name(const ty_gltf* gltf, int64_t mesh, const json_t* no
     return name != NULL && name[0] != '\0' ? name : json_string_value(json_object_get(node, "name"));
 }
 
-static ty_result place_mesh(ty_gltf* gltf, int64_t number, const json_t* node, const ty_json_path* json_path,
-                            const ty_affine* transform) {
+static ty_result add_mesh_instance(ty_gltf* gltf, int64_t number, const json_t* node, const ty_json_path* json_path,
+                                   const ty_affine* transform) {
     int64_t index = -1;
     ty_result result = ty_gltf_read_reference(gltf, node, json_path, "mesh", "meshes", &index);
     if (result == TY_OK && index >= 0) result = ty_gltf_read_mesh(gltf, (size_t)index);
@@ -204,7 +204,7 @@ static ty_result read_node(ty_gltf* gltf, int64_t index, const ty_affine* parent
     if (result != TY_OK) return result;
     const ty_affine transform = ty_affine_multiply(parent, &local);
     if (!is_finite(&transform)) return ty_gltf_fail(gltf, &json_path, "its transform leads too far away");
-    if ((gltf->want & TY_MODEL_MESHES) != 0) result = place_mesh(gltf, index, node, &json_path, &transform);
+    if ((gltf->want & TY_MODEL_MESHES) != 0) result = add_mesh_instance(gltf, index, node, &json_path, &transform);
     if (result == TY_OK && (gltf->want & TY_MODEL_LIGHTS) != 0) result = read_light(gltf, node, &json_path, &transform);
     if (result == TY_OK && (gltf->want & TY_MODEL_CAMERAS) != 0)
         result = read_camera(gltf, node, &json_path, &transform);

@@ -25,7 +25,7 @@ typedef struct writer {
     json_t* root;  /* output JSON */
     uint8_t* body; /* output binary chunk */
     size_t size, capacity;
-    int32_t* owners; /* per mesh: node whose colors it has, plus one; 0: none */
+    int32_t* mesh_nodes; /* per mesh: node whose colors it has, plus one; 0: none */
     size_t mesh_count;
     shared_colors* shared;
     size_t shared_count, shared_capacity;
@@ -155,7 +155,7 @@ static ty_result fail_changed(const writer* w, const ty_mesh_origin* origin) {
 }
 
 /* The mesh of a node, exclusive to it: a copy if another node has the original. */
-static ty_result own_mesh(writer* w, const ty_mesh_origin* origin, json_t** out) {
+static ty_result node_mesh(writer* w, const ty_mesh_origin* origin, json_t** out) {
     json_t* node = json_array_get(json_object_get(w->root, "nodes"), (size_t)origin->node);
     json_t* meshes = json_object_get(w->root, "meshes");
     const json_t* number = json_object_get(node, "mesh");
@@ -163,8 +163,8 @@ static ty_result own_mesh(writer* w, const ty_mesh_origin* origin, json_t** out)
     *out = index < 0 ? NULL : json_array_get(meshes, (size_t)index);
     if (*out == NULL) return fail_changed(w, origin);
     if ((size_t)index >= w->mesh_count) return TY_OK; /* the copy is already this node's */
-    if (w->owners[index] == 0) w->owners[index] = origin->node + 1;
-    if (w->owners[index] == origin->node + 1) return TY_OK;
+    if (w->mesh_nodes[index] == 0) w->mesh_nodes[index] = origin->node + 1;
+    if (w->mesh_nodes[index] == origin->node + 1) return TY_OK;
     const ty_result result = add_item(w, "meshes", json_deep_copy(*out), &index);
     if (result != TY_OK) return result;
     *out = json_array_get(meshes, (size_t)index);
@@ -230,7 +230,7 @@ static void put_floats(const float* in, size_t count, uint8_t* out) {
 static ty_result color_mesh(writer* w, const ty_mesh_colors* colors) {
     const ty_mesh_origin* origin = &colors->origin;
     json_t* mesh = NULL;
-    ty_result result = own_mesh(w, origin, &mesh);
+    ty_result result = node_mesh(w, origin, &mesh);
     if (result != TY_OK) return result;
     json_t* primitive = json_array_get(json_object_get(mesh, "primitives"), (size_t)origin->primitive);
     json_t* attributes = json_object_get(primitive, "attributes");
@@ -340,8 +340,8 @@ static ty_result open_file(writer* w, const uint8_t* bytes, size_t size) {
     w->root = json_deep_copy(w->gltf.root);
     if (w->root == NULL) return no_memory(w);
     w->mesh_count = ty_gltf_count(&w->gltf, "meshes");
-    w->owners = ty_alloc_array(w->gltf.context, w->mesh_count, sizeof *w->owners, true);
-    if (w->owners == NULL) return TY_ERROR_MEMORY;
+    w->mesh_nodes = ty_alloc_array(w->gltf.context, w->mesh_count, sizeof *w->mesh_nodes, true);
+    if (w->mesh_nodes == NULL) return TY_ERROR_MEMORY;
     result = gather_buffers(w);
     return result == TY_OK ? embed_images(w) : result;
 }
@@ -364,7 +364,7 @@ ty_result ty_mesh_file_write_colors(ty_context* context, const char* from, const
     if (result == TY_OK) result = write_glb(&w, path);
     json_decref(w.root);
     ty_gltf_close(&w.gltf);
-    ty_free_array(context, w.owners, w.mesh_count, sizeof *w.owners);
+    ty_free_array(context, w.mesh_nodes, w.mesh_count, sizeof *w.mesh_nodes);
     ty_free_array(context, w.shared, w.shared_capacity, sizeof *w.shared);
     ty_free_array(context, w.body, w.capacity, 1);
     ty_free_text(context, folder);

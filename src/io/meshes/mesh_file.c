@@ -339,7 +339,7 @@ static const ty_model_camera* find_camera(const ty_model* model, const char* nam
     return found;
 }
 
-static void place_camera(const ty_affine* map, const ty_model_camera* found, ty_camera_def* camera) {
+static void transform_camera(const ty_affine* map, const ty_model_camera* found, ty_camera_def* camera) {
     double forward[3];
     ty_affine_point(map, found->position, camera->position);
     transform_direction(map, found->forward, forward);
@@ -364,7 +364,7 @@ ty_result ty_mesh_file_camera(ty_context* context, const char* path, const ty_me
     else if (result == TY_OK && chosen == NULL && name != NULL)
         result = fail_name(&model, path, name);
     if (result == TY_OK) *found = chosen != NULL;
-    if (result == TY_OK && chosen != NULL) place_camera(&map, chosen, camera);
+    if (result == TY_OK && chosen != NULL) transform_camera(&map, chosen, camera);
     ty_model_free(&model);
     return result;
 }

@@ -16,7 +16,7 @@ static void skip_blanks(ty_words* words) {
 }
 
 /* True if the line from `start` to `newline` continues on the next one. */
-static bool goes_on(const char* start, const char* newline) {
+static bool continues(const char* start, const char* newline) {
     if (newline > start && newline[-1] == '\r') --newline;
     return newline > start && newline[-1] == '\\';
 }
@@ -29,7 +29,7 @@ bool ty_next_line(ty_words* text, ty_words* line, size_t* number) {
         const char* end = newline == NULL ? text->end : newline;
         text->at = newline == NULL ? text->end : newline + 1;
         ++*number;
-        if (newline != NULL && goes_on(start, newline) && text->at < text->end) continue;
+        if (newline != NULL && continues(start, newline) && text->at < text->end) continue;
         *line = (ty_words){start, end};
         return true;
     }

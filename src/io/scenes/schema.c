@@ -208,7 +208,7 @@ static bool has_required(const json_t* branch, const json_t* value) {
 }
 
 /* Distinguishing key of a branch: the first required one without a const value. */
-static const char* own_key(const json_t* branch) {
+static const char* distinguishing_key(const json_t* branch) {
     size_t i;
     json_t* key;
     json_array_foreach(json_object_get(branch, "required"), i,
@@ -251,7 +251,7 @@ static bool fail_unknown(checker* c, const branch_set* set, const char* unknown)
 }
 
 /* Fails if the value has a key that no branch of the set has. */
-static bool check_stray(checker* c, const branch_set* set, const json_t* value) {
+static bool check_unknown_keys(checker* c, const branch_set* set, const json_t* value) {
     const char* key;
     json_t* member;
     json_object_foreach((json_t*)value, key, member) {
@@ -263,8 +263,8 @@ static bool check_stray(checker* c, const branch_set* set, const json_t* value) 
 }
 
 /* Fails if the value has a key that the chosen branch lacks but another one has. */
-static bool check_mixed(checker* c, const json_t* chosen, const branch_set* others, const char* reason,
-                        const char* reason_value, const json_t* value) {
+static bool check_foreign_keys(checker* c, const json_t* chosen, const branch_set* others, const char* reason,
+                               const char* reason_value, const json_t* value) {
     const char* key;
     json_t* member;
     json_object_foreach((json_t*)value, key, member) {
@@ -322,7 +322,7 @@ static bool choose_by_const(checker* c, branch_set* set, const json_t* value, co
         while (fixed < set->count && json_object_get(schema_property(set->items[fixed], key), "const") != NULL) ++fixed;
         if (fixed < set->count) continue;
         const json_t* member = json_object_get(value, key);
-        if (member == NULL) return check_stray(c, set, value) && fail(c, "the key \"%s\" is missing", key);
+        if (member == NULL) return check_unknown_keys(c, set, value) && fail(c, "the key \"%s\" is missing", key);
         branch_set left = {.count = 0};
         const char* words[BRANCHES_MAX];
         size_t count = 0;
@@ -366,10 +366,11 @@ static bool choose_by_keys(checker* c, branch_set* set, const json_t* value) {
         if (whole == NULL && has_required(set->items[i], value)) whole = set->items[i];
     }
     if (best.count > 1 && whole == NULL) {
-        if (!check_stray(c, set, value)) return false;
+        if (!check_unknown_keys(c, set, value)) return false;
         fail(c, "one of the keys");
         for (size_t i = 0; i < best.count; ++i)
-            ty_append(c->issue->text, sizeof c->issue->text, "%s \"%s\"", i > 0 ? "," : "", own_key(best.items[i]));
+            ty_append(c->issue->text, sizeof c->issue->text, "%s \"%s\"", i > 0 ? "," : "",
+                      distinguishing_key(best.items[i]));
         ty_append(c->issue->text, sizeof c->issue->text, " is missing");
         return false;
     }
@@ -395,10 +396,10 @@ static bool check_branches(checker* c, const json_t* branches, const json_t* val
     if (!choose_by_const(c, &alike, value, &common)) return false;
     branch_set chosen = alike;
     if (!choose_by_keys(c, &chosen, value)) return false;
-    const char* own = own_key(chosen.items[0]);
-    if (own != NULL && !check_mixed(c, chosen.items[0], &alike, own, NULL, value)) return false;
-    if (common != NULL &&
-        !check_mixed(c, chosen.items[0], &fitting, common, json_string_value(json_object_get(value, common)), value))
+    const char* own = distinguishing_key(chosen.items[0]);
+    if (own != NULL && !check_foreign_keys(c, chosen.items[0], &alike, own, NULL, value)) return false;
+    if (common != NULL && !check_foreign_keys(c, chosen.items[0], &fitting, common,
+                                              json_string_value(json_object_get(value, common)), value))
         return false;
     return check(c, chosen.items[0], value);
 }

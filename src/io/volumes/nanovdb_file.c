@@ -60,7 +60,7 @@ static bool read_name(const ty_nanovdb_file* file, uint64_t* at, uint32_t size, 
     return read_bytes(file, at, name, stored) && move_to(file, at, *at + (size - stored));
 }
 
-static bool take_metadata(const ty_nanovdb_file* file, uint64_t* at, uint32_t codec, ty_nanovdb_grid* grid) {
+static bool read_metadata(const ty_nanovdb_file* file, uint64_t* at, uint32_t codec, ty_nanovdb_grid* grid) {
     uint8_t bytes[METADATA_SIZE];
     uint32_t name_size;
     if (!read_bytes(file, at, bytes, sizeof bytes)) return false;
@@ -106,7 +106,7 @@ static ty_result read_segment(ty_nanovdb_file* file, uint64_t* at) {
     for (int i = 0; i < grids; ++i) {
         if (!ty_grow_array(file->context, (void**)&file->grids, &file->capacity, file->count, sizeof *file->grids))
             return TY_ERROR_MEMORY;
-        if (!take_metadata(file, at, codec, &file->grids[file->count]))
+        if (!read_metadata(file, at, codec, &file->grids[file->count]))
             return ty_nanovdb_damaged(file, "what is said of a grid");
         ++file->count;
     }

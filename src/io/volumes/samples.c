@@ -57,7 +57,7 @@ static float float_of(uint64_t bits) {
     return ty_float_from_bits((uint32_t)bits);
 }
 
-static float narrowed(uint64_t bits) {
+static float double_to_float(uint64_t bits) {
     double value;
     memcpy(&value, &bits, sizeof value);
     return (float)value;
@@ -83,7 +83,7 @@ static void convert_row(ty_sample_type type, bool swap, const uint8_t* from, siz
     case TY_SAMPLE_UINT64: TY_CONVERT_ROW(8, float, (float)bits);
     case TY_SAMPLE_HALF: TY_CONVERT_ROW(2, uint16_t, (uint16_t)bits);
     case TY_SAMPLE_FLOAT: TY_CONVERT_ROW(4, float, float_of(bits));
-    case TY_SAMPLE_DOUBLE: TY_CONVERT_ROW(8, float, narrowed(bits));
+    case TY_SAMPLE_DOUBLE: TY_CONVERT_ROW(8, float, double_to_float(bits));
     case TY_SAMPLE_TYPES: break;
     }
 }

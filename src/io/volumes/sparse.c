@@ -50,7 +50,7 @@ static int compare_origins(const void* a, const void* b) {
 }
 
 /* True if all root entries have different origins. */
-static bool roots_differ(const ty_sparse* sparse) {
+static bool roots_are_unique(const ty_sparse* sparse) {
     if (sparse->root_count == 0) return true;
     qsort(sparse->roots, sparse->root_count, sizeof *sparse->roots, compare_origins);
     for (size_t i = 1; i < sparse->root_count; ++i)
@@ -94,7 +94,7 @@ typedef struct fill_job {
     const void* user;
     const int32_t *lower, *size; /* of the dense box */
     void* values;
-    _Atomic bool damaged;
+    _Atomic bool fail_corrupt;
 } fill_job;
 
 static void fill_values(const fill_job* job, size_t at, size_t count, float value) {
@@ -159,7 +159,7 @@ static void fill_cell(fill_job* job, const ty_sparse_cell* cell) {
     if (job->decode(job->user, cell->leaf, leaf))
         copy_leaf(job, cell, leaf, first, last);
     else
-        atomic_store(&job->damaged, true);
+        atomic_store(&job->fail_corrupt, true);
 }
 
 static void fill_cells(void* user, int64_t task, int32_t worker) {
@@ -170,7 +170,7 @@ static void fill_cells(void* user, int64_t task, int32_t worker) {
         fill_cell(job, &job->sparse->cells[i]);
 }
 
-static ty_result damaged(const ty_sparse* sparse) {
+static ty_result fail_corrupt(const ty_sparse* sparse) {
     return ty_fail(sparse->context, TY_ERROR_INPUT, "%s: damaged or cut short (%s)", sparse->path, sparse->name);
 }
 
@@ -205,7 +205,7 @@ ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, 
     ty_grid_def def;
     int32_t lower[3];
     size_t voxels = 0;
-    if (!roots_differ(sparse)) return damaged(sparse);
+    if (!roots_are_unique(sparse)) return fail_corrupt(sparse);
     const ty_result result = describe_grid(sparse, index_to_world, &def, lower, &voxels);
     if (result != TY_OK) return result;
     const size_t value_size = ty_grid_value_size(sparse->type);
@@ -216,10 +216,10 @@ ty_result ty_sparse_make_grid(const ty_sparse* sparse, ty_sparse_decode decode, 
                     .size = def.size,
                     .values = ty_alloc_array(context, voxels, value_size, false)};
     if (job.values == NULL) return TY_ERROR_MEMORY;
-    atomic_init(&job.damaged, false);
+    atomic_init(&job.fail_corrupt, false);
     ty_parallel_for(context, def.size[2], fill_slice, &job);
     ty_parallel_for(context, (int64_t)((sparse->count + CELLS_A_TASK - 1) / CELLS_A_TASK), fill_cells, &job);
-    if (!atomic_load(&job.damaged)) return ty_grid_adopt(context, &def, job.values, out);
+    if (!atomic_load(&job.fail_corrupt)) return ty_grid_adopt(context, &def, job.values, out);
     ty_free_array(context, job.values, voxels, value_size);
-    return damaged(sparse);
+    return fail_corrupt(sparse);
 }

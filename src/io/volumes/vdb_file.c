@@ -24,25 +24,25 @@ typedef struct cursor {
     bool bad;
 } cursor;
 
-static bool spoil(cursor* c) {
+static bool mark_bad(cursor* c) {
     c->bad = true;
     return false;
 }
 
 static bool read_bytes(cursor* c, void* to, uint64_t size) {
-    if (c->bad || size > c->size - c->at || fread(to, 1, (size_t)size, c->stream) != size) return spoil(c);
+    if (c->bad || size > c->size - c->at || fread(to, 1, (size_t)size, c->stream) != size) return mark_bad(c);
     c->at += size;
     return true;
 }
 
 static bool move_to(cursor* c, uint64_t at) {
-    if (c->bad || at > c->size || fseeko(c->stream, (off_t)at, SEEK_SET) != 0) return spoil(c);
+    if (c->bad || at > c->size || fseeko(c->stream, (off_t)at, SEEK_SET) != 0) return mark_bad(c);
     c->at = at;
     return true;
 }
 
 static bool skip(cursor* c, uint64_t size) {
-    if (c->bad || size > c->size - c->at) return spoil(c);
+    if (c->bad || size > c->size - c->at) return mark_bad(c);
     return size == 0 || move_to(c, c->at + size);
 }
 
@@ -147,11 +147,11 @@ static bool read_grid(cursor* c, ty_vdb_grid* grid) {
     const int64_t head = read_i64(c);
     read_i64(c); /* offset of the voxel values, which the tree reader finds by itself */
     const int64_t end = read_i64(c);
-    if (c->bad || head < (int64_t)c->at || end < head || (uint64_t)end > c->size) return spoil(c);
+    if (c->bad || head < (int64_t)c->at || end < head || (uint64_t)end > c->size) return mark_bad(c);
     grid->end = (uint64_t)end;
     move_to(c, (uint64_t)head);
     grid->compression = read_u32(c);
-    if (!read_metadata(c, grid) || !read_transform(c, grid) || c->at > grid->end) return spoil(c);
+    if (!read_metadata(c, grid) || !read_transform(c, grid) || c->at > grid->end) return mark_bad(c);
     return move_to(c, grid->end);
 }
 

@@ -62,7 +62,7 @@ static void choose_guides(ty_path_request* request) {
     for (int32_t j = 0; j < request->guide_count; ++j) request->guide_weight[j] /= sum;
 }
 
-static float faint_radiance(const ty_light_set* lights) {
+static float contribution_threshold(const ty_light_set* lights) {
     float sum = 0;
     for (int32_t i = 0; i < lights->count; ++i) sum += contribution_fraction * lights->lights[i].typical * TY_INV_4PI;
     return sum;
@@ -102,7 +102,7 @@ static ty_result replace_lights(ty_path_run* run, const ty_scene* scene) {
     return TY_OK;
 }
 
-static ty_result take_items(ty_path_run* run, bool with_aov_sums) {
+static ty_result allocate_items(ty_path_run* run, bool with_aov_sums) {
     const size_t count = (size_t)run->item_count;
     run->items = ty_alloc_array(run->context, count, sizeof *run->items, true);
     if (run->items != NULL && with_aov_sums)
@@ -112,13 +112,13 @@ static ty_result take_items(ty_path_run* run, bool with_aov_sums) {
 
 ty_result ty_path_run_begin(ty_path_run* run, const ty_scene* scene, bool with_aov_sums) {
     ty_result result = replace_lights(run, scene);
-    if (result == TY_OK) result = take_items(run, with_aov_sums);
+    if (result == TY_OK) result = allocate_items(run, with_aov_sums);
     if (result != TY_OK) {
         ty_path_run_end(run);
         return result;
     }
     choose_guides(&run->request);
-    run->request.min_contribution = faint_radiance(&run->view.lights);
+    run->request.min_contribution = contribution_threshold(&run->view.lights);
     return TY_OK;
 }
 

@@ -114,7 +114,7 @@ static void save(sampling* pass, bool always) {
 }
 
 /* The time bound applies only once every item has a sample. */
-static bool stopped(sampling* pass) {
+static bool should_stop(sampling* pass) {
     return atomic_load_explicit(&pass->cancelled, memory_order_relaxed) ||
            (pass->done_before > 0 && atomic_load_explicit(&pass->out_of_time, memory_order_relaxed));
 }
@@ -151,7 +151,7 @@ static bool sample_in_strides(sampling* pass, block_work* work) {
         sample = sample + samples < work->count ? sample + samples : 0;
         if (sample == 0) item = next;
         report(pass, false);
-        if (stopped(pass)) return false;
+        if (should_stop(pass)) return false;
     }
     return true;
 }
@@ -160,7 +160,7 @@ static void sample_block(void* user, int64_t block, int32_t worker) {
     (void)worker;
     sampling* pass = user;
     ty_path_run* run = pass->run;
-    if (stopped(pass)) return;
+    if (should_stop(pass)) return;
     block_work work = {.begin = block * TY_PATH_BLOCK};
     work.end = work.begin + TY_PATH_BLOCK < run->item_count ? work.begin + TY_PATH_BLOCK : run->item_count;
     work.first = run->items[work.begin].count;

@@ -30,7 +30,7 @@ static column_ray ray_of(const ty_pop_grid* grid, int32_t column, double u, doub
 }
 
 /* Distances at which a ray enters and leaves the medium's box. */
-static void cut(const ty_grid_box* box, const column_ray* ray, float* enter, float* leave) {
+static void clip_to_box(const ty_grid_box* box, const column_ray* ray, float* enter, float* leave) {
     double range[2] = {0, INFINITY};
     for (int a = 0; a < 3; ++a) {
         if (fabs(ray->direction[a]) < 1e-12) {
@@ -82,7 +82,7 @@ static column_ray incident_ray(const ty_pop_grid* grid, const ty_light_part* ord
 /* ---- occlusion by surfaces ---- */
 
 /* Upstream offset of shadow rays of parallel light, m: beyond all surfaces. */
-static double reach_back(const ty_scene* scene, const ty_grid_box* box) {
+static double upstream_offset(const ty_scene* scene, const ty_grid_box* box) {
     double outside[2][3], square = 0;
     ty_scene_surface_extent(scene, outside[0], outside[1]);
     for (int a = 0; a < 3; ++a)
@@ -91,7 +91,7 @@ static double reach_back(const ty_scene* scene, const ty_grid_box* box) {
 }
 
 /* Offset from the surface on which a point light may lie, m. */
-static double lift_of(const ty_grid_box* box) {
+static double surface_offset(const ty_grid_box* box) {
     double min_edge = INFINITY;
     for (int a = 0; a < 3; ++a) min_edge = fmin(min_edge, box->upper[a] - box->lower[a]);
     return 1e-4 * min_edge;
@@ -105,11 +105,11 @@ static column_ray shadow_ray(const ty_scene* scene, const ty_grid_box* box, cons
     const column_ray along = ray_of(&light->grid, column, u, v);
     column_ray ray = incident_ray(&light->grid, ordinate, &along);
     if (ordinate->kind == TY_LIGHT_PART_PARALLEL) {
-        ray.start = -reach_back(scene, box);
+        ray.start = -upstream_offset(scene, box);
         for (int a = 0; a < 3; ++a) ray.origin[a] += ray.start * ray.direction[a];
     } else if (ordinate->profile == TY_LIGHT_PART_COSINE) {
         const float normal[3] = {ordinate->direction.x, ordinate->direction.y, ordinate->direction.z};
-        for (int a = 0; a < 3; ++a) ray.origin[a] += lift_of(box) * (double)normal[a];
+        for (int a = 0; a < 3; ++a) ray.origin[a] += surface_offset(box) * (double)normal[a];
     }
     return ray;
 }
@@ -172,7 +172,7 @@ void ty_pop_columns_begin(const ty_scene* scene, const ty_grid_medium* medium, c
     for (int a = 0; a < 3; ++a) columns->light_position[a] = (float)((double)light_position[a] - medium->box.lower[a]);
     for (int32_t i = 0; i < columns->count; ++i) {
         const column_ray ray = ray_of(grid, first + i, 0.5, 0.5);
-        cut(&medium->box, &ray, &columns->enter[i], &columns->leave[i]);
+        clip_to_box(&medium->box, &ray, &columns->enter[i], &columns->leave[i]);
         columns->cell[i] = ringed_cell(grid, first + i);
         for (int a = 0; a < 3; ++a) {
             columns->base[a][i] = (float)(ray.origin[a] - medium->box.lower[a]);

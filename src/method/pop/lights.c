@@ -60,8 +60,8 @@ static void refine_along(ty_pop_grid* grid) {
 }
 
 /* Joins all ordinates in one array, virtual point lights last. */
-static ty_result join(ty_pop_job* job, const ty_light_part* ordinates, int32_t ordinate_count,
-                      const ty_light_part* vpls, int32_t vpl_count) {
+static ty_result join_ordinates(ty_pop_job* job, const ty_light_part* ordinates, int32_t ordinate_count,
+                                const ty_light_part* vpls, int32_t vpl_count) {
     ty_pop* light = job->light;
     const int32_t count = ordinate_count + vpl_count;
     if (count == 0) return TY_OK;
@@ -100,7 +100,7 @@ static ty_result find_ordinates(ty_pop_job* job) {
     if (result == TY_OK && job->def->vpls > 0 && ty_scene_get_view(job->scene)->mesh != NULL)
         result = ty_vpls_create(job->scene, &vpl_def, job->light->medium, &vpls, &vpl_count);
     job->stats.vpl_seconds = ty_wall_seconds() - begun;
-    if (result == TY_OK) result = join(job, ordinates, ordinate_count, vpls, vpl_count);
+    if (result == TY_OK) result = join_ordinates(job, ordinates, ordinate_count, vpls, vpl_count);
     ty_light_parts_destroy(job->context, ordinates, ordinate_count);
     ty_light_parts_destroy(job->context, vpls, vpl_count);
     return result;
@@ -220,7 +220,7 @@ static void scale_merged(ty_pop* light) {
         for (size_t i = 0; i < light->cells; ++i) light->merged.fluence[c][i] *= light->scale[c];
 }
 
-static void balance(ty_pop_job* job) {
+static void balance_power(ty_pop_job* job) {
     ty_pop* light = job->light;
     const ty_grid_medium* medium = job->medium;
     const double volume = medium->cell[0] * medium->cell[1] * medium->cell[2];
@@ -311,7 +311,7 @@ ty_result ty_pop_light_ordinates(ty_pop_job* job) {
     job->stats.converged = true;
     if (result != TY_OK || light->count == 0) return result;
     result = !split && job->def->residuum > 0 ? propagate_with_residuum(job) : light_grids(job, NULL);
-    if (result == TY_OK && split) balance(job);
+    if (result == TY_OK && split) balance_power(job);
     if (!split) {
         job->stats.left = job->initial_light > 0 ? job->stats.left / job->initial_light : 0;
         job->stats.converged = job->stats.left <= residuum_tolerance;

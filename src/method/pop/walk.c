@@ -86,7 +86,7 @@ static float* allocate_floats(float** next, size_t count) {
     return floats;
 }
 
-static void lay_out(propagation* w, float* scratch) {
+static void allocate_arrays(propagation* w, float* scratch) {
     memset(scratch, 0,
            sizeof *scratch *
                (w->all * (TY_POP_PROPAGATION_PLANE_ARRAYS * (size_t)w->medium->planes + TY_POP_PROPAGATION_ARRAYS) +
@@ -177,7 +177,7 @@ static void start_columns(propagation* w) {
 /* ---- iterations ---- */
 
 /* Ghost cells beyond the octahedral map's edges send the light of the cells across the edge. */
-static void wrap_side(const propagation* w, float* side) {
+static void wrap_octahedral(const propagation* w, float* side) {
     const int32_t n = w->light->grid.size[0], row = w->row;
     for (int32_t i = 0; i < n; ++i) {
         side[i + 1] = side[n - i + row];
@@ -199,8 +199,8 @@ static void scatter_slice(const propagation* w, const plane_arrays* plane, int32
                                         out};
     w->kernels->scatter_to_neighbours(&slice);
     if (w->light->grid.kind == TY_LIGHT_PART_PARALLEL) return;
-    wrap_side(w, out.side);
-    wrap_side(w, out.side_moment);
+    wrap_octahedral(w, out.side);
+    wrap_octahedral(w, out.side_moment);
 }
 
 /* The range covers whole vectors, and all rows but the first and last. Reads beyond a slice's sides fall in adjacent
@@ -338,7 +338,7 @@ static void begin_propagation(const ty_scene* scene, const float eye[3], float* 
     w->row = grid->size[0] + 2;
     w->slice = slice_floats(grid);
     w->all = w->slice * (size_t)grid->size[2];
-    lay_out(w, scratch);
+    allocate_arrays(w, scratch);
     ty_pop_slab_setup(w->kernels, w->medium, &w->columns, &w->slab);
     ty_pop_eye_view_setup(w->medium, eye, w->light, &w->view);
     for (int32_t first = 0; first < grid->size[0] * grid->size[1]; first += w->columns.count) {
